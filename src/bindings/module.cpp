@@ -1,0 +1,6 @@
+// The private module robotteamsim._core: one bind function per floor of the C++ library.
+#include "bindings.hpp"
+
+PYBIND11_MODULE(_core, m) {
+  m.doc() = "C++ core of robotteamsim; use the typed Python packages instead.";
+}

@@ -1,0 +1,1 @@
+#include "robotteamsim/plan/types.hpp"

@@ -1,0 +1,57 @@
+"""What every controller is: observation and messages in, twist and messages out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from robotteamsim.geometry import Twist
+from robotteamsim.network.messages import Message
+from robotteamsim.sensing.readings import Observation
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What the mission asks of the team, as of the end of the last step.
+
+    running:       False while the mission waits, is paused or has ended: robots stand still.
+    epoch:         grows whenever the voice map or the target area changes; bests are reset then [5.3].
+    area_center_m: the area to explore, in `map` [m]; None if there is none (left).
+    area_radius_m: its radius [m].
+    """
+
+    running: bool = False
+    epoch: int = 0
+    area_center_m: tuple[float, float] | None = None
+    area_radius_m: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What a controller decides in one step.
+
+    twist:        command in `base_link`.
+    outbox:       messages to send, delivered in the next step where a path of links exists.
+    excluded:     whether the robot is socially excluded.
+    goal_m:       where it drives to, in `map` [m]; None when it has no goal.
+    local_best:   value of its local best (larger is better), for display.
+    search_counter: SC of its swarm, for display.
+    """
+
+    twist: Twist = Twist()
+    outbox: tuple[Message, ...] = ()
+    excluded: bool = False
+    goal_m: tuple[float, float] | None = None
+    local_best: float = 0.0
+    search_counter: int = 0
+
+
+class Controller(Protocol):
+    """One robot's controller. It is built once per trial and stepped once per loop step."""
+
+    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        """Take in what the robot perceives, the messages that arrived, and the mission's task."""
+
+    def decide(self) -> Decision:
+        """Return command and messages for this step."""

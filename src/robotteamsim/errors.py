@@ -1,0 +1,17 @@
+"""What a user can get wrong. Each message is one line that names the place, the value and what was wanted."""
+
+
+class RobotTeamSimError(Exception):
+    """Base class of everything that the shells report in one line, without a traceback."""
+
+
+class ScenarioError(RobotTeamSimError):
+    """A scenario, floor plan or map file, or an override, is wrong."""
+
+
+class PlacementError(ScenarioError):
+    """A robot, area or victim stands where it cannot stand."""
+
+
+class RecordingError(RobotTeamSimError):
+    """A result could not be written or read."""

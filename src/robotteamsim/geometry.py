@@ -1,0 +1,77 @@
+"""Poses, velocities and angles in the plane (REP-103: x forward, y left, yaw counter-clockwise)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+def normalise_angle(angle_rad: float) -> float:
+    """Return the same direction as an angle in (-pi, pi]."""
+    wrapped_rad = math.remainder(angle_rad, math.tau)
+    return math.pi if wrapped_rad == -math.pi else wrapped_rad
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A rigid transform of the plane; `a_T_b @ b_T_c` is `a_T_c`."""
+
+    x_m: float
+    y_m: float
+    yaw_rad: float
+
+    def __matmul__(self, other: Pose) -> Pose:
+        cos, sin = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
+        return Pose(
+            self.x_m + cos * other.x_m - sin * other.y_m,
+            self.y_m + sin * other.x_m + cos * other.y_m,
+            normalise_angle(self.yaw_rad + other.yaw_rad),
+        )
+
+    def inverse(self) -> Pose:
+        """Return the transform that undoes this one."""
+        cos, sin = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
+        return Pose(
+            -cos * self.x_m - sin * self.y_m,
+            sin * self.x_m - cos * self.y_m,
+            normalise_angle(-self.yaw_rad),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class PoseReading:
+    """A pose as ROS messages carry it: position and the unit quaternion (0, 0, qz, qw).
+
+    Everything that a controller or a recorder reads goes through this form, so that headless runs and ROS runs
+    see the same bits: yaw -> quaternion -> yaw is not exact in floating point.
+    """
+
+    x_m: float
+    y_m: float
+    qz: float
+    qw: float
+
+    @classmethod
+    def from_pose(cls, pose: Pose) -> PoseReading:
+        """Return the reading of a pose; qw >= 0 as yaw lies in (-pi, pi]."""
+        half_rad = 0.5 * normalise_angle(pose.yaw_rad)
+        return cls(pose.x_m, pose.y_m, math.sin(half_rad), math.cos(half_rad))
+
+    @property
+    def pose(self) -> Pose:
+        """The pose with its yaw in (-pi, pi]."""
+        return Pose(self.x_m, self.y_m, normalise_angle(2.0 * math.atan2(self.qz, self.qw)))
+
+
+@dataclass(frozen=True, slots=True)
+class Twist:
+    """A velocity in `base_link`: forward and left [m/s], counter-clockwise [rad/s]."""
+
+    linear_x_mps: float = 0.0
+    linear_y_mps: float = 0.0
+    angular_z_radps: float = 0.0
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether no component is NaN or infinite."""
+        return all(map(math.isfinite, (self.linear_x_mps, self.linear_y_mps, self.angular_z_radps)))

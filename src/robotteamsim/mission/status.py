@@ -1,0 +1,59 @@
+"""What is known of a mission: its state, its events, what it asks of the team."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from robotteamsim.control.controller import Task
+
+MissionState = Literal["waiting", "running", "paused", "ended"]
+MissionEnd = Literal["", "areas_explored", "time_limit", "all_excluded", "aborted"]
+VictimState = Literal["waiting", "heard", "saved"]
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened.
+
+    kind:     start, pause, resume, end, area_explored, victim_heard, victim_saved, link_endangered, robot_excluded,
+              robot_included, door, noise, ...
+    subject:  name of the area, victim, door or link ("0-2") it happened to; "" for the mission itself.
+    robot_id: who did it; -1 for nobody.
+    detail:   one readable line.
+    """
+
+    time_s: float
+    kind: str
+    subject: str
+    robot_id: int
+    detail: str
+
+
+@dataclass(frozen=True, slots=True)
+class MissionStatus:
+    """The mission after a step; time_s counts from its start.
+
+    victims: state of each, in the scenario's order.  explored: whether each area is, in the scenario's order.
+    target_area: index of the area to explore; -1 when none is left.
+    endangered_links: times a link became endangered so far.
+    """
+
+    state: MissionState
+    end: MissionEnd
+    time_s: float
+    explored: tuple[bool, ...]
+    victims: tuple[VictimState, ...]
+    target_area: int
+    endangered_links: int
+    task: Task
+
+    @property
+    def areas_explored(self) -> int:
+        """Number of explored areas."""
+        return sum(self.explored)
+
+    @property
+    def victims_saved(self) -> int:
+        """Number of saved victims."""
+        return sum(state == "saved" for state in self.victims)

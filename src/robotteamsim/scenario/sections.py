@@ -1,0 +1,181 @@
+"""The sections of a scenario. Default, unit, range and meaning of every key stand here and nowhere else."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from robotteamsim.scenario.base import Interval, Model, PlanarPose, Point, tuple_of
+
+
+class Radio(Model):
+    """The multi-wall radio model [dissertation, eq. 2-4 and Table 3]; rssi = tx power - path loss."""
+
+    tx_power_dbm: float = Field(default=0.0, ge=-40.0, le=40.0, description="transmit power [dBm]")
+    constant_loss_db: float = Field(default=47.4, ge=0.0, le=120.0, description="l0 + l_c [dB]")
+    slope_db: float = Field(default=23.2, gt=0.0, le=80.0, description="10*gamma: loss per tenfold distance [dB]")
+    wall_loss_db: tuple_of(float) = Field(  # type: ignore[valid-type]
+        default=(3.8, 3.9, 5.7, 12.4),
+        min_length=4,
+        max_length=4,
+        description="walls of thickness [0,20], ]20,40], ]40,60], ]60,80] cm; multiples of 0.1 [dB]",
+    )
+    door_loss_db: float = Field(default=1.4, ge=0.0, le=100.0, description="closed normal door [dB]")
+    fireproof_door_loss_db: float = Field(default=10.2, ge=0.0, le=100.0, description="closed fireproof door [dB]")
+    materials: dict[str, float] = Field(default={}, description="loss of a whole wall by material name [dB]")
+    pillars: bool = Field(default=True, description="whether pillars fade the radio")
+    min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="distances below count as this [m]")
+
+
+class Voice(Model):
+    """A victim's call for help [dissertation, eq. 7]: -l_c - 10*gamma*log10(d) - sum of walls."""
+
+    noise_db: float = Field(default=10.0, ge=0.0, le=80.0, description="background noise; below it the level is 0 [dB]")
+    constant_db: Interval = Field(default=(-78.0, -72.0), description="l_c is drawn from this range per victim [dB]")
+    exponent: Interval = Field(
+        default=(5.0, 6.0), description="gamma is drawn from this range per victim; 2 in free field"
+    )
+    wall_loss_db: float = Field(default=2.0, ge=0.0, le=60.0, description="l_w, any wall or closed door [dB]")
+    min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="distances below count as this [m]")
+    map_resolution_m: float = Field(default=0.25, ge=0.05, le=2.0, description="cell of the voice map [m]")
+    local_best_radius_m: float = Field(
+        default=1.5, gt=0.0, le=20.0, description="how far a robot perceives the map [m]"
+    )
+
+
+class Drive(Model):
+    """A differential drive."""
+
+    max_speed_mps: float = Field(default=0.7, gt=0.0, le=10.0, description="forward and backward [m/s]")
+    max_turn_radps: float = Field(default=2.0, gt=0.0, le=20.0, description="turning [rad/s]")
+    max_acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0, description="change of speed [m/s^2]")
+    max_turn_acceleration_radps2: float = Field(default=8.0, gt=0.0, le=200.0, description="change of turn [rad/s^2]")
+
+
+class Laser(Model):
+    """A planar laser range finder; walls, closed doors and robots return it."""
+
+    beams: int = Field(default=181, ge=1, le=10_000, description="number of beams, first at angle_min")
+    angle_min_rad: float = Field(default=-1.5707963267948966, ge=-6.2832, le=6.2832, description="first beam [rad]")
+    angle_max_rad: float = Field(default=1.5707963267948966, ge=-6.2832, le=6.2832, description="last beam [rad]")
+    range_min_m: float = Field(default=0.05, ge=0.0, le=10.0, description="shorter is not measured [m]")
+    range_max_m: float = Field(default=5.0, gt=0.0, le=200.0, description="longer is not measured [m]")
+    forward_m: float = Field(default=0.1, ge=-5.0, le=5.0, description="ahead of base_link [m]")
+    height_m: float = Field(default=0.25, ge=0.0, le=2.0, description="above base_link, for tf [m]")
+    no_return: Literal["range_max", "inf"] = Field(default="range_max", description="as Stage does, or REP-117")
+    noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
+
+
+class Odometry(Model):
+    """Drift of the odometry, from what the wheels really did; zero alphas make it exact."""
+
+    alpha1: float = Field(default=0.01, ge=0.0, le=10.0, description="turn noise per turn [rad^2/rad^2]")
+    alpha2: float = Field(default=0.001, ge=0.0, le=10.0, description="turn noise per distance [rad^2/m^2]")
+    alpha3: float = Field(default=0.001, ge=0.0, le=10.0, description="distance noise per distance [m^2/m^2]")
+    alpha4: float = Field(default=0.0001, ge=0.0, le=10.0, description="distance noise per turn [m^2/rad^2]")
+
+
+class Robot(Model):
+    """What all robots have, unless the list of robots says otherwise."""
+
+    radius_m: float = Field(default=0.2, gt=0.02, le=5.0, description="round body [m]")
+    height_m: float = Field(default=0.25, gt=0.0, le=5.0, description="for 3D views [m]")
+    mass_kg: float = Field(default=5.0, gt=0.0, le=10_000.0, description="for pushing [kg]")
+    drive: Drive = Drive()
+    laser: Laser = Laser()
+    odometry: Odometry = Odometry()
+    cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="the last command holds this long [s]")
+
+
+class PlacedRobot(Robot):
+    """One robot of a list of robots."""
+
+    start_pose: PlanarPose = Field(description="[x, y, yaw] in the map frame [m, m, rad]")
+
+
+class Team(Robot):
+    """A team of equal robots: `count` of them from a formation around `start`, or from `start_poses`."""
+
+    count: int = Field(default=3, ge=1, le=3000, description="number of robots")
+    start: PlanarPose | None = Field(default=None, description="where the formation stands [m, m, rad]")
+    spacing_m: float = Field(default=0.8, gt=0.0, le=20.0, description="between neighbours in the formation [m]")
+    start_poses: tuple_of(PlanarPose) = Field(default=(), description="one pose per robot, in id order")  # type: ignore[valid-type]
+
+
+class Network(Model):
+    """Who hears whom, and how messages travel."""
+
+    endangered_below_dbm: float = Field(
+        default=-80.0, ge=-200.0, le=20.0, description="a weaker link is endangered [dBm]"
+    )
+    lost_below_dbm: float = Field(default=-94.0, ge=-200.0, le=20.0, description="a weaker link does not exist [dBm]")
+    link: Literal["signal", "distance"] = Field(default="signal", description="what makes a link (eq. 16)")
+    max_distance_m: float = Field(default=25.0, gt=0.0, le=10_000.0, description="d_max, for links by distance [m]")
+
+
+class SocialExclusion(Model):
+    """When a robot leaves the swarm and comes back [dissertation, eq. 12 and 5.2.2]."""
+
+    enabled: bool = Field(default=True, description="whether robots are excluded at all")
+    search_counter_max: int = Field(default=15, ge=1, le=10_000, description="SC_max: iterations without improvement")
+    min_robots: int = Field(default=0, ge=0, le=3000, description="a punished swarm this small is dissolved instead")
+    max_robots: int = Field(default=15, ge=1, le=3000, description="no inclusion beyond")
+
+
+class Control(Model):
+    """The controller of each robot: RDPSO [dissertation, eq. 22, 24, 25] over a go-to-point."""
+
+    algorithm: str = Field(default="rdpso", description="name of the controller")
+    iteration_s: float = Field(default=1.0, gt=0.0, le=60.0, description="period of the swarm's iterations [s]")
+    memory: Literal["published", "grunwald_letnikov"] = Field(
+        default="published", description="fractional memory (24) or (23)"
+    )
+    alpha: float = Field(default=0.38, ge=0.0, le=1.0, description="fractional order")
+    memory_terms: int = Field(default=4, ge=1, le=20, description="r: truncation; `published` has 4 at most")
+    c1: float = Field(default=0.08, ge=0.0, le=2.0, description="cognitive weight")
+    c2: float = Field(default=0.11, ge=0.0, le=2.0, description="social weight")
+    c3: float = Field(default=0.29, ge=0.0, le=2.0, description="obstacle weight")
+    c4: float = Field(default=0.0, ge=0.0, le=2.0, description="communication weight; acts where a link is in danger")
+    max_step_speed_mps: float = Field(default=0.58, gt=0.0, le=10.0, description="limit of the swarm velocity [m/s]")
+    sensing_radius_m: float = Field(default=1.0, gt=0.0, le=50.0, description="r_s of the obstacle term [m]")
+    navigation: Literal["path", "straight"] = Field(
+        default="path", description="distances and waypoints along free paths of the known map, or as the crow flies"
+    )
+    localisation: Literal["ground_truth", "odometry"] = Field(
+        default="ground_truth", description="what the robot takes for its pose"
+    )
+    exclusion: SocialExclusion = SocialExclusion()
+
+
+class Area(Model):
+    """A circle to explore."""
+
+    name: str = Field(description="unique among areas")
+    center: Point = Field(description="[x, y] in the map frame [m]")
+    radius_m: float = Field(default=2.0, gt=0.0, le=100.0, description="explored when a robot is this near [m]")
+
+
+class Victim(Model):
+    """A still victim who calls for help."""
+
+    name: str = Field(description="unique among victims")
+    position: Point = Field(description="[x, y] in the map frame [m]")
+
+
+class Mission(Model):
+    """What the team has to do and when it ends [dissertation, 5.3]."""
+
+    areas: tuple_of(Area) = Field(default=(), description="explored in this order")  # type: ignore[valid-type]
+    victims: tuple_of(Victim) = Field(default=(), description="victims")  # type: ignore[valid-type]
+    save_distance_m: float = Field(default=1.0, gt=0.0, le=20.0, description="a robot this near saves a victim [m]")
+    time_limit_s: float = Field(default=600.0, gt=0.0, le=1e6, description="the mission ends after this time [s]")
+    autostart: bool = Field(default=True, description="starts with the first step, or waits for /mission/start")
+
+
+class Run(Model):
+    """How time passes."""
+
+    seed: int = Field(default=1, ge=0, le=2**53, description="of every random stream")
+    step_s: float = Field(default=0.1, ge=0.001, le=1.0, description="one step of the loop: sensors, commands [s]")
+    physics_substeps: int = Field(default=5, ge=1, le=1000, description="physics steps and clock ticks per step")
