@@ -1,0 +1,85 @@
+# make garage_sar   runs the garage mission in ROS; make test runs every test; make help lists the rest.
+# Each installs and builds what is missing first, and does nothing twice.
+
+SHELL := /bin/bash
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+
+VENV := .venv
+PYTHON := $(VENV)/bin/python
+BUILD := build
+JOBS ?= $(shell nproc)
+SPEED ?= 5
+ARGS ?=
+# Everything that ROS and Python must know of the build, whatever the user's shell has set.
+ENV := source $(BUILD)/devel/setup.bash &&
+CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
+
+.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint bench wheel pictures clean
+
+help: ## list the targets
+	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
+	@echo "  options: SPEED=5 (times real time, 0 flat out), ARGS='robots:=5 noise:=20' or ARGS='--noise 20', JOBS=2"
+
+setup: $(VENV)/.ready ## install what is missing: Debian packages, PyPI packages into .venv
+
+$(VENV)/.debian: setup/debian-packages.txt setup/install-debian-packages.sh
+	@setup/install-debian-packages.sh setup/debian-packages.txt
+	@# Debian's own interpreter: the one that has rospy, whatever python3 comes first on PATH.
+	@test -x $(PYTHON) || { echo "-- making $(VENV)"; /usr/bin/python3 -m venv --system-site-packages $(VENV); }
+	@touch $@
+
+$(VENV)/.ready: $(VENV)/.debian setup/requirements.txt
+	@echo "-- PyPI packages into $(VENV)"
+	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --requirement setup/requirements.txt
+	@touch $@
+
+build: $(VENV)/.ready ## build messages, C++ library and nodes into build/
+	@test -f $(BUILD)/Makefile || { echo "-- configuring"; mkdir -p $(BUILD); \
+		cmake -S . -B $(BUILD) -DPYTHON_EXECUTABLE=$(CURDIR)/$(PYTHON) -DCATKIN_ENABLE_TESTING=ON \
+		> $(BUILD)/configure.log 2>&1 || { cat $(BUILD)/configure.log; rm -f $(BUILD)/Makefile; exit 1; }; }
+	@echo "-- building"
+	@cmake --build $(BUILD) -j$(JOBS) > $(BUILD)/build.log 2>&1 || { cat $(BUILD)/build.log; exit 1; }
+	@echo $(CURDIR)/$(BUILD)/devel/lib/python3/dist-packages > "$$($(PYTHON) -c 'import site; print(site.getsitepackages()[0])')/robotteamsim.pth"
+	@printf '#!%s\nimport sys\n\nfrom robotteamsim.cli import main\n\nsys.exit(main())\n' $(CURDIR)/$(PYTHON) > $(VENV)/bin/robotteamsim
+	@chmod +x $(VENV)/bin/robotteamsim
+
+garage_sar: build ## run the garage mission under roslaunch, with rviz where there is a display
+	@$(ENV) roslaunch robotteamsim garage_sar.launch speed:=$(SPEED) $(ARGS)
+
+run: build ## run the garage mission headless
+	@$(VENV)/bin/robotteamsim run garage_sar $(ARGS)
+
+test: lint test_cpp test_python test_ros ## run every test: linters, GoogleTest, pytest, rostest
+
+test_cpp: build ## GoogleTest
+	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_test > $(BUILD)/build_test.log 2>&1 || { cat $(BUILD)/build_test.log; exit 1; }
+	@$(BUILD)/devel/lib/robotteamsim/robotteamsim_test --gtest_brief=1
+
+test_python: build ## pytest
+	@$(ENV) $(PYTHON) -m pytest test/python $(ARGS)
+
+test_ros: build ## rostest, each test on a master of its own
+	@$(ENV) $(PYTHON) -m pytest test/ros $(ARGS)
+
+lint: build ## ruff, mypy, clang-format, catkin_lint, roslaunch-check
+	@$(PYTHON) -m ruff check --quiet .
+	@$(PYTHON) -m ruff format --quiet --check .
+	@$(PYTHON) -m mypy --no-error-summary
+	@clang-format --dry-run -Werror $(CPP_FILES)
+	@echo "-- linters: clean"
+
+bench: build ## measure the speed of the parts
+	@$(ENV) for script in bench/*_bench.py; do $(PYTHON) $$script || exit 1; done
+
+wheel: $(VENV)/.ready ## build dist/*.whl that carries Box2D inside and needs no compiler
+	@rm -rf dist && mkdir -p dist/raw
+	@$(PYTHON) -m pip wheel --quiet --no-deps --wheel-dir dist/raw .
+	@PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PYTHON) -m auditwheel repair --wheel-dir dist dist/raw/*.whl
+	@rm -rf dist/raw && ls dist/*.whl
+
+pictures: build ## make the pictures of README and docs anew
+	@$(ENV) $(PYTHON) docs/make_pictures.py
+
+clean: ## remove build/, dist/ and .venv
+	rm -rf $(BUILD) dist $(VENV)
