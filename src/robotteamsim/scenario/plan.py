@@ -1,0 +1,208 @@
+"""The geometry of a floor plan: outlines of its elements and the occupancy grid made from them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import shapely
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.floor_plan import Block, Door, FloorPlan, Wall
+
+Corners = tuple[tuple[float, float], ...]
+
+FREE = 0
+OCCUPIED = 100
+UNKNOWN = -1
+
+_EDGE_TOLERANCE_CELLS = 1e-6
+"""An outline that lies on a cell's border up to rounding does not enter the cell."""
+
+
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """The footprint of one element: corners counter-clockwise in the map frame [m], not closed."""
+
+    name: str
+    kind: Literal["wall", "block", "pillar", "door"]
+    corners: Corners
+    element: Wall | Block | Door
+
+    @property
+    def polygon(self) -> shapely.Polygon:
+        """The footprint as a shapely polygon."""
+        return shapely.Polygon(self.corners)
+
+
+def wall_corners(wall: Wall) -> Corners:
+    """Return the four corners of a wall, counter-clockwise from the right side of its start [m]."""
+    return _strip_corners(wall.start, wall.end, wall.thickness_m)
+
+
+def door_corners(door: Door) -> Corners:
+    """Return the four corners of a closed door's leaf, counter-clockwise from the right side of its hinge [m]."""
+    return _strip_corners(door.start, door.end, door.thickness_m)
+
+
+def solids(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> tuple[Solid, ...]:
+    """Return what a robot can run into: walls, blocks and pillars, closed doors; in the plan's order.
+
+    Args:   closed: door states by name that replace the plan's own.
+    Raises: ScenarioError: `closed` names no door of the plan.
+    """
+    states = door_states(plan, closed)
+    return (
+        *(Solid(wall.name, "wall", wall_corners(wall), wall) for wall in plan.walls),
+        *(Solid(block.name, block.kind, _counter_clockwise(block.polygon), block) for block in plan.blocks),
+        *(Solid(door.name, "door", door_corners(door), door) for door in plan.doors if states[door.name]),
+    )
+
+
+def door_states(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> dict[str, bool]:
+    """Return whether each door is closed, by name, in the plan's order; `closed` replaces the plan's own states."""
+    states = {door.name: door.closed for door in plan.doors}
+    for name, state in (closed or {}).items():
+        if name not in states:
+            raise ScenarioError(f"{plan.name}: there is no door '{name}', only {', '.join(states) or 'none'}")
+        states[name] = state
+    return states
+
+
+def obstacles(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> shapely.Geometry:
+    """Return the union of all solids as one shapely geometry, prepared for many queries [m]."""
+    union = shapely.union_all([solid.polygon for solid in solids(plan, closed)])
+    shapely.prepare(union)
+    return union
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OccupancyGrid:
+    """What is free in a floor plan, cell by cell.
+
+    origin_m: lower left corner of cell (0, 0) in the map frame [m].
+    cells:    int8, shape (rows, cols), row 0 at the lowest y: 0 free, 100 occupied, -1 unknown.
+    """
+
+    origin_m: tuple[float, float]
+    resolution_m: float
+    cells: np.ndarray
+
+    def cell_at(self, x_m: float, y_m: float) -> tuple[int, int]:
+        """Return (row, column) of the cell that holds a point; outside the grid where the point is outside."""
+        return (
+            math.floor((y_m - self.origin_m[1]) / self.resolution_m),
+            math.floor((x_m - self.origin_m[0]) / self.resolution_m),
+        )
+
+    def cell_center(self, row: int, column: int) -> tuple[float, float]:
+        """Return the centre (x, y) of a cell in the map frame [m]."""
+        return (
+            self.origin_m[0] + (column + 0.5) * self.resolution_m,
+            self.origin_m[1] + (row + 0.5) * self.resolution_m,
+        )
+
+    def contains(self, row: int, column: int) -> bool:
+        """Whether a cell lies in the grid."""
+        rows, columns = self.cells.shape
+        return 0 <= row < rows and 0 <= column < columns
+
+    def is_free(self, x_m: float, y_m: float) -> bool:
+        """Whether a point lies in a free cell; nothing outside the grid is free."""
+        row, column = self.cell_at(x_m, y_m)
+        return self.contains(row, column) and bool(self.cells[row, column] == FREE)
+
+
+def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bool] | None = None) -> OccupancyGrid:
+    """Return the occupancy grid of a plan over its bounds.
+
+    Conservative: a cell is occupied when a solid covers any area of it; a common border alone does not count, so
+    axis-aligned walls on cell borders come out exactly. Closed doors are solid, open ones are not.
+
+    Args:   resolution_m: edge of a cell; the last row and column may reach beyond the bounds.
+            closed: door states by name that replace the plan's own.
+    Raises: ValueError: the resolution is not above 0. ScenarioError: `closed` names no door of the plan.
+    """
+    if not resolution_m > 0.0:
+        raise ValueError(f"resolution_m must be > 0, got {resolution_m}")
+    (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
+    columns = math.ceil((max_x - min_x) / resolution_m - _EDGE_TOLERANCE_CELLS)
+    rows = math.ceil((max_y - min_y) / resolution_m - _EDGE_TOLERANCE_CELLS)
+    cells = np.zeros((rows, columns), dtype=np.int8)
+    outlines = [solid.corners for solid in solids(plan, closed)]
+    if outlines:
+        starts = np.array([corner for corners in outlines for corner in corners])
+        ends = np.array([corner for corners in outlines for corner in (*corners[1:], corners[0])])
+        origin = np.array([min_x, min_y])
+        starts, ends = (starts - origin) / resolution_m, (ends - origin) / resolution_m
+        covered = _centres_inside(starts, ends, rows, columns) | _cells_crossed(starts, ends, rows, columns)
+        cells[covered] = OCCUPIED
+    return OccupancyGrid((min_x, min_y), resolution_m, cells)
+
+
+def _strip_corners(start: tuple[float, float], end: tuple[float, float], width_m: float) -> Corners:
+    (x0, y0), (x1, y1) = start, end
+    length_m = math.hypot(x1 - x0, y1 - y0)
+    if length_m == 0.0:
+        raise ValueError(f"a strip needs two different ends, got {start} twice")
+    left_x, left_y = -(y1 - y0) / length_m * width_m / 2.0, (x1 - x0) / length_m * width_m / 2.0
+    return (
+        (x0 - left_x, y0 - left_y),
+        (x1 - left_x, y1 - left_y),
+        (x1 + left_x, y1 + left_y),
+        (x0 + left_x, y0 + left_y),
+    )
+
+
+def _counter_clockwise(polygon: Sequence[tuple[float, float]]) -> Corners:
+    corners = tuple((x, y) for x, y in polygon)
+    twice_area = sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(corners, (*corners[1:], corners[0]), strict=True))
+    return corners if twice_area > 0.0 else corners[::-1]
+
+
+def _spans(first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return (index, value) of every integer in first[index]..last[index]; empty where last < first."""
+    counts = np.maximum(last - first + 1, 0)
+    index = np.repeat(np.arange(len(first)), counts)
+    offset = np.arange(len(index)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return index, first[index] + offset
+
+
+def _centres_inside(starts: np.ndarray, ends: np.ndarray, rows: int, columns: int) -> np.ndarray:
+    """Return the cells whose centre lies in a counter-clockwise outline: the winding number, row by row.
+
+    Args: starts, ends: float64, shape (edges, 2): edges in cells from the grid's origin.
+    """
+    low, high = np.minimum(starts[:, 1], ends[:, 1]), np.maximum(starts[:, 1], ends[:, 1])
+    first, last = np.ceil(low - 0.5).astype(int), np.ceil(high - 0.5).astype(int) - 1
+    edge, row = _spans(np.maximum(first, 0), np.minimum(last, rows - 1))
+    (x0, y0), (x1, y1) = starts[edge].T, ends[edge].T
+    x = x0 + (row + 0.5 - y0) * (x1 - x0) / (y1 - y0)
+    column = np.clip(np.ceil(x - 0.5), 0, columns).astype(int)
+    change = np.zeros((rows, columns + 1), dtype=np.int32)
+    np.add.at(change, (row, column), np.where(y1 < y0, 1, -1))
+    return np.cumsum(change, axis=1)[:, :columns] > 0
+
+
+def _cells_crossed(starts: np.ndarray, ends: np.ndarray, rows: int, columns: int) -> np.ndarray:
+    """Return the cells whose inside an edge runs through; arguments as in `_centres_inside`."""
+    tolerance = _EDGE_TOLERANCE_CELLS
+    low, high = np.minimum(starts[:, 1], ends[:, 1]), np.maximum(starts[:, 1], ends[:, 1])
+    first, last = np.floor(low + tolerance).astype(int), np.ceil(high - tolerance).astype(int) - 1
+    edge, row = _spans(np.maximum(first, 0), np.minimum(last, rows - 1))
+    (x0, y0), (x1, y1) = starts[edge].T, ends[edge].T
+    level = y1 == y0
+    slope = (x1 - x0) / np.where(level, 1.0, y1 - y0)
+    x_low = np.where(level, x0, x0 + (np.clip(row, low[edge], high[edge]) - y0) * slope)
+    x_high = np.where(level, x1, x0 + (np.clip(row + 1, low[edge], high[edge]) - y0) * slope)
+    left, right = np.minimum(x_low, x_high), np.maximum(x_low, x_high)
+    first_column = np.maximum(np.floor(left + tolerance).astype(int), 0)
+    last_column = np.minimum(np.ceil(right - tolerance).astype(int) - 1, columns - 1)
+    change = np.zeros((rows, columns + 1), dtype=np.int32)
+    runs = last_column >= first_column
+    np.add.at(change, (row[runs], first_column[runs]), 1)
+    np.add.at(change, (row[runs], last_column[runs] + 1), -1)
+    return np.cumsum(change, axis=1)[:, :columns] > 0
