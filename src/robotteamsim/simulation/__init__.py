@@ -1,1 +1,17 @@
+"""One trial: the step loop, its environment, its records."""
 
+from robotteamsim.simulation.environment import Environment
+from robotteamsim.simulation.record import Observer, Result, RobotFigures, StepRecord
+from robotteamsim.simulation.simulation import Simulation, true_positions_m
+from robotteamsim.simulation.trajectory_hash import TrajectoryHash
+
+__all__ = [
+    "Environment",
+    "Observer",
+    "Result",
+    "RobotFigures",
+    "Simulation",
+    "StepRecord",
+    "TrajectoryHash",
+    "true_positions_m",
+]

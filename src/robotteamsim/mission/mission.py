@@ -1,0 +1,267 @@
+"""The judge of a mission: areas explored in order, victims heard and saved, events, and when it ends [5.3]."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from robotteamsim.control.controller import Decision, Task
+from robotteamsim.mission.status import Event, MissionEnd, MissionState, MissionStatus, VictimState
+from robotteamsim.network.messages import NetworkState
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Victim
+from robotteamsim.sensing.readings import VoiceReading
+
+NOBODY = -1
+"""robot_id of an event that no robot caused."""
+
+_END_DETAIL: dict[MissionEnd, str] = {
+    "areas_explored": "all areas are explored",
+    "time_limit": "the time is up",
+    "all_excluded": "all robots are excluded",
+    "aborted": "aborted",
+}
+
+
+class Mission:
+    """Judges one mission, step by step. What it needs is handed to `step`; it never looks at the world itself.
+
+    The mission's clock counts the steps in which the team was asked to run: it stands still before the start, while
+    paused and after the end. A victim counts as heard when a robot hears a voice and she is the unsaved victim
+    nearest to the loudest place which that robot perceives.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._areas = scenario.mission.areas
+        self._victims = list(scenario.mission.victims)
+        self._save_distance_m = scenario.mission.save_distance_m
+        self._time_limit_s = scenario.mission.time_limit_s
+        self._autostart = scenario.mission.autostart
+        self._noise_db = scenario.voice.noise_db
+
+        self._state: MissionState = "waiting"
+        self._end: MissionEnd = ""
+        self._elapsed_ns = 0
+        self._last_step_ns = 0
+        self._team_was_running = False
+        self._num_explored = 0
+        self._victim_states: list[VictimState] = ["waiting"] * len(self._victims)
+        self._epoch = 0
+        self._endangered_links = 0
+        self._endangered: np.ndarray | None = None
+        self._excluded: list[bool] = []
+        self._events: list[Event] = []
+        self._status = self._make_status()
+
+    @property
+    def status(self) -> MissionStatus:
+        """The mission as of now."""
+        return self._status
+
+    @property
+    def victims(self) -> tuple[Victim, ...]:
+        """The victims in the order of `status.victims`, at their present places."""
+        return tuple(self._victims)
+
+    @property
+    def saved_victims(self) -> tuple[str, ...]:
+        """Names of the victims who are saved, and therefore silent."""
+        return tuple(
+            victim.name for victim, state in zip(self._victims, self._victim_states, strict=True) if state == "saved"
+        )
+
+    @property
+    def noise_db(self) -> float:
+        """Background noise as last told [dB]."""
+        return self._noise_db
+
+    def start(self) -> None:
+        """Start a waiting mission; in any other state nothing happens."""
+        if self._state == "waiting":
+            self._state = "running"
+            detail = f"{len(self._areas)} areas, {len(self._victims)} victims, {self._noise_db:g} dB noise"
+            self._tell("start", "", NOBODY, f"mission starts: {detail}")
+            self._status = self._make_status()
+
+    def pause(self) -> None:
+        """Stop robots and clock of a running mission; in any other state nothing happens."""
+        if self._state == "running":
+            self._state = "paused"
+            self._tell("pause", "", NOBODY, "mission is paused")
+            self._status = self._make_status()
+
+    def resume(self) -> None:
+        """Let a paused mission go on; in any other state nothing happens."""
+        if self._state == "paused":
+            self._state = "running"
+            self._tell("resume", "", NOBODY, "mission goes on")
+            self._status = self._make_status()
+
+    def abort(self) -> None:
+        """End the mission now, unless it has ended."""
+        if self._state != "ended":
+            self._finish("aborted")
+            self._status = self._make_status()
+
+    def note(self, kind: str, subject: str, detail: str) -> None:
+        """Put something that happened outside the mission among its events."""
+        self._tell(kind, subject, NOBODY, detail)
+
+    def set_door(self, name: str, closed: bool) -> None:
+        """Take note that a door was opened or closed, which changes the voice map."""
+        self._tell("door", name, NOBODY, f"door {name} is {'closed' if closed else 'opened'}")
+        self._change_task()
+
+    def set_noise_db(self, noise_db: float) -> None:
+        """Take note of another background noise, which changes the voice map."""
+        self._noise_db = noise_db
+        self._tell("noise", "", NOBODY, f"background noise is {noise_db:g} dB")
+        self._change_task()
+
+    def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
+        """Add a victim, or move the one of that name, who then waits (again) to be heard and saved."""
+        victim = Victim(name=name, position=position_m)
+        names = [known.name for known in self._victims]
+        if name in names:
+            self._victims[names.index(name)] = victim
+            self._victim_states[names.index(name)] = "waiting"
+        else:
+            self._victims.append(victim)
+            self._victim_states.append("waiting")
+        self._tell("victim", name, NOBODY, f"victim {name} calls at ({position_m[0]:.1f}, {position_m[1]:.1f})")
+        self._change_task()
+
+    def step(
+        self,
+        sim_time_ns: int,
+        positions_m: np.ndarray,
+        voices: Sequence[VoiceReading],
+        network: NetworkState,
+        decisions: Sequence[Decision],
+    ) -> tuple[Event, ...]:
+        """Judge one step of the world and return the events since the last one, in order.
+
+        Args:
+            sim_time_ns: stamp of the step [ns].
+            positions_m: true positions of the robots in `map`, shape (n, 2) [m].
+            voices, decisions: one per robot, in id order.
+        """
+        if self._autostart:
+            self.start()
+        if self._team_was_running:
+            self._elapsed_ns += sim_time_ns - self._last_step_ns
+        self._last_step_ns = sim_time_ns
+        if self._state == "running":
+            self._judge_victims(positions_m, voices)
+            self._judge_area(positions_m)
+            self._judge_links(network)
+            self._judge_team(decisions)
+            self._judge_end()
+        self._team_was_running = self._state == "running"
+        self._status = self._make_status()
+        events, self._events = tuple(self._events), []
+        return events
+
+    def _judge_victims(self, positions_m: np.ndarray, voices: Sequence[VoiceReading]) -> None:
+        for robot_id, voice in enumerate(voices):
+            if voice.heard:
+                self._hear(robot_id, voice)
+        for index, victim in enumerate(self._victims):
+            if self._victim_states[index] == "saved":
+                continue
+            robot_id, distance_m = _nearest(positions_m, victim.position)
+            if distance_m <= self._save_distance_m:
+                self._victim_states[index] = "saved"
+                self._epoch += 1  # her voice leaves the map
+                count = f"{self._victim_states.count('saved')} of {len(self._victims)}"
+                self._tell("victim_saved", victim.name, robot_id, f"robot {robot_id} saves {victim.name} ({count})")
+
+    def _hear(self, robot_id: int, voice: VoiceReading) -> None:
+        unsaved = [i for i, state in enumerate(self._victim_states) if state != "saved"]
+        if not unsaved:
+            return
+        places_m = np.array([self._victims[i].position for i in unsaved])
+        index = unsaved[_nearest(places_m, voice.local_best_m)[0]]
+        if self._victim_states[index] == "waiting":
+            self._victim_states[index] = "heard"
+            name, level_db = self._victims[index].name, voice.local_best_level_db
+            self._tell("victim_heard", name, robot_id, f"robot {robot_id} hears {name} at {level_db:.1f} dB")
+
+    def _judge_area(self, positions_m: np.ndarray) -> None:
+        if self._num_explored == len(self._areas):
+            return
+        area = self._areas[self._num_explored]
+        robot_id, distance_m = _nearest(positions_m, area.center)
+        if distance_m <= area.radius_m:
+            self._num_explored += 1
+            self._epoch += 1
+            count = f"{self._num_explored} of {len(self._areas)}"
+            self._tell("area_explored", area.name, robot_id, f"robot {robot_id} explores {area.name} ({count})")
+
+    def _judge_links(self, network: NetworkState) -> None:
+        fresh = network.endangered if self._endangered is None else network.endangered & ~self._endangered
+        self._endangered = network.endangered
+        if not fresh.any():
+            return
+        for i, j in np.argwhere(np.triu(fresh, 1)).tolist():
+            self._endangered_links += 1
+            level = f"{network.rssi_dbm[i, j]:.1f} dBm"
+            self._tell("link_endangered", f"{i}-{j}", NOBODY, f"link {i}-{j} is endangered at {level}")
+
+    def _judge_team(self, decisions: Sequence[Decision]) -> None:
+        excluded = [decision.excluded for decision in decisions]
+        for robot_id, (before, now) in enumerate(zip(self._excluded or [False] * len(excluded), excluded, strict=True)):
+            if now and not before:
+                self._tell("robot_excluded", "", robot_id, f"robot {robot_id} is excluded from its swarm")
+            elif before and not now:
+                self._tell("robot_included", "", robot_id, f"robot {robot_id} is taken back into the swarm")
+        self._excluded = excluded
+
+    def _judge_end(self) -> None:
+        if self._areas and self._num_explored == len(self._areas):
+            self._finish("areas_explored")
+        elif self._elapsed_ns >= round(self._time_limit_s * 1e9):
+            self._finish("time_limit")
+        elif all(self._excluded):
+            self._finish("all_excluded")
+
+    def _finish(self, end: MissionEnd) -> None:
+        self._state, self._end = "ended", end
+        saved = self._victim_states.count("saved")
+        count = f"{self._num_explored}/{len(self._areas)} areas, {saved}/{len(self._victims)} victims"
+        self._tell("end", "", NOBODY, f"mission ends: {_END_DETAIL[end]}; {count}")
+
+    def _change_task(self) -> None:
+        self._epoch += 1
+        self._status = self._make_status()
+
+    def _tell(self, kind: str, subject: str, robot_id: int, detail: str) -> None:
+        self._events.append(Event(self._elapsed_ns / 1e9, kind, subject, robot_id, detail))
+
+    def _make_status(self) -> MissionStatus:
+        target = self._num_explored if self._num_explored < len(self._areas) else -1
+        area = self._areas[target] if target >= 0 else None
+        task = Task(
+            running=self._state == "running",
+            epoch=self._epoch,
+            area_center_m=area.center if area else None,
+            area_radius_m=area.radius_m if area else 0.0,
+        )
+        return MissionStatus(
+            state=self._state,
+            end=self._end,
+            time_s=self._elapsed_ns / 1e9,
+            explored=tuple(i < self._num_explored for i in range(len(self._areas))),
+            victims=tuple(self._victim_states),
+            target_area=target,
+            endangered_links=self._endangered_links,
+            task=task,
+        )
+
+
+def _nearest(places_m: np.ndarray, to_m: tuple[float, float]) -> tuple[int, float]:
+    """Return the row of `places_m`, shape (n, 2), nearest to a point, and its distance [m]; the first of equals."""
+    squares = (places_m[:, 0] - to_m[0]) ** 2 + (places_m[:, 1] - to_m[1]) ** 2
+    row = int(np.argmin(squares))
+    return row, float(np.sqrt(squares[row]))

@@ -1,0 +1,65 @@
+"""What is between the robots: voices, radio and the messages that travel over it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from robotteamsim.network import Network
+from robotteamsim.network.messages import Message, NetworkState
+from robotteamsim.propagation import FieldMap, RadioField
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.sensing.voice import VoiceSensor
+
+
+class Environment:
+    """Voice and radio of one trial. The headless loop and the ROS environment node step this same class."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._radio = RadioField(scenario.plan, scenario.radio)
+        self._voice = VoiceSensor(scenario.plan, scenario.voice, scenario.mission.victims, scenario.run.seed)
+        self._network = Network(self._radio, scenario.network, len(scenario.placed_robots()))
+        self._saved: frozenset[str] = frozenset()
+
+    @property
+    def voice_map_changes(self) -> int:
+        """How often the voice map has changed so far."""
+        return self._voice.changes
+
+    def voice_map(self) -> FieldMap:
+        """Return the voice level over the floor [dB]; 0 where no voice is above the noise."""
+        return self._voice.map()
+
+    def step(
+        self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]], saved: Collection[str]
+    ) -> tuple[tuple[VoiceReading, ...], NetworkState, tuple[tuple[Message, ...], ...]]:
+        """Let each robot hear, and deliver what robots sent in the last step over the links of this one.
+
+        Args:
+            positions_m: true positions in `map`, shape (n, 2) [m].
+            outboxes:    messages sent in the last step, one sequence per robot in id order.
+            saved:       names of the victims saved up to the last step; they are silent.
+        Returns: voice readings in id order, the network, and the inbox of each robot in id order.
+        """
+        if self._saved != (now_saved := frozenset(saved)):
+            self._saved = now_saved
+            self._voice.set_silenced(sorted(now_saved))
+        voices = tuple(self._voice.read((x, y)) for x, y in positions_m.tolist())
+        network, inboxes = self._network.step(positions_m, outboxes)
+        return voices, network, tuple(inboxes)
+
+    def set_door(self, name: str, closed: bool) -> None:
+        """Open or close a door for radio and voices. Raises: ValueError: no such door."""
+        self._radio.set_door(name, closed)
+        self._voice.set_door(name, closed)
+
+    def set_noise_db(self, noise_db: float) -> None:
+        """Set the background noise [dB]; voices below it are not heard."""
+        self._voice.set_noise_db(noise_db)
+
+    def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
+        """Add a victim, or move the one of that name [m, map]; she calls (again)."""
+        self._saved -= {name}
+        self._voice.set_victim(name, position_m)

@@ -1,0 +1,103 @@
+"""What a trial leaves behind: a record of each step, a result at the end, and who looks on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from robotteamsim.control.controller import Decision
+from robotteamsim.mission.status import Event, MissionEnd, MissionStatus
+from robotteamsim.network.messages import Message, NetworkState
+from robotteamsim.propagation import FieldMap
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Victim
+from robotteamsim.sensing.readings import RobotReading, VoiceReading
+
+
+@dataclass(frozen=True, slots=True)
+class StepRecord:
+    """All that happened in one step; sequences are in robot id order.
+
+    step_index: 1 for the first step.     sim_time_ns: its stamp [ns].
+    inboxes:    messages that arrived in this step, sent in the one before.
+    decisions:  what the controllers made of it; their outboxes arrive in the next step.
+    victims:    in the order of `mission.victims`, at their places.
+    voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
+    """
+
+    step_index: int
+    sim_time_ns: int
+    readings: tuple[RobotReading, ...]
+    voices: tuple[VoiceReading, ...]
+    network: NetworkState
+    inboxes: tuple[tuple[Message, ...], ...]
+    decisions: tuple[Decision, ...]
+    mission: MissionStatus
+    events: tuple[Event, ...]
+    victims: tuple[Victim, ...]
+    noise_db: float
+    voice_map: FieldMap | None
+
+    @property
+    def sim_time_s(self) -> float:
+        """Stamp of the step [s]."""
+        return self.sim_time_ns / 1e9
+
+
+@dataclass(frozen=True, slots=True)
+class RobotFigures:
+    """What one robot did in a trial.
+
+    distance_m: length of its true path.      contact_s: time in which it touched something.
+    excluded_s: time as an excluded robot.    longest_stay_s: longest time within 0.5 m of one place.
+    """
+
+    distance_m: float
+    contact_s: float
+    excluded_s: float
+    longest_stay_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """How a trial went.
+
+    time_s: of the mission's clock.  wall_s: what computing it took, the one figure that differs between equal runs.
+    """
+
+    scenario: str
+    seed: int
+    noise_db: float
+    end: MissionEnd
+    time_s: float
+    areas_explored: int
+    num_areas: int
+    victims_saved: int
+    num_victims: int
+    endangered_links: int
+    trajectory_hash: str
+    steps: int
+    sim_time_s: float
+    robots: tuple[RobotFigures, ...]
+    wall_s: float
+
+    @property
+    def speed(self) -> float:
+        """Simulated time over wall time."""
+        return self.sim_time_s / self.wall_s if self.wall_s > 0 else float("inf")
+
+
+class Observer(Protocol):
+    """Somebody who looks on: a recorder, a progress bar. After `begin` comes either `end` or `abandon`, once."""
+
+    def begin(self, scenario: Scenario) -> None:
+        """A trial begins."""
+
+    def step(self, record: StepRecord) -> None:
+        """One step is done."""
+
+    def end(self, result: Result) -> None:
+        """The mission has ended."""
+
+    def abandon(self) -> None:
+        """The trial broke off: let go of files and leave nothing half-written. Must not raise."""

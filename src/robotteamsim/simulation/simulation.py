@@ -1,0 +1,159 @@
+"""The step loop, written once: one trial in one process."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from robotteamsim.control import make_controller
+from robotteamsim.control.controller import Controller, Decision, Task
+from robotteamsim.mission import Mission
+from robotteamsim.propagation import FieldMap
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.sensing.readings import Observation, RobotReading
+from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.simulation.environment import Environment
+from robotteamsim.simulation.figures import TeamFigures
+from robotteamsim.simulation.record import Observer, Result, StepRecord
+from robotteamsim.simulation.trajectory_hash import TrajectoryHash
+from robotteamsim.world import World
+
+
+class Simulation:
+    """One trial of a scenario. Everything that it does follows from the scenario, its seed included.
+
+    The stages hand each other only what ROS messages of the same stamp, or of the step before, can carry: in step k
+    the world moves by the twists of step k-1, the network delivers what was sent in step k-1, controllers know the
+    mission's task as of step k-1. Nodes that wait for the same stamps therefore compute the same bits.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Build all stages. Raises: PlacementError: a robot starts where it cannot stand."""
+        robots, seed = scenario.placed_robots(), scenario.run.seed
+        self.scenario = scenario
+        self.world = World(scenario.plan, robots, scenario.run, seed=seed)
+        self.sensors = RobotSensors(self.world, robots, seed)
+        self.environment = Environment(scenario)
+        self.controllers: list[Controller] = [make_controller(robot_id, scenario) for robot_id in range(len(robots))]
+        self.mission = Mission(scenario)
+        self._decisions: tuple[Decision, ...] = tuple(Decision() for _ in robots)
+        self._task = Task()
+        self._saved: tuple[str, ...] = ()
+        self._voice_map_changes = -1
+
+    def step(self) -> StepRecord:
+        """Advance by one step and return all that happened in it."""
+        # The world moves.
+        self.world.step([decision.twist for decision in self._decisions])
+        sim_time_ns = self.world.sim_time_ns
+        # The robots sense; the network delivers.
+        readings = tuple(self.sensors.read())
+        positions_m = true_positions_m(readings)
+        outboxes = [decision.outbox for decision in self._decisions]
+        voices, network, inboxes = self.environment.step(positions_m, outboxes, self._saved)
+        # Each controller decides.
+        for robot_id, controller in enumerate(self.controllers):
+            observation = Observation(robot_id, sim_time_ns, readings[robot_id], voices[robot_id])
+            controller.observe(observation, inboxes[robot_id], self._task)
+        self._decisions = tuple(controller.decide() for controller in self.controllers)
+        # The mission judges.
+        events = self.mission.step(sim_time_ns, positions_m, voices, network, self._decisions)
+        status = self.mission.status
+        self._task, self._saved = status.task, self.mission.saved_victims
+        return StepRecord(
+            step_index=self.world.step_index,
+            sim_time_ns=sim_time_ns,
+            readings=readings,
+            voices=voices,
+            network=network,
+            inboxes=inboxes,
+            decisions=self._decisions,
+            mission=status,
+            events=events,
+            victims=self.mission.victims,
+            noise_db=self.mission.noise_db,
+            voice_map=self._fresh_voice_map(),
+        )
+
+    def run(self, observers: Sequence[Observer] = ()) -> Result:
+        """Run until the mission has ended, with observers looking on; a mission that waits is started.
+
+        Whatever breaks the run off (an observer's RecordingError, an interrupt) is raised after every observer that
+        began was told to abandon.
+        """
+        begun: list[Observer] = []
+        try:
+            for observer in observers:
+                begun.append(observer)
+                observer.begin(self.scenario)
+            result = self._run_to_end(observers)
+            while begun:
+                begun[0].end(result)
+                begun.pop(0)
+            return result
+        except BaseException:
+            for observer in begun:
+                observer.abandon()
+            raise
+
+    def set_door(self, name: str, closed: bool) -> None:
+        """Open or close a door in world, voice, radio and mission. Raises: ValueError: no such door."""
+        self.world.set_door(name, closed)
+        self.environment.set_door(name, closed)
+        self.mission.set_door(name, closed)
+
+    def set_noise_db(self, noise_db: float) -> None:
+        """Set the background noise [dB]."""
+        self.environment.set_noise_db(noise_db)
+        self.mission.set_noise_db(noise_db)
+
+    def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
+        """Add a victim, or move the one of that name [m, map]."""
+        self.environment.set_victim(name, position_m)
+        self.mission.set_victim(name, position_m)
+
+    def _run_to_end(self, observers: Sequence[Observer]) -> Result:
+        trajectory_hash = TrajectoryHash()
+        figures = TeamFigures(len(self.controllers), self.scenario.run.step_s)
+        wall_start_s = time.perf_counter()
+        self.mission.start()
+        while True:
+            record = self.step()
+            trajectory_hash.update(record.sim_time_ns, [reading.ground_truth for reading in record.readings])
+            running = record.mission.state == "running"
+            figures.update(true_positions_m(record.readings), record.readings, record.decisions, running)
+            for observer in observers:
+                observer.step(record)
+            if record.mission.state == "ended":
+                break
+        status = record.mission
+        return Result(
+            scenario=self.scenario.name,
+            seed=self.scenario.run.seed,
+            noise_db=record.noise_db,
+            end=status.end,
+            time_s=status.time_s,
+            areas_explored=status.areas_explored,
+            num_areas=len(status.explored),
+            victims_saved=status.victims_saved,
+            num_victims=len(status.victims),
+            endangered_links=status.endangered_links,
+            trajectory_hash=trajectory_hash.hexdigest(),
+            steps=record.step_index,
+            sim_time_s=record.sim_time_s,
+            robots=figures.result(),
+            wall_s=time.perf_counter() - wall_start_s,
+        )
+
+    def _fresh_voice_map(self) -> FieldMap | None:
+        if self._voice_map_changes == self.environment.voice_map_changes:
+            return None
+        self._voice_map_changes = self.environment.voice_map_changes
+        return self.environment.voice_map()
+
+
+def true_positions_m(readings: Sequence[RobotReading]) -> np.ndarray:
+    """Return the robots' true positions in `map`, float64 of shape (n, 2) [m]."""
+    return np.array([(reading.ground_truth.x_m, reading.ground_truth.y_m) for reading in readings])

@@ -1,0 +1,30 @@
+"""One number for all trajectories of a trial: equal hashes mean equal bits."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+from collections.abc import Iterable
+
+from robotteamsim.geometry import PoseReading
+
+
+class TrajectoryHash:
+    """SHA-256 over the true poses of all robots in every step.
+
+    Of each step: the stamp as a little-endian int64 [ns], then x, y, qz, qw of each robot in id order as little-endian
+    float64. It runs from the first step to the step in which the mission ended, both included.
+    """
+
+    def __init__(self) -> None:
+        self._sha256 = hashlib.sha256()
+
+    def update(self, sim_time_ns: int, ground_truth: Iterable[PoseReading]) -> None:
+        """Take in one step."""
+        self._sha256.update(struct.pack("<q", sim_time_ns))
+        for pose in ground_truth:
+            self._sha256.update(struct.pack("<4d", pose.x_m, pose.y_m, pose.qz, pose.qw))
+
+    def hexdigest(self) -> str:
+        """Return the hash of the steps so far, 64 hexadecimal digits."""
+        return self._sha256.hexdigest()
