@@ -1,0 +1,46 @@
+"""Small scenarios that tests of several floors share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Area, Mission, PlacedRobot, Run, Victim
+
+
+def _hall() -> FloorPlan:
+    """An empty hall of 20 x 10 m within walls of 0.2 m."""
+    return FloorPlan(
+        name="hall",
+        bounds=Bounds(max=(20.0, 10.0)),
+        walls=(
+            Wall(name="south", start=(0.0, 0.1), end=(20.0, 0.1)),
+            Wall(name="north", start=(0.0, 9.9), end=(20.0, 9.9)),
+            Wall(name="west", start=(0.1, 0.2), end=(0.1, 9.8)),
+            Wall(name="east", start=(19.9, 0.2), end=(19.9, 9.8)),
+        ),
+    )
+
+
+@pytest.fixture
+def hall_scenario() -> Callable[..., Scenario]:
+    """Make a scenario in the hall: two robots, two areas, two victims; keywords replace whole sections."""
+
+    def make(seed: int = 1, **sections: object) -> Scenario:
+        fields: dict[str, object] = {
+            "name": "hall",
+            "plan": _hall(),
+            "robots": (PlacedRobot(start_pose=(3.0, 4.0, 0.0)), PlacedRobot(start_pose=(3.0, 6.0, 0.0))),
+            "mission": Mission(
+                areas=(Area(name="east", center=(16.0, 5.0)), Area(name="west", center=(5.0, 5.0))),
+                victims=(Victim(name="ann", position=(9.0, 4.0)), Victim(name="bob", position=(12.0, 7.0))),
+                time_limit_s=120.0,
+            ),
+            "run": Run(seed=seed),
+        }
+        return Scenario(**(fields | sections))
+
+    return make

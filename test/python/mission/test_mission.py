@@ -1,0 +1,286 @@
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from robotteamsim.control.controller import Decision, Task
+from robotteamsim.mission import Mission
+from robotteamsim.network.messages import NetworkState
+from robotteamsim.scenario import sections
+from robotteamsim.sensing.readings import VoiceReading
+
+STEP_NS = 100_000_000
+FAR_M = (1.0, 1.0)
+AREA_EAST_M, AREA_WEST_M = (16.0, 5.0), (5.0, 5.0)
+ANN_M, BOB_M = (9.0, 4.0), (12.0, 7.0)
+SILENCE = VoiceReading(0.0, False, FAR_M, 0.0)
+
+
+def network(num_robots: int, endangered: Sequence[tuple[int, int]] = (), rssi_dbm: float = -81.26) -> NetworkState:
+    zeros = np.zeros((num_robots, num_robots))
+    weak = np.zeros((num_robots, num_robots), dtype=bool)
+    for i, j in endangered:
+        weak[i, j] = weak[j, i] = True
+    return NetworkState(
+        rssi_dbm=np.where(weak, rssi_dbm, -50.0),
+        link=zeros,
+        adjacency=np.ones((num_robots, num_robots), dtype=bool),
+        hop_count=np.ones((num_robots, num_robots), dtype=np.int32),
+        break_matrix=zeros,
+        fiedler_value=float(num_robots),
+        endangered=weak,
+    )
+
+
+class Course:
+    """Steps a mission with hand-made inputs; whatever is not given is quiet and far away."""
+
+    def __init__(self, mission: Mission, num_robots: int = 2) -> None:
+        self.mission, self.num_robots, self.sim_time_ns = mission, num_robots, 0
+
+    def step(self, positions=(), voices=(), endangered=(), excluded=()):
+        self.sim_time_ns += STEP_NS
+        n = self.num_robots
+        return self.mission.step(
+            self.sim_time_ns,
+            np.array((list(positions) + [FAR_M] * n)[:n]),
+            (list(voices) + [SILENCE] * n)[:n],
+            network(n, endangered),
+            [Decision(excluded=i in excluded) for i in range(n)],
+        )
+
+    def kinds(self, **inputs) -> list[str]:
+        return [event.kind for event in self.step(**inputs)]
+
+
+@pytest.fixture
+def mission(hall_scenario) -> Mission:
+    return Mission(hall_scenario())
+
+
+@pytest.fixture
+def course(mission) -> Course:
+    return Course(mission)
+
+
+def hears(place_m: tuple[float, float], level_db: float = 24.0) -> VoiceReading:
+    return VoiceReading(level_db, True, place_m, level_db)
+
+
+def test_mission_starts_with_its_first_step_and_its_clock_with_the_second(course):
+    assert course.kinds() == ["start"]
+    assert course.mission.status.state == "running"
+    assert course.mission.status.time_s == 0.0
+    course.step()
+    assert course.mission.status.time_s == 0.1
+
+
+def test_start_event_tells_areas_victims_and_noise(course):
+    (event,) = course.step()
+    assert event.detail == "mission starts: 2 areas, 2 victims, 10 dB noise"
+
+
+def test_mission_without_autostart_waits_for_start(hall_scenario):
+    scenario = hall_scenario()
+    waiting = scenario.mission.model_copy(update={"autostart": False})
+    course = Course(Mission(scenario.model_copy(update={"mission": waiting})))
+    assert course.kinds(positions=[AREA_EAST_M]) == []
+    assert course.mission.status.state == "waiting"
+    assert not course.mission.status.task.running
+    course.mission.start()
+    assert course.mission.status.task.running
+    assert course.kinds(positions=[AREA_EAST_M]) == ["start", "area_explored"]
+
+
+def test_before_the_start_the_team_stands_still(mission):
+    assert mission.status.task == Task(running=False, area_center_m=AREA_EAST_M, area_radius_m=2.0)
+
+
+def test_only_the_target_area_counts_as_explored(course):
+    course.step(positions=[AREA_WEST_M])
+    assert course.mission.status.explored == (False, False)
+    (event,) = course.step(positions=[FAR_M, (16.0, 6.9)])
+    assert (event.kind, event.subject, event.robot_id) == ("area_explored", "east", 1)
+    assert event.detail == "robot 1 explores east (1 of 2)"
+    assert course.mission.status.explored == (True, False)
+    assert course.mission.status.target_area == 1
+    assert course.mission.status.task.area_center_m == AREA_WEST_M
+
+
+def test_area_is_explored_at_its_radius_and_not_beyond(course):
+    course.step(positions=[(16.0, 7.001)])
+    assert course.mission.status.areas_explored == 0
+    course.step(positions=[(16.0, 7.0)])
+    assert course.mission.status.areas_explored == 1
+
+
+def test_victim_is_saved_within_the_save_distance_by_the_nearest_robot(course):
+    course.step(positions=[(9.0, 5.01)])
+    assert course.mission.status.victims == ("waiting", "waiting")
+    (event,) = course.step(positions=[(9.0, 4.9), (9.0, 4.5)])
+    assert (event.kind, event.subject, event.robot_id) == ("victim_saved", "ann", 1)
+    assert event.detail == "robot 1 saves ann (1 of 2)"
+    assert course.mission.status.victims == ("saved", "waiting")
+    assert course.mission.saved_victims == ("ann",)
+
+
+def test_saved_victim_is_saved_once(course):
+    course.step(positions=[ANN_M])
+    assert course.kinds(positions=[ANN_M]) == []
+
+
+def test_heard_victim_is_the_unsaved_one_nearest_to_the_loudest_place(course):
+    events = course.step(voices=[SILENCE, hears((10.4, 5.0))])
+    assert (events[1].kind, events[1].subject, events[1].robot_id) == ("victim_heard", "ann", 1)
+    assert events[1].detail == "robot 1 hears ann at 24.0 dB"
+    course.step(positions=[ANN_M], voices=[hears(ANN_M)])
+    assert course.mission.status.victims == ("saved", "waiting")
+    course.step(voices=[hears((10.4, 5.0))])
+    assert course.mission.status.victims == ("saved", "heard")
+
+
+def test_voice_after_the_last_victim_was_saved_is_nobody(course):
+    course.step(positions=[ANN_M, BOB_M])
+    assert course.kinds(voices=[hears(ANN_M)]) == []
+
+
+def test_epoch_grows_when_a_victim_falls_silent_and_when_the_target_area_changes(course):
+    course.step()
+    assert course.mission.status.task.epoch == 0
+    course.step(voices=[hears(ANN_M)])
+    assert course.mission.status.task.epoch == 0
+    course.step(positions=[ANN_M])
+    assert course.mission.status.task.epoch == 1
+    course.step(positions=[AREA_EAST_M])
+    assert course.mission.status.task.epoch == 2
+
+
+def test_doors_noise_and_victims_are_noted_and_raise_the_epoch(course):
+    course.step()
+    course.mission.set_door("gate", True)
+    course.mission.set_noise_db(20.0)
+    course.mission.set_victim("eve", (4.0, 8.0))
+    assert course.mission.status.task.epoch == 3
+    assert course.mission.status.victims == ("waiting",) * 3
+    assert course.mission.noise_db == 20.0
+    assert [event.detail for event in course.step()] == [
+        "door gate is closed",
+        "background noise is 20 dB",
+        "victim eve calls at (4.0, 8.0)",
+    ]
+
+
+def test_moved_victim_waits_again_and_can_be_saved_again(course):
+    course.step(positions=[ANN_M])
+    course.mission.set_victim("ann", (2.0, 8.0))
+    assert course.mission.status.victims == ("waiting", "waiting")
+    assert course.kinds(positions=[(2.0, 8.0)]) == ["victim", "victim_saved"]
+
+
+def test_note_becomes_an_event_of_the_next_step(course):
+    course.step()
+    course.mission.note("operator", "camera", "somebody looks")
+    (event,) = course.step()
+    assert (event.kind, event.subject, event.robot_id, event.detail) == ("operator", "camera", -1, "somebody looks")
+
+
+def test_endangered_links_are_counted_each_time_they_become_endangered(course):
+    (_, event) = course.step(endangered=[(0, 1)])
+    assert (event.subject, event.detail) == ("0-1", "link 0-1 is endangered at -81.3 dBm")
+    assert course.kinds(endangered=[(0, 1)]) == []
+    course.step()
+    assert course.kinds(endangered=[(0, 1)]) == ["link_endangered"]
+    assert course.mission.status.endangered_links == 2
+
+
+def test_exclusion_and_inclusion_are_events(course):
+    course.step()
+    (event,) = course.step(excluded=[1])
+    assert (event.kind, event.robot_id) == ("robot_excluded", 1)
+    (event,) = course.step()
+    assert (event.kind, event.robot_id) == ("robot_included", 1)
+
+
+def test_mission_ends_when_all_areas_are_explored(course):
+    course.step(positions=[AREA_EAST_M])
+    events = course.step(positions=[AREA_WEST_M, ANN_M])
+    assert [event.kind for event in events] == ["victim_saved", "area_explored", "end"]
+    assert events[-1].detail == "mission ends: all areas are explored; 2/2 areas, 1/2 victims"
+    status = course.mission.status
+    assert (status.state, status.end, status.target_area) == ("ended", "areas_explored", -1)
+    assert not status.task.running
+
+
+def test_mission_ends_at_the_time_limit(hall_scenario):
+    scenario = hall_scenario(mission=sections.Mission(time_limit_s=0.3))
+    course = Course(Mission(scenario))
+    for _ in range(3):
+        course.step()
+    assert course.mission.status.state == "running"
+    assert course.kinds() == ["end"]
+    assert (course.mission.status.end, course.mission.status.time_s) == ("time_limit", 0.3)
+
+
+def test_mission_ends_when_all_robots_are_excluded(course):
+    course.step(excluded=[0])
+    assert course.mission.status.state == "running"
+    assert course.kinds(excluded=[0, 1]) == ["robot_excluded", "end"]
+    assert course.mission.status.end == "all_excluded"
+
+
+def test_exploring_the_last_area_in_the_last_moment_is_success(hall_scenario):
+    area = sections.Area(name="only", center=AREA_EAST_M)
+    course = Course(Mission(hall_scenario(mission=sections.Mission(areas=(area,), time_limit_s=0.1))))
+    course.step()
+    course.step(positions=[AREA_EAST_M], excluded=[0, 1])
+    assert course.mission.status.end == "areas_explored"
+
+
+def test_abort_ends_the_mission_once(course):
+    course.step()
+    course.mission.abort()
+    course.mission.abort()
+    assert course.kinds() == ["end"]
+    assert course.mission.status.end == "aborted"
+
+
+def test_time_stands_still_while_paused(course):
+    course.step()
+    course.step()
+    course.mission.pause()
+    assert not course.mission.status.task.running
+    assert course.kinds(positions=[ANN_M]) == ["pause"]
+    time_s = course.mission.status.time_s  # the robots still obeyed the task of the step before the pause
+    course.step()
+    course.step()
+    assert course.mission.status.time_s == time_s
+    assert course.mission.status.victims_saved == 0
+    course.mission.resume()
+    assert course.kinds() == ["resume"]
+    assert course.mission.status.time_s == time_s
+    course.step()
+    assert course.mission.status.time_s == pytest.approx(time_s + 0.1)
+
+
+def test_nothing_happens_after_the_end(course):
+    course.step()
+    course.mission.abort()
+    course.step()
+    status = course.mission.status
+    course.mission.start()
+    course.mission.pause()
+    course.mission.resume()
+    assert course.kinds(positions=[AREA_EAST_M, ANN_M], excluded=[0, 1], endangered=[(0, 1)]) == []
+    assert course.mission.status == status
+
+
+def test_two_missions_with_equal_inputs_tell_equal_events(hall_scenario):
+    def events() -> list:
+        course = Course(Mission(hall_scenario()))
+        walk = [FAR_M, ANN_M, BOB_M, AREA_EAST_M, AREA_WEST_M]
+        return [dataclasses.asdict(event) for place in walk for event in course.step(positions=[place])]
+
+    assert events() == events()
