@@ -1,0 +1,324 @@
+"""Our values as ROS messages, field by field: written once for bags without ROS and for the nodes.
+
+Every function takes `make`, which builds a message of a named type from all of its fields: `BagTypes` of
+`recording.bag` makes those of rosbags, the nodes pass a factory of their own message classes. Numeric arrays are
+passed as NumPy arrays of the field's type; a factory converts them if its classes want something else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from robotteamsim.control.controller import Decision
+from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.mission.status import Event, MissionStatus, VictimState
+from robotteamsim.network.messages import Message, NetworkState
+from robotteamsim.propagation import FieldMap
+from robotteamsim.scenario.plan import OccupancyGrid
+from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
+
+MAP_FRAME = "map"
+
+_NO_COVARIANCE = np.zeros(36)
+_IDENTITY = PoseReading(0.0, 0.0, 0.0, 1.0)
+
+
+class Make(Protocol):
+    """Builds messages."""
+
+    def __call__(self, type_name: str, /, **fields: Any) -> Any:
+        """Return a message of a type such as "nav_msgs/Odometry"; every field is given."""
+
+    def time(self, time_ns: int) -> Any:
+        """Return the stamp of a time [ns]."""
+
+
+def robot_name(robot_id: int) -> str:
+    """Return the namespace and frame prefix of a robot: robot_0."""
+    return f"robot_{robot_id}"
+
+
+def robot_frame(robot_id: int, frame: str) -> str:
+    """Return the tf2 name of a robot's frame: robot_0/base_link."""
+    return f"robot_{robot_id}/{frame}"
+
+
+def header(make: Make, time_ns: int, frame: str) -> Any:
+    """std_msgs/Header."""
+    return make("std_msgs/Header", seq=0, stamp=make.time(time_ns), frame_id=frame)
+
+
+def point(make: Make, position_m: tuple[float, float]) -> Any:
+    """geometry_msgs/Point on the floor."""
+    return make("geometry_msgs/Point", x=float(position_m[0]), y=float(position_m[1]), z=0.0)
+
+
+def pose(make: Make, reading: PoseReading) -> Any:
+    """geometry_msgs/Pose."""
+    return make(
+        "geometry_msgs/Pose", position=point(make, (reading.x_m, reading.y_m)), orientation=_quaternion(make, reading)
+    )
+
+
+def clock(make: Make, time_ns: int) -> Any:
+    """rosgraph_msgs/Clock."""
+    return make("rosgraph_msgs/Clock", clock=make.time(time_ns))
+
+
+def twist(make: Make, command: Twist) -> Any:
+    """geometry_msgs/Twist, of `cmd_vel`."""
+    return make(
+        "geometry_msgs/Twist",
+        linear=make("geometry_msgs/Vector3", x=command.linear_x_mps, y=command.linear_y_mps, z=0.0),
+        angular=make("geometry_msgs/Vector3", x=0.0, y=0.0, z=command.angular_z_radps),
+    )
+
+
+def twist_stamped(make: Make, time_ns: int, robot_id: int, command: Twist) -> Any:
+    """geometry_msgs/TwistStamped, of `cmd_vel_stamped`: carries the stamp of the step it answers."""
+    return make(
+        "geometry_msgs/TwistStamped",
+        header=header(make, time_ns, robot_frame(robot_id, "base_link")),
+        twist=twist(make, command),
+    )
+
+
+def odometry(make: Make, time_ns: int, robot_id: int, reading: OdometryReading) -> Any:
+    """nav_msgs/Odometry, of `odom`."""
+    return _odometry(make, time_ns, robot_frame(robot_id, "odom"), robot_id, reading.pose, reading.twist)
+
+
+def ground_truth(make: Make, time_ns: int, robot_id: int, reading: RobotReading) -> Any:
+    """nav_msgs/Odometry, of `base_pose_ground_truth`."""
+    return _odometry(make, time_ns, MAP_FRAME, robot_id, reading.ground_truth, reading.twist)
+
+
+def scan(make: Make, time_ns: int, robot_id: int, laser: Laser, ranges_m: np.ndarray) -> Any:
+    """sensor_msgs/LaserScan, of `base_scan`."""
+    return make(
+        "sensor_msgs/LaserScan",
+        header=header(make, time_ns, robot_frame(robot_id, "base_laser_link")),
+        angle_min=laser.angle_min_rad,
+        angle_max=laser.angle_max_rad,
+        angle_increment=(laser.angle_max_rad - laser.angle_min_rad) / max(laser.beams - 1, 1),
+        time_increment=0.0,
+        scan_time=0.0,
+        range_min=laser.range_min_m,
+        range_max=laser.range_max_m,
+        ranges=np.asarray(ranges_m, dtype=np.float32),
+        intensities=np.zeros(0, dtype=np.float32),
+    )
+
+
+def transforms(make: Make, time_ns: int, robots: Sequence[Robot], odometry: Iterable[OdometryReading]) -> Any:
+    """tf2_msgs/TFMessage: odom -> base_footprint -> base_link -> base_laser_link of all robots, in id order."""
+    all_transforms = []
+    for robot_id, (robot, reading) in enumerate(zip(robots, odometry, strict=True)):
+        laser = PoseReading(robot.laser.forward_m, 0.0, 0.0, 1.0)
+        all_transforms += [
+            _transform(make, time_ns, robot_id, "odom", "base_footprint", reading.pose),
+            _transform(make, time_ns, robot_id, "base_footprint", "base_link", _IDENTITY),
+            _transform(make, time_ns, robot_id, "base_link", "base_laser_link", laser, robot.laser.height_m),
+        ]
+    return make("tf2_msgs/TFMessage", transforms=all_transforms)
+
+
+def occupancy_grid(make: Make, time_ns: int, grid: OccupancyGrid) -> Any:
+    """nav_msgs/OccupancyGrid, of `map`."""
+    return _grid(make, time_ns, grid.origin_m, grid.resolution_m, grid.cells)
+
+
+def field_map_picture(make: Make, time_ns: int, field: FieldMap) -> Any:
+    """nav_msgs/OccupancyGrid of a map of levels, for rviz: whole dB in 0..100."""
+    levels = np.clip(np.round(field.values), 0, 100).astype(np.int8)
+    return _grid(make, time_ns, field.origin_m, field.resolution_m, levels)
+
+
+def field_map(make: Make, time_ns: int, field: FieldMap, quantity: str, unit: str) -> Any:
+    """robotteamsim/FloatMap, such as quantity "voice_level" in unit "dB"."""
+    rows, columns = field.values.shape
+    return make(
+        "robotteamsim/FloatMap",
+        header=header(make, time_ns, MAP_FRAME),
+        quantity=quantity,
+        unit=unit,
+        resolution_m=field.resolution_m,
+        width=columns,
+        height=rows,
+        origin=point(make, field.origin_m),
+        data=np.asarray(field.values, dtype=np.float32).ravel(),
+    )
+
+
+def voice(make: Make, time_ns: int, reading: VoiceReading) -> Any:
+    """robotteamsim/Voice."""
+    return make(
+        "robotteamsim/Voice",
+        header=header(make, time_ns, MAP_FRAME),
+        level_db=float(reading.level_db),
+        heard=bool(reading.heard),
+        local_best=point(make, reading.local_best_m),
+        local_best_level_db=float(reading.local_best_level_db),
+    )
+
+
+def network_messages(make: Make, time_ns: int, messages: Iterable[Message]) -> Any:
+    """robotteamsim/NetworkMessages, of `network/tx` and `network/rx`."""
+    return make(
+        "robotteamsim/NetworkMessages",
+        header=header(make, time_ns, ""),
+        messages=[
+            make("robotteamsim/NetworkMessage", sender=m.sender, receiver=m.receiver, payload=m.payload)
+            for m in messages
+        ],
+    )
+
+
+def network_state(make: Make, time_ns: int, network: NetworkState) -> Any:
+    """robotteamsim/NetworkState."""
+    return make(
+        "robotteamsim/NetworkState",
+        header=header(make, time_ns, MAP_FRAME),
+        num_robots=len(network.adjacency),
+        rssi_dbm=network.rssi_dbm.ravel(),
+        link=network.link.ravel(),
+        adjacency=network.adjacency.astype(np.uint8).ravel(),
+        hop_count=network.hop_count.astype(np.int32).ravel(),
+        break_matrix=network.break_matrix.ravel(),
+        fiedler_value=float(network.fiedler_value),
+        swarm_connectivity=float(network.swarm_connectivity),
+        endangered=network.endangered.astype(np.uint8).ravel(),
+        num_endangered=network.num_endangered,
+    )
+
+
+def controller_status(make: Make, time_ns: int, robot_id: int, decision: Decision) -> Any:
+    """robotteamsim/ControllerStatus."""
+    return make(
+        "robotteamsim/ControllerStatus",
+        header=header(make, time_ns, MAP_FRAME),
+        robot_id=robot_id,
+        excluded=bool(decision.excluded),
+        has_goal=decision.goal_m is not None,
+        goal=point(make, decision.goal_m or (0.0, 0.0)),
+        local_best=float(decision.local_best),
+        search_counter=int(decision.search_counter),
+    )
+
+
+def mission_status(make: Make, time_ns: int, scenario_name: str, status: MissionStatus, noise_db: float) -> Any:
+    """robotteamsim/MissionStatus."""
+    task = status.task
+    return make(
+        "robotteamsim/MissionStatus",
+        header=header(make, time_ns, MAP_FRAME),
+        scenario=scenario_name,
+        state=status.state,
+        end=status.end,
+        time_s=status.time_s,
+        explored=np.array(status.explored, dtype=np.uint8),
+        victims=list(status.victims),
+        target_area=status.target_area,
+        endangered_links=status.endangered_links,
+        noise_db=float(noise_db),
+        running=task.running,
+        epoch=task.epoch,
+        has_area=task.area_center_m is not None,
+        area_center=point(make, task.area_center_m or (0.0, 0.0)),
+        area_radius_m=float(task.area_radius_m),
+    )
+
+
+def mission_event(make: Make, time_ns: int, event: Event) -> Any:
+    """robotteamsim/MissionEvent."""
+    return make(
+        "robotteamsim/MissionEvent",
+        header=header(make, time_ns, MAP_FRAME),
+        time_s=event.time_s,
+        kind=event.kind,
+        subject=event.subject,
+        robot_id=event.robot_id,
+        detail=event.detail,
+    )
+
+
+def victims(make: Make, time_ns: int, everybody: Sequence[Victim], states: Sequence[VictimState]) -> Any:
+    """robotteamsim/Victims."""
+    return make(
+        "robotteamsim/Victims",
+        header=header(make, time_ns, MAP_FRAME),
+        victims=[
+            make("robotteamsim/Victim", name=victim.name, position=point(make, victim.position), state=state)
+            for victim, state in zip(everybody, states, strict=True)
+        ],
+    )
+
+
+def areas(make: Make, time_ns: int, all_areas: Sequence[Area], status: MissionStatus) -> Any:
+    """robotteamsim/Areas."""
+    return make(
+        "robotteamsim/Areas",
+        header=header(make, time_ns, MAP_FRAME),
+        areas=[
+            make(
+                "robotteamsim/Area",
+                name=area.name,
+                center=point(make, area.center),
+                radius_m=area.radius_m,
+                explored=status.explored[index],
+                target=index == status.target_area,
+            )
+            for index, area in enumerate(all_areas)
+        ],
+    )
+
+
+def _quaternion(make: Make, reading: PoseReading) -> Any:
+    return make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=reading.qz, w=reading.qw)
+
+
+def _odometry(make: Make, time_ns: int, frame: str, robot_id: int, place: PoseReading, velocity: Twist) -> Any:
+    return make(
+        "nav_msgs/Odometry",
+        header=header(make, time_ns, frame),
+        child_frame_id=robot_frame(robot_id, "base_footprint"),
+        pose=make("geometry_msgs/PoseWithCovariance", pose=pose(make, place), covariance=_NO_COVARIANCE),
+        twist=make("geometry_msgs/TwistWithCovariance", twist=twist(make, velocity), covariance=_NO_COVARIANCE),
+    )
+
+
+def _transform(
+    make: Make, time_ns: int, robot_id: int, parent: str, child: str, place: PoseReading, height_m: float = 0.0
+) -> Any:
+    return make(
+        "geometry_msgs/TransformStamped",
+        header=header(make, time_ns, robot_frame(robot_id, parent)),
+        child_frame_id=robot_frame(robot_id, child),
+        transform=make(
+            "geometry_msgs/Transform",
+            translation=make("geometry_msgs/Vector3", x=place.x_m, y=place.y_m, z=height_m),
+            rotation=_quaternion(make, place),
+        ),
+    )
+
+
+def _grid(make: Make, time_ns: int, origin_m: tuple[float, float], resolution_m: float, cells: np.ndarray) -> Any:
+    rows, columns = cells.shape
+    origin = PoseReading(float(origin_m[0]), float(origin_m[1]), 0.0, 1.0)
+    return make(
+        "nav_msgs/OccupancyGrid",
+        header=header(make, time_ns, MAP_FRAME),
+        info=make(
+            "nav_msgs/MapMetaData",
+            map_load_time=make.time(time_ns),
+            resolution=resolution_m,
+            width=columns,
+            height=rows,
+            origin=pose(make, origin),
+        ),
+        data=np.asarray(cells, dtype=np.int8).ravel(),
+    )
