@@ -2,28 +2,67 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic_core import PydanticCustomError
+
+from robotteamsim.scenario.yaml_text import shown
 
 
 def _as_tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-Point = Annotated[tuple[float, float], BeforeValidator(_as_tuple)]
+def _form(text: str, length: int) -> BeforeValidator:
+    """Return the check that a value is a list of that many items, which `text` names."""
+
+    def check(value: Any) -> Any:
+        if not isinstance(value, (list, tuple)) or len(value) != length:
+            raise PydanticCustomError("wrong", "{text}", {"key": "", "text": f"{shown(value)} is not {text}"})
+        return tuple(value)
+
+    return BeforeValidator(check)
+
+
+Point = Annotated[tuple[float, float], _form("[x, y]", 2)]
 """[x, y] in the map frame [m]."""
 
-PlanarPose = Annotated[tuple[float, float, float], BeforeValidator(_as_tuple)]
+PlanarPose = Annotated[tuple[float, float, float], _form("[x, y, yaw]", 3)]
 """[x, y, yaw] in the map frame [m, m, rad]."""
 
-Interval = Annotated[tuple[float, float], BeforeValidator(_as_tuple)]
+Interval = Annotated[tuple[float, float], _form("[low, high]", 2)]
 """[low, high]."""
 
+Item = TypeVar("Item")
 
-def tuple_of(item: Any) -> Any:
-    """Return the type of an immutable sequence that YAML writes as a list."""
-    return Annotated[tuple[item, ...], BeforeValidator(_as_tuple)]
+Many = Annotated[tuple[Item, ...], BeforeValidator(_as_tuple)]
+"""An immutable sequence that YAML writes as a list: Many[Wall]."""
+
+
+def wrong(key: str, text: str) -> PydanticCustomError:
+    """Return the error that a model's own check raises: `key` is relative to the model, `text` says what is wrong."""
+    return PydanticCustomError("wrong", "{key}: {text}", {"key": key, "text": text})
+
+
+def _in_tenths(loss_db: float) -> float:
+    if abs(loss_db * 10.0 - round(loss_db * 10.0)) > 1e-6:
+        raise PydanticCustomError("wrong", "{text}", {"key": "", "text": f"{loss_db:g} is not a multiple of 0.1"})
+    return loss_db
+
+
+LossDb = Annotated[float, Field(ge=0.0, le=120.0), AfterValidator(_in_tenths)]
+"""A loss in whole tenths of a dB, so that half of it is exact in the integer sums of the propagation model."""
+
+
+def first_repeated(names: list[str]) -> tuple[int, str] | None:
+    """Return index and value of the first name that stood before; none: all differ."""
+    seen: set[str] = set()
+    for index, name in enumerate(names):
+        if name in seen:
+            return index, name
+        seen.add(name)
+    return None
 
 
 class Model(BaseModel):

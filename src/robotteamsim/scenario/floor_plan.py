@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
+import shapely
+from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Model, Point, tuple_of
+from robotteamsim.scenario.base import Many, Model, Point, first_repeated, wrong
 
 
 class Bounds(Model):
@@ -15,32 +16,60 @@ class Bounds(Model):
     min: Point = Field(default=(0.0, 0.0), description="lower left corner [m]")
     max: Point = Field(description="upper right corner [m]")
 
+    @model_validator(mode="after")
+    def _check(self) -> Bounds:
+        for axis, (low, high) in zip("xy", zip(self.min, self.max, strict=True), strict=True):
+            if not high > low:
+                raise wrong("max", f"{axis} {high:g} is not above that of min, {low:g}")
+        return self
+
+    def contains(self, point: Point) -> bool:
+        """Whether a point lies inside or on the border."""
+        return all(low <= value <= high for low, value, high in zip(self.min, point, self.max, strict=True))
+
+    def __str__(self) -> str:
+        return f"[{self.min[0]:g}, {self.min[1]:g}] .. [{self.max[0]:g}, {self.max[1]:g}]"
+
 
 class Wall(Model):
     """A straight wall of rectangular footprint around its centre line; its ends are cut square at `from` and `to`."""
 
-    name: str = Field(description="unique among the plan's elements")
+    name: str = Field(description="a name, unique among the plan's elements")
     start: Point = Field(alias="from", description="one end of the centre line [m]")
     end: Point = Field(alias="to", description="other end of the centre line [m]")
     thickness_m: float = Field(default=0.2, gt=0.0, le=0.8, description="decides the loss class (Table 3) [m]")
     height_m: float = Field(default=2.6, gt=0.0, le=20.0, description="for 3D views [m]")
     material: str | None = Field(default=None, description="key into radio.materials; none: by thickness")
 
+    @model_validator(mode="after")
+    def _check(self) -> Wall:
+        _check_segment(self.start, self.end)
+        return self
+
 
 class Block(Model):
     """A solid polygon: a stair core, a pillar."""
 
-    name: str = Field(description="unique among the plan's elements")
+    name: str = Field(description="a name, unique among the plan's elements")
     kind: Literal["block", "pillar"] = Field(default="block", description="a plan may switch pillars off for radio")
-    polygon: tuple_of(Point) = Field(min_length=3, description="corners in order, not self-crossing [m]")  # type: ignore[valid-type]
+    polygon: Many[Point] = Field(min_length=3, description="corners in order, not self-crossing [m]")
     height_m: float = Field(default=2.6, gt=0.0, le=20.0, description="for 3D views [m]")
     material: str | None = Field(default=None, description="key into radio.materials; none: by the smaller width")
+
+    @model_validator(mode="after")
+    def _check(self) -> Block:
+        outline = shapely.Polygon(self.polygon)
+        if outline.area < 1e-6:
+            raise wrong("polygon", "encloses no area")
+        if not outline.is_valid:
+            raise wrong("polygon", "crosses or touches itself")
+        return self
 
 
 class Door(Model):
     """A door leaf: one segment across a gap between walls."""
 
-    name: str = Field(description="unique among the plan's elements")
+    name: str = Field(description="a name, unique among the plan's elements")
     start: Point = Field(alias="from", description="hinge side of the leaf [m]")
     end: Point = Field(alias="to", description="other side of the leaf [m]")
     kind: Literal["normal", "fireproof"] = Field(default="normal", description="Table 3: 1.4 dB or 10.2 dB when closed")
@@ -48,12 +77,36 @@ class Door(Model):
     thickness_m: float = Field(default=0.06, gt=0.0, le=0.2, description="of the leaf as a body [m]")
     height_m: float = Field(default=2.1, gt=0.0, le=20.0, description="for 3D views [m]")
 
+    @model_validator(mode="after")
+    def _check(self) -> Door:
+        _check_segment(self.start, self.end)
+        return self
+
 
 class FloorPlan(Model):
     """One floor of a building."""
 
     name: str = Field(description="shown in tables and pictures")
-    bounds: Bounds
-    walls: tuple_of(Wall) = Field(default=(), description="straight walls")  # type: ignore[valid-type]
-    blocks: tuple_of(Block) = Field(default=(), description="solid polygons and pillars")  # type: ignore[valid-type]
-    doors: tuple_of(Door) = Field(default=(), description="door leaves in gaps between walls")  # type: ignore[valid-type]
+    bounds: Bounds = Field(description="the rectangle [m] that the plan fills")
+    walls: Many[Wall] = Field(default=(), description="straight walls")
+    blocks: Many[Block] = Field(default=(), description="solid polygons and pillars")
+    doors: Many[Door] = Field(default=(), description="door leaves in gaps between walls")
+
+    @model_validator(mode="after")
+    def _check(self) -> FloorPlan:
+        places = [f"{key}.{i}" for key in ("walls", "blocks", "doors") for i in range(len(getattr(self, key)))]
+        elements = (*self.walls, *self.blocks, *self.doors)
+        repeated = first_repeated([element.name for element in elements])
+        if repeated:
+            raise wrong(f"{places[repeated[0]]}.name", f"'{repeated[1]}' is the name of another element already")
+        for place, element in zip(places, elements, strict=True):
+            points = element.polygon if isinstance(element, Block) else (element.start, element.end)
+            for point in points:
+                if not self.bounds.contains(point):
+                    raise wrong(place, f"[{point[0]:g}, {point[1]:g}] lies outside the bounds {self.bounds}")
+        return self
+
+
+def _check_segment(start: Point, end: Point) -> None:
+    if start == end:
+        raise wrong("to", f"[{end[0]:g}, {end[1]:g}] is the point of 'from' too")

@@ -2,11 +2,30 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from typing import Annotated, Any
 
-from robotteamsim.scenario.base import Model, tuple_of
+from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
+
+from robotteamsim.scenario.base import Many, Model, wrong
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.placement import placed_robots
 from robotteamsim.scenario.sections import Control, Mission, Network, PlacedRobot, Radio, Run, Team, Voice
+
+MAX_ROBOTS = 3000
+
+
+def _robots_form(value: Any) -> str | None:
+    """A mapping is meant as a team and a list as a list, so that a mistake in either is reported for that one."""
+    if isinstance(value, (dict, Team)):
+        return "<team>"
+    return "<list>" if isinstance(value, (list, tuple)) else None
+
+
+Robots = Annotated[
+    Annotated[Team, Tag("<team>")]
+    | Annotated[Many[PlacedRobot], Field(min_length=1, max_length=MAX_ROBOTS), Tag("<list>")],
+    Discriminator(_robots_form),
+]
 
 
 class Scenario(Model):
@@ -14,10 +33,41 @@ class Scenario(Model):
 
     name: str = Field(description="shown in tables and results")
     plan: FloorPlan = Field(description="floor plan file, or map_server yaml, relative to this file")
-    robots: Team | tuple_of(PlacedRobot) = Field(description="a team of equal robots, or a list")  # type: ignore[valid-type]
+    robots: Robots = Field(description="a team of equal robots, or a list")
     radio: Radio = Radio()
     voice: Voice = Voice()
     network: Network = Network()
     control: Control = Control()
     mission: Mission = Mission()
     run: Run = Run()
+
+    _plan_file: tuple[FloorPlan, str] | None = PrivateAttr(default=None)
+
+    @model_validator(mode="after")
+    def _check(self) -> Scenario:
+        known = ", ".join(self.radio.materials) or "none"
+        for element in (*self.plan.walls, *self.plan.blocks):
+            if element.material is not None and element.material not in self.radio.materials:
+                raise wrong(
+                    "radio.materials",
+                    f"has no '{element.material}', which '{element.name}' of the plan is made of; known: {known}",
+                )
+        return self
+
+    @property
+    def plan_file(self) -> str | None:
+        """The file that `plan` was read from; none when the plan was given otherwise or changed since."""
+        return self._plan_file[1] if self._plan_file and self._plan_file[0] == self.plan else None
+
+    def with_plan_file(self, file: str) -> Scenario:
+        """Return this scenario with the file that its plan was read from."""
+        scenario = self.model_copy()
+        scenario._plan_file = (self.plan, file)
+        return scenario
+
+    def placed_robots(self) -> tuple[PlacedRobot, ...]:
+        """Return every robot with its start pose, in id order; a team is set up by `placement.placed_robots`.
+
+        Raises: PlacementError: a start pose touches a solid or lies outside, or the formation finds no room.
+        """
+        return placed_robots(self.plan, self.robots)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Interval, Model, PlanarPose, Point, tuple_of
+from robotteamsim.scenario.base import Interval, LossDb, Many, Model, PlanarPose, Point, first_repeated, wrong
 
 
 class Radio(Model):
@@ -15,15 +15,15 @@ class Radio(Model):
     tx_power_dbm: float = Field(default=0.0, ge=-40.0, le=40.0, description="transmit power [dBm]")
     constant_loss_db: float = Field(default=47.4, ge=0.0, le=120.0, description="l0 + l_c [dB]")
     slope_db: float = Field(default=23.2, gt=0.0, le=80.0, description="10*gamma: loss per tenfold distance [dB]")
-    wall_loss_db: tuple_of(float) = Field(  # type: ignore[valid-type]
+    wall_loss_db: Many[LossDb] = Field(
         default=(3.8, 3.9, 5.7, 12.4),
         min_length=4,
         max_length=4,
         description="walls of thickness [0,20], ]20,40], ]40,60], ]60,80] cm; multiples of 0.1 [dB]",
     )
-    door_loss_db: float = Field(default=1.4, ge=0.0, le=100.0, description="closed normal door [dB]")
-    fireproof_door_loss_db: float = Field(default=10.2, ge=0.0, le=100.0, description="closed fireproof door [dB]")
-    materials: dict[str, float] = Field(default={}, description="loss of a whole wall by material name [dB]")
+    door_loss_db: LossDb = Field(default=1.4, description="closed normal door [dB]")
+    fireproof_door_loss_db: LossDb = Field(default=10.2, description="closed fireproof door [dB]")
+    materials: dict[str, LossDb] = Field(default={}, description="loss of a whole wall by material name [dB]")
     pillars: bool = Field(default=True, description="whether pillars fade the radio")
     min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="distances below count as this [m]")
 
@@ -36,12 +36,21 @@ class Voice(Model):
     exponent: Interval = Field(
         default=(5.0, 6.0), description="gamma is drawn from this range per victim; 2 in free field"
     )
-    wall_loss_db: float = Field(default=2.0, ge=0.0, le=60.0, description="l_w, any wall or closed door [dB]")
+    wall_loss_db: LossDb = Field(default=2.0, description="l_w, any wall or closed door [dB]")
     min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="distances below count as this [m]")
     map_resolution_m: float = Field(default=0.25, ge=0.05, le=2.0, description="cell of the voice map [m]")
     local_best_radius_m: float = Field(
         default=1.5, gt=0.0, le=20.0, description="how far a robot perceives the map [m]"
     )
+
+    @model_validator(mode="after")
+    def _check(self) -> Voice:
+        for key, (low, high) in (("constant_db", self.constant_db), ("exponent", self.exponent)):
+            if low > high:
+                raise wrong(key, f"[{low:g}, {high:g}] does not go from low to high")
+        if self.exponent[0] <= 0.0:
+            raise wrong("exponent", f"{self.exponent[0]:g} is not above 0")
+        return self
 
 
 class Drive(Model):
@@ -65,6 +74,14 @@ class Laser(Model):
     height_m: float = Field(default=0.25, ge=0.0, le=2.0, description="above base_link, for tf [m]")
     no_return: Literal["range_max", "inf"] = Field(default="range_max", description="as Stage does, or REP-117")
     noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
+
+    @model_validator(mode="after")
+    def _check(self) -> Laser:
+        if not self.angle_max_rad > self.angle_min_rad:
+            raise wrong("angle_max_rad", f"{self.angle_max_rad:g} is not above angle_min_rad, {self.angle_min_rad:g}")
+        if not self.range_max_m > self.range_min_m:
+            raise wrong("range_max_m", f"{self.range_max_m:g} is not above range_min_m, {self.range_min_m:g}")
+        return self
 
 
 class Odometry(Model):
@@ -100,7 +117,15 @@ class Team(Robot):
     count: int = Field(default=3, ge=1, le=3000, description="number of robots")
     start: PlanarPose | None = Field(default=None, description="where the formation stands [m, m, rad]")
     spacing_m: float = Field(default=0.8, gt=0.0, le=20.0, description="between neighbours in the formation [m]")
-    start_poses: tuple_of(PlanarPose) = Field(default=(), description="one pose per robot, in id order")  # type: ignore[valid-type]
+    start_poses: Many[PlanarPose] = Field(default=(), description="one pose per robot, in id order")
+
+    @model_validator(mode="after")
+    def _check(self) -> Team:
+        if self.start is None and not self.start_poses:
+            raise wrong("start", "missing; wanted [x, y, yaw], or start_poses instead")
+        if self.spacing_m < 2.0 * self.radius_m:
+            raise wrong("spacing_m", f"{self.spacing_m:g} is below two radii, {2.0 * self.radius_m:g}")
+        return self
 
 
 class Network(Model):
@@ -113,6 +138,15 @@ class Network(Model):
     link: Literal["signal", "distance"] = Field(default="signal", description="what makes a link (eq. 16)")
     max_distance_m: float = Field(default=25.0, gt=0.0, le=10_000.0, description="d_max, for links by distance [m]")
 
+    @model_validator(mode="after")
+    def _check(self) -> Network:
+        if self.endangered_below_dbm < self.lost_below_dbm:
+            raise wrong(
+                "endangered_below_dbm",
+                f"{self.endangered_below_dbm:g} is below lost_below_dbm, {self.lost_below_dbm:g}",
+            )
+        return self
+
 
 class SocialExclusion(Model):
     """When a robot leaves the swarm and comes back [dissertation, eq. 12 and 5.2.2]."""
@@ -121,6 +155,12 @@ class SocialExclusion(Model):
     search_counter_max: int = Field(default=15, ge=1, le=10_000, description="SC_max: iterations without improvement")
     min_robots: int = Field(default=0, ge=0, le=3000, description="a punished swarm this small is dissolved instead")
     max_robots: int = Field(default=15, ge=1, le=3000, description="no inclusion beyond")
+
+    @model_validator(mode="after")
+    def _check(self) -> SocialExclusion:
+        if self.max_robots < self.min_robots:
+            raise wrong("max_robots", f"{self.max_robots} is below min_robots, {self.min_robots}")
+        return self
 
 
 class Control(Model):
@@ -147,11 +187,17 @@ class Control(Model):
     )
     exclusion: SocialExclusion = SocialExclusion()
 
+    @model_validator(mode="after")
+    def _check(self) -> Control:
+        if self.memory == "published" and self.memory_terms > 4:
+            raise wrong("memory_terms", f"{self.memory_terms} is above 4, all that the published memory has")
+        return self
+
 
 class Area(Model):
     """A circle to explore."""
 
-    name: str = Field(description="unique among areas")
+    name: str = Field(description="a name, unique among areas")
     center: Point = Field(description="[x, y] in the map frame [m]")
     radius_m: float = Field(default=2.0, gt=0.0, le=100.0, description="explored when a robot is this near [m]")
 
@@ -159,18 +205,26 @@ class Area(Model):
 class Victim(Model):
     """A still victim who calls for help."""
 
-    name: str = Field(description="unique among victims")
+    name: str = Field(description="a name, unique among victims")
     position: Point = Field(description="[x, y] in the map frame [m]")
 
 
 class Mission(Model):
     """What the team has to do and when it ends [dissertation, 5.3]."""
 
-    areas: tuple_of(Area) = Field(default=(), description="explored in this order")  # type: ignore[valid-type]
-    victims: tuple_of(Victim) = Field(default=(), description="victims")  # type: ignore[valid-type]
+    areas: Many[Area] = Field(default=(), description="explored in this order")
+    victims: Many[Victim] = Field(default=(), description="victims")
     save_distance_m: float = Field(default=1.0, gt=0.0, le=20.0, description="a robot this near saves a victim [m]")
     time_limit_s: float = Field(default=600.0, gt=0.0, le=1e6, description="the mission ends after this time [s]")
     autostart: bool = Field(default=True, description="starts with the first step, or waits for /mission/start")
+
+    @model_validator(mode="after")
+    def _check(self) -> Mission:
+        for key, items in (("areas", self.areas), ("victims", self.victims)):
+            repeated = first_repeated([item.name for item in items])
+            if repeated:
+                raise wrong(f"{key}.{repeated[0]}.name", f"'{repeated[1]}' is the name of another already")
+        return self
 
 
 class Run(Model):
@@ -179,3 +233,16 @@ class Run(Model):
     seed: int = Field(default=1, ge=0, le=2**53, description="of every random stream")
     step_s: float = Field(default=0.1, ge=0.001, le=1.0, description="one step of the loop: sensors, commands [s]")
     physics_substeps: int = Field(default=5, ge=1, le=1000, description="physics steps and clock ticks per step")
+
+    @model_validator(mode="after")
+    def _check(self) -> Run:
+        if abs(self.step_s * 1e9 - self.step_ns) > 1e-3:
+            raise wrong("step_s", f"{self.step_s!r} is not a whole number of nanoseconds")
+        if self.step_ns % self.physics_substeps:
+            raise wrong("physics_substeps", f"{self.physics_substeps} does not divide step_s, {self.step_ns} ns")
+        return self
+
+    @property
+    def step_ns(self) -> int:
+        """One step of the loop [ns]."""
+        return round(self.step_s * 1e9)

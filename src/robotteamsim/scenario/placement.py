@@ -1,0 +1,165 @@
+"""Where robots stand at the start, and whether robots, areas and victims stand where they can."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import shapely
+from scipy import ndimage
+
+from robotteamsim.errors import PlacementError
+from robotteamsim.scenario.base import PlanarPose
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.plan import FREE, Solid, obstacles, occupancy_grid, solids
+from robotteamsim.scenario.sections import Mission, PlacedRobot, Robot, Team
+
+CLEARANCE_M = 0.05
+"""Between a formation's robots and solids, beyond their radius."""
+
+_REACH_RESOLUTION_M = 0.1
+
+
+def placed_robots(plan: FloorPlan, robots: Team | tuple[PlacedRobot, ...]) -> tuple[PlacedRobot, ...]:
+    """Return every robot with its start pose, in id order.
+
+    A team takes its `start_poses` first; the others stand in a formation: a square grid of `spacing_m` in the frame
+    of `start` (without one: the first start pose), centred on it, all heading as it does. Places that touch a solid,
+    lie outside, are taken or cannot be reached from `start` are left out, and the next nearest places are used.
+
+    Raises: PlacementError: a given pose touches a solid, lies outside or within another robot; no room is left.
+    """
+    if isinstance(robots, tuple):
+        poses = [robot.start_pose for robot in robots]
+        radii_m = [robot.radius_m for robot in robots]
+        _check_poses(plan, poses, radii_m, [f"robots.{i}.start_pose" for i in range(len(poses))])
+        return robots
+    poses = list(robots.start_poses[: robots.count])
+    _check_poses(plan, poses, [robots.radius_m] * len(poses), [f"robots.start_poses.{i}" for i in range(len(poses))])
+    if len(poses) < robots.count:
+        poses += _formation(plan, robots, taken=poses)
+    shared = {key: getattr(robots, key) for key in Robot.model_fields}
+    return tuple(PlacedRobot(**shared, start_pose=pose) for pose in poses)
+
+
+def check_places(plan: FloorPlan, robots: Team | tuple[PlacedRobot, ...], mission: Mission, place: str) -> None:
+    """Raise PlacementError, headed by `place`, when a robot, area or victim stands where it cannot."""
+    try:
+        footprints = solids(plan)
+        spots = [(f"mission.areas.{i}.center", area.center) for i, area in enumerate(mission.areas)]
+        spots += [(f"mission.victims.{i}.position", victim.position) for i, victim in enumerate(mission.victims)]
+        for key, point in spots:
+            _check_inside(plan, key, point)
+            hit = _solid_near(footprints, point, 0.0)
+            if hit:
+                raise PlacementError(f"{key}: {_text(point)} lies in {hit.kind} '{hit.name}'")
+        placed_robots(plan, robots)
+    except PlacementError as error:
+        raise PlacementError(f"{place}: {error}") from None
+
+
+def _check_poses(plan: FloorPlan, poses: list[PlanarPose], radii_m: list[float], keys: list[str]) -> None:
+    footprints = solids(plan)
+    for i, (pose, radius_m, key) in enumerate(zip(poses, radii_m, keys, strict=True)):
+        point = pose[:2]
+        _check_inside(plan, key, point)
+        hit = _solid_near(footprints, point, radius_m)
+        if hit:
+            raise PlacementError(f"{key}: {_text(point)}: robot {i} of radius {radius_m:g} m {_stands_in(hit)}")
+        for j in range(i):
+            if math.dist(point, poses[j][:2]) < radius_m + radii_m[j]:
+                raise PlacementError(f"{key}: {_text(point)}: robot {i} stands in robot {j}")
+
+
+def _check_inside(plan: FloorPlan, key: str, point: tuple[float, float]) -> None:
+    if not plan.bounds.contains(point):
+        raise PlacementError(f"{key}: {_text(point)} lies outside the plan, {plan.bounds}")
+
+
+def _solid_near(footprints: tuple[Solid, ...], point: tuple[float, float], radius_m: float) -> Solid | None:
+    """Return the first solid that a disc overlaps (radius 0: that holds the point)."""
+    if not footprints:
+        return None
+    distances_m = shapely.distance([solid.polygon for solid in footprints], shapely.Point(point))
+    hits = np.flatnonzero(distances_m < radius_m if radius_m else distances_m == 0.0)
+    return footprints[hits[0]] if len(hits) else None
+
+
+def _formation(plan: FloorPlan, team: Team, taken: list[PlanarPose]) -> list[PlanarPose]:
+    """Return poses for the robots that have none: the free places nearest to the middle, front row first."""
+    start = team.start or team.start_poses[0]
+    wanted = team.count - len(taken)
+    room = _Room(plan, start, team, taken)
+    side, free = math.ceil(math.sqrt(wanted)), 0
+    while (side - 1) * team.spacing_m <= 2.0 * math.dist(plan.bounds.min, plan.bounds.max):
+        rows, columns = np.divmod(np.arange(side * side), side)
+        # Twice the steps from the middle, as whole numbers: ties in distance stay ties on every machine.
+        ahead, left = side - 1 - 2 * rows, side - 1 - 2 * columns
+        points = _in_map_frame(start, 0.5 * team.spacing_m * ahead, 0.5 * team.spacing_m * left)
+        places = np.flatnonzero(room.has_place(points))
+        if len(places) >= wanted:
+            nearest = places[np.argsort((ahead**2 + left**2)[places], kind="stable")[:wanted]]
+            return [(float(x), float(y), start[2]) for x, y in points[np.sort(nearest)]]
+        free = max(free, len(places))
+        side = max(side + 1, side * 9 // 8)
+    raise PlacementError(
+        f"robots.count: {team.count} robots {team.spacing_m:g} m apart find no room around {_text(start[:2])}, "
+        f"only {free + len(taken)} of them"
+    )
+
+
+def _in_map_frame(start: PlanarPose, ahead_m: np.ndarray, left_m: np.ndarray) -> np.ndarray:
+    """Return points given in the frame of `start` in the map frame, shape (n, 2)."""
+    cos, sin = math.cos(start[2]), math.sin(start[2])
+    return np.stack([start[0] + cos * ahead_m - sin * left_m, start[1] + sin * ahead_m + cos * left_m], axis=1)
+
+
+class _Room:
+    """The places where a team's robot can stand and that it can reach from the start."""
+
+    def __init__(self, plan: FloorPlan, start: PlanarPose, team: Team, taken: list[PlanarPose]) -> None:
+        key = "robots.start" if team.start else "robots.start_poses.0"
+        _check_inside(plan, key, start[:2])
+        hit = _solid_near(solids(plan), start[:2], team.radius_m)
+        if hit:
+            raise PlacementError(f"{key}: {_text(start[:2])}: a robot of radius {team.radius_m:g} m {_stands_in(hit)}")
+        self._obstacles = obstacles(plan)
+        self._radius_m = team.radius_m
+        self._taken = shapely.MultiPoint([pose[:2] for pose in taken])
+        self._bounds = plan.bounds
+        self._grid = occupancy_grid(plan, _REACH_RESOLUTION_M)
+        self._reached = self._flood(start)
+
+    def has_place(self, points: np.ndarray) -> np.ndarray:
+        """Return for each point, shape (n, 2), whether a robot can stand there; bool, shape (n,)."""
+        keep_m = self._radius_m + CLEARANCE_M
+        inside = np.all(
+            (points >= np.array(self._bounds.min) + keep_m) & (points <= np.array(self._bounds.max) - keep_m), axis=1
+        )
+        free = inside.copy()
+        candidates = shapely.points(points[inside])
+        clear = shapely.is_empty(self._obstacles) | (shapely.distance(self._obstacles, candidates) >= keep_m)
+        alone = shapely.is_empty(self._taken) | (shapely.distance(self._taken, candidates) >= keep_m + self._radius_m)
+        cells = [self._grid.cell_at(x, y) for x, y in points[inside]]
+        reached = np.array([self._reached[cell] for cell in cells], dtype=bool)
+        free[inside] = clear & alone & reached
+        return free
+
+    def _flood(self, start: PlanarPose) -> np.ndarray:
+        """Return the cells that a robot reaches from the start, and two cells around them; bool, shape (rows, cols)."""
+        free = self._grid.cells == FREE
+        if not free.all():
+            free = ndimage.distance_transform_edt(free) * self._grid.resolution_m > self._radius_m
+        # The grid is conservative: the start's own cell may count as too near to a wall.
+        labels, _ = ndimage.label(free)
+        row, column = self._grid.cell_at(start[0], start[1])
+        near = labels[max(row - 2, 0) : row + 3, max(column - 2, 0) : column + 3]
+        return ndimage.binary_dilation(np.isin(labels, near[near > 0]), iterations=2)
+
+
+def _stands_in(solid: Solid) -> str:
+    return f"stands in {solid.kind} '{solid.name}'"
+
+
+def _text(point: tuple[float, ...]) -> str:
+    return f"[{', '.join(f'{value:g}' for value in point)}]"

@@ -1,0 +1,139 @@
+"""What pydantic found wrong, as one line a user understands: place, value, what was wanted."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, get_args, get_origin
+
+from pydantic import ValidationError
+from pydantic.fields import FieldInfo
+
+from robotteamsim.scenario.base import Model
+from robotteamsim.scenario.yaml_text import shown
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One mistake: the dotted key and the text after it."""
+
+    key: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.key}: {self.text}" if self.key else self.text
+
+
+def problems(error: ValidationError, root: type[Model]) -> list[Problem]:
+    """Return the mistakes of one validation, unknown keys first: they often explain the missing ones."""
+    details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] != "extra_forbidden")
+    return [_problem(detail, root) for detail in details]
+
+
+def suggestion(name: str, known: Sequence[str]) -> str:
+    """Return "; did you mean 'x'?" for the likeliest of the known names, or "" when none is near."""
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
+    return f"; did you mean '{near[0]}'?" if near else ""
+
+
+_Detail = dict[str, Any]
+
+_TEXTS: dict[str, Callable[[_Detail, _Detail], str]] = {
+    "greater_than": lambda d, ctx: f"{shown(d['input'])} is not above {ctx['gt']:g}",
+    "greater_than_equal": lambda d, ctx: f"{shown(d['input'])} is below {ctx['ge']:g}",
+    "less_than": lambda d, ctx: f"{shown(d['input'])} is not below {ctx['lt']:g}",
+    "less_than_equal": lambda d, ctx: f"{shown(d['input'])} is above {ctx['le']:g}",
+    "finite_number": lambda d, ctx: f"{shown(d['input'])} is not a finite number",
+    "float_type": lambda d, ctx: f"{shown(d['input'])} is not a number",
+    "int_type": lambda d, ctx: f"{shown(d['input'])} is not a whole number",
+    "int_from_float": lambda d, ctx: f"{shown(d['input'])} is not a whole number",
+    "bool_type": lambda d, ctx: f"{shown(d['input'])} is not true or false",
+    "string_type": lambda d, ctx: f"{shown(d['input'])} is not text; put it in quotes if it is meant so",
+    "tuple_type": lambda d, ctx: f"{shown(d['input'])} is not a list",
+    "dict_type": lambda d, ctx: f"{shown(d['input'])} is not a section",
+    "model_type": lambda d, ctx: f"{shown(d['input'])} is not a section",
+    "too_short": lambda d, ctx: f"{ctx['actual_length']} items are too few; wanted at least {ctx['min_length']}",
+    "too_long": lambda d, ctx: f"{ctx['actual_length']} items are too many; wanted at most {ctx['max_length']}",
+    "literal_error": lambda d, ctx: _wrong_choice(d["input"], ctx["expected"]),
+    "union_tag_not_found": lambda d, ctx: f"{shown(d['input'])} is neither a section nor a list",
+    "recursion_loop": lambda d, ctx: "contains itself",
+}
+
+
+def _problem(detail: _Detail, root: type[Model]) -> Problem:
+    # Tags of unions stand in angle brackets in the location and are no keys.
+    path = [part for part in detail["loc"] if not (isinstance(part, str) and part.startswith("<"))]
+    kind, context = detail["type"], detail.get("ctx", {})
+    if kind == "wrong":
+        path += [context["key"]] if context["key"] else []
+        text = context["text"]
+    elif kind == "extra_forbidden":
+        text = f"unknown key{_known_key(str(path[-1]), _model_at(root, path[:-1]), root)}"
+    elif kind == "missing":
+        text = f"missing{_meaning(_model_at(root, path[:-1]), str(path[-1]))}"
+    elif kind in _TEXTS:
+        text = _TEXTS[kind](detail, context)
+    else:
+        text = f"{shown(detail['input'])}: {' '.join(str(detail['msg']).split())}"
+    return Problem(".".join(map(str, path)), text)
+
+
+def _wrong_choice(value: Any, expected: str) -> str:
+    choices = [choice.strip("'") for choice in expected.replace(" or ", ", ").split(", ")]
+    return f"{shown(value)} is not one of {', '.join(choices)}{suggestion(str(value), choices)}"
+
+
+def _known_key(name: str, model: type[Model] | None, root: type[Model]) -> str:
+    """Say which key may have been meant: one nearly so called here, one so called elsewhere, or what there is."""
+    if model is None:
+        return ""
+    known = [field.alias or key for key, field in model.model_fields.items()]
+    near = suggestion(name, known)
+    if near:
+        return near
+    elsewhere = [path for path in _paths(root) if path.rpartition(".")[2] == name]
+    return f"; did you mean '{elsewhere[0]}'?" if elsewhere else f"; known are {', '.join(known)}"
+
+
+def _meaning(model: type[Model] | None, key: str) -> str:
+    fields = {field.alias or name: field for name, field in model.model_fields.items()} if model else {}
+    return f"; wanted {fields[key].description}" if key in fields and fields[key].description else ""
+
+
+def _paths(model: type[Model], prefix: str = "") -> Iterator[str]:
+    """Yield the dotted keys of a model's sections, not descending into lists."""
+    for name, field in model.model_fields.items():
+        yield f"{prefix}{name}"
+        section = _section(field.annotation, int_follows=False)
+        if section is not None:
+            yield from _paths(section, f"{prefix}{name}.")
+
+
+def _model_at(root: type[Model], path: Sequence[str | int]) -> type[Model] | None:
+    """Return the model that a location lies in; none: it lies in a dictionary or a list of numbers."""
+    model: type[Model] | None = root
+    for position, part in enumerate(path):
+        if isinstance(part, int):
+            continue
+        field = _field(model, part) if model else None
+        int_follows = position + 1 < len(path) and isinstance(path[position + 1], int)
+        model = _section(field.annotation, int_follows) if field else None
+    return model
+
+
+def _field(model: type[Model], key: str) -> FieldInfo | None:
+    return next((field for name, field in model.model_fields.items() if key in (name, field.alias)), None)
+
+
+def _section(annotation: Any, int_follows: bool) -> type[Model] | None:
+    """Return the model that an annotation stands for: itself, or the item's where an index follows."""
+    if isinstance(annotation, type) and issubclass(annotation, Model):
+        return None if int_follows else annotation
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        return _section(arguments[0], int_follows)
+    if origin is tuple:
+        return _section(arguments[0], False) if int_follows else None
+    found = (_section(argument, int_follows) for argument in arguments if origin is not dict)
+    return next((model for model in found if model is not None), None)

@@ -1,0 +1,68 @@
+"""Where the shipped scenarios and maps lie: source tree, catkin space or wheel."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.problems import suggestion
+
+
+def share_roots() -> tuple[Path, ...]:
+    """Return the folders that hold `scenarios/` and `maps/` of this package, the nearest to its code first.
+
+    A wheel carries them in robotteamsim/share, the source tree (also behind a catkin devel space) beside src, a
+    catkin install space in share/robotteamsim; at last each package of that name on ROS_PACKAGE_PATH.
+    """
+    package = Path(__file__).resolve().parents[1]
+    candidates = [package / "share", package.parents[1]]
+    candidates += [parent / "share" / "robotteamsim" for parent in package.parents[:5]]
+    for entry in filter(None, os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)):
+        candidates += [Path(entry) / "robotteamsim", Path(entry)]
+    return tuple(dict.fromkeys(root for root in candidates if _is_share_root(root)))
+
+
+def scenario_names() -> list[str]:
+    """Return the names of the shipped scenarios, sorted."""
+    return sorted({file.stem for root in share_roots() for file in (root / "scenarios").glob("*.yaml")})
+
+
+def map_names() -> list[str]:
+    """Return the names of the shipped maps, sorted."""
+    return sorted({file.parent.name for root in share_roots() for file in (root / "maps").glob("*/plan.yaml")})
+
+
+def is_bare_name(name: str) -> bool:
+    """Whether a text names something shipped rather than a file: no folder, no suffix."""
+    return bool(name) and os.path.basename(name) == name and not os.path.splitext(name)[1]
+
+
+def shipped_scenario(name: str) -> Path:
+    """Return the file of a shipped scenario. Raises: ScenarioError: there is none of that name."""
+    return _find(name, f"scenarios/{name}.yaml", "scenario", scenario_names())
+
+
+def shipped_plan(name: str) -> Path:
+    """Return the floor plan of a shipped map. Raises: ScenarioError: there is none of that name."""
+    return _find(name, f"maps/{name}/plan.yaml", "map", map_names())
+
+
+def shipped_map_name(plan_file: Path) -> str | None:
+    """Return the name that `shipped_plan` finds this very file by; none: it is no shipped map's."""
+    name = plan_file.parent.name
+    files = [root / "maps" / name / "plan.yaml" for root in share_roots()]
+    first = next((file for file in files if file.is_file()), None)
+    return name if first is not None and first.resolve() == plan_file.resolve() else None
+
+
+def _find(name: str, relative: str, what: str, known: list[str]) -> Path:
+    for root in share_roots():
+        if (root / relative).is_file():
+            return root / relative
+    near = suggestion(name, known) or f"; shipped are {', '.join(known) or 'none'}"
+    raise ScenarioError(f"{name}: no {what} of this name is shipped{near}")
+
+
+def _is_share_root(root: Path) -> bool:
+    return (root / "scenarios" / "garage_sar.yaml").is_file() and (root / "maps" / "garage" / "plan.yaml").is_file()

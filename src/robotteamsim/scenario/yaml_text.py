@@ -1,0 +1,96 @@
+"""YAML as scenarios use it: every key a text and once only, `1e6` a number, dates plain text."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import yaml
+
+from robotteamsim.errors import ScenarioError
+
+
+class _Loader(yaml.SafeLoader):
+    """PyYAML's safe loader with the differences that the module names."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        seen = set()
+        for key_node, _ in node.value:
+            if not isinstance(key_node, yaml.ScalarNode):
+                raise yaml.MarkedYAMLError(problem="a key must be plain text", problem_mark=key_node.start_mark)
+            if key_node.tag not in ("tag:yaml.org,2002:str", "tag:yaml.org,2002:merge"):
+                problem = f"key {key_node.value} is not text; put it in quotes"
+                raise yaml.MarkedYAMLError(problem=problem, problem_mark=key_node.start_mark)
+            if key_node.value in seen:
+                problem = f"key '{key_node.value}' stands here a second time"
+                raise yaml.MarkedYAMLError(problem=problem, problem_mark=key_node.start_mark)
+            seen.add(key_node.value)
+        return super().construct_mapping(node, deep)
+
+
+_Loader.yaml_implicit_resolvers = {
+    first: [(tag, pattern) for tag, pattern in resolvers if not tag.endswith((":timestamp", ":float"))]
+    for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float",
+    # YAML 1.2's form: a point or an exponent is enough (PyYAML alone takes 1e6 for text).
+    re.compile(
+        r"[-+]?(?:(?:\.[0-9]+|[0-9]+\.[0-9]*)(?:[eE][-+]?[0-9]+)?|[0-9]+[eE][-+]?[0-9]+|\.(?:inf|Inf|INF))$|\.nan$"
+    ),
+    list("-+0123456789."),
+)
+
+
+def parse(text: str, place: str) -> Any:
+    """Return the value of a YAML text.
+
+    Args:   place: what error messages call the text: the file's name, or the override.
+    Raises: ScenarioError: a syntax error or a repeated key, with its line.
+    """
+    try:
+        return yaml.load(text, Loader=_Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = f":{mark.line + 1}" if mark and "\n" in text.strip() else ""
+        raise ScenarioError(f"{place}{line}: {error.problem or error.context}") from None
+    except (yaml.YAMLError, ValueError) as error:
+        # An unprintable character, or a number that looks right and is not (0b, 1_).
+        raise ScenarioError(f"{place}: {str(error).splitlines()[0]}") from None
+    except RecursionError:
+        raise ScenarioError(f"{place}: nested too deeply") from None
+
+
+class _Dumper(yaml.SafeDumper):
+    """Lists of plain values, such as points, on one line."""
+
+    def represent_sequence(self, tag: str, sequence: Any, flow_style: bool | None = None) -> yaml.SequenceNode:
+        plain = not any(isinstance(item, dict) for item in sequence)
+        return super().represent_sequence(tag, sequence, flow_style=plain)
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+def _number(dumper: yaml.SafeDumper, value: float) -> yaml.ScalarNode:
+    text = repr(value)
+    return dumper.represent_scalar("tag:yaml.org,2002:float", text)
+
+
+_Dumper.add_representer(float, _number)
+
+
+def write(value: Any) -> str:
+    """Return the YAML text of plain values, keys in their order; `parse` gives the same value back."""
+    return yaml.dump(value, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=110)
+
+
+def shown(value: Any) -> str:
+    """Return a value as YAML writes it, on one short line."""
+    if isinstance(value, str):
+        text = f"'{value}'"
+    elif isinstance(value, (dict, list, tuple, float, int, type(None))):
+        text = write(value).splitlines()[0] if not isinstance(value, dict) else "a section"
+    else:
+        text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
