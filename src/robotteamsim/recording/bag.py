@@ -1,0 +1,209 @@
+"""A bag of a headless run, with the topics and types of a ROS run."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rosbags.rosbag1 import Writer
+
+from robotteamsim.errors import RecordingError
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.files import cannot_write
+from robotteamsim.scenario import occupancy_grid
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.simulation import Result, StepRecord
+
+MAP_RESOLUTION_M = 0.05
+"""Cell of `/map` [m]."""
+
+CHUNK_BYTES = 256 * 1024
+"""What a kill can lose at most. The bag of three robots fills a chunk in about 4 s of simulated time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A topic of the bag."""
+
+    name: str
+    type_name: str
+    latched: bool = False
+
+
+TEAM_TOPICS = (
+    Topic("/clock", "rosgraph_msgs/Clock"),
+    Topic("/tf", "tf2_msgs/TFMessage"),
+    Topic("/map", "nav_msgs/OccupancyGrid", latched=True),
+    Topic("/voice_map", "nav_msgs/OccupancyGrid", latched=True),
+    Topic("/voice_map/values", "robotteamsim/FloatMap", latched=True),
+    Topic("/network/state", "robotteamsim/NetworkState"),
+    Topic("/mission/status", "robotteamsim/MissionStatus"),
+    Topic("/mission/events", "robotteamsim/MissionEvent"),
+    Topic("/mission/victims", "robotteamsim/Victims", latched=True),
+    Topic("/mission/areas", "robotteamsim/Areas", latched=True),
+)
+
+ROBOT_TOPICS = (
+    Topic("odom", "nav_msgs/Odometry"),
+    Topic("base_scan", "sensor_msgs/LaserScan"),
+    Topic("base_pose_ground_truth", "nav_msgs/Odometry"),
+    Topic("voice", "robotteamsim/Voice"),
+    Topic("network/tx", "robotteamsim/NetworkMessages"),
+    Topic("network/rx", "robotteamsim/NetworkMessages"),
+    Topic("cmd_vel", "geometry_msgs/Twist"),
+    Topic("controller/status", "robotteamsim/ControllerStatus"),
+)
+"""In the namespace of each robot."""
+
+
+class BagWriter:
+    """Writes a ROS 1 bag while the trial runs.
+
+    Like `rosbag record` it writes to `path`.active and renames that at the end, or when the run is broken off. After a
+    kill or a full disk the .active file holds all complete chunks; `rosbag reindex` makes it readable.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._active = path.with_name(f"{path.name}.active")
+        self._writer: Writer | None = None
+        self._steps = 0
+
+    def begin(self, scenario: Scenario) -> None:
+        """Open the bag. Raises: RecordingError: it cannot be written."""
+        self._scenario = scenario
+        self._robots = scenario.placed_robots()
+        self._step_ns = round(scenario.run.step_s * 1e9)
+        self._steps = 0
+        self._last: StepRecord | None = None
+        self._make = BagTypes()
+        try:
+            if self._path.is_dir():
+                raise RecordingError(f"{self._path}: cannot be written: is a folder, wanted a file name")
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            self._active.unlink(missing_ok=True)
+            writer = Writer(self._active)
+            writer.chunk_threshold = CHUNK_BYTES
+            writer.open()
+            self._writer = writer
+            self._connections = {topic.name: self._connect(topic) for topic in self._topics()}
+        except OSError as error:
+            raise cannot_write(self._path, error) from error
+
+    def step(self, record: StepRecord) -> None:
+        """Write the messages of one step. Raises: RecordingError: the disk is full, for instance."""
+        assert self._writer is not None
+        try:
+            for time_ns, topic, message in self._messages(record):
+                connection = self._connections[topic]
+                data = self._make.typestore.serialize_ros1(message, connection.msgtype)
+                self._writer.write(connection, time_ns, data)
+            assert self._writer.bio is not None
+            self._writer.bio.flush()
+            self._steps += 1
+        except OSError as error:
+            raise self._broken(error) from error
+
+    def end(self, result: Result) -> None:
+        """Close the bag and give it its name. Raises: RecordingError."""
+        self._close()
+
+    def abandon(self) -> None:
+        """Close the bag as it is, if it has anything in it and can still be written."""
+        if self._writer is None:
+            return
+        if self._steps == 0:
+            self._let_go()
+            self._active.unlink(missing_ok=True)
+            return
+        with contextlib.suppress(RecordingError):
+            self._close()
+
+    def _close(self) -> None:
+        assert self._writer is not None
+        try:
+            self._writer.close()
+            self._writer = None
+            self._active.replace(self._path)
+        except OSError as error:
+            raise self._broken(error) from error
+
+    def _broken(self, error: OSError) -> RecordingError:
+        """Let go of the file as it is, and return what the user is told."""
+        self._let_go()
+        why = error.strerror or error
+        rescue = f"`rosbag reindex {self._active}` saves what was recorded"
+        return RecordingError(f"{self._active}: cannot be written: {why}; {rescue}")
+
+    def _let_go(self) -> None:
+        if self._writer is not None and self._writer.bio is not None:
+            # Closing flushes, which fails once more on a full disk.
+            with contextlib.suppress(OSError):
+                self._writer.bio.close()
+        self._writer = None
+
+    def _topics(self) -> Iterator[Topic]:
+        yield from TEAM_TOPICS
+        for robot_id in range(len(self._robots)):
+            for topic in ROBOT_TOPICS:
+                yield Topic(f"/{fields.robot_name(robot_id)}/{topic.name}", topic.type_name, topic.latched)
+
+    def _connect(self, topic: Topic) -> Any:
+        assert self._writer is not None
+        return self._writer.add_connection(
+            topic.name,
+            topic.type_name.replace("/", "/msg/"),
+            typestore=self._make.typestore,
+            callerid="/robotteamsim",
+            latching=int(topic.latched),
+        )
+
+    def _messages(self, record: StepRecord) -> Iterator[tuple[int, str, Any]]:
+        """Yield time [ns], topic and message in the order in which the nodes publish: the step's clock comes last."""
+        make, time_ns = self._make, record.sim_time_ns
+        ticks = self._scenario.run.physics_substeps
+        for tick in range(1, ticks):
+            tick_ns = time_ns - self._step_ns + tick * self._step_ns // ticks
+            yield tick_ns, "/clock", fields.clock(make, tick_ns)
+        for topic, message in self._team_messages(record):
+            yield time_ns, topic, message
+        for robot_id in range(len(self._robots)):
+            for topic, message in self._robot_messages(record, robot_id):
+                yield time_ns, f"/{fields.robot_name(robot_id)}/{topic}", message
+        yield time_ns, "/clock", fields.clock(make, time_ns)
+
+    def _team_messages(self, record: StepRecord) -> Iterator[tuple[str, Any]]:
+        make, time_ns, status, last = self._make, record.sim_time_ns, record.mission, self._last
+        if last is None:
+            grid = occupancy_grid(self._scenario.plan, MAP_RESOLUTION_M)
+            yield "/map", fields.occupancy_grid(make, time_ns, grid)
+        odometry = [reading.odometry for reading in record.readings]
+        yield "/tf", fields.transforms(make, time_ns, self._robots, odometry)
+        if record.voice_map is not None:
+            yield "/voice_map", fields.field_map_picture(make, time_ns, record.voice_map)
+            yield "/voice_map/values", fields.field_map(make, time_ns, record.voice_map, "voice_level", "dB")
+        yield "/network/state", fields.network_state(make, time_ns, record.network)
+        yield "/mission/status", fields.mission_status(make, time_ns, self._scenario.name, status, record.noise_db)
+        for event in record.events:
+            yield "/mission/events", fields.mission_event(make, time_ns, event)
+        if last is None or (record.victims, status.victims) != (last.victims, last.mission.victims):
+            yield "/mission/victims", fields.victims(make, time_ns, record.victims, status.victims)
+        if last is None or status.explored != last.mission.explored:
+            yield "/mission/areas", fields.areas(make, time_ns, self._scenario.mission.areas, status)
+        self._last = record
+
+    def _robot_messages(self, record: StepRecord, robot_id: int) -> Iterator[tuple[str, Any]]:
+        make, time_ns = self._make, record.sim_time_ns
+        robot, reading, decision = self._robots[robot_id], record.readings[robot_id], record.decisions[robot_id]
+        yield "odom", fields.odometry(make, time_ns, robot_id, reading.odometry)
+        yield "base_scan", fields.scan(make, time_ns, robot_id, robot.laser, reading.ranges_m)
+        yield "base_pose_ground_truth", fields.ground_truth(make, time_ns, robot_id, reading)
+        yield "voice", fields.voice(make, time_ns, record.voices[robot_id])
+        yield "network/rx", fields.network_messages(make, time_ns, record.inboxes[robot_id])
+        yield "network/tx", fields.network_messages(make, time_ns, decision.outbox)
+        yield "cmd_vel", fields.twist(make, decision.twist)
+        yield "controller/status", fields.controller_status(make, time_ns, robot_id, decision)

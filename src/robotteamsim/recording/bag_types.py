@@ -1,0 +1,54 @@
+"""Message classes for bags that are written and read without ROS."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from robotteamsim.errors import RecordingError
+from robotteamsim.scenario.shipped import share_roots
+
+_TF_MESSAGE = "geometry_msgs/TransformStamped[] transforms\n"  # tf2_msgs is not among the types of rosbags
+
+
+class BagTypes:
+    """Builds messages of rosbags' classes; the `make` of `message_fields`."""
+
+    def __init__(self) -> None:
+        self.typestore = bag_typestore()
+        self._classes = {name.replace("/msg/", "/"): cls for name, cls in self.typestore.types.items()}
+        self._time = self._classes["builtin_interfaces/Time"]
+
+    def __call__(self, type_name: str, /, **fields: Any) -> Any:
+        """Return a message of a type such as "nav_msgs/Odometry"."""
+        return self._classes[type_name](**fields)
+
+    def time(self, time_ns: int) -> Any:
+        """Return the stamp of a time [ns]."""
+        return self._time(*divmod(time_ns, 10**9))
+
+
+def bag_typestore() -> Typestore:
+    """Return the types of ROS 1 and of this package, for reading and writing bags.
+
+    Raises: RecordingError: the package's message definitions are not where they are installed.
+    """
+    typestore = get_typestore(Stores.ROS1_NOETIC)
+    types = get_types_from_msg(_TF_MESSAGE, "tf2_msgs/msg/TFMessage")
+    for path in _message_files():
+        types.update(get_types_from_msg(path.read_text(encoding="utf-8"), f"robotteamsim/msg/{path.stem}"))
+    typestore.register(types)
+    return typestore
+
+
+@cache
+def _message_files() -> tuple[Path, ...]:
+    for root in share_roots():
+        if files := sorted((root / "msg").glob("*.msg")):
+            return tuple(files)
+    places = ", ".join(str(root / "msg") for root in share_roots())
+    raise RecordingError(f"{places}: no message definitions; is robotteamsim installed as a whole?")

@@ -1,0 +1,74 @@
+"""mission.json: how a trial went, every event, and all that is needed to repeat it."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import platform
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import robotteamsim
+from robotteamsim.mission.status import Event
+from robotteamsim.recording.files import prepare_folder, write_atomically
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.simulation import Result, StepRecord
+
+FILE_NAME = "mission.json"
+
+_LIBRARIES = ("numpy", "scipy", "shapely", "pydantic", "rosbags")
+
+
+class ResultWriter:
+    """Writes `folder`/mission.json when the mission has ended, whole or not at all."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._scenario: Scenario | None = None
+        self._events: list[Event] = []
+
+    def begin(self, scenario: Scenario) -> None:
+        """Raises: RecordingError: the folder cannot be written."""
+        self._scenario, self._events = scenario, []
+        prepare_folder(self._folder)
+
+    def step(self, record: StepRecord) -> None:
+        """Keep the events of one step."""
+        self._events.extend(record.events)
+
+    def end(self, result: Result) -> None:
+        """Write the file. Raises: RecordingError."""
+        assert self._scenario is not None
+        document = mission_document(self._scenario, result, self._events)
+        write_atomically(self._folder / FILE_NAME, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
+
+    def abandon(self) -> None:
+        """Forget the events so far."""
+        self._events = []
+
+
+def result_summary(result: Result) -> dict[str, Any]:
+    """Return a result as plain values for JSON."""
+    return {**dataclasses.asdict(result), "robots": [dataclasses.asdict(robot) for robot in result.robots]}
+
+
+def mission_document(scenario: Scenario, result: Result, events: list[Event]) -> dict[str, Any]:
+    """Return the contents of mission.json: result, events in order, versions, and the scenario with every default."""
+    return {
+        "result": result_summary(result),
+        "events": [dataclasses.asdict(event) for event in events],
+        "versions": versions(),
+        "scenario": scenario.model_dump(mode="json", by_alias=True),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of this package, of Python and of the libraries that results depend on."""
+    found = {"robotteamsim": robotteamsim.__version__, "python": platform.python_version()}
+    for library in _LIBRARIES:
+        try:
+            found[library] = metadata.version(library)
+        except metadata.PackageNotFoundError:
+            continue  # Recording without it is possible: only bags need rosbags.
+    return found

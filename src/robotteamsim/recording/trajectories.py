@@ -1,0 +1,50 @@
+"""Trajectories as text that evo and most plotting tools read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from robotteamsim.geometry import PoseReading
+from robotteamsim.recording.files import prepare_folder, write_atomically
+from robotteamsim.recording.message_fields import robot_name
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.simulation import Result, StepRecord
+
+TUM_HEADER = "# timestamp tx ty tz qx qy qz qw"
+
+
+class TumWriter:
+    """Writes each robot's true trajectory into `folder`/robot_<id>.tum when the mission has ended.
+
+    The format is that of the TUM RGB-D benchmark: one pose in `map` per line, [s], [m], unit quaternion.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._steps: list[tuple[int, list[PoseReading]]] = []
+
+    def begin(self, scenario: Scenario) -> None:
+        """Raises: RecordingError: the folder cannot be written."""
+        self._steps = []
+        prepare_folder(self._folder)
+
+    def step(self, record: StepRecord) -> None:
+        """Keep the true poses of one step."""
+        self._steps.append((record.sim_time_ns, [reading.ground_truth for reading in record.readings]))
+
+    def end(self, result: Result) -> None:
+        """Write all trajectories. Raises: RecordingError."""
+        for robot_id in range(len(result.robots)):
+            lines = [tum_line(time_ns, poses[robot_id]) for time_ns, poses in self._steps]
+            path = self._folder / f"{robot_name(robot_id)}.tum"
+            write_atomically(path, "\n".join([TUM_HEADER, *lines, ""]))
+
+    def abandon(self) -> None:
+        """Forget the steps so far."""
+        self._steps = []
+
+
+def tum_line(time_ns: int, pose: PoseReading) -> str:
+    """Return one line of a TUM file; reading its numbers gives back the same bits."""
+    seconds, nanoseconds = divmod(time_ns, 10**9)
+    return f"{seconds}.{nanoseconds:09d} {pose.x_m!r} {pose.y_m!r} 0 0 0 {pose.qz!r} {pose.qw!r}"
