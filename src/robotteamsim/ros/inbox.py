@@ -1,0 +1,236 @@
+"""Where a node's messages wait until a step's worth of them is there. Knows threads, but no ROS."""
+
+from __future__ import annotations
+
+import threading
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+PATIENCE_S = 10.0
+"""A node says what it is waiting for after this long [s, wall]."""
+
+RING_S = 1.0
+"""During a wait a node looks this often at who keeps it waiting [s, wall]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """One stream of stamped messages into a node.
+
+    needed:         out of lockstep, a step waits until this channel has brought something new.
+    of_last_step:   in lockstep, the step at t takes the message of the step before t.
+    may_be_silent:  in lockstep, this channel is not waited for while it has been silent for too long.
+    """
+
+    name: str
+    needed: bool = False
+    of_last_step: bool = False
+    may_be_silent: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What a node makes one step from.
+
+    stamp_ns:  of the step.
+    restarted: time has jumped backwards since the last step, so the node has to begin anew.
+    messages:  per channel what came since the last step, oldest first.
+    """
+
+    stamp_ns: int
+    restarted: bool
+    messages: Mapping[str, Sequence[Any]]
+
+    def latest(self, channel: str) -> Any | None:
+        """Return the newest message of a channel, or None."""
+        messages = self.messages[channel]
+        return messages[-1] if messages else None
+
+
+@dataclass(slots=True)
+class _Queue:
+    """Messages of one channel; `life` counts how often its stamps have jumped backwards."""
+
+    channel: Channel
+    life: int = 0
+    last_ns: int = -1
+    silent: bool = False
+    waiting: list[tuple[int, Any]] = field(default_factory=list)
+
+    def has(self, stamp_ns: int) -> bool:
+        """Whether the message of a stamp is there; forgets older ones."""
+        while self.waiting and self.waiting[0][0] < stamp_ns:
+            del self.waiting[0]
+        return bool(self.waiting) and self.waiting[0][0] == stamp_ns
+
+
+class _Watch:
+    """How long one wait has been; rings once a second."""
+
+    def __init__(self, now_s: float) -> None:
+        self.alone = False
+        self.told = False
+        self._started_s = now_s
+        self._next_s = now_s + RING_S
+
+    def waited_s(self) -> float:
+        """Return the length of the wait [s, wall]."""
+        return time.monotonic() - self._started_s
+
+    def due_s(self) -> float:
+        """Return the time to the next ring [s, wall]; at or below 0 it rings, and is set for the next one."""
+        due_s = self._next_s - time.monotonic()
+        if due_s <= 0.0:
+            self._next_s += RING_S
+        return due_s
+
+
+class Inbox(ABC):
+    """Collects messages from many threads and hands them to one thread, a step's worth at a time."""
+
+    def __init__(self, channels: Sequence[Channel], report: Callable[[str], None]) -> None:
+        """Make an empty inbox; `report` is told in one line what a long wait is for, from within `take`."""
+        self._queues = {channel.name: _Queue(channel) for channel in channels}
+        self._report = report
+        self._life = 0
+        self._restarted = False
+        self._closed = False
+        # Its lock may be taken twice by one thread: a signal handler may close the inbox in the midst of `take`.
+        self._changed = threading.Condition()
+
+    def put(self, channel: str, stamp_ns: int, message: Any) -> None:
+        """Take a message in, from any thread."""
+        with self._changed:
+            self._accept(self._queues[channel], stamp_ns, message)
+            if all(map(self._ready, self._queues.values())):
+                self._changed.notify_all()
+
+    def close(self) -> None:
+        """Make `take` return None from now on."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+
+    def take(self) -> Step | None:
+        """Wait for the messages of the next step and return them; None when the inbox is closed."""
+        with self._changed:
+            watch = _Watch(time.monotonic())
+            while not self._closed:
+                missing = [queue for queue in self._queues.values() if not self._ready(queue)]
+                if not missing:
+                    step, self._restarted = self._hand_out(), False
+                    return step
+                if (alarm_s := watch.due_s()) > 0.0:
+                    self._changed.wait(alarm_s)
+                else:
+                    self._ring(missing, watch)
+            return None
+
+    @abstractmethod
+    def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None: ...
+
+    @abstractmethod
+    def _ready(self, queue: _Queue) -> bool: ...
+
+    @abstractmethod
+    def _hand_out(self) -> Step: ...
+
+    def _ring(self, missing: Sequence[_Queue], watch: _Watch) -> None:
+        """Called once a second during a wait."""
+        if not watch.told and watch.waited_s() >= PATIENCE_S:
+            watch.told = True
+            self._report(f"waiting for {', '.join(queue.channel.name for queue in missing)}")
+
+
+class LatestInbox(Inbox):
+    """A step is there when every needed channel has brought something new; it gets all that came meanwhile."""
+
+    def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
+        if queue.channel.needed and stamp_ns < queue.last_ns:
+            queue.life += 1
+            if queue.life > self._life:
+                self._life, self._restarted = queue.life, True
+                for other in self._queues.values():
+                    other.waiting.clear()
+        queue.last_ns = stamp_ns
+        queue.waiting.append((stamp_ns, message))
+
+    def _ready(self, queue: _Queue) -> bool:
+        return not queue.channel.needed or (queue.life == self._life and bool(queue.waiting))
+
+    def _hand_out(self) -> Step:
+        stamp_ns = max(queue.last_ns for queue in self._queues.values() if queue.channel.needed)
+        messages = {name: tuple(message for _, message in queue.waiting) for name, queue in self._queues.items()}
+        for queue in self._queues.values():
+            queue.waiting.clear()
+        return Step(stamp_ns, self._restarted, messages)
+
+
+class LockstepInbox(Inbox):
+    """A step is there when every channel has brought the message of the wanted stamp, and gets exactly that one.
+
+    Every node thus computes on the same inputs in every run. The first step is at `step_ns`, each next one `step_ns`
+    later. A silent channel, and in the first step a channel of the last step, gives nothing.
+    """
+
+    def __init__(
+        self, channels: Sequence[Channel], report: Callable[[str], None], *, step_ns: int, silence_limit_s: float
+    ) -> None:
+        """Make an empty inbox.
+
+        Args:
+            step_ns: length of a step [ns].
+            silence_limit_s: when a wait is longer than this [s, wall] and only for channels that may be silent, they
+                are given up until they speak again; channels that have not spoken yet are waited for without limit.
+        """
+        super().__init__(channels, report)
+        self._step_ns = step_ns
+        self._next_ns = step_ns
+        self._silence_limit_s = silence_limit_s
+
+    def restart(self) -> None:
+        """Wait for the first stamp again, in messages yet to come. For the node that turns time back itself."""
+        with self._changed:
+            self._life += 1
+            self._next_ns = self._step_ns
+
+    def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
+        if stamp_ns == queue.last_ns and queue.life == self._life:
+            return  # a latched message can arrive twice at a late subscriber
+        if stamp_ns <= queue.last_ns:
+            queue.life += 1
+            queue.waiting.clear()
+            if queue.life > self._life:
+                self._life, self._restarted = queue.life, True
+                self._next_ns = self._step_ns
+        queue.last_ns = stamp_ns
+        queue.silent = False
+        queue.waiting.append((stamp_ns, message))
+
+    def _ready(self, queue: _Queue) -> bool:
+        stamp_ns = self._wanted_ns(queue)
+        return queue.silent or stamp_ns == 0 or (queue.life == self._life and queue.has(stamp_ns))
+
+    def _hand_out(self) -> Step:
+        messages = {}
+        for name, queue in self._queues.items():
+            there = queue.life == self._life and queue.has(self._wanted_ns(queue))
+            messages[name] = (queue.waiting.pop(0)[1],) if there else ()
+        stamp_ns, self._next_ns = self._next_ns, self._next_ns + self._step_ns
+        return Step(stamp_ns, self._restarted, messages)
+
+    def _wanted_ns(self, queue: _Queue) -> int:
+        return self._next_ns - self._step_ns if queue.channel.of_last_step else self._next_ns
+
+    def _ring(self, missing: Sequence[_Queue], watch: _Watch) -> None:
+        alone = all(queue.channel.may_be_silent and queue.last_ns > 0 for queue in missing)
+        # Seen alone twice: it may be others that have only just let it go on.
+        if alone and watch.alone and watch.waited_s() >= self._silence_limit_s:
+            for queue in missing:
+                queue.silent = True
+                self._report(f"{queue.channel.name} has been silent for {watch.waited_s():.0f} s")
+        watch.alone = alone
+        super()._ring(missing, watch)
