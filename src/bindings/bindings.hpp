@@ -3,4 +3,8 @@
 #include <pybind11/pybind11.h>
 
 namespace robotteamsim::bindings {
-}
+void BindPlan(pybind11::module_& m);
+void BindControl(pybind11::module_& m);
+void BindPropagation(pybind11::module_& m);
+void BindNetwork(pybind11::module_& m);
+}  // namespace robotteamsim::bindings

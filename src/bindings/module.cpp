@@ -3,4 +3,8 @@
 
 PYBIND11_MODULE(_core, m) {
   m.doc() = "C++ core of robotteamsim; use the typed Python packages instead.";
+  robotteamsim::bindings::BindPlan(m);
+  robotteamsim::bindings::BindControl(m);
+  robotteamsim::bindings::BindPropagation(m);
+  robotteamsim::bindings::BindNetwork(m);
 }

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "robotteamsim/plan/types.hpp"
+
+namespace robotteamsim {
+
+/// Where the cells of a grid lie in the map frame [m]; row 0 has the lowest y, cells are stored row by row.
+struct GridShape {
+  Point origin;  ///< lower left corner of the lower left cell
+  double resolution = 0.1;
+  int rows = 0;
+  int cols = 0;
+};
+
+/// The cells that are free for the centre of one robot, and the ways through them.
+///
+/// Ways are 8-connected and never cut a corner: a diagonal step needs both cells beside it free. Equal ways are told
+/// apart by cell index, so that results never depend on chance. Beyond the grid nothing is free. The searches share
+/// scratch memory: one object serves one thread.
+class PlanningGrid {
+ public:
+  /// Blocks every cell whose centre is nearer than `inflation` [m] to an occupied cell (nonzero in `occupied`).
+  PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation);
+
+  const GridShape& shape() const { return shape_; }
+  const std::vector<std::uint8_t>& blocked() const { return blocked_; }
+
+  bool IsFree(const Point& point) const;
+
+  /// The centre of the free cell nearest to `point`, or `point` itself where it is free; none within `max_distance`:
+  /// nothing.
+  std::optional<Point> NearestFree(const Point& point, double max_distance) const;
+
+  /// Whether the straight segment crosses free cells only; through a cell corner, both cells beside it count.
+  bool IsLineFree(const Point& a, const Point& b) const;
+
+  /// Length of the shortest way from every cell to `goal` [m]; infinity where there is none or the cell is blocked.
+  std::vector<float> DistanceField(const Point& goal) const;
+
+  /// Value of `field` (a DistanceField of `size` cells) in the cell of a point; infinity beyond the grid.
+  double ValueAt(const float* field, std::size_t size, const Point& point) const;
+
+  /// Cell centres of a shortest way, the cells of `from` and `to` included (A*). Empty if an end is blocked or no way
+  /// of at most `max_length` [m] exists.
+  std::vector<Point> ShortestPath(const Point& from, const Point& to, double max_length) const;
+
+  /// The corners that remain of a way when every stretch with free line of sight becomes straight.
+  std::vector<Point> Shortcut(const std::vector<Point>& path) const;
+
+  /// Of the cells within `radius` [m] of `from` that can be reached from it inside that disc, the centre of the one
+  /// with the least value of `field` (a DistanceField); nothing where `from` is blocked or all are infinite.
+  std::optional<Point> LeastReachable(const float* field, std::size_t size, const Point& from, double radius) const;
+
+  /// Of the same cells, the centre of the one nearest to `to`; nothing where `from` is blocked.
+  std::optional<Point> NearestReachable(const Point& from, const Point& to, double radius) const;
+
+  /// Of all free cells within `radius` [m] of `center`, the centre of the one nearest to `to`, as the crow flies.
+  std::optional<Point> NearestInDisc(const Point& center, const Point& to, double radius) const;
+
+ private:
+  struct Step {
+    int offset;
+    int d_row;
+    int d_col;
+    double length;
+  };
+
+  bool Inside(int row, int col) const { return row >= 0 && row < shape_.rows && col >= 0 && col < shape_.cols; }
+  bool Free(int row, int col) const { return Inside(row, col) && blocked_[row * shape_.cols + col] == 0; }
+  bool CanStep(int row, int col, const Step& step) const;
+  int RowOf(double y) const;
+  int ColOf(double x) const;
+  int FreeCellOf(const Point& point) const;
+  Point Center(int cell) const;
+  template <typename Value>
+  std::optional<Point> BestReachable(const Point& from, double radius, const Value& value) const;
+
+  GridShape shape_;
+  std::vector<std::uint8_t> blocked_;
+  std::vector<Step> steps_;
+
+  // A cell's scratch entries count only where its stamp is the current search's, which saves clearing them.
+  mutable std::uint32_t search_ = 0;
+  mutable std::vector<std::uint32_t> stamp_;
+  mutable std::vector<double> length_;
+  mutable std::vector<int> parent_;
+};
+
+}  // namespace robotteamsim

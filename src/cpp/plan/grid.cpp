@@ -1,0 +1,280 @@
+#include "robotteamsim/plan/grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <stdexcept>
+#include <utility>
+
+namespace robotteamsim {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double SquaredDistance(const Point& a, const Point& b) { return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y); }
+
+void CheckShape(const GridShape& shape, std::size_t num_cells) {
+  if (!(shape.resolution > 0.0)) throw std::invalid_argument("resolution must be > 0");
+  if (shape.rows < 1 || shape.cols < 1) throw std::invalid_argument("a grid needs at least one row and one column");
+  if (num_cells != static_cast<std::size_t>(shape.rows) * static_cast<std::size_t>(shape.cols)) {
+    throw std::invalid_argument("the number of cells must be rows * cols");
+  }
+}
+
+/// Row and column offsets of the cells whose centre is nearer than `inflation` to the square of cell (0, 0).
+std::vector<std::pair<int, int>> InflationStamp(double inflation, double resolution) {
+  std::vector<std::pair<int, int>> stamp;
+  const int reach = static_cast<int>(std::ceil(inflation / resolution)) + 1;
+  for (int d_row = -reach; d_row <= reach; ++d_row) {
+    for (int d_col = -reach; d_col <= reach; ++d_col) {
+      const double x = std::max(0.0, std::abs(d_col) - 0.5) * resolution;
+      const double y = std::max(0.0, std::abs(d_row) - 0.5) * resolution;
+      // The margin keeps a cell at exactly the inflation free whatever the rounding.
+      if (x * x + y * y < inflation * inflation - 1e-9) stamp.emplace_back(d_row, d_col);
+    }
+  }
+  return stamp;
+}
+
+}  // namespace
+
+PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation)
+    : shape_(shape), blocked_(occupied) {
+  CheckShape(shape, occupied.size());
+  if (!(inflation >= 0.0)) throw std::invalid_argument("inflation must be >= 0");
+  for (int d_row = -1; d_row <= 1; ++d_row) {
+    for (int d_col = -1; d_col <= 1; ++d_col) {
+      if (d_row == 0 && d_col == 0) continue;
+      const double length = (d_row != 0 && d_col != 0 ? std::sqrt(2.0) : 1.0) * shape.resolution;
+      steps_.push_back({d_row * shape.cols + d_col, d_row, d_col, length});
+    }
+  }
+  const auto stamp = InflationStamp(inflation, shape.resolution);
+  for (int row = 0; row < shape.rows; ++row) {
+    for (int col = 0; col < shape.cols; ++col) {
+      if (occupied[row * shape.cols + col] == 0) continue;
+      for (const auto& [d_row, d_col] : stamp) {
+        if (Inside(row + d_row, col + d_col)) blocked_[(row + d_row) * shape.cols + col + d_col] = 1;
+      }
+    }
+  }
+  stamp_.assign(blocked_.size(), 0);
+  length_.resize(blocked_.size());
+  parent_.resize(blocked_.size());
+}
+
+int PlanningGrid::RowOf(double y) const {
+  const double row = std::floor((y - shape_.origin.y) / shape_.resolution);
+  return row >= 0.0 && row < shape_.rows ? static_cast<int>(row) : -1;
+}
+
+int PlanningGrid::ColOf(double x) const {
+  const double col = std::floor((x - shape_.origin.x) / shape_.resolution);
+  return col >= 0.0 && col < shape_.cols ? static_cast<int>(col) : -1;
+}
+
+int PlanningGrid::FreeCellOf(const Point& point) const {
+  const int row = RowOf(point.y);
+  const int col = ColOf(point.x);
+  return row >= 0 && col >= 0 && Free(row, col) ? row * shape_.cols + col : -1;
+}
+
+Point PlanningGrid::Center(int cell) const {
+  return {shape_.origin.x + (cell % shape_.cols + 0.5) * shape_.resolution,
+          shape_.origin.y + (cell / shape_.cols + 0.5) * shape_.resolution};
+}
+
+bool PlanningGrid::CanStep(int row, int col, const Step& step) const {
+  if (!Free(row + step.d_row, col + step.d_col)) return false;
+  return step.d_row == 0 || step.d_col == 0 || (Free(row + step.d_row, col) && Free(row, col + step.d_col));
+}
+
+bool PlanningGrid::IsFree(const Point& point) const { return FreeCellOf(point) >= 0; }
+
+std::optional<Point> PlanningGrid::NearestFree(const Point& point, double max_distance) const {
+  if (IsFree(point)) return point;
+  return NearestInDisc(point, point, max_distance);
+}
+
+std::optional<Point> PlanningGrid::NearestInDisc(const Point& center, const Point& to, double radius) const {
+  const double low_row = (center.y - radius - shape_.origin.y) / shape_.resolution - 1.0;
+  const double low_col = (center.x - radius - shape_.origin.x) / shape_.resolution - 1.0;
+  const double high_row = (center.y + radius - shape_.origin.y) / shape_.resolution + 1.0;
+  const double high_col = (center.x + radius - shape_.origin.x) / shape_.resolution + 1.0;
+  std::optional<Point> best;
+  double best_squared = kInfinity;
+  for (int row = static_cast<int>(std::max(0.0, low_row)); row < std::min<double>(shape_.rows, high_row); ++row) {
+    for (int col = static_cast<int>(std::max(0.0, low_col)); col < std::min<double>(shape_.cols, high_col); ++col) {
+      if (!Free(row, col)) continue;
+      const Point cell = Center(row * shape_.cols + col);
+      const double squared = SquaredDistance(cell, to);
+      if (squared >= best_squared || SquaredDistance(cell, center) > radius * radius) continue;
+      best = cell;
+      best_squared = squared;
+    }
+  }
+  return best;
+}
+
+bool PlanningGrid::IsLineFree(const Point& a, const Point& b) const {
+  if (FreeCellOf(a) < 0 || FreeCellOf(b) < 0) return false;
+  int row = RowOf(a.y);
+  int col = ColOf(a.x);
+  const int last_row = RowOf(b.y);
+  const int last_col = ColOf(b.x);
+  const int d_row = b.y > a.y ? 1 : -1;
+  const int d_col = b.x > a.x ? 1 : -1;
+  const double x = (a.x - shape_.origin.x) / shape_.resolution;
+  const double y = (a.y - shape_.origin.y) / shape_.resolution;
+  const double dx = (b.x - a.x) / shape_.resolution;
+  const double dy = (b.y - a.y) / shape_.resolution;
+  while (row != last_row || col != last_col) {
+    // Fractions of the segment at which it leaves the column and the row.
+    const double t_col = col == last_col ? kInfinity : (col + (d_col > 0 ? 1 : 0) - x) / dx;
+    const double t_row = row == last_row ? kInfinity : (row + (d_row > 0 ? 1 : 0) - y) / dy;
+    if (t_col == t_row && (!Free(row + d_row, col) || !Free(row, col + d_col))) return false;
+    if (t_col <= t_row) col += d_col;
+    if (t_row <= t_col) row += d_row;
+    if (!Free(row, col)) return false;
+  }
+  return true;
+}
+
+std::vector<float> PlanningGrid::DistanceField(const Point& goal) const {
+  const int start = FreeCellOf(goal);
+  if (start < 0) throw std::invalid_argument("the goal of a distance field must be free");
+  std::vector<double> distance(blocked_.size(), kInfinity);
+  using Entry = std::pair<double, int>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  distance[start] = 0.0;
+  open.emplace(0.0, start);
+  while (!open.empty()) {
+    const auto [length, cell] = open.top();
+    open.pop();
+    if (length > distance[cell]) continue;
+    const int row = cell / shape_.cols;
+    const int col = cell % shape_.cols;
+    for (const Step& step : steps_) {
+      if (!CanStep(row, col, step)) continue;
+      const double new_length = length + step.length;
+      if (new_length >= distance[cell + step.offset]) continue;
+      distance[cell + step.offset] = new_length;
+      open.emplace(new_length, cell + step.offset);
+    }
+  }
+  return {distance.begin(), distance.end()};
+}
+
+double PlanningGrid::ValueAt(const float* field, std::size_t size, const Point& point) const {
+  if (size != blocked_.size()) throw std::invalid_argument("the field must have one value per cell");
+  const int row = RowOf(point.y);
+  const int col = ColOf(point.x);
+  return row >= 0 && col >= 0 ? static_cast<double>(field[row * shape_.cols + col]) : kInfinity;
+}
+
+std::vector<Point> PlanningGrid::ShortestPath(const Point& from, const Point& to, double max_length) const {
+  const int start = FreeCellOf(from);
+  const int goal = FreeCellOf(to);
+  if (start < 0 || goal < 0) return {};
+  const int goal_row = goal / shape_.cols;
+  const int goal_col = goal % shape_.cols;
+  const auto least_remaining = [&](int cell) {
+    const int rows = std::abs(cell / shape_.cols - goal_row);
+    const int cols = std::abs(cell % shape_.cols - goal_col);
+    return (std::max(rows, cols) + (std::sqrt(2.0) - 1.0) * std::min(rows, cols)) * shape_.resolution;
+  };
+  struct Entry {
+    double total;  // least length of a way through the cell
+    double remaining;
+    int cell;
+    bool operator>(const Entry& other) const {
+      if (total != other.total) return total > other.total;
+      if (remaining != other.remaining) return remaining > other.remaining;
+      return cell > other.cell;
+    }
+  };
+  ++search_;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  const auto reach = [&](int cell, int parent, double length) {
+    const double remaining = least_remaining(cell);
+    if (length + remaining > max_length || (stamp_[cell] == search_ && length >= length_[cell])) return;
+    stamp_[cell] = search_;
+    length_[cell] = length;
+    parent_[cell] = parent;
+    open.push({length + remaining, remaining, cell});
+  };
+  reach(start, -1, 0.0);
+  while (!open.empty()) {
+    const Entry entry = open.top();
+    open.pop();
+    if (entry.cell == goal) break;
+    const double length = length_[entry.cell];
+    if (entry.total > length + entry.remaining) continue;  // a shorter way was found since
+    const int row = entry.cell / shape_.cols;
+    const int col = entry.cell % shape_.cols;
+    for (const Step& step : steps_) {
+      if (CanStep(row, col, step)) reach(entry.cell + step.offset, entry.cell, length + step.length);
+    }
+  }
+  std::vector<Point> path;
+  if (stamp_[goal] != search_) return path;
+  for (int cell = goal; cell >= 0; cell = parent_[cell]) path.push_back(Center(cell));
+  std::reverse(path.begin(), path.end());
+  return path;
+}
+
+std::vector<Point> PlanningGrid::Shortcut(const std::vector<Point>& path) const {
+  if (path.size() < 3) return path;
+  std::vector<Point> corners{path.front()};
+  for (std::size_t i = 2; i < path.size(); ++i) {
+    if (!IsLineFree(corners.back(), path[i])) corners.push_back(path[i - 1]);
+  }
+  corners.push_back(path.back());
+  return corners;
+}
+
+template <typename Value>
+std::optional<Point> PlanningGrid::BestReachable(const Point& from, double radius, const Value& value) const {
+  const int start = FreeCellOf(from);
+  if (start < 0) return std::nullopt;
+  ++search_;
+  std::vector<int> reached{start};
+  stamp_[start] = search_;
+  int best = -1;
+  double best_value = kInfinity;
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    const int cell = reached[i];
+    const double cell_value = value(cell);
+    if (cell_value < best_value || (cell_value == best_value && best >= 0 && cell < best)) {
+      best = cell;
+      best_value = cell_value;
+    }
+    const int row = cell / shape_.cols;
+    const int col = cell % shape_.cols;
+    const Point center = Center(cell);
+    for (const Step& step : steps_) {
+      const int next = cell + step.offset;
+      if (!CanStep(row, col, step) || stamp_[next] == search_) continue;
+      const Point next_center{center.x + step.d_col * shape_.resolution, center.y + step.d_row * shape_.resolution};
+      if (SquaredDistance(next_center, from) > radius * radius) continue;
+      stamp_[next] = search_;
+      reached.push_back(next);
+    }
+  }
+  if (best < 0) return std::nullopt;
+  return Center(best);
+}
+
+std::optional<Point> PlanningGrid::LeastReachable(const float* field, std::size_t size, const Point& from,
+                                                  double radius) const {
+  if (size != blocked_.size()) throw std::invalid_argument("the field must have one value per cell");
+  return BestReachable(from, radius, [&](int cell) { return static_cast<double>(field[cell]); });
+}
+
+std::optional<Point> PlanningGrid::NearestReachable(const Point& from, const Point& to, double radius) const {
+  return BestReachable(from, radius, [&](int cell) { return SquaredDistance(Center(cell), to); });
+}
+
+}  // namespace robotteamsim

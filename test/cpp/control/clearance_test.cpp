@@ -1,0 +1,59 @@
+#include "robotteamsim/control/clearance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+namespace robotteamsim {
+namespace {
+
+const double kPi = std::acos(-1.0);
+
+/// Three beams: right, ahead, left; 5 m at most.
+ScanClearance ThreeBeams(double forward = 0.0) { return ScanClearance({3, -kPi / 2, kPi / 2, forward, 5.0}); }
+
+TEST(ScanClearance, RefusesAScanOfAnotherLength) {
+  EXPECT_THROW(ThreeBeams().Hits({1.0F, 1.0F}, 5.0), std::invalid_argument);
+  EXPECT_THROW(ScanClearance({0, 0.0, 1.0, 0.0, 5.0}), std::invalid_argument);
+}
+
+TEST(ScanClearance, HitsLeaveOutBeamsWithoutReturn) {
+  const float none = std::numeric_limits<float>::infinity();
+  const std::vector<Point> hits = ThreeBeams(0.1).Hits({5.0F, 1.0F, none}, 5.0);
+  ASSERT_EQ(hits.size(), 1U);
+  EXPECT_NEAR(hits[0].x, 1.1, 1e-12);
+  EXPECT_NEAR(hits[0].y, 0.0, 1e-12);
+  EXPECT_TRUE(ThreeBeams().Hits({2.0F, 2.0F, 2.0F}, 1.9).empty());
+}
+
+TEST(ScanClearance, DiscStopsWhereItTouchesTheHit) {
+  const std::vector<float> ranges = {5.0F, 1.0F, 5.0F};
+  EXPECT_NEAR(ThreeBeams().FreeDistance(ranges, 0.0, 0.2, 3.0), 0.8, 1e-9);
+  // 0.1 m beside the hit: the disc touches it sqrt(0.2^2 - 0.1^2) before the foot of the perpendicular.
+  const double heading = std::asin(0.1);
+  EXPECT_NEAR(ThreeBeams().FreeDistance(ranges, heading, 0.2, 3.0), std::cos(heading) - std::sqrt(0.03), 1e-6);
+  EXPECT_EQ(ThreeBeams().FreeDistance(ranges, 0.3, 0.2, 3.0), 3.0);
+  EXPECT_EQ(ThreeBeams().FreeDistance(ranges, kPi, 0.2, 3.0), 3.0);
+}
+
+TEST(ScanClearance, DiscSlidesAlongAWallThatItTouches) {
+  const std::vector<float> wall_on_the_left = {5.0F, 5.0F, 0.15F};
+  EXPECT_EQ(ThreeBeams().FreeDistance(wall_on_the_left, 0.0, 0.2, 1.0), 1.0);
+  EXPECT_EQ(ThreeBeams().FreeDistance(wall_on_the_left, kPi / 2, 0.2, 1.0), 0.0);
+  EXPECT_EQ(ThreeBeams().FreeDistance(wall_on_the_left, -kPi / 2, 0.2, 1.0), 1.0);
+}
+
+TEST(ScanClearance, SeveralHeadingsGiveWhatEachGives) {
+  const std::vector<float> ranges = {0.5F, 1.0F, 2.0F};
+  const std::vector<double> headings = {-1.5, 0.0, 1.5};
+  const std::vector<double> free = ThreeBeams().FreeDistances(ranges, headings, 0.25, 3.0);
+  for (std::size_t i = 0; i < headings.size(); ++i) {
+    EXPECT_EQ(free[i], ThreeBeams().FreeDistance(ranges, headings[i], 0.25, 3.0));
+  }
+}
+
+}  // namespace
+}  // namespace robotteamsim
