@@ -51,6 +51,7 @@ ROBOT_TOPICS = (
     Topic("odom", "nav_msgs/Odometry"),
     Topic("base_scan", "sensor_msgs/LaserScan"),
     Topic("base_pose_ground_truth", "nav_msgs/Odometry"),
+    Topic("contact", "robotteamsim/Contact"),
     Topic("voice", "robotteamsim/Voice"),
     Topic("network/tx", "robotteamsim/NetworkMessages"),
     Topic("network/rx", "robotteamsim/NetworkMessages"),
@@ -202,6 +203,7 @@ class BagWriter:
         yield "odom", fields.odometry(make, time_ns, robot_id, reading.odometry)
         yield "base_scan", fields.scan(make, time_ns, robot_id, robot.laser, reading.ranges_m)
         yield "base_pose_ground_truth", fields.ground_truth(make, time_ns, robot_id, reading)
+        yield "contact", fields.contact(make, time_ns, robot_id, reading.in_contact)
         yield "voice", fields.voice(make, time_ns, record.voices[robot_id])
         yield "network/rx", fields.network_messages(make, time_ns, record.inboxes[robot_id])
         yield "network/tx", fields.network_messages(make, time_ns, decision.outbox)

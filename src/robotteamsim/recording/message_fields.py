@@ -114,6 +114,15 @@ def scan(make: Make, time_ns: int, robot_id: int, laser: Laser, ranges_m: np.nda
     )
 
 
+def contact(make: Make, time_ns: int, robot_id: int, in_contact: bool) -> Any:
+    """robotteamsim/Contact."""
+    return make(
+        "robotteamsim/Contact",
+        header=header(make, time_ns, robot_frame(robot_id, "base_link")),
+        in_contact=bool(in_contact),
+    )
+
+
 def transforms(make: Make, time_ns: int, robots: Sequence[Robot], odometry: Iterable[OdometryReading]) -> Any:
     """tf2_msgs/TFMessage: odom -> base_footprint -> base_link -> base_laser_link of all robots, in id order."""
     all_transforms = []

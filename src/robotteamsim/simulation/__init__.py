@@ -3,6 +3,7 @@
 from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.record import Observer, Result, RobotFigures, StepRecord
 from robotteamsim.simulation.simulation import Simulation, true_positions_m
+from robotteamsim.simulation.tally import Tally
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
 
 __all__ = [
@@ -12,6 +13,7 @@ __all__ = [
     "RobotFigures",
     "Simulation",
     "StepRecord",
+    "Tally",
     "TrajectoryHash",
     "true_positions_m",
 ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,9 +14,8 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import Observation, RobotReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation.environment import Environment
-from robotteamsim.simulation.figures import TeamFigures
 from robotteamsim.simulation.record import Observer, Result, StepRecord
-from robotteamsim.simulation.trajectory_hash import TrajectoryHash
+from robotteamsim.simulation.tally import Tally
 from robotteamsim.world import World
 
 
@@ -115,37 +113,15 @@ class Simulation:
         self.mission.set_victim(name, position_m)
 
     def _run_to_end(self, observers: Sequence[Observer]) -> Result:
-        trajectory_hash = TrajectoryHash()
-        figures = TeamFigures(len(self.controllers), self.scenario.run.step_s)
-        wall_start_s = time.perf_counter()
+        tally = Tally(self.scenario)
         self.mission.start()
         while True:
             record = self.step()
-            trajectory_hash.update(record.sim_time_ns, [reading.ground_truth for reading in record.readings])
-            running = record.mission.state == "running"
-            figures.update(true_positions_m(record.readings), record.readings, record.decisions, running)
+            tally.add(record)
             for observer in observers:
                 observer.step(record)
             if record.mission.state == "ended":
-                break
-        status = record.mission
-        return Result(
-            scenario=self.scenario.name,
-            seed=self.scenario.run.seed,
-            noise_db=record.noise_db,
-            end=status.end,
-            time_s=status.time_s,
-            areas_explored=status.areas_explored,
-            num_areas=len(status.explored),
-            victims_saved=status.victims_saved,
-            num_victims=len(status.victims),
-            endangered_links=status.endangered_links,
-            trajectory_hash=trajectory_hash.hexdigest(),
-            steps=record.step_index,
-            sim_time_s=record.sim_time_s,
-            robots=figures.result(),
-            wall_s=time.perf_counter() - wall_start_s,
-        )
+                return tally.result()
 
     def _fresh_voice_map(self) -> FieldMap | None:
         if self._voice_map_changes == self.environment.voice_map_changes:

@@ -1,0 +1,54 @@
+"""What is added up over a trial and becomes its result, in headless runs and in ROS runs alike."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.simulation.figures import TeamFigures
+from robotteamsim.simulation.record import Result, StepRecord
+from robotteamsim.simulation.trajectory_hash import TrajectoryHash
+
+
+class Tally:
+    """Adds up the steps of one trial, from the first to the one in which the mission ended."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self._hash = TrajectoryHash()
+        self._figures = TeamFigures(len(scenario.placed_robots()), scenario.run.step_s)
+        self._wall_start_s = time.perf_counter()
+        self._last: StepRecord | None = None
+
+    def add(self, record: StepRecord) -> None:
+        """Take in one step."""
+        self._last = record
+        ground_truth = [reading.ground_truth for reading in record.readings]
+        self._hash.update(record.sim_time_ns, ground_truth)
+        positions_m = np.array([(pose.x_m, pose.y_m) for pose in ground_truth])
+        self._figures.update(positions_m, record.readings, record.decisions, record.mission.state == "running")
+
+    def result(self) -> Result:
+        """Return the result as of the last step. Raises: ValueError: there was no step yet."""
+        if self._last is None:
+            raise ValueError("a trial without a step has no result")
+        record, status = self._last, self._last.mission
+        return Result(
+            scenario=self._scenario.name,
+            seed=self._scenario.run.seed,
+            noise_db=record.noise_db,
+            end=status.end,
+            time_s=status.time_s,
+            areas_explored=status.areas_explored,
+            num_areas=len(status.explored),
+            victims_saved=status.victims_saved,
+            num_victims=len(status.victims),
+            endangered_links=status.endangered_links,
+            trajectory_hash=self._hash.hexdigest(),
+            steps=record.step_index,
+            sim_time_s=record.sim_time_s,
+            robots=self._figures.result(),
+            wall_s=time.perf_counter() - self._wall_start_s,
+        )
