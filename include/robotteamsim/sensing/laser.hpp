@@ -1,0 +1,50 @@
+#pragma once
+
+#include <vector>
+
+#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/sensing/nearby_segments.hpp"
+#include "robotteamsim/world/world.hpp"
+
+namespace robotteamsim {
+
+/// What a planar laser range finder looks like.
+struct LaserModel {
+  int beams = 181;
+  double angle_min = 0.0;  ///< of the first beam, in base_link [rad]
+  double angle_max = 0.0;  ///< of the last beam [rad]
+  double range_max = 5.0;  ///< [m]
+  double forward = 0.0;    ///< ahead of base_link [m]
+};
+
+/// Scans a world: walls, blocks, closed doors and other robots return a beam, its own robot does not.
+///
+/// Each segment and robot finds the beams that can meet it and shortens them, which costs less than asking each beam
+/// for what it meets.
+class Laser {
+ public:
+  /// Looks at the solids that the world has now; they never change. Doors are looked at in each scan.
+  /// Throws std::invalid_argument on no beams, ranges that are not above 0, angles that are not finite.
+  Laser(const LaserModel& model, const World& world);
+
+  /// Returns the range of each beam of a robot's laser [m]; infinity where nothing is within range_max.
+  std::vector<double> Scan(const World& world, int robot) const;
+
+ private:
+  struct Direction {
+    double x;
+    double y;
+  };
+
+  void MeetSegment(const Segment& segment, std::vector<double>& ranges) const;
+  void MeetDisc(const Point& center, double radius, std::vector<double>& ranges) const;
+  template <typename Meet>
+  void ForBeamsBetween(double from, double width, const Meet& meet) const;
+
+  LaserModel model_;
+  double increment_;
+  std::vector<Direction> directions_;  // of the beams, in the laser's frame
+  NearbySegments walls_;
+};
+
+}  // namespace robotteamsim

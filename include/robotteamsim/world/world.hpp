@@ -1,0 +1,104 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/world/drive.hpp"
+
+class b2Body;
+class b2World;
+
+namespace robotteamsim {
+
+/// A polygon in the map frame: corners counter-clockwise, not closed [m].
+using Polygon = std::vector<Point>;
+
+/// Something that robots cannot enter. Box2D needs it in convex pieces; sensors look at the outline.
+struct Solid {
+  Polygon outline;
+  std::vector<Polygon> pieces;  ///< convex, 3 to 8 corners each, together the outline's inside
+};
+
+/// A door leaf; it is there only while the door is closed.
+struct Door {
+  Solid leaf;
+  bool closed = false;
+};
+
+/// A round robot with a differential drive.
+struct Robot {
+  double radius = 0.2;  ///< [m]
+  double mass = 5.0;    ///< [kg]
+  DriveLimits drive;
+  Pose start;
+};
+
+/// What is true: walls, doors, robots, and what they do to each other.
+///
+/// Box2D solves the contacts. They are without friction and take from a robot only the velocity that would press it
+/// into something, so a robot that drives at a wall at an angle slides along it. Robots that touch nothing move in
+/// double precision, exactly as their drives say. Equal worlds with equal calls are equal to the bit.
+class World {
+ public:
+  /// Args: step: length of a step [s]; substeps: the parts of a step in which drives change speed.
+  /// Throws std::invalid_argument on a piece that is not convex, counter-clockwise and of 3 to 8 corners, and on sizes
+  /// that are not above 0.
+  World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps);
+  ~World();
+
+  /// Advances by one step; commands are one per robot, in base_link.
+  /// Throws std::invalid_argument on the wrong number of commands and on one that is not finite; nothing moves then.
+  void Step(const std::vector<Twist>& commands);
+
+  const std::vector<Solid>& solids() const { return solids_; }
+  const std::vector<Door>& doors() const { return doors_; }
+  const std::vector<Robot>& robots() const { return robots_; }
+
+  /// Where the robots are.
+  const std::vector<Pose>& poses() const { return poses_; }
+  /// The mean velocity of the last step as each body really moved, in the base_link of every moment: a robot that is
+  /// blocked has none.
+  const std::vector<Twist>& twists() const { return twists_; }
+  /// The way of the last step, seen from where it began; being set elsewhere between steps is no way.
+  const std::vector<Pose>& motions() const { return motions_; }
+  /// Whether a robot touched something (within 5 mm) in the last step.
+  const std::vector<bool>& in_contact() const { return in_contact_; }
+
+  /// Puts a robot somewhere, standing still.
+  void SetPose(int robot, const Pose& pose);
+  /// A robot in the way of a closing door is pushed aside.
+  void SetDoorClosed(int door, bool closed);
+  /// Begins again as new, doors included.
+  void Reset();
+
+ private:
+  struct Drive {
+    DriveSpeed speed;
+    Pose target;  // where the substep ends if nothing is in the way
+  };
+
+  void CheckCommands(const std::vector<Twist>& commands) const;
+  void AddRobot(const Robot& robot);
+  void StartDrive(int robot, const Twist& command);
+  void FinishDrive(int robot);
+
+  const std::vector<Solid> solids_;
+  const std::vector<Door> initial_doors_;
+  const std::vector<Robot> robots_;
+  const double step_;
+  const int substeps_;
+  const double dt_;
+
+  std::unique_ptr<b2World> box_;
+  std::vector<b2Body*> door_bodies_;
+  std::vector<b2Body*> robot_bodies_;
+  std::vector<Door> doors_;
+  std::vector<Drive> drives_;
+  std::vector<Pose> poses_;
+  std::vector<Twist> twists_;
+  std::vector<Pose> motions_;
+  std::vector<bool> in_contact_;
+};
+
+}  // namespace robotteamsim

@@ -1,0 +1,63 @@
+#include "robotteamsim/sensing/nearby_segments.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace robotteamsim {
+
+double DistanceToSegment(const Point& point, const Segment& segment) {
+  const double dx = segment.b.x - segment.a.x, dy = segment.b.y - segment.a.y;
+  const double px = point.x - segment.a.x, py = point.y - segment.a.y;
+  const double length2 = dx * dx + dy * dy;
+  const double along = length2 > 0.0 ? std::clamp((px * dx + py * dy) / length2, 0.0, 1.0) : 0.0;
+  return std::hypot(px - along * dx, py - along * dy);
+}
+
+NearbySegments::NearbySegments(std::vector<Segment> segments, double reach) : all_(std::move(segments)) {
+  if (!(reach > 0.0)) throw std::invalid_argument("reach must be > 0");
+  if (all_.empty()) return;
+  const double infinity = std::numeric_limits<double>::infinity();
+  Point low{infinity, infinity}, high{-infinity, -infinity};
+  for (const Segment& segment : all_) {
+    low = {std::min({low.x, segment.a.x, segment.b.x}), std::min({low.y, segment.a.y, segment.b.y})};
+    high = {std::max({high.x, segment.a.x, segment.b.x}), std::max({high.y, segment.a.y, segment.b.y})};
+  }
+  origin_ = low;
+  // Smaller cells have shorter lists, but more of them; far-reaching lists are long whatever the cell.
+  cell_ = std::max(0.2 * reach, 0.5);
+  columns_ = static_cast<int>((high.x - low.x) / cell_) + 1;
+  rows_ = static_cast<int>((high.y - low.y) / cell_) + 1;
+  cells_.resize(static_cast<std::size_t>(columns_) * rows_);
+  for (const Segment& segment : all_) AddToCells(segment, reach);
+}
+
+const std::vector<Segment>& NearbySegments::Near(const Point& point) const {
+  const int column = Column(point.x), row = Row(point.y);
+  const bool inside = column >= 0 && column < columns_ && row >= 0 && row < rows_;
+  return inside ? cells_[static_cast<std::size_t>(row) * columns_ + column] : all_;
+}
+
+int NearbySegments::Column(double x) const { return static_cast<int>(std::floor((x - origin_.x) / cell_)); }
+
+int NearbySegments::Row(double y) const { return static_cast<int>(std::floor((y - origin_.y) / cell_)); }
+
+void NearbySegments::AddToCells(const Segment& segment, double reach) {
+  const double far = reach + 0.7072 * cell_;  // from a cell's centre: its half diagonal is cell * sqrt(1/2)
+  const int first_column = std::max(Column(std::min(segment.a.x, segment.b.x) - far), 0);
+  const int last_column = std::min(Column(std::max(segment.a.x, segment.b.x) + far), columns_ - 1);
+  const int first_row = std::max(Row(std::min(segment.a.y, segment.b.y) - far), 0);
+  const int last_row = std::min(Row(std::max(segment.a.y, segment.b.y) + far), rows_ - 1);
+  for (int row = first_row; row <= last_row; ++row) {
+    for (int column = first_column; column <= last_column; ++column) {
+      const Point center{origin_.x + (column + 0.5) * cell_, origin_.y + (row + 0.5) * cell_};
+      if (DistanceToSegment(center, segment) <= far) {
+        cells_[static_cast<std::size_t>(row) * columns_ + column].push_back(segment);
+      }
+    }
+  }
+}
+
+}  // namespace robotteamsim

@@ -1,0 +1,225 @@
+#include "robotteamsim/world/world.hpp"
+
+#include <box2d/box2d.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace robotteamsim {
+namespace {
+
+constexpr int kVelocityIterations = 8;
+constexpr int kPositionIterations = 3;
+
+// Box2D lets shapes at rest overlap by one slop. Half a slop around each keeps the bodies themselves from it: they rest
+// at most a slop (5 mm) apart.
+constexpr float kSkin = 0.5F * b2_linearSlop;
+
+b2Vec2 ToBox(double x, double y) { return {static_cast<float>(x), static_cast<float>(y)}; }
+
+// A drive that reaches less than this part of its speed is stalled.
+constexpr double kStalled = 0.05;
+
+double Cross(const Point& a, const Point& b, const Point& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+// Fills the shape by hand: b2PolygonShape::Set welds corners nearer than 2.5 mm and turns what then is no polygon into
+// a box of two metres, so thin solids would not be what the plan says.
+b2PolygonShape ConvexShape(const Polygon& piece) {
+  const int count = static_cast<int>(piece.size());
+  if (count < 3 || count > b2_maxPolygonVertices) {
+    throw std::invalid_argument("a convex piece needs 3 to 8 corners, got " + std::to_string(count));
+  }
+  b2PolygonShape shape;
+  shape.m_radius = kSkin;
+  shape.m_count = count;
+  for (int i = 0; i < count; ++i) {
+    const Point& corner = piece[i];
+    const Point& next = piece[(i + 1) % count];
+    const double dx = next.x - corner.x, dy = next.y - corner.y, length = std::hypot(dx, dy);
+    if (!(length > 0.0) || !(Cross(corner, next, piece[(i + 2) % count]) >= 0.0)) {
+      throw std::invalid_argument("a piece must be convex and counter-clockwise, without equal corners");
+    }
+    shape.m_vertices[i] = ToBox(corner.x, corner.y);
+    shape.m_normals[i] = ToBox(dy / length, -dx / length);
+    shape.m_centroid += 1.0F / static_cast<float>(count) * shape.m_vertices[i];
+  }
+  return shape;
+}
+
+void AddPieces(b2Body* body, const Solid& solid) {
+  for (const Polygon& piece : solid.pieces) {
+    const b2PolygonShape shape = ConvexShape(piece);
+    b2FixtureDef fixture;
+    fixture.shape = &shape;
+    fixture.friction = 0.0F;
+    body->CreateFixture(&fixture);
+  }
+}
+
+bool IsTouching(const b2Body* body) {
+  for (const b2ContactEdge* edge = body->GetContactList(); edge != nullptr; edge = edge->next) {
+    if (edge->contact->IsTouching()) return true;
+  }
+  return false;
+}
+
+bool IsPositive(double value) { return value > 0.0 && std::isfinite(value); }
+
+void CheckRobot(const Robot& robot) {
+  const DriveLimits& drive = robot.drive;
+  for (const double value : {robot.radius, robot.mass, drive.max_speed, drive.max_turn, drive.max_acceleration,
+                             drive.max_turn_acceleration}) {
+    if (!IsPositive(value)) throw std::invalid_argument("sizes and limits of a robot must be > 0");
+  }
+}
+
+// Box2D moves no body by more than 2 m at once, and keeps robots from jumping over each other only while they move by
+// less than they are wide. So no robot moves by more than half its radius at once.
+int CheckedSubsteps(const std::vector<Robot>& robots, double step, int substeps) {
+  if (!IsPositive(step) || substeps < 1) throw std::invalid_argument("step and substeps must be > 0");
+  double parts = 1.0;
+  for (const Robot& robot : robots) {
+    CheckRobot(robot);
+    parts = std::max(parts, std::ceil(robot.drive.max_speed * step / substeps / (0.5 * robot.radius)));
+  }
+  return substeps * static_cast<int>(parts);
+}
+
+}  // namespace
+
+World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps)
+    : solids_(std::move(solids)),
+      initial_doors_(std::move(doors)),
+      robots_(std::move(robots)),
+      step_(step),
+      substeps_(CheckedSubsteps(robots_, step, substeps)),
+      dt_(step_ / substeps_) {
+  Reset();
+}
+
+World::~World() = default;
+
+void World::Reset() {
+  // A new Box2D world: the order of bodies and contacts in the old one depends on its past and reaches the results.
+  box_ = std::make_unique<b2World>(b2Vec2(0.0F, 0.0F));
+  b2BodyDef still;
+  b2Body* building = box_->CreateBody(&still);
+  for (const Solid& solid : solids_) AddPieces(building, solid);
+  doors_ = initial_doors_;
+  door_bodies_.clear();
+  for (const Door& door : doors_) {
+    still.enabled = door.closed;
+    door_bodies_.push_back(box_->CreateBody(&still));
+    AddPieces(door_bodies_.back(), door.leaf);
+  }
+  robot_bodies_.clear();
+  poses_.clear();
+  for (const Robot& robot : robots_) AddRobot(robot);
+  drives_.assign(robots_.size(), {});
+  twists_.assign(robots_.size(), {});
+  motions_.assign(robots_.size(), {});
+  in_contact_.assign(robots_.size(), false);
+}
+
+void World::AddRobot(const Robot& robot) {
+  b2BodyDef def;
+  def.type = b2_dynamicBody;
+  def.position = ToBox(robot.start.x, robot.start.y);
+  def.fixedRotation = true;  // nothing turns a round body without friction: its drive alone does
+  def.allowSleep = false;
+  def.bullet = true;  // robots stop at each other as exactly as at walls
+  b2CircleShape shape;
+  shape.m_radius = static_cast<float>(robot.radius) + kSkin;
+  b2FixtureDef fixture;
+  fixture.shape = &shape;
+  fixture.friction = 0.0F;
+  fixture.density = static_cast<float>(robot.mass / (static_cast<double>(b2_pi) * shape.m_radius * shape.m_radius));
+  b2Body* body = box_->CreateBody(&def);
+  body->CreateFixture(&fixture);
+  robot_bodies_.push_back(body);
+  poses_.push_back(robot.start);
+}
+
+void World::CheckCommands(const std::vector<Twist>& commands) const {
+  if (commands.size() != robots_.size()) {
+    throw std::invalid_argument("expected " + std::to_string(robots_.size()) + " twists, got " +
+                                std::to_string(commands.size()));
+  }
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const Twist& twist = commands[i];
+    if (!std::isfinite(twist.linear_x) || !std::isfinite(twist.linear_y) || !std::isfinite(twist.angular_z)) {
+      throw std::invalid_argument("robot_" + std::to_string(i) + ": twist must be finite, got (" +
+                                  std::to_string(twist.linear_x) + ", " + std::to_string(twist.linear_y) + ", " +
+                                  std::to_string(twist.angular_z) + ")");
+    }
+  }
+}
+
+void World::Step(const std::vector<Twist>& commands) {
+  CheckCommands(commands);
+  const int num_robots = static_cast<int>(robots_.size());
+  const std::vector<Pose> before = poses_;
+  twists_.assign(robots_.size(), {});
+  in_contact_.assign(robots_.size(), false);
+  for (int substep = 0; substep < substeps_; ++substep) {
+    for (int i = 0; i < num_robots; ++i) StartDrive(i, commands[i]);
+    box_->Step(static_cast<float>(dt_), kVelocityIterations, kPositionIterations);
+    for (int i = 0; i < num_robots; ++i) FinishDrive(i);
+  }
+  for (int i = 0; i < num_robots; ++i) motions_[i] = RelativePose(before[i], poses_[i]);
+}
+
+void World::StartDrive(int robot, const Twist& command) {
+  Drive& drive = drives_[robot];
+  drive.speed = ReachedSpeed(drive.speed, command, robots_[robot].drive, dt_);
+  drive.target = AdvancedPose(poses_[robot], drive.speed, dt_);
+  b2Body* body = robot_bodies_[robot];
+  const b2Vec2& at = body->GetPosition();
+  body->SetLinearVelocity(ToBox((drive.target.x - at.x) / dt_, (drive.target.y - at.y) / dt_));
+}
+
+void World::FinishDrive(int robot) {
+  Drive& drive = drives_[robot];
+  Pose& pose = poses_[robot];
+  double forward = drive.speed.forward;
+  double left = 0.0;
+  if (IsTouching(robot_bodies_[robot])) {
+    const b2Vec2& at = robot_bodies_[robot]->GetPosition();
+    const double heading = pose.yaw + 0.5 * drive.speed.turn * dt_;
+    const double cos = std::cos(heading), sin = std::sin(heading);
+    const double dx = at.x - pose.x, dy = at.y - pose.y;
+    forward = (cos * dx + sin * dy) / dt_;
+    left = (cos * dy - sin * dx) / dt_;
+    // What stops a robot dead stops its wheels; along what it slides along, and behind what it pushes, they slip.
+    if (forward / drive.speed.forward < kStalled) drive.speed.forward = 0.0;
+    drive.target.x = at.x;
+    drive.target.y = at.y;
+    in_contact_[robot] = true;
+  }
+  pose = drive.target;
+  twists_[robot].linear_x += forward / substeps_;
+  twists_[robot].linear_y += left / substeps_;
+  twists_[robot].angular_z += drive.speed.turn / substeps_;
+}
+
+void World::SetPose(int robot, const Pose& pose) {
+  Pose& stored = poses_.at(robot);
+  stored = {pose.x, pose.y, NormaliseAngle(pose.yaw)};
+  robot_bodies_[robot]->SetTransform(ToBox(pose.x, pose.y), 0.0F);
+  drives_[robot] = {};
+  twists_[robot] = {};
+  motions_[robot] = {};
+  in_contact_[robot] = false;
+}
+
+void World::SetDoorClosed(int door, bool closed) {
+  doors_.at(door).closed = closed;
+  door_bodies_[door]->SetEnabled(closed);
+}
+
+}  // namespace robotteamsim

@@ -1,0 +1,256 @@
+#include "robotteamsim/world/world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+namespace robotteamsim {
+namespace {
+
+const double kPi = std::acos(-1.0);
+const double kStep = 0.1;
+const int kSubsteps = 5;
+const double kTouch = 0.005;  // bodies that touch are less apart
+const Twist kForward{0.7, 0.0, 0.0};
+
+Solid Rectangle(double x0, double y0, double x1, double y1) {
+  const Polygon corners{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+  return {corners, {corners}};
+}
+
+Robot RobotAt(double x, double y, double yaw) {
+  Robot robot;
+  robot.start = {x, y, yaw};
+  return robot;
+}
+
+// A room of 6 x 4 m with walls of 0.1 m.
+std::vector<Solid> Room() {
+  return {Rectangle(-0.1, -0.1, 6.1, 0.0), Rectangle(-0.1, 4.0, 6.1, 4.1), Rectangle(-0.1, 0.0, 0.0, 4.0),
+          Rectangle(6.0, 0.0, 6.1, 4.0)};
+}
+
+void Drive(World& world, const std::vector<Twist>& commands, int steps) {
+  for (int i = 0; i < steps; ++i) world.Step(commands);
+}
+
+bool SameBits(const std::vector<Pose>& a, const std::vector<Pose>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Pose)) == 0;
+}
+
+std::vector<Twist> RandomCommands(std::mt19937& random, std::size_t count) {
+  std::vector<Twist> commands(count);
+  for (Twist& command : commands) {
+    command.linear_x = random() % 3 == 0 ? -0.7 : 0.7;
+    command.angular_z = static_cast<double>(random() % 5) - 2.0;
+  }
+  return commands;
+}
+
+TEST(World, MovesAFreeRobotExactlyAsItsDriveSays) {
+  World world({}, {}, {RobotAt(1.1, 2.0, 0.0)}, kStep, kSubsteps);
+  Drive(world, {kForward}, 100);
+  // 0.7 m/s is reached in 18 substeps: 0.04, 0.08 .. 0.68, 0.7 m/s.
+  const double start_up = 0.02 * (0.04 * 17 * 18 / 2);
+  EXPECT_NEAR(world.poses()[0].x, 1.1 + start_up + 0.7 * 0.02 * (500 - 17), 1e-11);
+  EXPECT_EQ(world.poses()[0].y, 2.0);
+  EXPECT_NEAR(world.twists()[0].linear_x, 0.7, 1e-12);
+  EXPECT_EQ(world.twists()[0].linear_y, 0.0);
+  EXPECT_FALSE(world.in_contact()[0]);
+}
+
+TEST(World, AcceleratesWithinItsLimits) {
+  World world({}, {}, {RobotAt(0.0, 0.0, 0.0)}, kStep, kSubsteps);
+  world.Step({{5.0, 0.0, 50.0}});
+  EXPECT_NEAR(world.twists()[0].linear_x, 0.12, 1e-12);   // mean of 0.04 .. 0.20
+  EXPECT_NEAR(world.twists()[0].angular_z, 0.48, 1e-12);  // mean of 0.16 .. 0.80
+  Drive(world, {{5.0, 0.0, 50.0}}, 20);
+  EXPECT_NEAR(world.twists()[0].linear_x, 0.7, 1e-12);
+  EXPECT_NEAR(world.twists()[0].angular_z, 2.0, 1e-12);
+}
+
+TEST(World, DrivesACircleOfRadiusSpeedOverTurn) {
+  World world({}, {}, {RobotAt(3.0, 3.0, 0.0)}, kStep, kSubsteps);
+  Drive(world, {{0.5, 0.0, 1.0}}, 10);
+  const Pose& pose = world.poses()[0];
+  const double center_x = pose.x - 0.5 * std::sin(pose.yaw), center_y = pose.y + 0.5 * std::cos(pose.yaw);
+  for (int i = 0; i < 100; ++i) {
+    world.Step({{0.5, 0.0, 1.0}});
+    EXPECT_NEAR(std::hypot(pose.x - center_x, pose.y - center_y), 0.5, 1e-9);
+    EXPECT_GT(pose.yaw, -kPi);
+    EXPECT_LE(pose.yaw, kPi);
+  }
+}
+
+TEST(World, ReportsTheWayOfTheLastStep) {
+  World world({}, {}, {RobotAt(3.0, 3.0, 2.0)}, kStep, kSubsteps);
+  Drive(world, {{0.5, 0.0, 1.0}}, 10);
+  const Pose before = world.poses()[0];
+  world.Step({{0.5, 0.0, 1.0}});
+  const Pose expected = RelativePose(before, world.poses()[0]);
+  EXPECT_EQ(world.motions()[0].x, expected.x);
+  EXPECT_EQ(world.motions()[0].y, expected.y);
+  EXPECT_NEAR(world.motions()[0].yaw, 0.1, 1e-12);
+}
+
+TEST(World, StopsARobotAtAWallWhereItTouches) {
+  World world(Room(), {}, {RobotAt(4.0, 2.0, 0.0)}, kStep, kSubsteps);
+  Drive(world, {kForward}, 60);
+  EXPECT_NEAR(world.poses()[0].x, 5.8, kTouch);
+  EXPECT_NEAR(world.poses()[0].y, 2.0, 1e-6);
+  EXPECT_TRUE(world.in_contact()[0]);
+  const Pose before = world.poses()[0];
+  world.Step({kForward});
+  EXPECT_NEAR(world.twists()[0].linear_x, 0.0, 1e-6);
+  EXPECT_EQ(world.twists()[0].linear_y, 0.0);
+  EXPECT_NEAR(world.poses()[0].x, before.x, 1e-7);
+}
+
+TEST(World, NeverLetsARobotFarIntoAWall) {
+  World world(Room(), {}, {RobotAt(4.0, 2.0, 0.0)}, kStep, kSubsteps);
+  for (int i = 0; i < 60; ++i) {
+    world.Step({kForward});
+    EXPECT_LE(world.poses()[0].x, 5.81);
+  }
+}
+
+TEST(World, LetsARobotSlideAlongAWall) {
+  World world(Room(), {}, {RobotAt(2.0, 3.0, kPi / 4.0)}, kStep, kSubsteps);
+  Drive(world, {kForward}, 40);
+  EXPECT_NEAR(world.poses()[0].y, 3.8, kTouch);
+  // Of 0.7 m/s, the part along the wall: 0.7 cos(45 deg), seen at 45 degrees in base_link.
+  EXPECT_NEAR(world.twists()[0].linear_x, 0.35, 1e-3);
+  EXPECT_NEAR(world.twists()[0].linear_y, -0.35, 1e-3);
+  EXPECT_EQ(world.poses()[0].yaw, kPi / 4.0);
+}
+
+TEST(World, LetsABlockedRobotDriveAwayAtOnce) {
+  World world(Room(), {}, {RobotAt(5.0, 2.0, 0.0)}, kStep, kSubsteps);
+  Drive(world, {kForward}, 40);
+  world.Step({{-0.7, 0.0, 0.0}});
+  EXPECT_NEAR(world.twists()[0].linear_x, -0.12, 0.05);
+}
+
+TEST(World, StopsRobotsThatMeetHeadOn) {
+  World world(Room(), {}, {RobotAt(2.0, 2.0, 0.0), RobotAt(4.0, 2.0, kPi)}, kStep, kSubsteps);
+  Drive(world, {kForward, kForward}, 60);
+  EXPECT_NEAR(world.poses()[1].x - world.poses()[0].x, 0.4, kTouch);
+  EXPECT_NEAR(world.twists()[0].linear_x, 0.0, 1e-3);
+  EXPECT_TRUE(world.in_contact()[0]);
+  EXPECT_TRUE(world.in_contact()[1]);
+}
+
+TEST(World, LetsARobotPushAnotherButNotSpeedItUp) {
+  World world(Room(), {}, {RobotAt(2.0, 2.0, 0.0), RobotAt(2.5, 2.0, 0.0)}, kStep, kSubsteps);
+  Drive(world, {kForward, {}}, 30);
+  EXPECT_GT(world.poses()[1].x, 2.51);
+  EXPECT_LT(world.twists()[1].linear_x, 0.35);
+  Drive(world, {{-0.7, 0.0, 0.0}, {}}, 5);
+  const Pose left_alone = world.poses()[1];
+  world.Step({{-0.7, 0.0, 0.0}, {}});
+  EXPECT_EQ(world.poses()[1].x, left_alone.x);
+}
+
+TEST(World, LetsNoRobotThroughAThinWallAtTopSpeed) {
+  Robot robot = RobotAt(0.5, 0.0, 0.0);
+  robot.radius = 0.05;
+  robot.drive = {10.0, 20.0, 50.0, 200.0};
+  // 10 m in a step of a single substep, against a wall of 1 mm.
+  World world({Rectangle(12.0, -1.0, 12.001, 1.0)}, {}, {robot}, 1.0, 1);
+  Drive(world, {{10.0, 0.0, 0.0}}, 10);
+  EXPECT_NEAR(world.poses()[0].x, 11.95, 1e-2);
+}
+
+TEST(World, LetsNoRobotOutOfARoomWhateverTheCommands) {
+  std::vector<Robot> robots;
+  for (int i = 0; i < 6; ++i) robots.push_back(RobotAt(0.6 + 0.8 * i, 1.0 + 0.3 * i, i));
+  World world(Room(), {}, robots, kStep, kSubsteps);
+  std::mt19937 random(7);
+  std::vector<Twist> commands = RandomCommands(random, robots.size());
+  for (int i = 0; i < 20000; ++i) {
+    if (i % 20 == 0) commands = RandomCommands(random, robots.size());
+    world.Step(commands);
+    for (const Pose& pose : world.poses()) {
+      ASSERT_GT(pose.x, 0.19) << "step " << i;
+      ASSERT_LT(pose.x, 5.81) << "step " << i;
+      ASSERT_GT(pose.y, 0.19) << "step " << i;
+      ASSERT_LT(pose.y, 3.81) << "step " << i;
+    }
+  }
+}
+
+TEST(World, RepeatsItselfToTheBit) {
+  const std::vector<Robot> robots{RobotAt(1.0, 1.0, 0.0), RobotAt(2.0, 1.0, 1.0), RobotAt(3.0, 2.0, 2.0)};
+  const std::vector<Door> doors{{Rectangle(4.0, 0.0, 4.06, 2.0), false}};
+  World first(Room(), doors, robots, kStep, kSubsteps);
+  World second(Room(), doors, robots, kStep, kSubsteps);
+  std::mt19937 random(3);
+  std::vector<std::vector<Twist>> script;
+  for (int i = 0; i < 2000; ++i) script.push_back(RandomCommands(random, robots.size()));
+  std::vector<std::vector<Pose>> record;
+  for (int i = 0; i < 2000; ++i) {
+    first.Step(script[i]);
+    second.Step(script[i]);
+    ASSERT_TRUE(SameBits(first.poses(), second.poses())) << "step " << i;
+    record.push_back(first.poses());
+  }
+  first.SetDoorClosed(0, true);
+  first.Reset();
+  EXPECT_FALSE(first.doors()[0].closed);
+  for (int i = 0; i < 2000; ++i) {
+    first.Step(script[i]);
+    ASSERT_TRUE(SameBits(first.poses(), record[i])) << "step " << i;
+  }
+}
+
+TEST(World, LetsRobotsThroughOpenDoorsOnly) {
+  const std::vector<Door> doors{{Rectangle(3.0, 0.0, 3.06, 4.0), true}};
+  World world(Room(), doors, {RobotAt(2.0, 2.0, 0.0)}, kStep, kSubsteps);
+  Drive(world, {kForward}, 40);
+  EXPECT_NEAR(world.poses()[0].x, 2.8, kTouch);
+  world.SetDoorClosed(0, false);
+  Drive(world, {kForward}, 30);
+  EXPECT_GT(world.poses()[0].x, 4.0);
+  world.SetDoorClosed(0, true);
+  Drive(world, {{-0.7, 0.0, 0.0}}, 40);
+  EXPECT_NEAR(world.poses()[0].x, 3.26, kTouch);
+}
+
+TEST(World, PutsARobotSomewhereStandingStill) {
+  World world(Room(), {}, {RobotAt(2.0, 2.0, 0.0)}, kStep, kSubsteps);
+  Drive(world, {kForward}, 10);
+  world.SetPose(0, {5.7, 3.0, 3.0 * kPi});
+  EXPECT_EQ(world.poses()[0].x, 5.7);
+  EXPECT_DOUBLE_EQ(world.poses()[0].yaw, kPi);
+  EXPECT_EQ(world.motions()[0].x, 0.0);
+  world.Step({{}});
+  EXPECT_EQ(world.poses()[0].x, 5.7);
+  Drive(world, {{-0.7, 0.0, 0.0}}, 20);
+  EXPECT_NEAR(world.poses()[0].x, 5.8, kTouch);  // the wall is felt at the new place too
+}
+
+TEST(World, RefusesWrongCommandsAndDoesNotMoveThen) {
+  World world({}, {}, {RobotAt(0.0, 0.0, 0.0), RobotAt(2.0, 0.0, 0.0)}, kStep, kSubsteps);
+  EXPECT_THROW(world.Step({kForward}), std::invalid_argument);
+  EXPECT_THROW(world.Step({kForward, {0.0, 0.0, std::numeric_limits<double>::quiet_NaN()}}), std::invalid_argument);
+  EXPECT_EQ(world.poses()[0].x, 0.0);
+}
+
+TEST(World, RefusesPiecesThatBox2dCannotTake) {
+  const Polygon clockwise{{0.0, 0.0}, {0.0, 1.0}, {1.0, 0.0}};
+  const Polygon line{{0.0, 0.0}, {1.0, 0.0}};
+  EXPECT_THROW(World({{clockwise, {clockwise}}}, {}, {}, kStep, kSubsteps), std::invalid_argument);
+  EXPECT_THROW(World({{line, {line}}}, {}, {}, kStep, kSubsteps), std::invalid_argument);
+  EXPECT_THROW(World({}, {}, {}, 0.0, kSubsteps), std::invalid_argument);
+  EXPECT_THROW(World({}, {}, {}, kStep, 0), std::invalid_argument);
+  Robot flat;
+  flat.radius = 0.0;
+  EXPECT_THROW(World({}, {}, {flat}, kStep, kSubsteps), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace robotteamsim
