@@ -1,0 +1,88 @@
+"""Social exclusion and inclusion: who stays in the swarm [dissertation, 5.2.2 and eq. 12]."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class ExclusionRules:
+    """SC_max, N_min and N_max of one swarm."""
+
+    search_counter_max: int = 15
+    min_robots: int = 0
+    max_robots: int = 15
+
+
+@dataclass(frozen=True, slots=True)
+class SwarmState:
+    """The memory of one swarm.
+
+    search_counter: SC, iterations without improvement.  num_killed: N_kill, robots excluded and not called back.
+    """
+
+    search_counter: int = 0
+    num_killed: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What an iteration does to a swarm: its new state, who has to leave and who is called in, in id order."""
+
+    state: SwarmState
+    leaves: tuple[int, ...] = ()
+    joins: tuple[int, ...] = ()
+
+
+def punished_search_counter(search_counter_max: int, num_killed: int) -> int:
+    """Return SC after an exclusion, eq. (12), in whole iterations: SC_max * (1 - 1 / (N_kill + 1))."""
+    return search_counter_max * num_killed // (num_killed + 1)
+
+
+def judge(
+    state: SwarmState,
+    improved: bool,
+    members: Mapping[int, float],
+    excluded: Mapping[int, float],
+    rules: ExclusionRules,
+    uniform: Callable[[], float],
+) -> Verdict:
+    """Return what an iteration that did or did not improve the global best does to a swarm.
+
+    Improved: SC falls by 1; at 0 and with room for one more, the best excluded robot is called in with chance
+    1 / (N_kill + 1). Not improved: SC rises by 1; at SC_max the worst member is excluded, or the whole swarm is
+    dissolved where it has N_min robots or fewer. Robots that heard the same reports and draw from the same stream
+    come to the same verdict.
+
+    Args: members, excluded: value of the local best (larger is better) by robot id; equals are told apart by id.
+          uniform: draws a number in [0, 1); called only when a robot may be called in.
+    """
+    if not members:
+        return Verdict(state)
+    if improved:
+        return _rewarded(state, members, excluded, rules, uniform)
+    search_counter = state.search_counter + 1
+    if search_counter < rules.search_counter_max:
+        return Verdict(SwarmState(search_counter, state.num_killed))
+    if len(members) <= rules.min_robots:
+        return Verdict(SwarmState(0, state.num_killed + len(members)), leaves=tuple(sorted(members)))
+    worst = min(members, key=lambda robot_id: (members[robot_id], -robot_id))
+    num_killed = state.num_killed + 1
+    search_counter = punished_search_counter(rules.search_counter_max, num_killed)
+    return Verdict(SwarmState(search_counter, num_killed), leaves=(worst,))
+
+
+def _rewarded(
+    state: SwarmState,
+    members: Mapping[int, float],
+    excluded: Mapping[int, float],
+    rules: ExclusionRules,
+    uniform: Callable[[], float],
+) -> Verdict:
+    search_counter = max(0, state.search_counter - 1)
+    has_room = bool(excluded) and len(members) < rules.max_robots
+    if search_counter > 0 or not has_room or uniform() * (state.num_killed + 1) >= 1.0:
+        return Verdict(SwarmState(search_counter, state.num_killed))
+    best = max(excluded, key=lambda robot_id: (excluded[robot_id], -robot_id))
+    return Verdict(SwarmState(0, max(0, state.num_killed - 1)), joins=(best,))

@@ -1,0 +1,73 @@
+import pytest
+
+from robotteamsim.swarm import ExclusionRules, SwarmState, Verdict, judge, punished_search_counter
+
+RULES = ExclusionRules(search_counter_max=15, min_robots=0, max_robots=15)
+MEMBERS = {0: -3.0, 1: -5.0, 2: -4.0}
+
+
+def never() -> float:
+    raise AssertionError("no random number is needed here")
+
+
+@pytest.mark.parametrize(("num_killed", "search_counter"), [(0, 0), (1, 7), (2, 10), (3, 11), (14, 14)])
+def test_search_counter_after_an_exclusion_nears_its_maximum(num_killed, search_counter):
+    # 15 * (1 - 1/(n+1)) = 0, 7.5, 10, 11.25, 14
+    assert punished_search_counter(15, num_killed) == search_counter
+
+
+def test_iteration_without_improvement_raises_the_search_counter():
+    assert judge(SwarmState(3, 1), False, MEMBERS, {}, RULES, never) == Verdict(SwarmState(4, 1))
+
+
+def test_improvement_lowers_the_search_counter_to_zero_at_least():
+    assert judge(SwarmState(3, 0), True, MEMBERS, {}, RULES, never) == Verdict(SwarmState(2, 0))
+    assert judge(SwarmState(0, 0), True, MEMBERS, {}, RULES, never) == Verdict(SwarmState(0, 0))
+
+
+def test_worst_robot_leaves_at_the_maximum():
+    assert judge(SwarmState(14, 0), False, MEMBERS, {}, RULES, never) == Verdict(SwarmState(7, 1), leaves=(1,))
+
+
+def test_highest_id_leaves_among_equals():
+    verdict = judge(SwarmState(14, 0), False, {0: 1.0, 1: 1.0, 2: 1.0}, {}, RULES, never)
+    assert verdict.leaves == (2,)
+
+
+def test_swarm_without_success_loses_its_last_robot_after_fifteen_eight_and_five_iterations():
+    members, state, gone_after = dict(MEMBERS), SwarmState(), []
+    for iteration in range(1, 40):
+        verdict = judge(state, False, members, {}, RULES, never)
+        state = verdict.state
+        for robot_id in verdict.leaves:
+            del members[robot_id]
+            gone_after.append(iteration)
+    assert gone_after == [15, 23, 28]
+    assert members == {}
+
+
+def test_swarm_of_the_minimum_is_dissolved():
+    rules = ExclusionRules(15, min_robots=3, max_robots=15)
+    assert judge(SwarmState(14, 0), False, MEMBERS, {}, rules, never) == Verdict(SwarmState(0, 3), leaves=(0, 1, 2))
+
+
+def test_best_excluded_robot_is_called_in_when_the_draw_is_low():
+    excluded = {3: -9.0, 4: -2.0, 5: -2.0}
+    # One of two robots was excluded: the chance is 1/2.
+    verdict = judge(SwarmState(1, 1), True, MEMBERS, excluded, RULES, lambda: 0.49)
+    assert verdict == Verdict(SwarmState(0, 0), joins=(4,))
+    verdict = judge(SwarmState(1, 1), True, MEMBERS, excluded, RULES, lambda: 0.5)
+    assert verdict == Verdict(SwarmState(0, 1))
+
+
+def test_nobody_is_called_in_while_the_search_counter_is_up():
+    assert judge(SwarmState(2, 1), True, MEMBERS, {3: 0.0}, RULES, never) == Verdict(SwarmState(1, 1))
+
+
+def test_nobody_is_called_into_a_full_swarm():
+    rules = ExclusionRules(15, min_robots=0, max_robots=3)
+    assert judge(SwarmState(0, 1), True, MEMBERS, {3: 0.0}, rules, never) == Verdict(SwarmState(0, 1))
+
+
+def test_swarm_without_robots_does_nothing():
+    assert judge(SwarmState(3, 3), False, {}, MEMBERS, RULES, never) == Verdict(SwarmState(3, 3))
