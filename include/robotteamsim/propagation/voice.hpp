@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/propagation/cells.hpp"
+#include "robotteamsim/propagation/face_set.hpp"
+
+namespace robotteamsim {
+
+/// Faces for voice weigh in half walls: 1 for a face of a wall, 2 for a closed door.
+constexpr double kHalfWallsPerWall = 2.0;
+
+/// How a call for help fades [dissertation, eq. 7]; the walls are in the faces.
+struct VoiceModel {
+  double noise_db = 0.0;        ///< background noise: a weaker voice is not heard
+  double wall_loss_db = 0.0;    ///< l_w, any wall or closed door
+  double min_distance_m = 0.0;  ///< distances below count as this
+};
+
+/// One calling victim.
+struct VoiceSource {
+  Point position;
+  double constant_db = 0.0;  ///< l_c, negative
+  double exponent = 0.0;     ///< gamma
+};
+
+/// Whether a cell is solid, one matrix row per row of cells.
+using SolidCells = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Returns -l_c - 10 gamma log10(d) - K l_w of eq. (7) [dB], whatever the noise. K is half-integer where one end of the
+/// way lies in a wall.
+double VoiceLevelDb(const FaceSet& faces, const VoiceModel& model, const VoiceSource& source, PointMm at);
+
+/// Returns the highest level of all sources at the centre of every cell [dB]; 0 where it is below the noise, and in
+/// solid cells. Throws std::invalid_argument where `solid` does not fit the grid.
+CellValues VoiceMapDb(const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources,
+                      const GridShape& grid, const Eigen::Ref<const SolidCells>& solid);
+
+/// A cell and its value.
+struct Cell {
+  int row = 0;
+  int col = 0;
+  double value = 0.0;
+};
+
+/// Returns the cell with the highest value above 0 of those whose centre is within a radius [m] of a point; of equal
+/// ones the lowest row, then the lowest column. Nothing where no such cell is above 0.
+std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const CellValues>& values, const Point& at,
+                                double radius_m);
+
+}  // namespace robotteamsim

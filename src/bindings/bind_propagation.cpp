@@ -1,0 +1,83 @@
+// Floor 2: how radio and voice fade.
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <utility>
+
+#include "bindings.hpp"
+#include "robotteamsim/propagation/face_set.hpp"
+#include "robotteamsim/propagation/radio.hpp"
+#include "robotteamsim/propagation/voice.hpp"
+
+namespace py = pybind11;
+
+namespace robotteamsim::bindings {
+namespace {
+
+using XY = std::pair<double, double>;
+
+Point ToPoint(const XY& xy) { return {xy.first, xy.second}; }
+
+PointMm ToMm(const XY& xy, const char* name) { return RoundToMm(ToPoint(xy), name); }
+
+void BindRadio(py::module_& m) {
+  py::class_<RadioModel>(m, "RadioModel")
+      .def(py::init([](double tx_power_dbm, double constant_loss_db, double slope_db, double min_distance_m) {
+             return RadioModel{tx_power_dbm, constant_loss_db, slope_db, min_distance_m};
+           }),
+           py::kw_only(), py::arg("tx_power_dbm"), py::arg("constant_loss_db"), py::arg("slope_db"),
+           py::arg("min_distance_m"));
+  m.def("path_loss_db", [](const FaceSet& faces, const RadioModel& model, const XY& a, const XY& b) {
+    return PathLossDb(faces, model, ToMm(a, "a_m"), ToMm(b, "b_m"));
+  });
+  m.def("rssi_matrix_dbm", &RssiMatrixDbm);
+  m.def("rssi_map_dbm", [](const FaceSet& faces, const RadioModel& model, const XY& tx, const XY& origin,
+                           double resolution_m, int rows, int cols) {
+    return RssiMapDbm(faces, model, ToMm(tx, "tx_m"), {ToPoint(origin), resolution_m, rows, cols});
+  });
+}
+
+void BindVoice(py::module_& m) {
+  py::class_<VoiceModel>(m, "VoiceModel")
+      .def(py::init([](double noise_db, double wall_loss_db, double min_distance_m) {
+             return VoiceModel{noise_db, wall_loss_db, min_distance_m};
+           }),
+           py::kw_only(), py::arg("noise_db"), py::arg("wall_loss_db"), py::arg("min_distance_m"));
+  py::class_<VoiceSource>(m, "VoiceSource").def(py::init([](const XY& position, double constant_db, double exponent) {
+    return VoiceSource{ToPoint(position), constant_db, exponent};
+  }));
+  m.def("voice_level_db", [](const FaceSet& faces, const VoiceModel& model, const VoiceSource& source, const XY& at) {
+    return VoiceLevelDb(faces, model, source, ToMm(at, "at_m"));
+  });
+  m.def("voice_map_db", [](const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources,
+                           const XY& origin, double resolution_m, const Eigen::Ref<const SolidCells>& solid) {
+    const GridShape grid{ToPoint(origin), resolution_m, static_cast<int>(solid.rows()), static_cast<int>(solid.cols())};
+    return VoiceMapDb(faces, model, sources, grid, solid);
+  });
+  m.def("loudest_cell",
+        [](const XY& origin, double resolution_m, const Eigen::Ref<const CellValues>& values, const XY& at,
+           double radius_m) -> py::object {
+          const GridShape grid{ToPoint(origin), resolution_m, static_cast<int>(values.rows()),
+                               static_cast<int>(values.cols())};
+          const std::optional<Cell> cell = LoudestCell(grid, values, ToPoint(at), radius_m);
+          if (!cell) return py::none();
+          const Point center = CellCenter(grid, cell->row, cell->col);
+          return py::make_tuple(py::make_tuple(center.x, center.y), cell->value);
+        });
+}
+
+}  // namespace
+
+void BindPropagation(py::module_& m) {
+  py::class_<FaceSet>(m, "FaceSet")
+      .def(py::init<const std::vector<std::array<std::int64_t, 4>>&, const std::vector<std::int32_t>&>(),
+           py::arg("ends_mm"), py::arg("weights"))
+      .def("set_active", &FaceSet::SetActive)
+      .def("weight_between", [](const FaceSet& faces, const XY& a, const XY& b) {
+        return faces.WeightBetween(ToMm(a, "a_m"), ToMm(b, "b_m"));
+      });
+  BindRadio(m);
+  BindVoice(m);
+}
+
+}  // namespace robotteamsim::bindings

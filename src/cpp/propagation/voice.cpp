@@ -1,0 +1,73 @@
+#include "robotteamsim/propagation/voice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace robotteamsim {
+namespace {
+
+double LevelDb(const VoiceModel& model, const VoiceSource& source, PointMm from, PointMm to, std::int64_t half_walls) {
+  const double distance_m = std::max(DistanceM(from, to), model.min_distance_m);
+  const double walls = static_cast<double>(half_walls) / kHalfWallsPerWall;
+  return -source.constant_db - 10.0 * source.exponent * std::log10(distance_m) - walls * model.wall_loss_db;  // (7)
+}
+
+}  // namespace
+
+double VoiceLevelDb(const FaceSet& faces, const VoiceModel& model, const VoiceSource& source, PointMm at) {
+  const PointMm from = RoundToMm(source.position, "position of a voice");
+  return LevelDb(model, source, from, at, faces.WeightBetween(from, at));
+}
+
+CellValues VoiceMapDb(const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources,
+                      const GridShape& grid, const Eigen::Ref<const SolidCells>& solid) {
+  const CellCentersMm centers(grid);
+  if (solid.rows() != grid.rows || solid.cols() != grid.cols) {
+    throw std::invalid_argument("solid must have shape (" + std::to_string(grid.rows) + ", " +
+                                std::to_string(grid.cols) + "), got (" + std::to_string(solid.rows()) + ", " +
+                                std::to_string(solid.cols()) + ")");
+  }
+  CellValues level_db = CellValues::Zero(grid.rows, grid.cols);
+  for (const VoiceSource& source : sources) {
+    const PointMm from = RoundToMm(source.position, "position of a voice");
+    for (int row = 0; row < grid.rows; ++row) {
+      const std::vector<std::int64_t> half_walls = faces.WeightsAlongRow(from, centers.y[row], centers.x);
+      for (int col = 0; col < grid.cols; ++col) {
+        const double level = LevelDb(model, source, from, {centers.x[col], centers.y[row]}, half_walls[col]);
+        if (level >= model.noise_db) level_db(row, col) = std::max(level_db(row, col), level);
+      }
+    }
+  }
+  return solid.select(0.0, level_db);
+}
+
+std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const CellValues>& values, const Point& at,
+                                double radius_m) {
+  // Cells from `from` to before `to`, one more than needed on each side; the distance decides.
+  const auto clamped = [](double cell, int count) { return static_cast<int>(std::clamp(cell, 0.0, 1.0 * count)); };
+  const auto from = [&](double origin, double center, int count) {
+    return clamped(std::floor((center - radius_m - origin) / grid.resolution) - 1.0, count);
+  };
+  const auto to = [&](double origin, double center, int count) {
+    return clamped(std::floor((center + radius_m - origin) / grid.resolution) + 2.0, count);
+  };
+  std::optional<Cell> best;
+  const int col_from = from(grid.origin.x, at.x, grid.cols);
+  const int col_to = to(grid.origin.x, at.x, grid.cols);
+  const int row_to = to(grid.origin.y, at.y, grid.rows);
+  for (int row = from(grid.origin.y, at.y, grid.rows); row < row_to; ++row) {
+    for (int col = col_from; col < col_to; ++col) {
+      const double value = values(row, col);
+      if (value <= (best ? best->value : 0.0)) continue;
+      const Point center = CellCenter(grid, row, col);
+      const double dx = center.x - at.x;
+      const double dy = center.y - at.y;
+      if (dx * dx + dy * dy <= radius_m * radius_m) best = Cell{row, col, value};
+    }
+  }
+  return best;
+}
+
+}  // namespace robotteamsim

@@ -1,0 +1,154 @@
+#include "robotteamsim/propagation/face_set.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+namespace robotteamsim {
+namespace {
+
+using Ends = std::vector<std::array<std::int64_t, 4>>;
+
+/// A wall from (0, -1000) to (200, 1000) mm: 1 per face.
+FaceSet SquareWall() {
+  return FaceSet({{0, -1000, 200, -1000}, {200, -1000, 200, 1000}, {200, 1000, 0, 1000}, {0, 1000, 0, -1000}},
+                 {1, 1, 1, 1});
+}
+
+/// Closed triangles with corners on a coarse lattice, so that many rays run through corners and along faces.
+FaceSet LatticeTriangles(std::mt19937* generator) {
+  std::uniform_int_distribution<std::int64_t> coordinate(0, 12);
+  Ends ends;
+  std::vector<std::int32_t> weights;
+  while (ends.size() < 60) {
+    const auto draw = [&] { return PointMm{coordinate(*generator), coordinate(*generator)}; };
+    const PointMm a = draw(), b = draw(), c = draw();
+    if ((b.x - a.x) * (c.y - a.y) == (b.y - a.y) * (c.x - a.x)) continue;  // no area
+    ends.insert(ends.end(), {{a.x, a.y, b.x, b.y}, {b.x, b.y, c.x, c.y}, {c.x, c.y, a.x, a.y}});
+    weights.insert(weights.end(), 3, static_cast<std::int32_t>(1 + ends.size() % 7));
+  }
+  return FaceSet(ends, weights);
+}
+
+TEST(RoundToMm, RoundsHalvesAwayFromZero) {
+  const PointMm point = RoundToMm({0.0005, -1.2345}, "point");
+  EXPECT_EQ(point.x, 1);
+  EXPECT_EQ(point.y, -1235);
+}
+
+TEST(RoundToMm, RefusesWhatIsNotFiniteAndNamesThePlace) {
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e9}) {
+    try {
+      RoundToMm({0.0, bad}, "position of robot 2");
+      FAIL() << "accepted " << bad;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find("position of robot 2 must be finite"), std::string::npos);
+    }
+  }
+}
+
+TEST(FaceSet, ARayThroughAWallPaysForBothFaces) {
+  EXPECT_EQ(SquareWall().WeightBetween({-1000, 0}, {1000, 0}), 2);
+  EXPECT_EQ(SquareWall().WeightBetween({-1000, -300}, {1000, 400}), 2);
+  EXPECT_EQ(SquareWall().WeightBetween({-1000, 0}, {-10, 900}), 0);
+}
+
+TEST(FaceSet, AnEndInsideAWallPaysForOneFace) {
+  EXPECT_EQ(SquareWall().WeightBetween({100, 0}, {1000, 0}), 1);
+  EXPECT_EQ(SquareWall().WeightBetween({-1000, 0}, {100, 0}), 1);
+  EXPECT_EQ(SquareWall().WeightBetween({100, 0}, {120, 500}), 0);
+  EXPECT_EQ(SquareWall().WeightBetween({100, 0}, {100, 0}), 0);
+}
+
+TEST(FaceSet, ARayAlongAFaceIsInsideOrOutside) {
+  // The walls move by (+eps, +eps^2): the ray along the left face then runs outside, that along the right one inside.
+  EXPECT_EQ(SquareWall().WeightBetween({0, -3000}, {0, 3000}), 0);
+  EXPECT_EQ(SquareWall().WeightBetween({200, -3000}, {200, 3000}), 2);
+  // By eps^2 upward: below the bottom face is outside, and the ray along the top face runs inside.
+  EXPECT_EQ(SquareWall().WeightBetween({-3000, -1000}, {3000, -1000}), 0);
+  EXPECT_EQ(SquareWall().WeightBetween({-3000, 1000}, {3000, 1000}), 2);
+}
+
+TEST(FaceSet, ARayThroughACornerCountsWholeFaces) {
+  EXPECT_EQ(SquareWall().WeightBetween({-1000, 0}, {1000, 2000}) % 2, 0);     // through (0, 1000)
+  EXPECT_EQ(SquareWall().WeightBetween({-800, 2000}, {1200, 0}) % 2, 0);      // through (200, 1000)
+  EXPECT_EQ(SquareWall().WeightBetween({-900, -6000}, {1100, 6000}) % 2, 0);  // corner to corner
+}
+
+TEST(FaceSet, WeightsAreTheSameBothWaysOnALattice) {
+  std::mt19937 generator(1);
+  const FaceSet faces = LatticeTriangles(&generator);
+  for (std::int64_t a = 0; a < 169; ++a) {
+    for (std::int64_t b = 0; b < a; ++b) {
+      const PointMm from{a % 13, a / 13};
+      const PointMm to{b % 13, b / 13};
+      ASSERT_EQ(faces.WeightBetween(from, to), faces.WeightBetween(to, from)) << a << " " << b;
+    }
+  }
+}
+
+TEST(FaceSet, WeightNeverFallsAlongARay) {
+  std::mt19937 generator(2);
+  std::uniform_int_distribution<std::int64_t> step(-3, 3);
+  const FaceSet faces = LatticeTriangles(&generator);
+  for (int ray = 0; ray < 500; ++ray) {
+    const PointMm from{6 + step(generator), 6 + step(generator)};
+    const PointMm direction{step(generator), step(generator)};
+    std::int64_t before = 0;
+    for (std::int64_t k = 0; k < 10; ++k) {
+      const std::int64_t now = faces.WeightBetween(from, {from.x + k * direction.x, from.y + k * direction.y});
+      ASSERT_GE(now, before) << "ray " << ray << ", step " << k;
+      before = now;
+    }
+  }
+}
+
+TEST(FaceSet, ARowEqualsItsPoints) {
+  std::mt19937 generator(3);
+  std::vector<std::int64_t> columns;
+  for (std::int64_t x = -2; x <= 15; ++x) columns.push_back(x);
+  for (int plan = 0; plan < 5; ++plan) {
+    const FaceSet faces = LatticeTriangles(&generator);
+    for (std::int64_t source = 0; source < 225; ++source) {
+      const PointMm from{source % 15 - 1, source / 15 - 1};
+      for (std::int64_t y = -2; y <= 15; ++y) {
+        const std::vector<std::int64_t> row = faces.WeightsAlongRow(from, y, columns);
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+          ASSERT_EQ(row[i], faces.WeightBetween(from, {columns[i], y})) << source << " " << columns[i] << " " << y;
+        }
+      }
+    }
+  }
+}
+
+TEST(FaceSet, ARowWithoutPointsIsEmpty) { EXPECT_TRUE(SquareWall().WeightsAlongRow({0, 0}, 5, {}).empty()); }
+
+TEST(FaceSet, StaysExactAtTheLimitOfCoordinates) {
+  const std::int64_t far = kMaxCoordinateMm;
+  const FaceSet faces({{-far, -far, far, far}}, {1});
+  EXPECT_EQ(faces.WeightBetween({far - 1, far}, {far, far - 1}), 1);
+  EXPECT_EQ(faces.WeightBetween({far - 2, far}, {far - 1, far}), 0);
+  EXPECT_EQ(faces.WeightsAlongRow({-far, far}, -far, {-far + 1, far}), (std::vector<std::int64_t>{1, 1}));
+}
+
+TEST(FaceSet, AnInactiveFaceWeighsNothing) {
+  FaceSet faces = SquareWall();
+  faces.SetActive(1, false);
+  EXPECT_EQ(faces.WeightBetween({-1000, 0}, {1000, 0}), 1);
+  faces.SetActive(1, true);
+  EXPECT_EQ(faces.WeightBetween({-1000, 0}, {1000, 0}), 2);
+  EXPECT_THROW(faces.SetActive(4, true), std::invalid_argument);
+}
+
+TEST(FaceSet, RefusesFacesThatAreNone) {
+  EXPECT_THROW(FaceSet({{0, 0, 1, 0}}, {}), std::invalid_argument);
+  EXPECT_THROW(FaceSet({{3, 4, 3, 4}}, {1}), std::invalid_argument);
+  EXPECT_THROW(FaceSet({{0, 0, 1, 0}}, {-1}), std::invalid_argument);
+  EXPECT_THROW(FaceSet({{0, 0, kMaxCoordinateMm + 1, 0}}, {1}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace robotteamsim

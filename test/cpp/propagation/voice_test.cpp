@@ -1,0 +1,84 @@
+#include "robotteamsim/propagation/voice.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace robotteamsim {
+namespace {
+
+const VoiceModel kModel{10.0, 2.0, 0.1};
+
+/// A wall across x = 5 m, 1 half wall per face.
+FaceSet Wall() { return FaceSet({{4900, -9000, 4900, 9000}, {5100, -9000, 5100, 9000}}, {1, 1}); }
+
+TEST(VoiceLevel, IsTheConstantAtOneMetre) {
+  EXPECT_DOUBLE_EQ(VoiceLevelDb(Wall(), kModel, {{0.0, 0.0}, -78.0, 5.0}, {1000, 0}), 78.0);
+}
+
+TEST(VoiceLevel, FallsByTheExponentAndTheWalls) {
+  EXPECT_DOUBLE_EQ(VoiceLevelDb(Wall(), kModel, {{0.0, 0.0}, -78.0, 5.0}, {10000, 0}), 78.0 - 50.0 - 2.0);
+  EXPECT_DOUBLE_EQ(VoiceLevelDb(Wall(), kModel, {{5.0, 0.0}, -78.0, 5.0}, {6000, 0}), 78.0 - 1.0);
+}
+
+TEST(VoiceMap, KeepsTheHighestVoiceAndDropsWhatIsBelowTheNoise) {
+  const GridShape grid{{0.0, 0.0}, 0.5, 1, 80};
+  const SolidCells solid = SolidCells::Constant(1, 80, false);
+  const std::vector<VoiceSource> sources = {{{1.0, 0.25}, -78.0, 5.0}, {{12.0, 0.25}, -72.0, 6.0}};
+  const CellValues map = VoiceMapDb(Wall(), kModel, sources, grid, solid);
+  for (int col = 0; col < grid.cols; ++col) {
+    const PointMm cell = RoundToMm(CellCenter(grid, 0, col), "cell");
+    const double best =
+        std::max(VoiceLevelDb(Wall(), kModel, sources[0], cell), VoiceLevelDb(Wall(), kModel, sources[1], cell));
+    ASSERT_EQ(map(0, col), best >= 10.0 ? best : 0.0) << col;
+  }
+  EXPECT_EQ(map(0, 79), 0.0);
+}
+
+TEST(VoiceMap, GivesNoVoiceToSolidCells) {
+  SolidCells solid = SolidCells::Constant(3, 4, false);
+  solid(2, 1) = true;
+  const CellValues map =
+      VoiceMapDb(FaceSet({}, {}), kModel, {{{0.5, 0.5}, -78.0, 5.0}}, {{0.0, 0.0}, 0.25, 3, 4}, solid);
+  EXPECT_EQ(map(2, 1), 0.0);
+  EXPECT_EQ((map.array() > 0.0).count(), 11);
+}
+
+TEST(VoiceMap, IsSilentWithoutSources) {
+  EXPECT_EQ(VoiceMapDb(Wall(), kModel, {}, {{0.0, 0.0}, 0.25, 3, 4}, SolidCells::Constant(3, 4, false)).sum(), 0.0);
+}
+
+TEST(VoiceMap, RefusesSolidCellsOfAnotherShape) {
+  EXPECT_THROW(VoiceMapDb(Wall(), kModel, {}, {{0.0, 0.0}, 0.25, 3, 4}, SolidCells::Constant(4, 3, false)),
+               std::invalid_argument);
+}
+
+TEST(LoudestCell, IsWithinTheRadius) {
+  const GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
+  CellValues values = CellValues::Constant(5, 5, 1.0);
+  values(2, 2) = 2.0;  // centre (2.5, 2.5)
+  values(4, 4) = 9.0;
+  const std::optional<Cell> best = LoudestCell(grid, values, {1.5, 2.5}, 1.0);
+  ASSERT_TRUE(best);
+  EXPECT_EQ(best->row, 2);
+  EXPECT_EQ(best->col, 2);
+  EXPECT_EQ(best->value, 2.0);
+}
+
+TEST(LoudestCell, PrefersTheLowestRowThenColumn) {
+  const GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
+  const std::optional<Cell> best = LoudestCell(grid, CellValues::Constant(5, 5, 1.0), {2.5, 2.5}, 1.5);
+  ASSERT_TRUE(best);
+  EXPECT_EQ(best->row, 1);
+  EXPECT_EQ(best->col, 1);
+}
+
+TEST(LoudestCell, IsNothingWhereAllIsSilentOrFar) {
+  const GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
+  EXPECT_FALSE(LoudestCell(grid, CellValues::Zero(5, 5), {2.5, 2.5}, 2.0));
+  EXPECT_FALSE(LoudestCell(grid, CellValues::Ones(5, 5), {-50.0, 2.5}, 2.0));
+  EXPECT_FALSE(LoudestCell(grid, CellValues::Ones(5, 5), {2.5, 1e30}, 2.0));
+}
+
+}  // namespace
+}  // namespace robotteamsim
