@@ -1,0 +1,11 @@
+// Floor 3: who hears whom.
+#include <pybind11/eigen.h>
+
+#include "bindings.hpp"
+#include "robotteamsim/network/hop_count.hpp"
+
+namespace robotteamsim::bindings {
+
+void BindNetwork(pybind11::module_& m) { m.def("hop_count", &CountHops, pybind11::arg("adjacency")); }
+
+}  // namespace robotteamsim::bindings
