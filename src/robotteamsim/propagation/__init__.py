@@ -1,1 +1,7 @@
+"""How radio and voice fade on their way through a building."""
 
+from robotteamsim.propagation.field_map import FieldMap
+from robotteamsim.propagation.radio_field import RadioField
+from robotteamsim.propagation.voice_field import VoiceField, VoiceSource
+
+__all__ = ["FieldMap", "RadioField", "VoiceField", "VoiceSource"]

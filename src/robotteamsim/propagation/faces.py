@@ -1,0 +1,152 @@
+"""The faces of a floor plan: what a ray pays for passing through the outlines of walls, blocks and doors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from robotteamsim import _core
+from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.floor_plan import Block, Door, FloorPlan, Wall
+from robotteamsim.scenario.plan import Solid, solids
+from robotteamsim.scenario.sections import Radio
+
+MM_PER_M = 1000.0
+_MAX_LOSS_DB = 1000.0
+_UNITS_PER_DB = 20
+"""Radio faces weigh in units of 0.05 dB."""
+
+_CLASS_LIMITS_MM = (200, 400, 600)
+"""Thickest wall of the first three classes of Table 3; all others are of the fourth, ]60,80] cm."""
+
+_SNAP_MM = 0.75
+"""Rounding to whole millimetres moves a face by at most half the diagonal of a 1 mm cell, 0.71 mm."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Faces:
+    """Segments that weigh on whatever passes through them; the last ones are the doors, in the plan's order.
+
+    ends_mm: int64, shape (n, 4): x1, y1, x2, y2 in `map` [mm].
+    weights: int32, shape (n,), >= 0: of a wall's face half of what the wall weighs, of a closed door all of it.
+    doors:   whether each door is closed at the start, by name.
+    """
+
+    ends_mm: np.ndarray
+    weights: np.ndarray
+    doors: dict[str, bool]
+
+    def core(self) -> _core.FaceSet:
+        """Return these faces for the C++ core, with the doors as they are at the start."""
+        face_set = _core.FaceSet(self.ends_mm.tolist(), self.weights.tolist())
+        for name, closed in self.doors.items():
+            face_set.set_active(self.door_face(name), closed)
+        return face_set
+
+    def door_face(self, name: str) -> int:
+        """Return the index of a door's face. Raises: ValueError: no such door."""
+        names = list(self.doors)
+        if name not in names:
+            raise ValueError(f"there is no door '{name}', only {', '.join(names) or 'none'}")
+        return len(self.weights) - len(names) + names.index(name)
+
+
+def radio_faces(plan: FloorPlan, radio: Radio) -> Faces:
+    """Return the faces that fade the radio, in units of 0.05 dB [dissertation, eq. 4 and Table 3].
+
+    A wall costs what its class says, whatever the angle: half on the way in, half on the way out. The class comes from
+    the thickness of a wall, or the smaller width of a block or pillar, in whole mm; over 80 cm it is ]60,80]. A
+    material takes the place of the class. What lies inside the union of all solids is no face. Where outlines of
+    several solids coincide, the highest loss counts.
+
+    Raises: ScenarioError: unknown material; a loss that is no multiple of 0.1 dB in 0..1000 dB.
+    """
+    fading = [solid for solid in _static_solids(plan) if radio.pillars or solid.kind != "pillar"]
+    half_losses = [_wall_units(plan, radio, solid.element) // 2 for solid in fading]
+    return _faces(plan, fading, half_losses, [_door_units(radio, door) for door in plan.doors])
+
+
+def voice_faces(plan: FloorPlan) -> Faces:
+    """Return the faces that fade a voice, in halves of K in eq. (7): 1 per face of any solid, 2 per closed door."""
+    fading = _static_solids(plan)
+    return _faces(plan, fading, [1] * len(fading), [2] * len(plan.doors))
+
+
+def _static_solids(plan: FloorPlan) -> list[Solid]:
+    return [solid for solid in solids(plan) if solid.kind != "door"]
+
+
+def _faces(plan: FloorPlan, fading: Sequence[Solid], weights: Sequence[int], door_weights: Sequence[int]) -> Faces:
+    ends_mm, face_weights = _union_faces([solid.polygon for solid in fading], weights)
+    door_ends_mm = np.array([(*door.start, *door.end) for door in plan.doors]).reshape(-1, 4) * MM_PER_M
+    return Faces(
+        np.vstack([ends_mm, np.rint(door_ends_mm).astype(np.int64)]),
+        np.concatenate([face_weights, np.array(door_weights, dtype=np.int32)]),
+        {door.name: door.closed for door in plan.doors},
+    )
+
+
+def _union_faces(polygons: Sequence[shapely.Polygon], weights: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Return ends [mm] and weights of the outline of the polygons' union; crossings are rounded to whole mm."""
+    in_mm = shapely.transform(np.array(polygons, dtype=object), lambda points_m: points_m * MM_PER_M)
+    snapped = shapely.set_precision(in_mm, 1.0)
+    ends_mm, _ = _edges(shapely.union_all(snapped, grid_size=1.0))
+    solid_edges_mm, solid_of_edge = _edges(snapped)
+    near = _pairs_within_snap(ends_mm[:, :2], solid_edges_mm) & _pairs_within_snap(ends_mm[:, 2:], solid_edges_mm)
+    face_weights = np.full(len(ends_mm), -1, dtype=np.int32)
+    for face, edge in sorted(near):
+        face_weights[face] = max(face_weights[face], weights[solid_of_edge[edge]])
+    assert np.all(face_weights >= 0), "every face of a union lies on an edge of one of its parts"
+    return ends_mm, face_weights
+
+
+def _edges(geometry: shapely.Geometry | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the edges of polygons (int64, shape (n, 4) [mm]) and the index of the geometry that each belongs to."""
+    rings, geometry_of_ring = shapely.get_parts(shapely.boundary(geometry), return_index=True)
+    points, ring = shapely.get_coordinates(rings, return_index=True)
+    points_mm = np.rint(points).astype(np.int64)
+    joined = np.flatnonzero(ring[:-1] == ring[1:])
+    return np.hstack([points_mm[joined], points_mm[joined + 1]]), geometry_of_ring[ring[joined]]
+
+
+def _pairs_within_snap(points_mm: np.ndarray, edges_mm: np.ndarray) -> set[tuple[int, int]]:
+    """Return (point, edge) of all pairs that are no further apart than rounding can have moved them."""
+    tree = shapely.STRtree(shapely.linestrings(edges_mm.reshape(-1, 2, 2)))
+    pairs = tree.query(shapely.points(points_mm), predicate="dwithin", distance=_SNAP_MM)
+    return set(zip(*pairs.tolist(), strict=True))
+
+
+def _wall_units(plan: FloorPlan, radio: Radio, element: Wall | Block | Door) -> int:
+    assert not isinstance(element, Door)
+    if element.material is not None:
+        if element.material not in radio.materials:
+            known = ", ".join(radio.materials) or "none"
+            raise ScenarioError(
+                f"{plan.name}: {element.name}.material: '{element.material}' is not in radio.materials ({known})"
+            )
+        return _units(f"radio.materials.{element.material}", radio.materials[element.material])
+    width_mm = round((element.thickness_m if isinstance(element, Wall) else _smaller_width_m(element)) * MM_PER_M)
+    loss_class = sum(width_mm > limit_mm for limit_mm in _CLASS_LIMITS_MM)
+    return _units(f"radio.wall_loss_db[{loss_class}]", radio.wall_loss_db[loss_class])
+
+
+def _door_units(radio: Radio, door: Door) -> int:
+    if door.kind == "fireproof":
+        return _units("radio.fireproof_door_loss_db", radio.fireproof_door_loss_db)
+    return _units("radio.door_loss_db", radio.door_loss_db)
+
+
+def _units(place: str, loss_db: float) -> int:
+    tenths = round(loss_db * 10.0)
+    if not 0.0 <= loss_db <= _MAX_LOSS_DB or abs(tenths - loss_db * 10.0) > 1e-6:
+        raise ScenarioError(f"{place}: {loss_db:g} dB: wanted a multiple of 0.1 dB in 0..{_MAX_LOSS_DB:g} dB")
+    return tenths * _UNITS_PER_DB // 10
+
+
+def _smaller_width_m(block: Block) -> float:
+    rectangle = shapely.minimum_rotated_rectangle(shapely.Polygon(block.polygon))
+    corners_m = shapely.get_coordinates(rectangle)
+    return float(np.min(np.hypot(*np.diff(corners_m[:3], axis=0).T)))

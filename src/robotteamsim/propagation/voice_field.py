@@ -1,0 +1,78 @@
+"""How a call for help fades: the voice model and the voice map."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from robotteamsim import _core
+from robotteamsim.propagation.faces import voice_faces
+from robotteamsim.propagation.field_map import FieldMap
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.plan import OCCUPIED, occupancy_grid
+from robotteamsim.scenario.sections import Voice
+
+
+@dataclass(frozen=True, slots=True)
+class VoiceSource:
+    """A calling victim.
+
+    position_m:  where she is, in `map` [m].
+    constant_db: l_c of eq. (7), negative [dB]: -78 is a shout of 78 dB at 1 m.
+    exponent:    gamma of eq. (7).
+    """
+
+    position_m: tuple[float, float]
+    constant_db: float
+    exponent: float
+
+    def core(self) -> _core.VoiceSource:
+        """Return this source for the C++ core."""
+        return _core.VoiceSource(self.position_m, self.constant_db, self.exponent)
+
+
+class VoiceField:
+    """Voice levels on one floor [dissertation, eq. 7]; docs/propagation.md has the definition.
+
+    level(d) = -l_c - 10 gamma log10(d) - K l_w, where K counts the walls, blocks, pillars and closed doors on the
+    straight way. Positions are rounded to whole millimetres.
+    """
+
+    def __init__(self, plan: FloorPlan, voice: Voice) -> None:
+        self._faces = voice_faces(plan)
+        self._core_faces = self._faces.core()
+        # A door's leaf is thinner than a cell: doors make no cell solid.
+        self._grid = occupancy_grid(plan.model_copy(update={"doors": ()}), voice.map_resolution_m)
+        self._solid = self._grid.cells == OCCUPIED
+        self._voice = voice
+        self.set_noise_db(voice.noise_db)
+
+    def level_db(self, source: VoiceSource, at_m: tuple[float, float]) -> float:
+        """Return the level of eq. (7) at a point in `map`, whatever the noise [dB].
+
+        Raises: ValueError: a coordinate is not finite.
+        """
+        return _core.voice_level_db(self._core_faces, self._model, source.core(), at_m)
+
+    def map_db(self, sources: Sequence[VoiceSource]) -> FieldMap:
+        """Return the highest level of all sources in each cell [dB]; 0 below the noise and in the cells of walls.
+
+        Raises: ValueError: a source's position is not finite.
+        """
+        core_sources = [source.core() for source in sources]
+        values = _core.voice_map_db(
+            self._core_faces, self._model, core_sources, self._grid.origin_m, self._grid.resolution_m, self._solid
+        )
+        return FieldMap.over(self._grid, values)
+
+    def set_door(self, name: str, closed: bool) -> None:
+        """Open or close a door. Raises: ValueError: no such door."""
+        self._core_faces.set_active(self._faces.door_face(name), closed)
+
+    def set_noise_db(self, noise_db: float) -> None:
+        """Set the background noise [dB]; weaker voices are not heard. Raises: ValueError: negative or not finite."""
+        if not 0.0 <= noise_db < float("inf"):
+            raise ValueError(f"noise_db must be finite and >= 0, got {noise_db}")
+        self._model = _core.VoiceModel(
+            noise_db=noise_db, wall_loss_db=self._voice.wall_loss_db, min_distance_m=self._voice.min_distance_m
+        )
