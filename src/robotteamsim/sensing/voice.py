@@ -1,0 +1,111 @@
+"""What robots hear of the victims who call for help."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+
+from robotteamsim import _core
+from robotteamsim.propagation import FieldMap, VoiceField, VoiceSource
+from robotteamsim.rng import stream
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.sections import Victim, Voice
+from robotteamsim.sensing.readings import VoiceReading
+
+
+class VoiceSensor:
+    """Hears all victims that are not silenced, by the voice map [dissertation, 4.3].
+
+    l_c and gamma of each victim are drawn once from the stream ("voice", name). The map is kept and computed anew only
+    after a change.
+    """
+
+    def __init__(self, plan: FloorPlan, voice: Voice, victims: Sequence[Victim], seed: int) -> None:
+        self._field = VoiceField(plan, voice)
+        self._voice = voice
+        self._noise_db = voice.noise_db
+        self._doors = {door.name: door.closed for door in plan.doors}
+        self._seed = seed
+        self._sources: dict[str, VoiceSource] = {}
+        self._silenced: frozenset[str] = frozenset()
+        self._map: FieldMap | None = None
+        self._changes = 0
+        for victim in victims:
+            self.set_victim(victim.name, victim.position)
+
+    @property
+    def changes(self) -> int:
+        """How often the map has changed so far."""
+        return self._changes
+
+    def map(self) -> FieldMap:
+        """Return the voice level over the floor [dB]; 0 where no voice is above the noise, and in walls."""
+        if self._map is None:
+            calling = [source for name, source in self._sources.items() if name not in self._silenced]
+            self._map = self._field.map_db(calling)
+        return self._map
+
+    def read(self, position_m: tuple[float, float]) -> VoiceReading:
+        """Return what a robot hears at a position in `map` [m]: its cell, and the loudest cell around it.
+
+        The loudest cell is the one of the highest level of those whose centre is within the local-best radius; of
+        equal ones the lowest row, then the lowest column. Beyond the map nothing is heard.
+        Raises: ValueError: the position is not finite.
+        """
+        if not all(map(math.isfinite, position_m)):
+            raise ValueError(f"position_m must be finite, got {position_m}")
+        voice_map = self.map()
+        level_db = voice_map.value_at(*position_m) if voice_map.contains(*position_m) else 0.0
+        loudest = _core.loudest_cell(
+            voice_map.origin_m,
+            voice_map.resolution_m,
+            voice_map.values,
+            position_m,
+            self._voice.local_best_radius_m,
+        )
+        if loudest is None:
+            return VoiceReading(level_db, False, position_m, 0.0)
+        local_best_m, local_best_level_db = loudest
+        return VoiceReading(level_db, True, local_best_m, local_best_level_db)
+
+    def silence(self, name: str) -> None:
+        """Let a victim fall silent. Raises: ValueError: no such victim."""
+        self.set_silenced({*self._silenced, name})
+
+    def set_silenced(self, names: Collection[str]) -> None:
+        """Let these victims be silent and all others call. Raises: ValueError: no such victim."""
+        for name in names:
+            if name not in self._sources:
+                raise ValueError(f"there is no victim '{name}', only {', '.join(self._sources) or 'none'}")
+        if self._silenced != frozenset(names):
+            self._silenced = frozenset(names)
+            self._change()
+
+    def set_noise_db(self, noise_db: float) -> None:
+        """Set the background noise [dB]. Raises: ValueError: negative or not finite."""
+        self._field.set_noise_db(noise_db)
+        if self._noise_db != noise_db:
+            self._noise_db = noise_db
+            self._change()
+
+    def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
+        """Add a victim, or move the one of that name [m, map]; she calls (again), as loud as before."""
+        generator = stream(self._seed, "voice", name)
+        constant_db = float(generator.uniform(*self._voice.constant_db))
+        exponent = float(generator.uniform(*self._voice.exponent))
+        source = VoiceSource(position_m, constant_db, exponent)
+        if self._sources.get(name) != source or name in self._silenced:
+            self._sources[name] = source
+            self._silenced -= {name}
+            self._change()
+
+    def set_door(self, name: str, closed: bool) -> None:
+        """Open or close a door. Raises: ValueError: no such door."""
+        self._field.set_door(name, closed)
+        if self._doors[name] != closed:
+            self._doors[name] = closed
+            self._change()
+
+    def _change(self) -> None:
+        self._map = None
+        self._changes += 1
