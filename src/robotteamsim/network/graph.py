@@ -1,0 +1,66 @@
+"""Figures of an undirected graph of robots and links."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robotteamsim import _core
+
+
+def hop_count(adjacency: np.ndarray) -> np.ndarray:
+    """Return the smallest number of hops between all pairs of robots.
+
+    The same numbers as C of eq. (18-20) [dissertation], by breadth-first search.
+    Args:    adjacency: bool, shape (n, n), symmetric, zero diagonal: A of eq. (17).
+    Returns: int32, shape (n, n); 0 on the diagonal, -1 where no path exists.
+    Raises:  ValueError: not square, not symmetric, or not zero on the diagonal.
+    """
+    adjacency = np.asarray(adjacency, dtype=bool)
+    if adjacency.ndim != 2:
+        raise ValueError(f"adjacency must have shape (n, n), got {adjacency.shape}")
+    return _core.hop_count(adjacency)
+
+
+def connectivity_matrix(adjacency: np.ndarray) -> np.ndarray:
+    """Return C of eq. (18-20) by the dissertation's own recurrence; `hop_count` is the fast way to the same numbers.
+
+    Args:    adjacency: bool, shape (n, n), symmetric, zero diagonal: A of eq. (17).
+    Returns: int32, shape (n, n); 0 on the diagonal and where no path exists.
+    """
+    a = np.asarray(adjacency, dtype=np.int32)
+    n = len(a)
+    c = a.copy()
+    for k in range(2, n):
+        b = np.where((c == 0) & (c @ a > 0), k, 0).astype(np.int32)  # (19)
+        np.fill_diagonal(b, 0)
+        c += b  # (20)
+    return c
+
+
+def break_matrix(link: np.ndarray, hops: np.ndarray) -> np.ndarray:
+    """Return the link matrix where no path exists and 0 elsewhere: C_break after eq. (21) [dissertation].
+
+    Args: link: float64, shape (n, n), zero diagonal: L of eq. (16). hops: int32, shape (n, n), from `hop_count`.
+    """
+    return np.where(hops < 0, link, 0.0)
+
+
+def fiedler_value(adjacency: np.ndarray) -> float:
+    """Return the algebraic connectivity (Fiedler value) of an undirected graph.
+
+    Second-smallest eigenvalue of the Laplacian Lp = D - A [dissertation, eq. 33; Fiedler 1973].
+    Args:    adjacency: bool, shape (n, n), symmetric, zero diagonal.
+    Returns: > 0 where the team is connected, 0 exactly where it is split; 1 for a single robot, as the value of a
+             complete graph is its number of robots.
+    Raises:  ValueError: not square, not symmetric, not zero on the diagonal, or no robot.
+    """
+    hops = hop_count(adjacency)
+    if len(hops) == 0:
+        raise ValueError("adjacency must hold at least one robot")
+    if len(hops) == 1:
+        return 1.0
+    if np.any(hops < 0):
+        return 0.0
+    a = np.asarray(adjacency, dtype=np.float64)
+    laplacian = np.diag(a.sum(axis=1)) - a
+    return float(np.linalg.eigvalsh(laplacian)[1])
