@@ -83,6 +83,20 @@ class Door(Model):
         return self
 
 
+class BayRow(Model):
+    """A row of parking bays painted on the floor: scenery, nothing runs into it."""
+
+    start: Point = Field(alias="from", description="one end of the row's open side [m]")
+    end: Point = Field(alias="to", description="other end; the bays lie to the left of from -> to [m]")
+    depth_m: float = Field(default=5.0, gt=0.0, le=30.0, description="length of a bay [m]")
+    count: int = Field(ge=1, le=1000, description="number of bays")
+
+    @model_validator(mode="after")
+    def _check(self) -> BayRow:
+        _check_segment(self.start, self.end)
+        return self
+
+
 class FloorPlan(Model):
     """One floor of a building."""
 
@@ -91,6 +105,7 @@ class FloorPlan(Model):
     walls: Many[Wall] = Field(default=(), description="straight walls")
     blocks: Many[Block] = Field(default=(), description="solid polygons and pillars")
     doors: Many[Door] = Field(default=(), description="door leaves in gaps between walls")
+    bays: Many[BayRow] = Field(default=(), description="rows of parking bays, for pictures and 3D views")
 
     @model_validator(mode="after")
     def _check(self) -> FloorPlan:

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.floor_plan import Block, Door, FloorPlan, Wall
 
 Corners = tuple[tuple[float, float], ...]
@@ -60,6 +61,19 @@ def solids(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> tuple[S
         *(Solid(block.name, block.kind, _counter_clockwise(block.polygon), block) for block in plan.blocks),
         *(Solid(door.name, "door", door_corners(door), door) for door in plan.doors if states[door.name]),
     )
+
+
+def bay_lines(plan: FloorPlan) -> tuple[tuple[Point, Point], ...]:
+    """Return the painted lines between parking bays as segments [m]; the rows' open and far sides have none."""
+    lines = []
+    for row in plan.bays:
+        start, end = np.array(row.start), np.array(row.end)
+        along = end - start
+        left = np.array([-along[1], along[0]]) / math.hypot(*along) * row.depth_m
+        for i in range(row.count + 1):
+            foot = start + along * (i / row.count)
+            lines.append((tuple(foot.tolist()), tuple((foot + left).tolist())))
+    return tuple(lines)
 
 
 def door_states(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> dict[str, bool]:
