@@ -136,6 +136,16 @@ def transforms(make: Make, time_ns: int, robots: Sequence[Robot], odometry: Iter
     return make("tf2_msgs/TFMessage", transforms=all_transforms)
 
 
+def localization(make: Make, time_ns: int, robot_id: int, place: PoseReading) -> Any:
+    """geometry_msgs/TransformStamped: map -> odom, for an odometry that began at `place`."""
+    return make(
+        "geometry_msgs/TransformStamped",
+        header=header(make, time_ns, MAP_FRAME),
+        child_frame_id=robot_frame(robot_id, "odom"),
+        transform=_pose_as_transform(make, place, 0.0),
+    )
+
+
 def occupancy_grid(make: Make, time_ns: int, grid: OccupancyGrid) -> Any:
     """nav_msgs/OccupancyGrid, of `map`."""
     return _grid(make, time_ns, grid.origin_m, grid.resolution_m, grid.cells)
@@ -307,11 +317,15 @@ def _transform(
         "geometry_msgs/TransformStamped",
         header=header(make, time_ns, robot_frame(robot_id, parent)),
         child_frame_id=robot_frame(robot_id, child),
-        transform=make(
-            "geometry_msgs/Transform",
-            translation=make("geometry_msgs/Vector3", x=place.x_m, y=place.y_m, z=height_m),
-            rotation=_quaternion(make, place),
-        ),
+        transform=_pose_as_transform(make, place, height_m),
+    )
+
+
+def _pose_as_transform(make: Make, place: PoseReading, height_m: float) -> Any:
+    return make(
+        "geometry_msgs/Transform",
+        translation=make("geometry_msgs/Vector3", x=place.x_m, y=place.y_m, z=height_m),
+        rotation=_quaternion(make, place),
     )
 
 
