@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import os
+import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +25,10 @@ MAP_RESOLUTION_M = 0.05
 
 CHUNK_BYTES = 256 * 1024
 """What a kill can lose at most. The bag of three robots fills a chunk in about 4 s of simulated time."""
+
+
+_MAGIC = b"#ROSBAG V2.0\n"
+_FILE_HEADER_BYTES = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +67,35 @@ ROBOT_TOPICS = (
 """In the namespace of each robot."""
 
 
+class _Writer(Writer):
+    """A bag file with a file header as long as ROS's own tools make it.
+
+    rosbags pads it to 8 bytes less: `rosbag reindex`, which writes the header anew in its own length, would then
+    destroy the first chunk.
+    """
+
+    def open(self) -> None:
+        """Open the file."""
+        super().open()
+        assert self.bio is not None
+        self.bio.flush()
+        self._pad_header()
+        self.bio.seek(0, os.SEEK_END)
+
+    def close(self) -> None:
+        """Write the index and close the file."""
+        super().close()
+        self._pad_header()
+
+    def _pad_header(self) -> None:
+        with self.path.open("r+b") as file:
+            file.seek(len(_MAGIC))
+            (header_length,) = struct.unpack("<I", file.read(4))
+            file.seek(header_length, os.SEEK_CUR)
+            padding = b" " * (_FILE_HEADER_BYTES - header_length)
+            file.write(struct.pack("<I", len(padding)) + padding)
+
+
 class BagWriter:
     """Writes a ROS 1 bag while the trial runs.
 
@@ -71,7 +106,7 @@ class BagWriter:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._active = path.with_name(f"{path.name}.active")
-        self._writer: Writer | None = None
+        self._writer: _Writer | None = None
         self._steps = 0
 
     def begin(self, scenario: Scenario) -> None:
@@ -87,7 +122,7 @@ class BagWriter:
                 raise RecordingError(f"{self._path}: cannot be written: is a folder, wanted a file name")
             self._path.parent.mkdir(parents=True, exist_ok=True)
             self._active.unlink(missing_ok=True)
-            writer = Writer(self._active)
+            writer = _Writer(self._active)
             writer.chunk_threshold = CHUNK_BYTES
             writer.open()
             self._writer = writer

@@ -21,7 +21,6 @@ class Environment:
         self._radio = RadioField(scenario.plan, scenario.radio)
         self._voice = VoiceSensor(scenario.plan, scenario.voice, scenario.mission.victims, scenario.run.seed)
         self._network = Network(self._radio, scenario.network, len(scenario.placed_robots()))
-        self._saved: frozenset[str] = frozenset()
 
     @property
     def voice_map_changes(self) -> int:
@@ -43,9 +42,7 @@ class Environment:
             saved:       names of the victims saved up to the last step; they are silent.
         Returns: voice readings in id order, the network, and the inbox of each robot in id order.
         """
-        if self._saved != (now_saved := frozenset(saved)):
-            self._saved = now_saved
-            self._voice.set_silenced(sorted(now_saved))
+        self._voice.set_silenced(saved)
         voices = tuple(self._voice.read((x, y)) for x, y in positions_m.tolist())
         network, inboxes = self._network.step(positions_m, outboxes)
         return voices, network, tuple(inboxes)
@@ -61,5 +58,4 @@ class Environment:
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
         """Add a victim, or move the one of that name [m, map]; she calls (again)."""
-        self._saved -= {name}
         self._voice.set_victim(name, position_m)

@@ -1,0 +1,115 @@
+"""A hand-made trial of two robots: what recorders see of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+
+from robotteamsim.control.controller import Decision, Task
+from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.mission.status import Event, MissionStatus
+from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
+from robotteamsim.propagation import FieldMap
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
+from robotteamsim.simulation import Result, RobotFigures, StepRecord
+
+STEP_NS = 100_000_000
+
+
+class Trial:
+    """Makes records in which robot i drives east at 0.5 m/s from (3, 4 + 2 i)."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario = scenario
+
+    def records(self, steps: int) -> Iterator[StepRecord]:
+        for index in range(1, steps + 1):
+            yield self.record(index)
+
+    def record(self, index: int) -> StepRecord:
+        time_s = index * STEP_NS / 1e9
+        saved = index >= 3
+        status = MissionStatus(
+            state="running",
+            end="",
+            time_s=time_s,
+            explored=(False, False),
+            victims=("saved" if saved else "waiting", "waiting"),
+            target_area=0,
+            endangered_links=0,
+            task=Task(running=True, epoch=int(saved), area_center_m=(16.0, 5.0), area_radius_m=2.0),
+        )
+        events = (Event(time_s, "victim_saved", "ann", 1, "robot 1 saves ann (1 of 2)"),) if index == 3 else ()
+        message = Message(sender=0, receiver=EVERYBODY, payload='{"best": 1.5}')
+        return StepRecord(
+            step_index=index,
+            sim_time_ns=index * STEP_NS,
+            readings=tuple(self.reading(robot_id, time_s) for robot_id in range(2)),
+            voices=(VoiceReading(21.5, True, (3.5, 4.5), 24.0), VoiceReading(0.0, False, (3.0, 6.0), 0.0)),
+            network=self.network(),
+            inboxes=((), (message,)),
+            decisions=(
+                Decision(Twist(0.5, 0.0, 0.1), outbox=(message,), goal_m=(16.0, 5.0), local_best=2.5, search_counter=3),
+                Decision(excluded=True),
+            ),
+            mission=status,
+            events=events,
+            victims=self.scenario.mission.victims,
+            noise_db=10.0,
+            voice_map=FieldMap((0.0, 0.0), 0.25, np.full((40, 80), 12.4)) if index in (1, 4) else None,
+        )
+
+    @staticmethod
+    def reading(robot_id: int, time_s: float) -> RobotReading:
+        truth = PoseReading.from_pose(Pose(3.0 + 0.5 * time_s, 4.0 + 2.0 * robot_id, 0.3))
+        odometry = OdometryReading(PoseReading.from_pose(Pose(0.5 * time_s, 0.01, 0.31)), Twist(0.5, 0.0, 0.02))
+        ranges_m = np.linspace(0.5, 5.0, 181, dtype=np.float32)
+        return RobotReading(truth, Twist(0.5, 0.0, 0.0), odometry, ranges_m, in_contact=False)
+
+    @staticmethod
+    def network() -> NetworkState:
+        off_diagonal = ~np.eye(2, dtype=bool)
+        rssi_dbm = np.where(off_diagonal, -81.5, 0.0)
+        return NetworkState(
+            rssi_dbm=rssi_dbm,
+            link=rssi_dbm,
+            adjacency=off_diagonal,
+            hop_count=off_diagonal.astype(np.int32),
+            break_matrix=np.zeros((2, 2)),
+            fiedler_value=2.0,
+            endangered=off_diagonal,
+        )
+
+    def result(self, steps: int) -> Result:
+        return Result(
+            scenario=self.scenario.name,
+            seed=1,
+            noise_db=10.0,
+            end="time_limit",
+            time_s=steps * STEP_NS / 1e9,
+            areas_explored=0,
+            num_areas=2,
+            victims_saved=1,
+            num_victims=2,
+            endangered_links=1,
+            trajectory_hash="ab" * 32,
+            steps=steps,
+            sim_time_s=steps * STEP_NS / 1e9,
+            robots=(RobotFigures(1.0, 0.0, 0.0, 0.1), RobotFigures(2.0, 0.5, 1.0, 0.2)),
+            wall_s=0.5,
+        )
+
+    def play(self, recorder: object, steps: int) -> None:
+        """Let a recorder see a whole trial."""
+        recorder.begin(self.scenario)
+        for record in self.records(steps):
+            recorder.step(record)
+        recorder.end(self.result(steps))
+
+
+@pytest.fixture
+def trial(hall_scenario: Callable[..., Scenario]) -> Trial:
+    return Trial(hall_scenario())

@@ -1,0 +1,251 @@
+from __future__ import annotations
+
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import textwrap
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rosbags.rosbag1 import Reader
+
+from robotteamsim.errors import RecordingError
+from robotteamsim.recording import BagWriter
+from robotteamsim.recording.bag_types import bag_typestore
+
+ROSBAG = shutil.which("rosbag", path="/usr/bin:/opt/ros/noetic/bin")
+needs_rosbag = pytest.mark.skipif(ROSBAG is None, reason="ROS's rosbag is not installed")
+
+
+@pytest.fixture
+def bag(trial, tmp_path) -> Path:
+    path = tmp_path / "mission.bag"
+    trial.play(BagWriter(path), steps=5)
+    return path
+
+
+def messages(path: Path, topic: str) -> list:
+    typestore = bag_typestore()
+    with Reader(path) as reader:
+        chosen = [connection for connection in reader.connections if connection.topic == topic]
+        return [
+            (time_ns, typestore.deserialize_ros1(data, connection.msgtype))
+            for connection, time_ns, data in reader.messages(chosen)
+        ]
+
+
+def test_bag_has_the_topics_and_types_of_a_ros_run(bag):
+    with Reader(bag) as reader:
+        types = {c.topic: c.msgtype.replace("/msg/", "/") for c in reader.connections}
+    of_robot_1 = {topic.removeprefix("/robot_1/"): kind for topic, kind in types.items() if "robot_1" in topic}
+    assert (
+        of_robot_1.items()
+        >= {
+            "odom": "nav_msgs/Odometry",
+            "base_scan": "sensor_msgs/LaserScan",
+            "base_pose_ground_truth": "nav_msgs/Odometry",
+            "voice": "robotteamsim/Voice",
+            "network/tx": "robotteamsim/NetworkMessages",
+            "network/rx": "robotteamsim/NetworkMessages",
+            "cmd_vel": "geometry_msgs/Twist",
+            "controller/status": "robotteamsim/ControllerStatus",
+        }.items()
+    )
+    assert {topic: kind for topic, kind in types.items() if not topic.startswith("/robot_")} == {
+        "/clock": "rosgraph_msgs/Clock",
+        "/tf": "tf2_msgs/TFMessage",
+        "/map": "nav_msgs/OccupancyGrid",
+        "/voice_map": "nav_msgs/OccupancyGrid",
+        "/voice_map/values": "robotteamsim/FloatMap",
+        "/network/state": "robotteamsim/NetworkState",
+        "/mission/status": "robotteamsim/MissionStatus",
+        "/mission/events": "robotteamsim/MissionEvent",
+        "/mission/victims": "robotteamsim/Victims",
+        "/mission/areas": "robotteamsim/Areas",
+    }
+
+
+def test_bag_counts_one_message_per_step_and_latched_ones_when_they_change(bag):
+    with Reader(bag) as reader:
+        counts = Counter(connection.topic for connection, _, _ in reader.messages())
+    assert counts["/robot_0/odom"] == counts["/tf"] == counts["/mission/status"] == 5
+    assert counts["/clock"] == 25  # five ticks per step
+    assert counts["/map"] == counts["/mission/areas"] == 1
+    assert counts["/voice_map"] == counts["/mission/victims"] == 2
+    assert counts["/mission/events"] == 1
+
+
+def test_ground_truth_in_a_bag_has_the_bits_of_the_trial(trial, bag):
+    for record, (time_ns, odometry) in zip(
+        trial.records(5), messages(bag, "/robot_1/base_pose_ground_truth"), strict=True
+    ):
+        truth, pose = record.readings[1].ground_truth, odometry.pose.pose
+        assert time_ns == record.sim_time_ns
+        assert odometry.header.stamp.sec * 10**9 + odometry.header.stamp.nanosec == time_ns
+        assert (pose.position.x, pose.position.y) == (truth.x_m, truth.y_m)
+        assert (pose.orientation.z, pose.orientation.w) == (truth.qz, truth.qw)
+        assert (odometry.header.frame_id, odometry.child_frame_id) == ("map", "robot_1/base_footprint")
+
+
+def test_scan_in_a_bag_carries_the_ranges(trial, bag):
+    _, scan = messages(bag, "/robot_0/base_scan")[0]
+    np.testing.assert_array_equal(scan.ranges, trial.record(1).readings[0].ranges_m)
+    assert scan.header.frame_id == "robot_0/base_laser_link"
+    assert scan.angle_min + 180 * scan.angle_increment == pytest.approx(scan.angle_max)
+
+
+def test_transforms_chain_odom_to_the_laser(bag):
+    _, tf = messages(bag, "/tf")[0]
+    chain = [(t.header.frame_id, t.child_frame_id) for t in tf.transforms[:3]]
+    assert chain == [
+        ("robot_0/odom", "robot_0/base_footprint"),
+        ("robot_0/base_footprint", "robot_0/base_link"),
+        ("robot_0/base_link", "robot_0/base_laser_link"),
+    ]
+    assert tf.transforms[0].transform.translation.x == pytest.approx(0.05)
+    assert tf.transforms[2].transform.translation.z == 0.25
+
+
+def test_messages_controllers_and_mission_are_in_the_bag(bag):
+    _, sent = messages(bag, "/robot_0/network/tx")[0]
+    assert [(m.sender, m.receiver, m.payload) for m in sent.messages] == [(0, -1, '{"best": 1.5}')]
+    _, status = messages(bag, "/robot_0/controller/status")[0]
+    assert (status.excluded, status.has_goal, status.goal.x, status.search_counter) == (False, True, 16.0, 3)
+    _, status = messages(bag, "/mission/status")[3]
+    assert (status.state, status.victims, list(status.explored)) == ("running", ["saved", "waiting"], [0, 0])
+    assert (status.has_area, status.area_center.x, status.epoch) == (True, 16.0, 1)
+    ((_, event),) = messages(bag, "/mission/events")
+    assert event.detail == "robot 1 saves ann (1 of 2)"
+    _, victims = messages(bag, "/mission/victims")[-1]
+    assert [(v.name, v.state) for v in victims.victims] == [("ann", "saved"), ("bob", "waiting")]
+
+
+def test_maps_in_a_bag_lie_over_the_plan(bag):
+    _, grid = messages(bag, "/map")[0]
+    assert (grid.info.width, grid.info.height) == (400, 200)
+    assert grid.data[0] == 100
+    assert grid.data[100 * 400 + 200] == 0
+    _, voices = messages(bag, "/voice_map/values")[0]
+    assert (voices.width, voices.height, voices.unit) == (80, 40, "dB")
+    np.testing.assert_array_equal(voices.data, np.full(3200, 12.4, dtype=np.float32))
+    _, picture = messages(bag, "/voice_map")[0]
+    assert set(picture.data) == {12}
+
+
+def test_finished_bag_leaves_no_active_file(bag):
+    assert os.listdir(bag.parent) == ["mission.bag"]
+
+
+def test_new_bag_replaces_an_old_one_only_when_it_is_complete(trial, bag):
+    before = bag.read_bytes()
+    writer = BagWriter(bag)
+    writer.begin(trial.scenario)
+    writer.step(trial.record(1))
+    assert bag.read_bytes() == before
+    writer.end(trial.result(1))
+    assert len(messages(bag, "/tf")) == 1
+
+
+def test_abandoned_bag_is_closed_and_readable(trial, tmp_path):
+    writer = BagWriter(tmp_path / "m.bag")
+    writer.begin(trial.scenario)
+    writer.step(trial.record(1))
+    writer.abandon()
+    assert len(messages(tmp_path / "m.bag", "/tf")) == 1
+
+
+def test_bag_abandoned_before_its_first_step_leaves_nothing(trial, tmp_path):
+    writer = BagWriter(tmp_path / "m.bag")
+    writer.begin(trial.scenario)
+    writer.abandon()
+    assert os.listdir(tmp_path) == []
+
+
+def test_bag_that_cannot_be_opened_is_refused(trial, tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(RecordingError, match=r"file/m\.bag: cannot be written: (Not a directory|File exists)"):
+        BagWriter(tmp_path / "file" / "m.bag").begin(trial.scenario)
+    with pytest.raises(RecordingError, match="is a folder, wanted a file name"):
+        BagWriter(tmp_path).begin(trial.scenario)
+
+
+@needs_rosbag
+def test_ros_reads_the_bag(bag):
+    info = subprocess.run([ROSBAG, "info", str(bag)], capture_output=True, text=True, check=True).stdout
+    assert "/robot_1/base_scan" in info
+    assert "robotteamsim/NetworkState" in info
+
+
+def test_rosbag_module_reads_the_bag(bag):
+    rosbag = pytest.importorskip("rosbag")
+    with rosbag.Bag(str(bag)) as opened:
+        goals = [m.goal.x for _, m, _ in opened.read_messages("/robot_0/controller/status")]
+    assert goals == [16.0] * 5
+
+
+_RECORD_FOREVER = textwrap.dedent("""
+    import itertools, sys
+    from pathlib import Path
+    sys.path.insert(0, sys.argv[2])
+    from conftest import Trial
+    from robotteamsim import scenario
+    from robotteamsim.errors import RecordingError
+    from robotteamsim.recording import BagWriter
+
+    trial = Trial(scenario.Scenario.model_validate_json(Path(sys.argv[3]).read_text()))
+    writer = BagWriter(Path(sys.argv[1]))
+    writer.begin(trial.scenario)
+    try:
+        for index in itertools.count(1):
+            writer.step(trial.record(index))
+            if index % 200 == 0:
+                print(index, flush=True)
+    except RecordingError as error:
+        print(error, file=sys.stderr)
+        writer.abandon()
+        sys.exit(2)
+    """)
+
+
+def start_recording(trial, path: Path, **popen) -> subprocess.Popen:
+    scenario_file = path.with_suffix(".json")
+    scenario_file.write_text(trial.scenario.model_dump_json(by_alias=True))
+    arguments = [sys.executable, "-c", _RECORD_FOREVER, str(path), str(Path(__file__).parent), str(scenario_file)]
+    return subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **popen)
+
+
+def reindexed_steps(path: Path) -> int:
+    """Reindex a broken bag with ROS's tool, read it with rosbags, and return its number of steps."""
+    subprocess.run([ROSBAG, "reindex", "-q", str(path)], capture_output=True, check=True)
+    info = subprocess.run([ROSBAG, "info", str(path)], capture_output=True, text=True, check=True).stdout
+    assert "/robot_0/base_scan" in info
+    return len(messages(path, "/robot_1/odom"))
+
+
+@needs_rosbag
+def test_bag_of_a_killed_run_is_readable_after_reindexing(trial, tmp_path):
+    process = start_recording(trial, tmp_path / "m.bag")
+    assert process.stdout.readline() == "200\n"
+    process.send_signal(signal.SIGKILL)
+    process.communicate(timeout=60)
+    assert not (tmp_path / "m.bag").exists()
+    assert reindexed_steps(tmp_path / "m.bag.active") >= 100
+
+
+@needs_rosbag
+def test_full_disk_ends_a_recording_with_one_line_and_a_bag_to_reindex(trial, tmp_path):
+    limit = 1_500_000
+    process = start_recording(
+        trial, tmp_path / "m.bag", preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+    )
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 2
+    active = tmp_path / "m.bag.active"
+    wanted = f"{active}: cannot be written: File too large; `rosbag reindex {active}` saves what was recorded\n"
+    assert errors == wanted
+    assert reindexed_steps(active) >= 100
