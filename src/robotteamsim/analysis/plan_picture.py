@@ -1,0 +1,116 @@
+"""A picture of a floor plan, and of what a scenario puts into it."""
+
+from __future__ import annotations
+
+import math
+import os
+
+import shapely
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Arc, Circle, Polygon
+
+from robotteamsim.scenario import Door, FloorPlan, Scenario, solids
+from robotteamsim.scenario.plan import bay_lines
+
+_FLOOR = "#f6f5f2"
+_SOLID = {"wall": "#3b4252", "block": "#5a6275", "pillar": "#767f92"}
+_BAY = "#c9c6bd"
+_DOOR = {"normal": "#b07a2a", "fireproof": "#c0392b"}
+_AREA = "#2a7f62"
+_VICTIM = "#d1495b"
+_ROBOT = "#1f6feb"
+_PLAN_INCHES = 11.0
+
+
+def render_plan(plan: FloorPlan, path_png: str | os.PathLike[str], scenario: Scenario | None = None) -> None:
+    """Draw a plan to scale, with its size and doors, and the scenario's areas, victims and starts where one is given.
+
+    The suffix of the file decides the format; png, pdf and svg are known. Raises: OSError: it cannot be written.
+    """
+    draw_plan(plan, scenario).savefig(path_png)
+
+
+def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
+    """Return the picture of `render_plan` as a figure."""
+    (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
+    width_m, height_m = max_x - min_x, max_y - min_y
+    scale = _PLAN_INCHES / max(width_m, height_m)
+    figure = Figure(figsize=(width_m * scale + 1.0, height_m * scale + 1.4), dpi=120, layout="constrained")
+    axes = figure.subplots()
+    axes.add_patch(Polygon([(min_x, min_y), (max_x, min_y), (max_x, max_y), (min_x, max_y)], color=_FLOOR, zorder=0))
+    _draw_solids(axes, plan)
+    for door in plan.doors:
+        _draw_door(axes, door)
+    if scenario is not None:
+        _draw_mission(axes, scenario, unit_m=max(width_m, height_m) / 60.0)
+        _draw_robots(axes, scenario)
+        figure.legend(loc="outside lower center", ncols=5, frameon=False, fontsize=9)
+    margin_m = 0.01 * max(width_m, height_m)
+    axes.set_xlim(min_x - margin_m, max_x + margin_m)
+    axes.set_ylim(min_y - margin_m, max_y + margin_m)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
+    axes.spines[:].set_visible(False)
+    axes.set_title(_title(plan, scenario), fontsize=11)
+    return figure
+
+
+def _title(plan: FloorPlan, scenario: Scenario | None) -> str:
+    (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
+    name = plan.name if scenario is None or scenario.name == plan.name else f"{scenario.name} in {plan.name}"
+    free_m2 = (max_x - min_x) * (max_y - min_y) - shapely.union_all([s.polygon for s in solids(plan)]).area
+    return f"{name}: {max_x - min_x:g} x {max_y - min_y:g} m, {free_m2:.0f} m² of free floor"
+
+
+def _draw_solids(axes: Axes, plan: FloorPlan) -> None:
+    axes.add_collection(LineCollection(bay_lines(plan), colors=_BAY, linewidths=0.8, zorder=1))
+    for solid in solids(plan, {door.name: False for door in plan.doors}):
+        colour = _SOLID[solid.kind]
+        # The thin edge closes the hairlines that anti-aliasing leaves between neighbours.
+        axes.add_patch(Polygon(solid.corners, facecolor=colour, edgecolor=colour, linewidth=0.4, zorder=3))
+
+
+def _draw_door(axes: Axes, door: Door) -> None:
+    """Draw a closed leaf across its gap, an open one swung out by 90 degrees, with the arc that it sweeps."""
+    (x0, y0), (x1, y1) = door.start, door.end
+    colour = _DOOR[door.kind]
+    if door.closed:
+        axes.plot([x0, x1], [y0, y1], color=colour, linewidth=3.0, solid_capstyle="butt", zorder=4)
+        return
+    length_m, heading_deg = math.dist(door.start, door.end), math.degrees(math.atan2(y1 - y0, x1 - x0))
+    axes.plot([x0, x0 - (y1 - y0)], [y0, y0 + (x1 - x0)], color=colour, linewidth=2.0, zorder=4)
+    sweep = Arc(door.start, 2 * length_m, 2 * length_m, theta1=heading_deg, theta2=heading_deg + 90.0)
+    sweep.set(color=colour, linewidth=0.7, linestyle=":", zorder=4)
+    axes.add_patch(sweep)
+
+
+def _draw_mission(axes: Axes, scenario: Scenario, unit_m: float) -> None:
+    """Draw areas as numbered circles in their order, victims as named crosses."""
+    areas, victims = scenario.mission.areas, scenario.mission.victims
+    for number, area in enumerate(areas, 1):
+        circle = Circle(area.center, area.radius_m, facecolor=_AREA, edgecolor=_AREA, alpha=0.25, zorder=2)
+        axes.add_patch(circle)
+        axes.text(*area.center, str(number), color=_AREA, ha="center", va="center", weight="bold", zorder=5)
+    if areas:
+        axes.plot([], [], "o", color=_AREA, alpha=0.4, markersize=9, label="area, in this order")
+    for i, victim in enumerate(victims):
+        axes.plot(*victim.position, "X", color=_VICTIM, markersize=9, label=None if i else "victim", zorder=6)
+        label = {"color": _VICTIM, "fontsize": 8, "ha": "center", "va": "bottom", "zorder": 6}
+        axes.text(victim.position[0], victim.position[1] + 0.5 * unit_m, victim.name, **label)
+
+
+def _draw_robots(axes: Axes, scenario: Scenario) -> None:
+    robots = scenario.placed_robots()
+    circles = [Circle(robot.start_pose[:2], robot.radius_m) for robot in robots]
+    axes.add_collection(PatchCollection(circles, facecolor=_ROBOT, edgecolor="white", linewidth=0.4, zorder=6))
+    headings = []
+    for robot in robots:
+        x, y, yaw = robot.start_pose
+        reach_m = 2.0 * robot.radius_m
+        headings.append([(x, y), (x + reach_m * math.cos(yaw), y + reach_m * math.sin(yaw))])
+    axes.add_collection(LineCollection(headings, colors=_ROBOT, linewidths=1.0, zorder=6))
+    count = f"{len(robots)} robots" if len(robots) > 1 else "robot"
+    axes.plot([], [], "o", color=_ROBOT, markersize=6, label=f"{count} at the start")
