@@ -1,0 +1,32 @@
+"""Where a robot takes itself to be."""
+
+from __future__ import annotations
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.geometry import Pose
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Robot, Team
+from robotteamsim.sensing.readings import RobotReading
+
+
+class Localiser:
+    """The robot's pose in `map`: the ground truth, or its known start composed with its odometry."""
+
+    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+        self._map_T_odom: Pose | None = None
+        if scenario.control.localisation == "odometry":
+            self._map_T_odom = Pose(*scenario.placed_robots()[robot_id].start_pose)
+
+    def map_T_base_link(self, reading: RobotReading) -> Pose:  # noqa: N802
+        """Return the robot's pose in `map`."""
+        if self._map_T_odom is None:
+            return reading.ground_truth.pose
+        return self._map_T_odom @ reading.odometry.pose.pose
+
+
+def body_of(robot_id: int, scenario: Scenario) -> Robot:
+    """Return what one robot is. Raises: ScenarioError: the scenario has no such robot."""
+    count = scenario.robots.count if isinstance(scenario.robots, Team) else len(scenario.robots)
+    if not 0 <= robot_id < count:
+        raise ScenarioError(f"{scenario.name}: there is no robot {robot_id}, only 0 to {count - 1}")
+    return scenario.robots if isinstance(scenario.robots, Team) else scenario.robots[robot_id]

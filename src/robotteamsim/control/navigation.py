@@ -1,0 +1,212 @@
+"""Driving to a point: along the known map, around what the laser sees, and out of jams."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+
+from robotteamsim import _core
+from robotteamsim.control.known_map import KnownMap
+from robotteamsim.geometry import Pose, Twist, normalise_angle
+from robotteamsim.scenario.sections import Laser, Robot
+from robotteamsim.swarm import Vector
+
+ARRIVED_M = 0.05
+LASER_MARGIN_M = 0.04
+"""Kept between the body and what the laser sees; below the map's margin, so that planned paths are not refused."""
+LOOK_AHEAD_M = 0.5
+TURN_IN_PLACE_RAD = 0.8
+TURN_GAIN_PER_S = 3.0
+BRAKING_MPS2 = 1.0
+
+SIDESTEPS_RAD = tuple(math.radians(10.0 * i) for i in range(-9, 10))
+LEFT_PENALTY_RAD = 0.25
+"""Robots that meet head-on both keep right."""
+CHANGE_PENALTY_RAD = 0.35
+"""A robot that has begun to pass an obstacle on one side stays on it."""
+
+PROGRESS_M = 0.2
+PATIENCE_S = 4.0
+YIELDING_PATIENCE_S = 2.0
+"""How long a robot without progress waits; shorter beside a teammate of lower id, who has the right of way."""
+ESCAPE_M = 0.7
+ESCAPE_S = 3.0
+NEAR_TEAMMATE_M = 1.0
+
+
+class Navigator:
+    """Drives one robot to a goal that may change in any step. Times are of the simulation [s]."""
+
+    def __init__(self, body: Robot, robot_id: int, mode: Literal["path", "straight"]) -> None:
+        self._robot_id = robot_id
+        self._mode = mode
+        self._drive = body.drive
+        self._radius_m = body.radius_m
+        self._clearance = scan_clearance(body.laser)
+        low_rad, high_rad = body.laser.angle_min_rad, body.laser.angle_max_rad
+        self._field_of_view_rad = (low_rad, high_rad)
+        self._sidesteps_rad = tuple(a for a in SIDESTEPS_RAD if low_rad <= a <= high_rad) or (0.0,)
+        self._goal: Vector | None = None
+        self._map: KnownMap | None = None
+        self._route: list[Vector] = []
+        self._passing_side = 0
+        self._anchor: Vector = (math.inf, math.inf)
+        self._anchor_s = 0.0
+        self._escape: Vector | None = None
+        self._escape_until_s = 0.0
+        self._num_escapes = 0
+
+    def drive(
+        self,
+        known_map: KnownMap,
+        pose: Pose,
+        ranges_m: np.ndarray,
+        goal: Vector,
+        speed_mps: float,
+        time_s: float,
+        teammates: Mapping[int, Vector],
+    ) -> Twist:
+        """Return the command of this step.
+
+        Args: goal: in `map` [m]; one inside an obstacle stands for the nearest free point that can be reached.
+              speed_mps: not to be exceeded.  teammates: where other robots were last heard to be, in `map` [m].
+        """
+        position = (pose.x_m, pose.y_m)
+        if goal != self._goal or known_map is not self._map:
+            self._goal, self._map = goal, known_map
+            self._route = self._find_route(known_map, position, goal)
+        self._watch_progress(known_map, pose, ranges_m, time_s, teammates)
+        if self._escape is not None:
+            return self._steer(pose, ranges_m, self._escape, self._drive.max_speed_mps, is_last=True)
+        while len(self._route) > 1 and known_map.grid.is_line_free(position, self._route[1]):
+            del self._route[0]
+        if len(self._route) > 1 and math.dist(position, self._route[0]) < ARRIVED_M:
+            del self._route[0]
+        return self._steer(pose, ranges_m, self._route[0], speed_mps, is_last=len(self._route) == 1)
+
+    def _find_route(self, known_map: KnownMap, position: Vector, goal: Vector) -> list[Vector]:
+        """Return the points to drive to, one after the other; at least one."""
+        grid = known_map.grid
+        if self._mode == "straight":
+            free_goal = grid.nearest_free(goal, 3.0)
+            return [goal if free_goal is None else free_goal]
+        if grid.is_line_free(position, goal):
+            return [goal]
+        start = grid.nearest_free(position, 1.0)
+        if start is None:
+            return [goal]
+        straight_m = math.dist(position, goal)
+        if grid.is_free(goal):
+            corners = grid.waypoints(start, goal, 3.0 * straight_m + 2.0)
+            if len(corners) > 1:
+                return [*corners[1:-1], goal]
+        reachable = grid.nearest_reachable(start, goal, straight_m + 0.3)
+        return [start if reachable is None else reachable]
+
+    def _watch_progress(
+        self, known_map: KnownMap, pose: Pose, ranges_m: np.ndarray, time_s: float, teammates: Mapping[int, Vector]
+    ) -> None:
+        """Start an escape when the robot wants to move and does not, end one when it is over."""
+        position = (pose.x_m, pose.y_m)
+        moved = math.dist(position, self._anchor) > PROGRESS_M
+        arrived = math.dist(position, self._route[-1]) < 2.0 * ARRIVED_M
+        if self._escape is not None:
+            if time_s < self._escape_until_s and math.dist(position, self._escape) > ARRIVED_M:
+                return
+            self._escape = None
+            self._anchor, self._anchor_s = position, time_s
+        if moved or arrived:
+            if moved:
+                self._num_escapes = 0
+            self._anchor, self._anchor_s = position, time_s
+            return
+        yields = any(
+            robot_id < self._robot_id and math.dist(position, other) < NEAR_TEAMMATE_M
+            for robot_id, other in teammates.items()
+        )
+        if time_s - self._anchor_s > (YIELDING_PATIENCE_S if yields else PATIENCE_S):
+            self._escape = self._find_escape(known_map, pose, ranges_m, teammates)
+            self._escape_until_s = time_s + ESCAPE_S
+            self._num_escapes += 1
+
+    def _find_escape(
+        self, known_map: KnownMap, pose: Pose, ranges_m: np.ndarray, teammates: Mapping[int, Vector]
+    ) -> Vector:
+        """Return a point nearby with room around it. Robots, and one robot's attempts, begin to look at other sides."""
+        position = (pose.x_m, pose.y_m)
+        is_free = known_map.grid.is_free(position)
+        best, best_room_m = position, -math.inf
+        for i in range(16):
+            heading = math.tau * ((i + 5 * self._robot_id + 3 * self._num_escapes) % 16) / 16.0
+            point = (position[0] + ESCAPE_M * math.cos(heading), position[1] + ESCAPE_M * math.sin(heading))
+            if not (known_map.grid.is_line_free(position, point) if is_free else known_map.grid.is_free(point)):
+                continue
+            room_m = min((math.dist(point, other) - self._radius_m for other in teammates.values()), default=ESCAPE_M)
+            relative = normalise_angle(heading - pose.yaw_rad)
+            if self._field_of_view_rad[0] <= relative <= self._field_of_view_rad[1]:
+                seen_m = self._clearance.free_distance(ranges_m, relative, self._radius_m + LASER_MARGIN_M, ESCAPE_M)
+                room_m = min(room_m, seen_m)
+            room_m = min(room_m, ESCAPE_M)
+            if room_m > best_room_m + 1e-9:
+                best, best_room_m = point, room_m
+        return best
+
+    def _steer(self, pose: Pose, ranges_m: np.ndarray, point: Vector, speed_mps: float, is_last: bool) -> Twist:
+        """Return the command that leads towards a point in sight, around what stands in the way."""
+        d_x, d_y = point[0] - pose.x_m, point[1] - pose.y_m
+        distance_m = math.hypot(d_x, d_y)
+        if distance_m < ARRIVED_M:
+            return Twist()
+        wanted_rad = normalise_angle(math.atan2(d_y, d_x) - pose.yaw_rad)
+        needed_m = min(distance_m, LOOK_AHEAD_M)
+        radius_m = self._radius_m + LASER_MARGIN_M
+        heading_rad = wanted_rad
+        free_m = self._clearance.free_distance(ranges_m, wanted_rad, radius_m, needed_m)
+        if free_m < needed_m and abs(wanted_rad) < 1.6:
+            heading_rad, free_m = self._sidestep(ranges_m, wanted_rad, radius_m, needed_m)
+        else:
+            self._passing_side = 0
+        turn_radps = max(-self._drive.max_turn_radps, min(self._drive.max_turn_radps, TURN_GAIN_PER_S * heading_rad))
+        if abs(heading_rad) > TURN_IN_PLACE_RAD:
+            return Twist(0.0, 0.0, turn_radps)
+        room_m = min(free_m, distance_m) if is_last else free_m
+        forward_mps = min(speed_mps, self._drive.max_speed_mps, math.sqrt(2.0 * BRAKING_MPS2 * max(0.0, room_m)))
+        return Twist(forward_mps * math.cos(heading_rad), 0.0, turn_radps)
+
+    def _sidestep(
+        self, ranges_m: np.ndarray, wanted_rad: float, radius_m: float, needed_m: float
+    ) -> tuple[float, float]:
+        """Return the heading nearest to the wanted one that is free as far as needed, and its free distance.
+
+        Where none is, the one that is free the farthest.
+        """
+        frees_m = self._clearance.free_distances(ranges_m, self._sidesteps_rad, radius_m, needed_m)
+        best, best_cost = -1, math.inf
+        for i, (heading_rad, free_m) in enumerate(zip(self._sidesteps_rad, frees_m, strict=True)):
+            if free_m < needed_m:
+                continue
+            offset_rad = heading_rad - wanted_rad
+            cost = abs(offset_rad) + (LEFT_PENALTY_RAD if offset_rad > 0.0 else 0.0)
+            if self._passing_side * offset_rad < 0.0:
+                cost += CHANGE_PENALTY_RAD
+            if cost < best_cost:
+                best, best_cost = i, cost
+        if best < 0:
+            best = max(range(len(frees_m)), key=lambda i: (frees_m[i], -abs(self._sidesteps_rad[i] - wanted_rad)))
+        else:
+            self._passing_side = 1 if self._sidesteps_rad[best] > wanted_rad else -1
+        return self._sidesteps_rad[best], frees_m[best]
+
+
+def scan_clearance(laser: Laser) -> _core.ScanClearance:
+    """Return the reader of a laser's scans."""
+    return _core.ScanClearance(
+        beams=laser.beams,
+        angle_min_rad=laser.angle_min_rad,
+        angle_max_rad=laser.angle_max_rad,
+        forward_m=laser.forward_m,
+        range_max_m=laser.range_max_m,
+    )

@@ -1,0 +1,263 @@
+"""RDPSO as one robot runs it [dissertation, 5.2.2 and 5.3]."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+
+import numpy as np
+
+from robotteamsim import rng
+from robotteamsim.control.controller import Decision, Task
+from robotteamsim.control.doors import DoorBeliefs
+from robotteamsim.control.known_map import known_map
+from robotteamsim.control.link_keeper import LinkKeeper
+from robotteamsim.control.localisation import Localiser, body_of
+from robotteamsim.control.navigation import Navigator
+from robotteamsim.control.report import Best, Report, parse_report
+from robotteamsim.control.surroundings import Surroundings
+from robotteamsim.control.wander import Wander
+from robotteamsim.geometry import Pose, Twist
+from robotteamsim.network.messages import EVERYBODY, Message
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.sensing.readings import Observation
+from robotteamsim.swarm import (
+    Attractors,
+    ExclusionRules,
+    SwarmState,
+    Vector,
+    Weights,
+    judge,
+    limit_speed,
+    memory_coefficients,
+    memory_term,
+    next_position,
+    next_velocity,
+)
+
+LONGEST_DETOUR_M = 60.0
+"""Best places farther than this along the path draw as the crow flies."""
+
+HURRY = 1.25
+"""A robot drives this much faster than its swarm velocity, so that it is there when the next iteration begins."""
+
+
+class RdpsoController:
+    """One robot of the swarm.
+
+    Every iteration has two phases. In its first step the robot evaluates its surroundings and reports to everybody.
+    In the step after, it takes the reports that arrived, finds the global best, and chooses its next point. All other
+    steps drive there. Robots that heard the same reports come to the same view of the swarm.
+    """
+
+    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+        control, exclusion = scenario.control, scenario.control.exclusion
+        body = body_of(robot_id, scenario)
+        self._robot_id = robot_id
+        self._scenario = scenario
+        self._control = control
+        self._iteration_ns = round(control.iteration_s * 1e9)
+        self._radius_m = body.radius_m
+        self._localiser = Localiser(robot_id, scenario)
+        self._doors = DoorBeliefs(scenario.plan, body.laser)
+        self._map = known_map(scenario.plan, body.radius_m)
+        self._map_doors = self._doors.changed
+        self._navigator = Navigator(body, robot_id, control.navigation)
+        self._surroundings = Surroundings(body.laser, control.sensing_radius_m)
+        self._links = LinkKeeper(scenario)
+        self._rules = ExclusionRules(exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots)
+        self._memory = memory_coefficients(control.memory, control.alpha, control.memory_terms)
+        self._rng = rng.stream(scenario.run.seed, "rdpso", robot_id)
+        self._wander = Wander(rng.stream(scenario.run.seed, "wander", robot_id), control.max_step_speed_mps)
+
+        self._observation: Observation | None = None
+        self._task = Task()
+        self._team: dict[int, Report] = {}
+        """The last report of every teammate heard so far."""
+        self._iteration = -1
+        self._epoch = -1
+        self._own: Report | None = None
+        """The report of this iteration, until the next point is chosen."""
+        self._known_best: Best | None = None
+        self._local_best: Best | None = None
+        self._swarm = SwarmState()
+        self._excluded = False
+        self._velocities: deque[Vector] = deque(maxlen=len(self._memory))
+        self._goal: Vector | None = None
+        self._speed_mps = control.max_step_speed_mps
+
+    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        """Take in what the robot perceives, the messages that arrived, and the mission's task."""
+        self._observation, self._task = observation, task
+        for message in inbox:
+            report = parse_report(message.payload)
+            if report is not None and report.robot_id != self._robot_id:
+                self._team[report.robot_id] = report
+
+    def decide(self) -> Decision:
+        """Return command and messages for this step."""
+        if self._observation is None or not self._task.running:
+            return self._decision(Twist())
+        robot = self._observation.robot
+        pose = self._localiser.map_T_base_link(robot)
+        if self._own is not None:
+            self._choose_next_point(pose, robot.ranges_m, self._own)
+            self._own = None
+        outbox: tuple[Message, ...] = ()
+        iteration = self._observation.sim_time_ns // self._iteration_ns
+        if iteration != self._iteration:
+            self._iteration = iteration
+            self._own = self._evaluate(pose, robot.ranges_m)
+            outbox = (Message(self._robot_id, EVERYBODY, self._own.to_json()),)
+        twist, goal = self._drive(pose, robot.ranges_m)
+        return self._decision(twist, goal, outbox)
+
+    def _evaluate(self, pose: Pose, ranges_m: np.ndarray) -> Report:
+        """Phase 1: return the report on what the robot knows at the start of an iteration."""
+        position = (pose.x_m, pose.y_m)
+        self._doors.look(pose, ranges_m, self._iteration)
+        self._update_map()
+        if self._task.epoch != self._epoch:
+            self._epoch, self._known_best = self._task.epoch, None
+        self._local_best = self._find_local_best(position)
+        return Report(
+            robot_id=self._robot_id,
+            iteration=self._iteration,
+            epoch=self._epoch,
+            position=position,
+            local_best=self._local_best,
+            known_best=self._known_best,
+            excluded=self._excluded,
+            swarm=self._swarm,
+            doors=self._doors.sightings,
+        )
+
+    def _find_local_best(self, position: Vector) -> Best | None:
+        """Return the loudest cell around; where no voice is heard, the cell nearest to the area to explore [5.3]."""
+        assert self._observation is not None
+        voice, area = self._observation.voice, self._task.area_center_m
+        if voice.heard:
+            return Best(voice.local_best_level_db, voice.local_best_m)
+        if area is None:
+            return None
+        radius_m = self._scenario.voice.local_best_radius_m
+        if self._control.navigation == "straight":
+            cell = self._map.nearest_by_sight(area, position, radius_m)
+            return Best(-math.dist(area, cell), cell)
+        cell = self._map.nearest_by_path(area, position, radius_m)
+        return Best(-self._map.distance_m(area, cell), cell)
+
+    def _choose_next_point(self, pose: Pose, ranges_m: np.ndarray, own: Report) -> None:
+        """Phase 2: share the bests, judge the swarm, and set the goal to x[t+1]."""
+        position = (pose.x_m, pose.y_m)
+        reports = {self._robot_id: own}
+        reports.update((i, report) for i, report in self._team.items() if report.iteration == own.iteration)
+        reports = dict(sorted(reports.items()))
+        improved = self._share_bests(own, reports)
+        if self._control.exclusion.enabled:
+            self._judge(improved, reports)
+        for report in reports.values():
+            self._doors.hear(report.doors)
+        self._update_map()
+        if self._excluded or self._known_best is None or self._local_best is None:
+            self._goal = None
+            return
+        self._wander.stop()
+        step_m = self._control.max_step_speed_mps * self._control.iteration_s
+        velocity = limit_speed(self._next_velocity(position, pose, ranges_m, reports), step_m)
+        self._velocities.appendleft(velocity)
+        self._goal = next_position(position, velocity)
+        self._speed_mps = max(0.1, HURRY * math.hypot(*velocity) / self._control.iteration_s)
+
+    def _share_bests(self, own: Report, reports: dict[int, Report]) -> bool:
+        """Update the global best from comparable reports and return whether this iteration improved it."""
+        comparable = [report for report in reports.values() if (report.epoch, report.doors) == (own.epoch, own.doors)]
+        before = _highest([report.known_best for report in comparable])
+        self._known_best = _highest([before, *(report.local_best for report in comparable)])
+        return self._known_best is not before
+
+    def _judge(self, improved: bool, reports: dict[int, Report]) -> None:
+        """Let the rules of social exclusion and inclusion act, on the word of the first member that was heard."""
+        members = {i: report.value for i, report in reports.items() if not report.excluded}
+        outside = {i: report.value for i, report in reports.items() if report.excluded}
+        if not members:
+            return
+        seed, iteration = self._scenario.run.seed, self._iteration
+        verdict = judge(
+            reports[min(members)].swarm,
+            improved,
+            members,
+            outside,
+            self._rules,
+            lambda: rng.stream(seed, "swarm", iteration).random(),
+        )
+        self._swarm = verdict.state
+        if self._robot_id in (*verdict.leaves, *verdict.joins):
+            self._excluded = self._robot_id in verdict.leaves
+            self._velocities.clear()
+
+    def _next_velocity(self, position: Vector, pose: Pose, ranges_m: np.ndarray, reports: dict[int, Report]) -> Vector:
+        """Return v[t+1] of eq. (25), before the speed limit."""
+        assert self._local_best is not None
+        assert self._known_best is not None
+        clear_place = self._surroundings.attractor(pose, ranges_m)
+        members = {i: report for i, report in self._team.items() if not report.excluded}
+        x_cb, c4 = self._links.pull(
+            position,
+            {i: report.position for i, report in members.items() if i in reports},
+            {i: report.position for i, report in members.items() if i not in reports},
+        )
+        attractors = Attractors(
+            local_best=self._along_path(position, self._local_best.position),
+            global_best=self._along_path(position, self._known_best.position),
+            obstacle=position if clear_place is None else clear_place,
+            communication=position if c4 == 0.0 else self._along_path(position, x_cb),
+        )
+        weights = Weights(self._control.c1, self._control.c2, self._control.c3, c4)
+        inertia = memory_term(self._memory, self._velocities)
+        return next_velocity(position, inertia, attractors, weights, self._rng)
+
+    def _along_path(self, position: Vector, place: Vector) -> Vector:
+        """Return a place as the path to it begins: at the path's length, in the direction of its first stretch."""
+        if self._control.navigation == "straight":
+            return place
+        bend, length_m = self._map.first_stretch(position, place, LONGEST_DETOUR_M)
+        bend_m = math.dist(position, bend)
+        if bend == place or bend_m == 0.0:
+            return place
+        stretch = length_m / bend_m
+        return position[0] + stretch * (bend[0] - position[0]), position[1] + stretch * (bend[1] - position[1])
+
+    def _drive(self, pose: Pose, ranges_m: np.ndarray) -> tuple[Twist, Vector]:
+        """Return the command towards the goal, and the goal: the next point, or wherever a wandering robot goes."""
+        assert self._observation is not None
+        time_s = self._observation.sim_time_ns * 1e-9
+        goal, speed_mps = self._goal, self._speed_mps
+        if goal is None:
+            goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), time_s)
+            speed_mps = self._control.max_step_speed_mps
+        mates = {i: report.position for i, report in self._team.items()}
+        return self._navigator.drive(self._map, pose, ranges_m, goal, speed_mps, time_s, mates), goal
+
+    def _update_map(self) -> None:
+        """Take the map with the doors as believed now; bests along other paths are forgotten."""
+        if self._doors.changed != self._map_doors:
+            self._map_doors = self._doors.changed
+            self._map = known_map(self._scenario.plan, self._radius_m, self._map_doors)
+            self._known_best = None
+
+    def _decision(self, twist: Twist, goal: Vector | None = None, outbox: tuple[Message, ...] = ()) -> Decision:
+        return Decision(
+            twist=twist,
+            outbox=outbox,
+            excluded=self._excluded,
+            goal_m=goal,
+            local_best=self._local_best.value if self._local_best else 0.0,
+            search_counter=self._swarm.search_counter,
+        )
+
+
+def _highest(bests: Sequence[Best | None]) -> Best | None:
+    """Return the best of several, the first of equals; none where there is none."""
+    return max((best for best in bests if best is not None), key=lambda best: best.value, default=None)

@@ -1,0 +1,98 @@
+"""What the robots of a swarm tell each other once per iteration."""
+
+from __future__ import annotations
+
+import functools
+import json
+from dataclasses import dataclass
+
+from robotteamsim.swarm import SwarmState, Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Best:
+    """A place and what it is worth: larger is better; any heard voice is worth more than any distance to an area."""
+
+    value: float
+    position: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """One robot's view at the start of an iteration; positions in `map` [m].
+
+    epoch:      of the task; bests of different epochs, or of robots that disagree on doors, are not comparable.
+    local_best: none where nothing draws the robot.
+    known_best: the best that it knows of since bests were last reset, before this iteration.
+    swarm:      its copy of the swarm's memory, before this iteration.
+    doors:      what it knows of doors beyond the plan: (name, closed, iteration in which that was seen), by name.
+    """
+
+    robot_id: int
+    iteration: int
+    epoch: int
+    position: Vector
+    local_best: Best | None
+    known_best: Best | None
+    excluded: bool
+    swarm: SwarmState
+    doors: tuple[tuple[str, bool, int], ...] = ()
+
+    def to_json(self) -> str:
+        """Return the report as one line of JSON; numbers keep every bit."""
+        return json.dumps(
+            {
+                "robot": self.robot_id,
+                "iteration": self.iteration,
+                "epoch": self.epoch,
+                "position": self.position,
+                "local_best": _best_to_list(self.local_best),
+                "known_best": _best_to_list(self.known_best),
+                "excluded": self.excluded,
+                "search_counter": self.swarm.search_counter,
+                "num_killed": self.swarm.num_killed,
+                "doors": self.doors,
+            }
+        )
+
+    @property
+    def value(self) -> float:
+        """Value of the local best; below any other where there is none."""
+        return self.local_best.value if self.local_best else float("-inf")
+
+
+# All robots of one process parse the same text.
+@functools.lru_cache(maxsize=8192)
+def parse_report(payload: str) -> Report | None:
+    """Return the report that a message carries; none where it carries something else."""
+    try:
+        data = json.loads(payload)
+        return Report(
+            robot_id=int(data["robot"]),
+            iteration=int(data["iteration"]),
+            epoch=int(data["epoch"]),
+            position=_to_vector(data["position"]),
+            local_best=_to_best(data["local_best"]),
+            known_best=_to_best(data["known_best"]),
+            excluded=bool(data["excluded"]),
+            swarm=SwarmState(int(data["search_counter"]), int(data["num_killed"])),
+            doors=tuple((str(name), bool(closed), int(iteration)) for name, closed, iteration in data["doors"]),
+        )
+    except (ValueError, KeyError, TypeError):
+        return None
+
+
+def _best_to_list(best: Best | None) -> list[float] | None:
+    return [best.value, *best.position] if best else None
+
+
+def _to_best(data: list[float] | None) -> Best | None:
+    if data is None:
+        return None
+    value, x, y = data
+    return Best(float(value), (float(x), float(y)))
+
+
+def _to_vector(data: list[float]) -> Vector:
+    x, y = data
+    return float(x), float(y)
