@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from robotteamsim.errors import RecordingError
@@ -20,19 +21,30 @@ def prepare_folder(folder: Path) -> None:
         raise cannot_write(folder, error) from error
 
 
-def write_atomically(path: Path, text: str) -> None:
-    """Write a file in one go: others see the old file or the whole new one. Raises: RecordingError."""
-    part = path.with_name(f".{path.name}.part")
+@contextlib.contextmanager
+def atomically(path: Path) -> Iterator[Path]:
+    """Give a name to write to; when the block is left, the file takes the name `path`, or vanishes after an error.
+
+    Others see the old file or the whole new one. Raises: RecordingError: an OSError in the block, or at the renaming.
+    """
+    part = path.with_name(f".part-{path.name}")
     try:
-        with part.open("w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
+        yield part
+        with part.open("rb") as file:
             os.fsync(file.fileno())
         part.replace(path)
-    except OSError as error:
+    except BaseException as error:
         with contextlib.suppress(OSError):
             part.unlink(missing_ok=True)
-        raise cannot_write(path, error) from error
+        if isinstance(error, OSError):
+            raise cannot_write(path, error) from error
+        raise
+
+
+def write_atomically(path: Path, text: str) -> None:
+    """Write a text file in one go. Raises: RecordingError."""
+    with atomically(path) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def cannot_write(path: Path, error: OSError) -> RecordingError:

@@ -1,0 +1,7 @@
+"""`python -m robotteamsim.cli`."""
+
+import sys
+
+from robotteamsim.cli.main import main
+
+sys.exit(main())

@@ -1,0 +1,60 @@
+"""Entry of the command line: finds the command, and turns every mistake into one line."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+
+import robotteamsim
+from robotteamsim.cli import field_command, plan_command, run_command, scenario_command
+from robotteamsim.cli.parser import Parser
+from robotteamsim.errors import RobotTeamSimError
+
+EXIT_MISTAKE = 2
+EXIT_INTERRUPTED = 130
+EXIT_BROKEN_PIPE = 141
+
+_EXAMPLES = """\
+examples:
+  robotteamsim run garage_sar                        one mission, with a table of what happened
+  robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
+  robotteamsim run my.yaml --set control.alpha=0.5 --json
+  robotteamsim scenario show garage_sar              every key with its value
+  robotteamsim field voice garage_sar --png voice.png
+  robotteamsim plan import map.yaml --out plan.yaml  a map_server image as walls
+
+`robotteamsim COMMAND --help` says more about a command."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status: 0, 2 for a user's mistake, 130 when interrupted."""
+    try:
+        options = _parser().parse_args(arguments)
+        options.command(options)
+        sys.stdout.flush()
+    except RobotTeamSimError as error:
+        print(f"robotteamsim: {error}", file=sys.stderr)
+        return EXIT_MISTAKE
+    except KeyboardInterrupt:
+        print("robotteamsim: interrupted", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    except BrokenPipeError:
+        # The reader has gone. Python would complain once more when it flushes stdout at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_BROKEN_PIPE
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(
+        prog="robotteamsim",
+        description="Teams of mobile robots in search and rescue: run missions, look at what they depend on.",
+        epilog=_EXAMPLES,
+    )
+    parser.add_argument("--version", action="version", version=f"robotteamsim {robotteamsim.__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for command in (run_command, scenario_command, plan_command, field_command):
+        command.add_to(commands)
+    return parser

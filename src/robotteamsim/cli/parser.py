@@ -1,0 +1,62 @@
+"""The argument parser of all commands, and the types of arguments that several share."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import math
+import re
+from typing import NoReturn
+
+from robotteamsim.errors import RobotTeamSimError
+
+
+class UsageError(RobotTeamSimError):
+    """The command line itself is wrong."""
+
+
+class Parser(argparse.ArgumentParser):
+    """Takes no abbreviations, keeps the line breaks of its texts, and raises mistakes as a UsageError of one line."""
+
+    def __init__(self, **settings: object) -> None:
+        super().__init__(allow_abbrev=False, formatter_class=argparse.RawDescriptionHelpFormatter, **settings)  # type: ignore[arg-type]
+
+    def error(self, message: str) -> NoReturn:
+        """Raise the mistake. Raises: UsageError."""
+        wrong = re.match(r"argument \S+: invalid choice: '(.*)' \(choose from (.*)\)", message)
+        if wrong:
+            value, choices = wrong[1], [choice.strip("'") for choice in wrong[2].split(", ")]
+            near = difflib.get_close_matches(value, choices, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(choices)}"
+            message = f"no such command '{value}'; {hint}"
+        raise UsageError(f"{message} (see `{self.prog} --help`)")
+
+
+def point(text: str) -> tuple[float, float]:
+    """Return [x, y] of an argument X,Y. Raises: ArgumentTypeError."""
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not of the form X,Y, such as 4.0,5.0 [m]") from None
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise argparse.ArgumentTypeError(f"'{text}' is not finite")
+    return x, y
+
+
+def number(text: str) -> float:
+    """Return a finite number. Raises: ArgumentTypeError."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number")
+    return value
+
+
+def whole_number(text: str) -> int:
+    """Return a whole number. Raises: ArgumentTypeError."""
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number") from None

@@ -1,0 +1,93 @@
+"""`robotteamsim run`: one mission, as fast as the machine goes."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from robotteamsim import scenario
+from robotteamsim.cli.parser import number, whole_number
+from robotteamsim.cli.progress import ProgressBar
+from robotteamsim.cli.table import EventList, print_result
+from robotteamsim.simulation import Observer, Simulation
+
+_DESCRIPTION = """\
+Run one mission and tell what happened. The same scenario and seed give the same
+trajectories to the bit, here and in ROS with lockstep:=true."""
+
+_EPILOG = """\
+--out writes mission.json (result, every event, every setting, versions) and
+trajectories/robot_<id>.tum. --bag writes the topics of a ROS run; play it with
+`roslaunch robotteamsim replay.launch bag:=...`.
+
+examples:
+  robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
+  robotteamsim run garage_sar --robots 5 --set mission.time_limit_s=300
+  robotteamsim run garage_sar --json | jq .trajectory_hash"""
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser("run", help="run one mission", description=_DESCRIPTION, epilog=_EPILOG)
+    parser.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped scenario: garage_sar")
+    parser.add_argument("--seed", type=whole_number, metavar="N", help="of every random stream (run.seed)")
+    parser.add_argument("--noise", type=number, metavar="DB", help="background noise (voice.noise_db)")
+    parser.add_argument("--robots", type=whole_number, metavar="N", help="size of the team (robots.count)")
+    add_set_option(parser)
+    parser.add_argument("--out", type=Path, metavar="DIR", help="write mission.json and trajectories into this folder")
+    parser.add_argument("--bag", type=Path, metavar="FILE", help="write a ROS bag of the run")
+    parser.add_argument("--json", action="store_true", help="print the result as one JSON object instead of a table")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar, no table")
+    parser.set_defaults(command=run)
+
+
+def add_set_option(parser: argparse.ArgumentParser) -> None:
+    """Add --set, which may be given several times."""
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        dest="overrides",
+        metavar="K=V",
+        help="override any value of the scenario, such as control.alpha=0.5; repeatable",
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    """Run the mission."""
+    loaded = scenario.load(options.scenario, overrides(options))
+    simulation = Simulation(loaded)
+    events = EventList()
+    observers: list[Observer] = [events, *_recorders(options)]
+    if not options.quiet:
+        observers.append(ProgressBar(Console(stderr=True)))
+    result = simulation.run(observers)
+    if options.json:
+        # Imported late, as below: it brings rosbags along.
+        from robotteamsim.recording import result_summary
+
+        print(json.dumps(result_summary(result)))
+    elif not options.quiet:
+        print_result(Console(), loaded, result, events.events, [options.out, options.bag])
+
+
+def overrides(options: argparse.Namespace) -> list[str]:
+    """Return all overrides of a command line; its own options come last and win."""
+    named = {"run.seed": options.seed, "voice.noise_db": options.noise, "robots.count": options.robots}
+    return [*options.overrides, *(f"{key}={value}" for key, value in named.items() if value is not None)]
+
+
+def _recorders(options: argparse.Namespace) -> list[Observer]:
+    if not (options.out or options.bag):
+        return []
+    from robotteamsim.recording import BagWriter, ResultWriter, TumWriter
+
+    recorders: list[Observer] = [BagWriter(options.bag)] if options.bag else []
+    if options.out:
+        # mission.json comes last: where it is, the rest is complete.
+        recorders += [TumWriter(options.out / "trajectories"), ResultWriter(options.out)]
+    return recorders

@@ -1,0 +1,86 @@
+"""`robotteamsim scenario`: check, show, list; the JSON Schema for editors."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from robotteamsim import scenario
+from robotteamsim.cli.parser import UsageError
+from robotteamsim.cli.run_command import add_set_option
+from robotteamsim.errors import ScenarioError
+from robotteamsim.recording.files import write_atomically
+
+_SCHEMA_EPILOG = """\
+With the YAML extension of an editor, this first line gives completion and checks:
+  # yaml-language-server: $schema=scenario.schema.json"""
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser("scenario", help="check, show or list scenarios", description=__doc__)
+    actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
+
+    check = actions.add_parser("check", help="tell every mistake in a scenario")
+    check.add_argument("scenarios", nargs="+", metavar="SCENARIO", help="files or shipped names")
+    check.set_defaults(command=run_check)
+
+    show = actions.add_parser("show", help="print a scenario with every key and default")
+    show.add_argument("scenario", metavar="SCENARIO", help="a file or a shipped name")
+    add_set_option(show)
+    show.set_defaults(command=run_show)
+
+    schema = actions.add_parser("schema", help="print the JSON Schema of a scenario", epilog=_SCHEMA_EPILOG)
+    schema.add_argument("file", nargs="?", type=Path, metavar="FILE", help="write it here instead")
+    schema.set_defaults(command=run_schema)
+
+    shipped = actions.add_parser("list", help="print the names of the shipped scenarios")
+    shipped.set_defaults(command=run_list)
+
+
+def run_check(options: argparse.Namespace) -> None:
+    """Check scenarios; all mistakes of all of them are told."""
+    mistakes: list[str] = []
+    for name in options.scenarios:
+        try:
+            loaded = scenario.load(name)
+        except ScenarioError as error:
+            mistakes += [str(error), *getattr(error, "__notes__", [])]
+            continue
+        mission, (width_m, height_m) = loaded.mission, _size_m(loaded)
+        print(
+            f"{name}: good: {len(loaded.placed_robots())} robots, {len(mission.areas)} areas, "
+            f"{len(mission.victims)} victims in {loaded.plan.name} of {width_m:g} x {height_m:g} m"
+        )
+    if mistakes:
+        for mistake in mistakes[:-1]:
+            print(f"robotteamsim: {mistake}", file=sys.stderr)
+        raise UsageError(mistakes[-1])
+
+
+def run_show(options: argparse.Namespace) -> None:
+    """Print a scenario as YAML."""
+    print(scenario.dump(scenario.load(options.scenario, options.overrides)), end="")
+
+
+def run_schema(options: argparse.Namespace) -> None:
+    """Print or write the JSON Schema."""
+    text = json.dumps(scenario.json_schema(), indent=2)
+    if options.file:
+        write_atomically(options.file, text + "\n")
+    else:
+        print(text)
+
+
+def _size_m(loaded: scenario.Scenario) -> tuple[float, float]:
+    (min_x, min_y), (max_x, max_y) = loaded.plan.bounds.min, loaded.plan.bounds.max
+    return max_x - min_x, max_y - min_y
+
+
+def run_list(options: argparse.Namespace) -> None:
+    """Print the shipped scenarios' names."""
+    for name in scenario.scenario_names():
+        print(name)
