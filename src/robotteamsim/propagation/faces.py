@@ -15,15 +15,14 @@ from robotteamsim.scenario.plan import Solid, solids
 from robotteamsim.scenario.sections import Radio
 
 MM_PER_M = 1000.0
-_MAX_LOSS_DB = 1000.0
 _UNITS_PER_DB = 20
-"""Radio faces weigh in units of 0.05 dB."""
+"""Radio faces weigh in units of 0.05 dB; losses are multiples of 0.1 dB, so half of one is a whole number of them."""
 
 _CLASS_LIMITS_MM = (200, 400, 600)
 """Thickest wall of the first three classes of Table 3; all others are of the fourth, ]60,80] cm."""
 
-_SNAP_MM = 0.75
-"""Rounding to whole millimetres moves a face by at most half the diagonal of a 1 mm cell, 0.71 mm."""
+_SAME_OUTLINE_MM = 5.0
+"""Outlines this close together count as one. Rounding in the union moves a face by 0.7 mm, several times at worst."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,10 +58,10 @@ def radio_faces(plan: FloorPlan, radio: Radio) -> Faces:
 
     A wall costs what its class says, whatever the angle: half on the way in, half on the way out. The class comes from
     the thickness of a wall, or the smaller width of a block or pillar, in whole mm; over 80 cm it is ]60,80]. A
-    material takes the place of the class. What lies inside the union of all solids is no face. Where outlines of
-    several solids coincide, the highest loss counts.
+    material takes the place of the class. What lies inside the union of all solids is no face. Where the outlines of
+    several solids coincide, or run within 5 mm of each other, the highest loss counts.
 
-    Raises: ScenarioError: unknown material; a loss that is no multiple of 0.1 dB in 0..1000 dB.
+    Raises: ScenarioError: a material that `radio.materials` does not have.
     """
     fading = [solid for solid in _static_solids(plan) if radio.pillars or solid.kind != "pillar"]
     half_losses = [_wall_units(plan, radio, solid.element) // 2 for solid in fading]
@@ -95,7 +94,7 @@ def _union_faces(polygons: Sequence[shapely.Polygon], weights: Sequence[int]) ->
     snapped = shapely.set_precision(in_mm, 1.0)
     ends_mm, _ = _edges(shapely.union_all(snapped, grid_size=1.0))
     solid_edges_mm, solid_of_edge = _edges(snapped)
-    near = _pairs_within_snap(ends_mm[:, :2], solid_edges_mm) & _pairs_within_snap(ends_mm[:, 2:], solid_edges_mm)
+    near = _pairs_near(ends_mm[:, :2], solid_edges_mm) & _pairs_near(ends_mm[:, 2:], solid_edges_mm)
     face_weights = np.full(len(ends_mm), -1, dtype=np.int32)
     for face, edge in sorted(near):
         face_weights[face] = max(face_weights[face], weights[solid_of_edge[edge]])
@@ -112,10 +111,10 @@ def _edges(geometry: shapely.Geometry | np.ndarray) -> tuple[np.ndarray, np.ndar
     return np.hstack([points_mm[joined], points_mm[joined + 1]]), geometry_of_ring[ring[joined]]
 
 
-def _pairs_within_snap(points_mm: np.ndarray, edges_mm: np.ndarray) -> set[tuple[int, int]]:
-    """Return (point, edge) of all pairs that are no further apart than rounding can have moved them."""
+def _pairs_near(points_mm: np.ndarray, edges_mm: np.ndarray) -> set[tuple[int, int]]:
+    """Return the indices (point, edge) of all pairs that are close enough to be of the same outline."""
     tree = shapely.STRtree(shapely.linestrings(edges_mm.reshape(-1, 2, 2)))
-    pairs = tree.query(shapely.points(points_mm), predicate="dwithin", distance=_SNAP_MM)
+    pairs = tree.query(shapely.points(points_mm), predicate="dwithin", distance=_SAME_OUTLINE_MM)
     return set(zip(*pairs.tolist(), strict=True))
 
 
@@ -127,23 +126,20 @@ def _wall_units(plan: FloorPlan, radio: Radio, element: Wall | Block | Door) -> 
             raise ScenarioError(
                 f"{plan.name}: {element.name}.material: '{element.material}' is not in radio.materials ({known})"
             )
-        return _units(f"radio.materials.{element.material}", radio.materials[element.material])
+        return _units(radio.materials[element.material])
     width_mm = round((element.thickness_m if isinstance(element, Wall) else _smaller_width_m(element)) * MM_PER_M)
     loss_class = sum(width_mm > limit_mm for limit_mm in _CLASS_LIMITS_MM)
-    return _units(f"radio.wall_loss_db[{loss_class}]", radio.wall_loss_db[loss_class])
+    return _units(radio.wall_loss_db[loss_class])
 
 
 def _door_units(radio: Radio, door: Door) -> int:
     if door.kind == "fireproof":
-        return _units("radio.fireproof_door_loss_db", radio.fireproof_door_loss_db)
-    return _units("radio.door_loss_db", radio.door_loss_db)
+        return _units(radio.fireproof_door_loss_db)
+    return _units(radio.door_loss_db)
 
 
-def _units(place: str, loss_db: float) -> int:
-    tenths = round(loss_db * 10.0)
-    if not 0.0 <= loss_db <= _MAX_LOSS_DB or abs(tenths - loss_db * 10.0) > 1e-6:
-        raise ScenarioError(f"{place}: {loss_db:g} dB: wanted a multiple of 0.1 dB in 0..{_MAX_LOSS_DB:g} dB")
-    return tenths * _UNITS_PER_DB // 10
+def _units(loss_db: float) -> int:
+    return round(loss_db * _UNITS_PER_DB)
 
 
 def _smaller_width_m(block: Block) -> float:
