@@ -89,7 +89,12 @@ class VoiceSensor:
             self._change()
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
-        """Add a victim, or move the one of that name [m, map]; she calls (again), as loud as before."""
+        """Add a victim, or move the one of that name [m, map]; she calls (again), as loud as before.
+
+        Raises: ValueError: the position is not finite.
+        """
+        if not all(map(math.isfinite, position_m)):
+            raise ValueError(f"position of victim '{name}' must be finite, got {position_m}")
         generator = stream(self._seed, "voice", name)
         constant_db = float(generator.uniform(*self._voice.constant_db))
         exponent = float(generator.uniform(*self._voice.exponent))
