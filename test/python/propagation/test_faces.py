@@ -1,0 +1,175 @@
+"""The faces that a floor plan turns into."""
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.propagation.faces import Faces, radio_faces, voice_faces
+from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
+from robotteamsim.scenario.plan import solids
+from robotteamsim.scenario.sections import Radio
+
+
+def _rows(faces: Faces) -> set[tuple[int, ...]]:
+    """Return (x1, y1, x2, y2, weight) of every face, the smaller end first."""
+    rows = set()
+    for (x1, y1, x2, y2), weight in zip(faces.ends_mm.tolist(), faces.weights.tolist(), strict=True):
+        rows.add((*min((x1, y1), (x2, y2)), *max((x1, y1), (x2, y2)), weight))
+    return rows
+
+
+def test_wall_has_four_faces_of_half_its_loss(make_plan):
+    faces = radio_faces(make_plan(walls=(Wall(name="a", start=(1.0, 2.0), end=(5.0, 2.0)),)), Radio())
+    assert _rows(faces) == {
+        (1000, 1900, 5000, 1900, 38),
+        (1000, 2100, 5000, 2100, 38),
+        (1000, 1900, 1000, 2100, 38),
+        (5000, 1900, 5000, 2100, 38),
+    }
+
+
+@pytest.mark.parametrize(
+    ("thickness_m", "loss_db"),
+    [
+        (0.1, 3.8),
+        (0.2, 3.8),
+        (0.2004, 3.8),
+        (0.201, 3.9),
+        (0.4, 3.9),
+        (0.401, 5.7),
+        (0.6, 5.7),
+        (0.601, 12.4),
+        (0.8, 12.4),
+    ],
+)
+def test_class_of_a_wall_is_its_thickness_in_whole_millimetres(make_plan, thickness_m, loss_db):
+    wall = Wall(name="a", start=(1.0, 2.0), end=(5.0, 4.0), thickness_m=thickness_m)
+    assert set(radio_faces(make_plan(walls=(wall,)), Radio()).weights) == {round(loss_db * 10)}
+
+
+@pytest.mark.parametrize(
+    ("polygon", "loss_db"),
+    [
+        (((1.0, 1.0), (9.0, 1.0), (9.0, 1.3), (1.0, 1.3)), 3.9),
+        (((1.0, 1.0), (1.3, 1.3), (1.0, 1.6), (0.7, 1.3)), 5.7),  # a square of 0.42 m on its corner
+        (((1.0, 1.0), (9.0, 1.0), (9.0, 3.0), (1.0, 3.0)), 12.4),  # over 80 cm
+    ],
+)
+def test_class_of_a_block_is_its_smaller_width(make_plan, polygon, loss_db):
+    plan = make_plan(blocks=(Block(name="a", polygon=polygon),))
+    assert set(radio_faces(plan, Radio()).weights) == {round(loss_db * 10)}
+
+
+def test_faces_that_abutting_walls_share_vanish(make_plan):
+    walls = (Wall(name="a", start=(1.0, 2.0), end=(5.0, 2.0)), Wall(name="b", start=(5.0, 2.0), end=(8.0, 2.0)))
+    faces = radio_faces(make_plan(walls=walls), Radio())
+    assert not any(x1 == x2 == 5000 for x1, _, x2, _ in faces.ends_mm.tolist())
+    assert faces.core().weight_between((0.5, 2.0), (9.0, 2.0)) == 76
+
+
+def test_each_stretch_of_abutting_walls_keeps_its_own_loss(make_plan):
+    walls = (
+        Wall(name="a", start=(1.0, 2.0), end=(5.0, 2.0)),
+        Wall(name="b", start=(5.0, 2.0), end=(8.0, 2.0), material="glass"),
+    )
+    faces = radio_faces(make_plan(walls=walls), Radio(materials={"glass": 2.0})).core()
+    assert faces.weight_between((3.0, 1.0), (3.0, 3.0)) == 76
+    assert faces.weight_between((6.0, 1.0), (6.0, 3.0)) == 40
+
+
+def test_what_lies_inside_the_union_is_no_face(make_plan):
+    walls = (Wall(name="a", start=(2.0, 5.0), end=(8.0, 5.0)), Wall(name="b", start=(5.0, 2.0), end=(5.0, 8.0)))
+    faces = radio_faces(make_plan(walls=walls), Radio())
+    assert len(faces.weights) == 12  # a cross
+    assert faces.core().weight_between((1.0, 5.0), (9.0, 5.0)) == 76
+
+
+def test_where_outlines_coincide_the_highest_loss_counts(make_plan):
+    light = Wall(name="light", start=(1.0, 2.0), end=(6.0, 2.0), material="glass")
+    heavy = Wall(name="heavy", start=(4.0, 2.0), end=(9.0, 2.0))
+    for walls in ((light, heavy), (heavy, light)):
+        faces = radio_faces(make_plan(walls=walls), Radio(materials={"glass": 2.0})).core()
+        assert faces.weight_between((2.0, 1.0), (2.0, 3.0)) == 40
+        assert faces.weight_between((5.0, 1.0), (5.0, 3.0)) == 76  # both
+        assert faces.weight_between((8.0, 1.0), (8.0, 3.0)) == 76
+
+
+def test_crossings_of_diagonal_walls_are_whole_millimetres_and_rings_stay_closed(flat):
+    faces = radio_faces(flat, Radio())
+    assert faces.ends_mm.dtype == np.int64
+    ends, counts = np.unique(faces.ends_mm[:-2].reshape(-1, 2), axis=0, return_counts=True)  # without the doors
+    assert len(ends) > 30
+    assert np.all(counts % 2 == 0)
+
+
+def test_pillars_fade_the_radio_unless_switched_off(flat):
+    through = ((8.3, 6.5), (8.3, 8.0))
+    assert radio_faces(flat, Radio()).core().weight_between(*through) == 2 * 57
+    assert radio_faces(flat, Radio(pillars=False)).core().weight_between(*through) == 0
+    assert voice_faces(flat).core().weight_between(*through) == 2
+
+
+def test_material_takes_the_place_of_the_class(make_plan):
+    wall = Wall(name="a", start=(1.0, 2.0), end=(5.0, 2.0), thickness_m=0.8, material="gypsum")
+    assert set(radio_faces(make_plan(walls=(wall,)), Radio(materials={"gypsum": 1.3})).weights) == {13}
+
+
+def test_unknown_material_is_named_with_its_wall(make_plan):
+    plan = make_plan(walls=(Wall(name="a", start=(1.0, 2.0), end=(5.0, 2.0), material="glas"),))
+    message = r"^floor: a.material: 'glas' is not in radio.materials \(glass, brick\)$"
+    with pytest.raises(ScenarioError, match=message):
+        radio_faces(plan, Radio(materials={"glass": 2.0, "brick": 5.0}))
+
+
+def test_doors_are_their_centre_segments_at_full_weight(make_plan):
+    doors = (
+        Door(name="d", start=(1.0, 1.0), end=(2.0, 1.0), closed=True),
+        Door(name="f", start=(3.0, 1.0), end=(4.0, 1.0), kind="fireproof"),
+    )
+    faces = radio_faces(make_plan(doors=doors), Radio())
+    assert _rows(faces) == {(1000, 1000, 2000, 1000, 28), (3000, 1000, 4000, 1000, 204)}
+    assert faces.doors == {"d": True, "f": False}
+    core = faces.core()
+    assert core.weight_between((1.5, 0.0), (1.5, 2.0)) == 28
+    assert core.weight_between((3.5, 0.0), (3.5, 2.0)) == 0
+    assert voice_faces(make_plan(doors=doors)).core().weight_between((1.5, 0.0), (1.5, 2.0)) == 2
+
+
+def test_unknown_door_is_refused(flat):
+    with pytest.raises(ValueError, match=r"^there is no door 'fier', only glass, fire$"):
+        radio_faces(flat, Radio()).door_face("fier")
+
+
+def test_empty_plan_has_no_faces(make_plan):
+    faces = radio_faces(make_plan(), Radio())
+    assert faces.ends_mm.shape == (0, 4)
+    assert faces.core().weight_between((1.0, 1.0), (19.0, 19.0)) == 0
+
+
+_COORDINATE = st.integers(10, 190).map(lambda decimetres: decimetres / 10.0)
+
+
+@st.composite
+def _walls(draw) -> tuple[Wall, ...]:
+    walls = []
+    for i in range(draw(st.integers(1, 8))):
+        start, end = draw(st.tuples(_COORDINATE, _COORDINATE)), draw(st.tuples(_COORDINATE, _COORDINATE))
+        if start != end:
+            thickness_m = draw(st.sampled_from([0.1, 0.3, 0.5, 0.7]))
+            walls.append(Wall(name=f"wall_{i}", start=start, end=end, thickness_m=thickness_m))
+    return tuple(walls)
+
+
+@settings(max_examples=60, deadline=None)
+@given(walls=_walls(), points=st.lists(st.tuples(_COORDINATE, _COORDINATE), min_size=2, max_size=8))
+def test_a_way_between_free_points_counts_whole_walls(walls, points):
+    plan = FloorPlan(name="random", bounds=Bounds(max=(20.0, 20.0)), walls=walls)
+    faces = voice_faces(plan).core()
+    union = shapely.union_all([solid.polygon for solid in solids(plan)])
+    free = [point for point in points if shapely.distance(union, shapely.Point(point)) > 0.005]
+    for a in free:
+        for b in free:
+            assert faces.weight_between(a, b) % 2 == 0
