@@ -1,0 +1,150 @@
+"""The network of a team, step by step."""
+
+import math
+
+import numpy as np
+import pytest
+
+from robotteamsim.network import EVERYBODY, Message, Network
+from robotteamsim.propagation import RadioField
+from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
+from robotteamsim.scenario.sections import Network as NetworkSection
+from robotteamsim.scenario.sections import Radio
+
+_IN_A_ROW = np.array([[0.0, 5.0], [70.0, 5.0], [140.0, 5.0]])
+"""Neighbours at 70 m: -90.2 dBm; ends at 140 m: -97.2 dBm."""
+_SILENT = [(), (), ()]
+
+
+def _network(num_robots: int = 3, **keys) -> Network:
+    radio_field = RadioField(FloorPlan(name="field", bounds=Bounds(max=(200.0, 10.0))), Radio())
+    return Network(radio_field, NetworkSection(**keys), num_robots)
+
+
+def test_links_hops_and_breaks_of_three_robots_in_a_row():
+    state, _ = _network().step(_IN_A_ROW, _SILENT)
+    assert state.rssi_dbm[0, 1] == pytest.approx(-(47.4 + 23.2 * math.log10(70.0)))
+    assert np.array_equal(state.link, state.rssi_dbm)
+    assert state.adjacency.tolist() == [[False, True, False], [True, False, True], [False, True, False]]
+    assert state.hop_count.tolist() == [[0, 1, 2], [1, 0, 1], [2, 1, 0]]
+    assert not state.break_matrix.any()
+    assert state.fiedler_value == pytest.approx(1.0)
+    assert state.swarm_connectivity == pytest.approx(1 / 3)
+
+
+def test_split_team_has_breaks_and_fiedler_value_zero():
+    state, _ = _network(lost_below_dbm=-85.0).step(np.array([[0.0, 5.0], [5.0, 5.0], [140.0, 5.0]]), _SILENT)
+    assert state.fiedler_value == 0.0
+    assert state.hop_count[0, 2] == -1
+    assert state.break_matrix[0, 2] == state.rssi_dbm[0, 2]
+    assert state.break_matrix[0, 1] == 0.0
+
+
+def test_link_is_endangered_between_the_two_thresholds():
+    state, _ = _network().step(np.array([[0.0, 5.0], [20.0, 5.0], [50.0, 5.0]]), _SILENT)
+    assert state.adjacency[0].tolist() == [False, True, True]
+    assert state.endangered.tolist() == [[False, False, True], [False, False, True], [True, True, False]]
+    assert state.num_endangered == 2
+
+
+def test_lost_link_is_not_endangered():
+    state, _ = _network().step(_IN_A_ROW, _SILENT)
+    assert not state.endangered[0, 2]
+
+
+def test_link_exists_down_to_the_threshold_itself():
+    loss_db = 47.4 + 23.2 * math.log10(70.0)
+    assert _network(2, lost_below_dbm=-loss_db).step(_IN_A_ROW[:2], [(), ()])[0].adjacency[0, 1]
+    assert not _network(2, lost_below_dbm=-loss_db + 1e-9).step(_IN_A_ROW[:2], [(), ()])[0].adjacency[0, 1]
+
+
+def test_links_by_distance_ignore_the_signal():
+    state, _ = _network(link="distance", max_distance_m=70.0).step(_IN_A_ROW, _SILENT)
+    assert state.link.tolist() == [[0.0, 70.0, 140.0], [70.0, 0.0, 70.0], [140.0, 70.0, 0.0]]
+    assert state.hop_count[0].tolist() == [0, 1, 2]
+
+
+def test_messages_travel_over_several_hops():
+    message = Message(0, 2, "hello")
+    _, inboxes = _network().step(_IN_A_ROW, [(message,), (), ()])
+    assert inboxes == [(), (), (message,)]
+
+
+def test_messages_do_not_cross_a_split():
+    outboxes = [(Message(0, 2, "a"), Message(0, EVERYBODY, "b")), (), ()]
+    _, inboxes = _network(lost_below_dbm=-85.0).step(np.array([[0.0, 5.0], [5.0, 5.0], [140.0, 5.0]]), outboxes)
+    assert inboxes == [(), (outboxes[0][1],), ()]
+
+
+def test_inbox_is_sorted_by_sender_then_by_order_of_sending():
+    outboxes = [
+        (Message(0, EVERYBODY, "z"), Message(0, 2, "a")),
+        (Message(1, 2, "m"), Message(1, EVERYBODY, "b")),
+        (Message(2, EVERYBODY, "c"),),
+    ]
+    _, inboxes = _network().step(_IN_A_ROW, outboxes)
+    assert [m.payload for m in inboxes[2]] == ["z", "a", "m", "b"]
+    assert [m.payload for m in inboxes[0]] == ["b", "c"]
+
+
+def test_nobody_receives_his_own_messages():
+    _, inboxes = _network().step(_IN_A_ROW, [(Message(0, 0, "me"), Message(0, EVERYBODY, "all")), (), ()])
+    assert inboxes[0] == ()
+
+
+def test_topology_follows_links_that_come_and_go():
+    network = _network()
+    apart = np.array([[0.0, 5.0], [5.0, 5.0], [199.0, 5.0]])
+    together = network.step(_IN_A_ROW, _SILENT)[0]
+    assert network.step(apart, _SILENT)[0].fiedler_value == 0.0
+    again = network.step(_IN_A_ROW, _SILENT)[0]
+    assert again.fiedler_value == together.fiedler_value
+    assert np.array_equal(again.hop_count, together.hop_count)
+
+
+def test_network_after_reset_is_as_new():
+    network = _network()
+    network.step(np.array([[0.0, 5.0], [5.0, 5.0], [10.0, 5.0]]), _SILENT)
+    network.reset()
+    state, new = network.step(_IN_A_ROW, _SILENT)[0], _network().step(_IN_A_ROW, _SILENT)[0]
+    assert np.array_equal(state.hop_count, new.hop_count)
+    assert state.fiedler_value == new.fiedler_value
+
+
+def test_closed_door_can_cut_a_link():
+    plan = FloorPlan(
+        name="rooms",
+        bounds=Bounds(max=(10.0, 10.0)),
+        walls=(
+            Wall(name="low", start=(5.0, 0.0), end=(5.0, 4.0)),
+            Wall(name="high", start=(5.0, 5.0), end=(5.0, 10.0)),
+        ),
+        doors=(Door(name="gate", start=(5.0, 4.0), end=(5.0, 5.0), kind="fireproof"),),
+    )
+    radio_field = RadioField(plan, Radio())
+    network = Network(radio_field, NetworkSection(endangered_below_dbm=-60.0, lost_below_dbm=-70.0), 2)
+    positions_m = np.array([[2.0, 4.5], [8.0, 4.5]])
+    assert network.step(positions_m, [(), ()])[0].fiedler_value == pytest.approx(2.0)
+    radio_field.set_door("gate", True)
+    assert network.step(positions_m, [(), ()])[0].fiedler_value == 0.0
+
+
+def test_single_robot_is_a_network():
+    state, inboxes = _network(1).step(np.array([[3.0, 3.0]]), [(Message(0, EVERYBODY, "x"),)])
+    assert state.swarm_connectivity == 1.0
+    assert inboxes == [()]
+
+
+@pytest.mark.parametrize(
+    ("positions_m", "outboxes", "message"),
+    [
+        (_IN_A_ROW[:2], _SILENT, r"^positions_m must have shape \(3, 2\), got \(2, 2\)$"),
+        (_IN_A_ROW, [(), ()], r"^outboxes must hold one sequence per robot: 3, got 2$"),
+        (_IN_A_ROW * math.nan, _SILENT, r"^position of robot 0 must be finite"),
+        (_IN_A_ROW, [(Message(1, 2, ""),), (), ()], r"^outbox of robot 0 holds a message from sender 1$"),
+        (_IN_A_ROW, [(Message(0, 3, ""),), (), ()], r"^outbox of robot 0: receiver 3 does not exist; wanted 0..2"),
+    ],
+)
+def test_wrong_input_is_refused(positions_m, outboxes, message):
+    with pytest.raises(ValueError, match=message):
+        _network().step(positions_m, outboxes)
