@@ -1,0 +1,276 @@
+"""The node `scene`: turns the topics of a run, or of a bag, into what rviz shows."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterable
+
+import numpy as np
+import rospy
+import tf2_ros
+from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan, PointCloud2
+from visualization_msgs.msg import Marker, MarkerArray
+
+from robotteamsim.geometry import Pose
+from robotteamsim.msg import Areas, ControllerStatus, FloatMap, MissionEvent, MissionStatus, NetworkState, Victims
+from robotteamsim.ros import msg_conversion, scene_laser, scene_mission, scene_plan, scene_team
+from robotteamsim.ros.node import parameter, read_settings, run
+from robotteamsim.ros.scene_feed import GROUND_TRUTH, Feed, robot_topics
+from robotteamsim.ros.scene_shapes import FRAME, Shown
+from robotteamsim.scenario import Scenario
+from robotteamsim.scenario.sections import Robot
+
+DRAW_PERIOD_S = 0.1
+TRAIL_PERIOD_S = 0.5
+DISCOVERY_PERIOD_S = 0.5
+IDLE_SHARE = 4.0
+"""After each drawing the node rests at least this many times as long: many robots are drawn less often."""
+TRAIL_POINTS = 6_000
+"""Of all robots together."""
+WALL_HEIGHT_M = 1.1
+
+
+def main() -> None:
+    """Run the node. Its own parameter is ~wall_height_m: walls are cut there to let one look in from above."""
+    run("scene", _serve)
+
+
+def _serve() -> None:
+    scene = Scene(read_settings().scenario, parameter("~wall_height_m", WALL_HEIGHT_M))
+    while not rospy.is_shutdown():
+        started_s = time.monotonic()
+        scene.step(started_s)
+        drawing_s = time.monotonic() - started_s
+        scene.wait(max(DRAW_PERIOD_S - drawing_s, IDLE_SHARE * drawing_s))
+
+
+class Canvas:
+    """One latched topic of markers, and what of it is on display."""
+
+    def __init__(self, topic: str) -> None:
+        self._publisher = rospy.Publisher(topic, MarkerArray, queue_size=2, latch=True)
+        self._shown = Shown()
+
+    def draw(self, markers: Iterable[Marker]) -> None:
+        """Replace what the topic shows."""
+        self._publisher.publish(MarkerArray(self._shown.update(markers)))
+
+
+class RobotFeed:
+    """What the scene knows of one robot."""
+
+    def __init__(self, robot_id: int, prefix: str, robot: Robot) -> None:
+        self._id = robot_id
+        self._prefix = prefix
+        self._robot = robot
+        self._truth = Feed(prefix + GROUND_TRUTH, Odometry, keep=200)
+        self._status = Feed(f"{prefix}controller/status", ControllerStatus)
+        self._scan: Feed | None = None
+        self._recent: dict[int, Pose] = {}
+        self._excluded = False
+        self.trail = scene_team.Trail()
+
+    def look(self, trail_points: int) -> bool:
+        """Take in what came; return whether anything did."""
+        truths = self._truth.take(at_most=10)
+        for truth in truths:
+            pose = msg_conversion.odometry_reading(truth).pose.pose
+            stamp_ns = msg_conversion.stamp_ns(truth)
+            self.trail.add(pose.x_m, pose.y_m, 1e-9 * stamp_ns, self._robot.drive.max_speed_mps, trail_points)
+            self._recent[stamp_ns] = pose
+        for old in list(self._recent)[:-10]:
+            del self._recent[old]
+        status = self._status.newest()
+        if status is not None:
+            self._excluded = status.excluded
+        return bool(truths) or status is not None
+
+    def view(self) -> scene_team.RobotView | None:
+        """Return what to draw of it; None before it has told where it is."""
+        if not self._recent:
+            return None
+        pose = next(reversed(self._recent.values()))
+        return scene_team.RobotView(self._id, pose, self._robot.radius_m, self._robot.height_m, self._excluded)
+
+    def scan(self, wanted: bool) -> scene_laser.ScanView | None:
+        """Return the newest scan where it was taken; scans are subscribed to only while they are wanted."""
+        if wanted and self._scan is None:
+            self._scan = Feed(f"{self._prefix}base_scan", LaserScan)
+        elif not wanted and self._scan is not None:
+            self._scan.close()
+            self._scan = None
+        scan = self._scan.newest() if self._scan is not None else None
+        if scan is None or not self._recent:
+            return None
+        newest = next(reversed(self._recent.values()))
+        base = self._recent.get(msg_conversion.stamp_ns(scan), newest)
+        return scene_laser.ScanView(
+            robot_id=self._id,
+            laser=base @ Pose(self._robot.laser.forward_m, 0.0, 0.0),
+            height_m=self._robot.laser.height_m,
+            angle_min_rad=scan.angle_min,
+            angle_step_rad=scan.angle_increment,
+            range_min_m=scan.range_min,
+            range_max_m=scan.range_max,
+            ranges_m=np.asarray(scan.ranges),
+        )
+
+    def close(self) -> None:
+        """Unsubscribe from everything."""
+        for feed in (self._truth, self._status, self._scan):
+            if feed is not None:
+                feed.close()
+
+
+class Scene:
+    """Draws when something has changed."""
+
+    def __init__(self, scenario: Scenario, wall_height_m: float) -> None:
+        self._scenario = scenario
+        self._wall_height_m = wall_height_m
+        self._placed = scenario.placed_robots()
+        layers = ("building", "doors", "voice", "areas", "victims", "trails", "links", "robots", "headline")
+        self._canvas = {layer: Canvas(f"/scene/{layer}") for layer in layers}
+        self._laser = rospy.Publisher("/scene/laser", PointCloud2, queue_size=2, latch=True)
+        self._robots: dict[int, RobotFeed] = {}
+        self._status = Feed("/mission/status", MissionStatus)
+        self._events = Feed("/mission/events", MissionEvent, keep=1000)
+        self._areas = Feed("/mission/areas", Areas)
+        self._victims = Feed("/mission/victims", Victims)
+        self._network = Feed("/network/state", NetworkState)
+        self._voice = Feed("/voice_map/values", FloatMap)
+        self._links: list[scene_team.LinkView] = []
+        self._scans: dict[int, scene_laser.ScanView] = {}
+        self._mission_time_s = 0.0
+        self._num_endangered = 0
+        self._discovery_due_s = self._trails_due_s = 0.0
+        self._frame = _publish_frame()
+        self._ended = threading.Event()
+        rospy.on_shutdown(self._ended.set)
+        self._draw_start()
+
+    def wait(self, duration_s: float) -> None:
+        """Wait, but not beyond the node's end [s, wall]."""
+        self._ended.wait(duration_s)
+
+    def _draw_start(self) -> None:
+        mission, plan = self._scenario.mission, self._scenario.plan
+        self._canvas["building"].draw(scene_plan.building_markers(plan, self._wall_height_m))
+        self._draw_doors({door.name: door.closed for door in plan.doors})
+        areas = [scene_mission.AreaView(area.name, area.center, area.radius_m) for area in mission.areas]
+        victims = [scene_mission.VictimView(victim.name, victim.position) for victim in mission.victims]
+        self._canvas["areas"].draw(scene_mission.area_markers(areas))
+        self._canvas["victims"].draw(scene_mission.victim_markers(victims, mission.save_distance_m))
+        for layer in ("voice", "trails", "links", "robots", "headline"):
+            self._canvas[layer].draw([])
+
+    def _draw_doors(self, closed: dict[str, bool]) -> None:
+        self._closed = closed
+        self._canvas["doors"].draw(scene_plan.door_markers(self._scenario.plan, closed, self._wall_height_m))
+
+    def step(self, now_s: float) -> None:
+        """Take in what came and draw it; now_s is wall time, as rviz draws on the wall clock, too."""
+        if now_s >= self._discovery_due_s:
+            self._discovery_due_s = now_s + DISCOVERY_PERIOD_S
+            self._discover()
+        self._draw_mission()
+        self._draw_voice()
+        self._draw_team(now_s)
+        self._draw_laser()
+
+    def _discover(self) -> None:
+        """Follow the robots that are published; the last ones stay when a run or a bag has ended."""
+        found = robot_topics(topic for topic, _ in rospy.get_published_topics())
+        if not found:
+            return
+        for robot_id in self._robots.keys() - found.keys():
+            self._robots.pop(robot_id).close()
+            self._scans.pop(robot_id, None)
+        for robot_id in found.keys() - self._robots.keys():
+            robot = self._placed[robot_id] if robot_id < len(self._placed) else Robot()
+            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot)
+        self._robots = dict(sorted(self._robots.items()))
+
+    def _draw_mission(self) -> None:
+        areas, victims, status = self._areas.newest(), self._victims.newest(), self._status.newest()
+        if areas is not None:
+            views = [
+                scene_mission.AreaView(a.name, (a.center.x, a.center.y), a.radius_m, a.explored, a.target)
+                for a in areas.areas
+            ]
+            self._canvas["areas"].draw(scene_mission.area_markers(views))
+        if victims is not None:
+            people = [scene_mission.VictimView(v.name, (v.position.x, v.position.y), v.state) for v in victims.victims]
+            distance_m = self._scenario.mission.save_distance_m
+            self._canvas["victims"].draw(scene_mission.victim_markers(people, distance_m))
+        if status is not None:
+            self._draw_headline(status)
+        changes = dict(filter(None, map(scene_plan.door_change, self._events.take())))
+        if changes.keys() & self._closed.keys():
+            self._draw_doors(self._closed | {name: changes[name] for name in self._closed if name in changes})
+
+    def _draw_headline(self, status: MissionStatus) -> None:
+        if status.time_s < self._mission_time_s:
+            self._draw_doors({door.name: door.closed for door in self._scenario.plan.doors})
+        self._mission_time_s = status.time_s
+        headline = scene_mission.Headline(
+            scenario=status.scenario,
+            state=status.state,
+            end=status.end,
+            time_s=status.time_s,
+            areas_explored=sum(map(bool, status.explored)),
+            num_areas=len(status.explored),
+            victims_saved=status.victims.count("saved"),
+            num_victims=len(status.victims),
+            noise_db=status.noise_db,
+            num_endangered=self._num_endangered,
+        )
+        self._canvas["headline"].draw([scene_mission.headline_marker(headline, self._scenario.plan.bounds)])
+
+    def _draw_voice(self) -> None:
+        voice = self._voice.newest()
+        if voice is not None:
+            levels_db = np.asarray(voice.data).reshape(voice.height, voice.width)
+            origin_m = (voice.origin.x, voice.origin.y)
+            self._canvas["voice"].draw(scene_mission.voice_markers(origin_m, voice.resolution_m, levels_db))
+
+    def _draw_team(self, now_s: float) -> None:
+        trail_points = max(100, TRAIL_POINTS // max(1, len(self._robots)))
+        changed = [robot.look(trail_points) for robot in self._robots.values()]
+        network = self._network.newest()
+        if network is not None:
+            self._links = scene_team.link_views(msg_conversion.network_state(network))
+            self._num_endangered = network.num_endangered
+        if not any(changed) and network is None:
+            return
+        views = [view for view in (robot.view() for robot in self._robots.values()) if view is not None]
+        positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
+        self._canvas["robots"].draw(scene_team.team_markers(views))
+        self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m))
+        if now_s >= self._trails_due_s:
+            self._trails_due_s = now_s + TRAIL_PERIOD_S
+            trails = {robot_id: robot.trail.points_m for robot_id, robot in self._robots.items()}
+            self._canvas["trails"].draw(
+                scene_team.trail_marker(robot_id, points) for robot_id, points in trails.items() if len(points) > 1
+            )
+
+    def _draw_laser(self) -> None:
+        wanted = self._laser.get_num_connections() > 0
+        new = {robot_id: robot.scan(wanted) for robot_id, robot in self._robots.items()}
+        fresh = {robot_id: scan for robot_id, scan in new.items() if scan is not None}
+        if fresh:
+            self._scans |= fresh
+            self._laser.publish(scene_laser.cloud([self._scans[i] for i in sorted(self._scans)]))
+
+
+def _publish_frame() -> tf2_ros.StaticTransformBroadcaster:
+    """Make the frame `map` known: the world says nothing of it, and rviz warns of a fixed frame that is not there."""
+    transform = TransformStamped(child_frame_id="scene")
+    transform.header.frame_id = FRAME
+    transform.transform.rotation.w = 1.0
+    broadcaster = tf2_ros.StaticTransformBroadcaster()
+    broadcaster.sendTransform(transform)
+    return broadcaster

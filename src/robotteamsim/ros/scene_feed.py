@@ -1,0 +1,61 @@
+"""Topics as the 3D scene reads them: kept as bytes, decoded only when they are drawn."""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import rospy
+
+GROUND_TRUTH = "base_pose_ground_truth"
+
+
+class Feed:
+    """What came on a topic since it was last looked at.
+
+    A world that runs as fast as it goes sends a hundred times more than can be seen, and decoding is what costs.
+    """
+
+    def __init__(self, topic: str, message_class: type, keep: int = 1) -> None:
+        """Subscribe; of more than `keep` messages between two looks the oldest are dropped."""
+        self._class = message_class
+        self._waiting: deque[bytes] = deque(maxlen=keep)
+        self._subscriber = rospy.Subscriber(topic, rospy.AnyMsg, lambda message: self._waiting.append(message._buff))
+
+    def take(self, at_most: int = 1_000_000) -> list[Any]:
+        """Return the messages since the last look, oldest first; at most so many, evenly spread, the newest included.
+
+        Args: at_most: 1 for the newest alone.
+        """
+        raw = [self._waiting.popleft() for _ in range(len(self._waiting))]
+        return [self._class().deserialize(data) for data in thinned(raw, at_most)]
+
+    def newest(self) -> Any | None:
+        """Return the newest message since the last look, or None."""
+        messages = self.take(1)
+        return messages[-1] if messages else None
+
+    def close(self) -> None:
+        """Unsubscribe."""
+        self._subscriber.unregister()
+
+
+def thinned(items: Sequence[Any], at_most: int) -> list[Any]:
+    """Return at most so many of the items, evenly spread, with the last one among them; at_most >= 1."""
+    stride = -(-len(items) // at_most) or 1
+    return list(items[::-1][::stride][::-1])
+
+
+def robot_topics(published: Iterable[str]) -> dict[int, str]:
+    """Return the prefix of the topics of each robot that somebody publishes, by id, in id order.
+
+    "/robot_3/base_pose_ground_truth" gives {3: "/robot_3/"}; a lone robot without a namespace counts as robot 0.
+    """
+    pattern = re.compile(rf"(/(?:robot_(\d+)/)?){GROUND_TRUTH}")
+    found = {}
+    for topic in published:
+        if match := pattern.fullmatch(topic):
+            found[int(match[2] or 0)] = match[1]
+    return dict(sorted(found.items()))

@@ -1,0 +1,254 @@
+"""The team in the 3D scene: robots, their trails and the radio links between them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker
+
+from robotteamsim.geometry import Pose
+from robotteamsim.network.messages import NetworkState
+from robotteamsim.ros.scene_plan import TRAIL_Z_M
+from robotteamsim.ros.scene_shapes import (
+    TRAIL_LAYER,
+    WHITE,
+    Colour,
+    Position,
+    circle_points,
+    colour,
+    drawn_below,
+    faded,
+    gradient,
+    label,
+    lines,
+    marker,
+    shaded,
+)
+
+# After Okabe and Ito's colour-blind-safe palette, without the green and red that say how victims and links are.
+ROBOT_COLOURS = tuple(map(colour, ("#56b4e9", "#f0e442", "#f08cc8", "#ffffff", "#e69f00", "#9b8cff", "#2f7fd0")))
+EXCLUDED = colour("#9aa0a8")
+BODY = colour("#14171c")
+
+LINK_COLOURS = (
+    (-80.0, colour("#ff4d4d")),
+    (-70.0, colour("#ffe14d")),
+    (-55.0, colour("#4dff88")),
+)
+"""Colour by signal [dBm]: red at the threshold below which a link is in danger."""
+RELAYED = colour("#8d97a3")
+LINK_HEIGHT_M = 0.6
+DASH_M = 0.8
+MAX_HOP_LABELS = 28
+"""A team of 8 still gets the hop count of every pair; beyond that the numbers would hide the scene."""
+
+RING_MARGIN_M = 0.55
+"""A robot is a few pixels wide when the whole building is in view; a ring this far around it shows where it is."""
+RING_WIDTH_M = 0.14
+RING_Z_M = TRAIL_Z_M - 0.01
+LABEL_DISTANCE_M = 1.6
+
+
+@dataclass(frozen=True, slots=True)
+class RobotView:
+    """What is drawn of a robot; pose in the map frame, excluded: socially excluded."""
+
+    robot_id: int
+    pose: Pose
+    radius_m: float = 0.2
+    height_m: float = 0.25
+    excluded: bool = False
+
+
+def robot_colour(robot_id: int) -> Colour:
+    """Return the robot's colour; they repeat after the palette's length."""
+    return ROBOT_COLOURS[robot_id % len(ROBOT_COLOURS)]
+
+
+def label_offset(position_m: tuple[float, float], others_m: Iterable[tuple[float, float]]) -> tuple[float, float]:
+    """Return where a robot's number stands relative to it [m]: away from its neighbours, north when alone."""
+    x, y = 0.0, 0.25
+    for other_x, other_y in others_m:
+        dx, dy = position_m[0] - other_x, position_m[1] - other_y
+        weight = 1.0 / (0.05 + (dx * dx + dy * dy) ** 1.5)
+        x, y = x + weight * dx, y + weight * dy
+    length = math.hypot(x, y) or 1.0
+    return (LABEL_DISTANCE_M * x / length, LABEL_DISTANCE_M * y / length)
+
+
+def team_markers(views: Sequence[RobotView]) -> list[Marker]:
+    """Return the markers of all robots; their numbers stand clear of each other."""
+    spots = [(view.pose.x_m, view.pose.y_m) for view in views]
+    return [
+        part
+        for i, view in enumerate(views)
+        for part in robot_markers(view, label_offset(spots[i], (*spots[:i], *spots[i + 1 :])))
+    ]
+
+
+def robot_markers(view: RobotView, label_offset_m: tuple[float, float] = (0.0, LABEL_DISTANCE_M)) -> list[Marker]:
+    """Return body, deck, heading wedge, laser, number, and a ring with an arrow to find the robot from far away.
+
+    An excluded robot has a grey ring, arrow and number; its deck keeps its colour.
+    """
+    tint = robot_colour(view.robot_id)
+    sign = EXCLUDED if view.excluded else tint
+    pose, radius_m, height_m = view.pose, view.radius_m, view.height_m
+    x, y = pose.x_m, pose.y_m
+    laser = pose @ Pose(0.45 * radius_m, 0.0, 0.0)
+    ring_m = radius_m + RING_MARGIN_M
+
+    def part(name: str, kind: int, tint: Colour, at: Position, size: Position) -> Marker:
+        return marker(name, view.robot_id, kind, tint, position=at, yaw_rad=pose.yaw_rad, scale=size)
+
+    def cylinder(name: str, tint: Colour, z: float, radius_m: float, height_m: float) -> Marker:
+        return part(name, Marker.CYLINDER, tint, (x, y, z), (2.0 * radius_m, 2.0 * radius_m, height_m))
+
+    def flat(name: str, kind: int, tint: Colour, z: float, corners: Sequence[tuple[float, float]]) -> Marker:
+        result = part(name, kind, tint, (x, y, z), (1.0, 1.0, 1.0))
+        result.points = [Point(along, across, 0.0) for along, across in corners]
+        return result
+
+    ring = flat("rings", Marker.LINE_STRIP, sign, RING_Z_M, circle_points(ring_m, 24, closed=True))
+    ring.scale.x = RING_WIDTH_M
+    turret = cylinder("lasers", BODY, height_m + 0.05, 0.35 * radius_m, 0.1)
+    turret.pose.position.x, turret.pose.position.y = laser.x_m, laser.y_m
+    return [
+        cylinder("halos", faded(sign, 0.25), RING_Z_M, ring_m, 0.01),
+        ring,
+        flat("arrows", Marker.TRIANGLE_LIST, sign, RING_Z_M, _arrow(ring_m)),
+        cylinder("bodies", BODY, 0.45 * height_m, radius_m, 0.9 * height_m),
+        cylinder("decks", tint, 0.95 * height_m, 0.92 * radius_m, 0.1 * height_m),
+        turret,
+        flat("wedges", Marker.TRIANGLE_LIST, WHITE, height_m + 0.012, _wedge(radius_m)),
+        label(
+            "robot_ids",
+            view.robot_id,
+            f"R{view.robot_id}",
+            sign,
+            (x + label_offset_m[0], y + label_offset_m[1], height_m + 0.3),
+            1.1,
+        ),
+    ]
+
+
+def _wedge(radius_m: float) -> list[tuple[float, float]]:
+    nose, tail = (0.9 * radius_m, 0.0), (-0.3 * radius_m, 0.0)
+    left, right = (-0.65 * radius_m, 0.6 * radius_m), (-0.65 * radius_m, -0.6 * radius_m)
+    return [nose, left, tail, nose, tail, right]
+
+
+def _arrow(ring_m: float) -> list[tuple[float, float]]:
+    base_m, half_m = ring_m + 0.5 * RING_WIDTH_M, 0.36 * ring_m
+    return [(base_m + 0.6 * ring_m, 0.0), (base_m - 0.1 * ring_m, half_m), (base_m - 0.1 * ring_m, -half_m)]
+
+
+class Trail:
+    """Where a robot has been: points at least `spacing_m` apart."""
+
+    def __init__(self, spacing_m: float = 0.2) -> None:
+        self._spacing_m = spacing_m
+        self._points: deque[tuple[float, float]] = deque()
+        self._time_s = -math.inf
+
+    @property
+    def points_m(self) -> tuple[tuple[float, float], ...]:
+        """From the oldest to the newest, in the map frame [m]."""
+        return tuple(self._points)
+
+    def add(self, x_m: float, y_m: float, time_s: float, max_speed_mps: float, max_points: int) -> None:
+        """Take in where the robot is now; beyond `max_points` the oldest are forgotten.
+
+        When time runs backwards, or the robot is farther away than it could have driven, it was put there: the
+        trail begins anew.
+        """
+        elapsed_s, self._time_s = time_s - self._time_s, time_s
+        if self._points:
+            moved_m = math.dist(self._points[-1], (x_m, y_m))
+            if elapsed_s < 0.0 or moved_m > self._spacing_m + 1.5 * max_speed_mps * elapsed_s:
+                self._points.clear()
+            elif moved_m < self._spacing_m:
+                return
+        self._points.append((x_m, y_m))
+        while len(self._points) > max_points:
+            self._points.popleft()
+
+
+def trail_marker(robot_id: int, points_m: Sequence[tuple[float, float]]) -> Marker:
+    """Return a line that fades toward its oldest point; at least two points."""
+    tint = robot_colour(robot_id)
+    result = marker("trails", robot_id, Marker.LINE_STRIP, faded(tint, 0.99), scale=(0.16, 0.0, 0.0))
+    # Neighbouring trails lie at slightly different heights, or they would flicker where they cross.
+    z_m = TRAIL_Z_M + 0.003 * (robot_id % 8)
+    for i, (x_m, y_m) in enumerate(points_m):
+        result.points.append(Point(x_m, y_m, z_m))
+        result.colors.append(ColorRGBA(*faded(shaded(tint, 0.9), 0.25 + 0.65 * (i + 1) / len(points_m))))
+    return drawn_below(result, TRAIL_LAYER)
+
+
+@dataclass(frozen=True, slots=True)
+class LinkView:
+    """One pair of robots: signal [dBm], whether a direct link exists, hops (-1: no path)."""
+
+    first: int
+    second: int
+    rssi_dbm: float
+    linked: bool
+    hop_count: int
+
+
+def link_views(network: NetworkState) -> list[LinkView]:
+    """Return every pair of robots once, ordered by their ids."""
+    return [
+        LinkView(i, j, float(network.rssi_dbm[i, j]), bool(network.adjacency[i, j]), int(network.hop_count[i, j]))
+        for i, j in itertools.combinations(range(len(network.adjacency)), 2)
+    ]
+
+
+def link_markers(links: Sequence[LinkView], positions_m: Mapping[int, tuple[float, float]]) -> list[Marker]:
+    """Return direct links coloured by signal, pairs that reach each other over others dashed, lost pairs not at all.
+
+    Args: positions_m: of each robot in the map frame [m]; pairs of unknown robots are left out.
+    """
+    known = [link for link in links if link.first in positions_m and link.second in positions_m]
+    reachable = [link for link in known if link.linked or link.hop_count > 0]
+    solid, dashed, numbers = [], [], []
+    for i, link in enumerate(reachable):
+        start, end = _clear_of_robots(positions_m[link.first], positions_m[link.second])
+        tint = gradient(LINK_COLOURS, link.rssi_dbm) if link.linked else RELAYED
+        if link.linked:
+            solid.append((start, end, tint))
+        elif len(reachable) <= MAX_HOP_LABELS:
+            dashed += [(a, b, tint) for a, b in _dashes(start, end)]
+        else:
+            continue
+        if len(reachable) <= MAX_HOP_LABELS and math.dist(start, end) > 3.0:
+            # Not both at the middle: in a chain of robots the long pair lies on the short ones.
+            x, y, _ = _between(start, end, 0.5 if link.linked else 0.4)
+            numbers.append(label("hops", i, str(link.hop_count), tint, (x, y, LINK_HEIGHT_M + 0.5), 0.9))
+    bundles = [("links", 0, solid, 0.12), ("links", 1, dashed, 0.07)]
+    return [lines(name, i, segments, width_m) for name, i, segments, width_m in bundles if segments] + numbers
+
+
+def _between(start: Position, end: Position, share: float) -> Position:
+    x, y, z = (a + share * (b - a) for a, b in zip(start, end, strict=True))
+    return (x, y, z)
+
+
+def _clear_of_robots(first_m: tuple[float, float], second_m: tuple[float, float]) -> tuple[Position, Position]:
+    """Return the ends of a link, cut short so that it does not cover the robots."""
+    start, end = (*first_m, LINK_HEIGHT_M), (*second_m, LINK_HEIGHT_M)
+    cut = min(0.3, 0.4 / max(math.dist(start, end), 1e-6))
+    return _between(start, end, cut), _between(start, end, 1.0 - cut)
+
+
+def _dashes(start: Position, end: Position) -> Iterator[tuple[Position, Position]]:
+    count = max(1, round(math.dist(start, end) / DASH_M))
+    for i in range(0, count, 2):
+        yield _between(start, end, i / count), _between(start, end, min(i + 1, count) / count)

@@ -1,0 +1,133 @@
+import numpy as np
+import pytest
+
+from robotteamsim.ros.scene_mission import (
+    EXPLORED_AREA,
+    MAX_VOICE_CELLS,
+    VICTIM_COLOURS,
+    AreaView,
+    Headline,
+    VictimView,
+    area_markers,
+    headline_marker,
+    headline_words,
+    victim_markers,
+    voice_markers,
+)
+from robotteamsim.scenario.floor_plan import Bounds
+
+VICTIMS = [
+    VictimView("victim_1", (3.0, 4.0)),
+    VictimView("victim_2", (8.0, 4.0), "heard"),
+    VictimView("victim_3", (8.0, 9.0), "saved"),
+]
+AREAS = [
+    AreaView("area_1", (2.0, 2.0), 2.0, explored=True),
+    AreaView("area_2", (9.0, 2.0), 2.0, target=True),
+    AreaView("area_3", (15.0, 2.0), 2.0),
+]
+
+
+def named(markers, namespace):
+    return [item for item in markers if item.ns == namespace]
+
+
+def rgb(tint):
+    return (tint.r, tint.g, tint.b)
+
+
+@pytest.mark.parametrize("markers", [victim_markers(VICTIMS, 1.0), area_markers(AREAS)])
+def test_ids_are_unique_and_no_frame_has_a_leading_slash(markers):
+    assert len({(item.ns, item.id) for item in markers}) == len(markers)
+    assert {item.header.frame_id for item in markers} == {"map"}
+
+
+def test_victims_are_coloured_by_state():
+    rings = named(victim_markers(VICTIMS, 1.0), "victim_rings")
+    assert [rgb(ring.colors[-1]) for ring in rings] == [VICTIM_COLOURS[victim.state][:3] for victim in VICTIMS]
+    assert len({rgb(ring.colors[-1]) for ring in rings}) == 3
+
+
+def test_figure_lies_within_the_ring_where_she_is_saved():
+    markers = victim_markers(VICTIMS[:1], 1.0)
+    ring = named(markers, "victim_rings")[0]
+    assert max(np.hypot(point.x - 3.0, point.y - 4.0) for point in ring.points) == pytest.approx(1.0)
+    for part in named(markers, "victims"):
+        assert np.hypot(part.pose.position.x - 3.0, part.pose.position.y - 4.0) < 1.0
+        assert part.pose.position.z - part.scale.z / 2.0 >= -1e-9
+
+
+def test_victims_name_is_written_without_underscores():
+    assert [item.text for item in named(victim_markers(VICTIMS, 1.0), "victim_names")] == [
+        "victim 1",
+        "victim 2",
+        "victim 3",
+    ]
+
+
+def test_areas_are_numbered_in_order_and_look_different_when_explored_target_or_open():
+    markers = area_markers(AREAS)
+    assert [item.text for item in named(markers, "area_numbers")] == ["A1", "A2", "A3"]
+    explored, target, still_open = named(markers, "areas")
+    assert rgb(explored.colors[-1]) == EXPLORED_AREA[:3]
+    assert len({rgb(item.colors[-1]) for item in (explored, target, still_open)}) == 3
+    assert explored.colors[0].a > still_open.colors[0].a
+
+
+def test_silence_has_no_voice_layer():
+    assert voice_markers((0.0, 0.0), 0.25, np.zeros((20, 30))) == []
+
+
+def fading_voice(rows=20, columns=30, resolution_m=0.5):
+    x, y = np.meshgrid((np.arange(columns) + 0.5) * resolution_m, (np.arange(rows) + 0.5) * resolution_m)
+    levels_db = 75.0 - 55.0 * np.log10(np.maximum(np.hypot(x - 4.0, y - 5.0), 0.1))
+    return np.where(levels_db > 30.0, levels_db, 0.0)
+
+
+def test_voice_layer_lies_where_it_is_heard():
+    film, contours = voice_markers((10.0, 20.0), 0.5, fading_voice())
+    x = [point.x for point in film.points]
+    y = [point.y for point in film.points]
+    assert 14.0 - 7.5 < min(x) < 14.0 < max(x) < 14.0 + 7.5
+    assert min(y) < 25.0 < max(y)
+    assert film.pose.position.z + film.points[0].z == pytest.approx(
+        contours.pose.position.z + contours.points[0].z, abs=0.01
+    )
+
+
+def test_voice_is_more_opaque_where_it_is_louder_and_fades_out_at_its_edge():
+    film, _ = voice_markers((0.0, 0.0), 0.5, fading_voice())
+    distance_m = [np.hypot(point.x - 4.0, point.y - 5.0) for point in film.points]
+    opacity = [tint.a for tint in film.colors]
+    assert opacity[int(np.argmin(distance_m))] == max(opacity)
+    assert min(opacity) == 0.0
+
+
+def test_fine_voice_map_is_thinned():
+    film, _ = voice_markers((0.0, 0.0), 0.05, fading_voice(400, 600, 0.05))
+    assert len(film.points) <= 6 * MAX_VOICE_CELLS
+
+
+def test_headline_tells_time_areas_victims_and_state():
+    headline = Headline("garage_sar", "running", "", 251.34, 3, 5, 2, 4, 10.0, 0)
+    assert headline_words(headline).split("    ") == [
+        "garage_sar",
+        "251.3 s",
+        "areas 3/5",
+        "victims 2/4",
+        "noise 10 dB",
+        "running",
+    ]
+
+
+def test_headline_tells_why_the_mission_ended_and_that_links_are_in_danger():
+    headline = Headline("garage_sar", "ended", "areas_explored", 400.0, 5, 5, 4, 4, 10.0, 2)
+    assert headline_words(headline).endswith("links in danger 2    areas explored")
+
+
+def test_headline_stands_behind_the_building():
+    item = headline_marker(
+        Headline("x", "running", "", 0.0, 0, 1, 0, 1, 10.0, 0), Bounds(min=(-5.0, 0.0), max=(25.0, 12.0))
+    )
+    assert item.pose.position.x == 10.0
+    assert item.pose.position.y > 12.0

@@ -1,0 +1,117 @@
+import math
+
+import pytest
+import shapely
+from visualization_msgs.msg import Marker
+
+from robotteamsim.ros.scene_shapes import (
+    Mesh,
+    Shown,
+    circle_points,
+    colour,
+    drawn_below,
+    gradient,
+    label,
+    lines,
+    marker,
+)
+
+RED, BLUE = colour("#ff0000"), colour("#0000ff")
+
+
+def keys(markers):
+    return [(item.ns, item.id, item.action) for item in markers]
+
+
+def test_colour_code_is_read_as_red_green_blue_and_opacity():
+    assert colour("#0080ff", 0.5) == (0.0, 128 / 255, 1.0, 0.5)
+
+
+def test_gradient_blends_between_stops_and_is_clamped_at_both_ends():
+    stops = ((-80.0, RED), (-60.0, BLUE))
+    assert gradient(stops, -70.0) == (0.5, 0.0, 0.5, 1.0)
+    assert gradient(stops, -200.0) == RED
+    assert gradient(stops, 0.0) == BLUE
+
+
+def test_marker_has_a_frame_without_slash_stamp_0_and_a_unit_quaternion():
+    item = marker("bodies", 3, Marker.CYLINDER, RED, position=(1.0, 2.0, 3.0), yaw_rad=math.pi / 2)
+    assert item.header.frame_id == "map"
+    assert item.header.stamp.to_nsec() == 0
+    turn = item.pose.orientation
+    assert (turn.x, turn.y) == (0.0, 0.0)
+    assert (turn.z, turn.w) == pytest.approx((math.sqrt(0.5), math.sqrt(0.5)))
+    assert (item.pose.position.x, item.pose.position.y, item.pose.position.z) == (1.0, 2.0, 3.0)
+
+
+def test_label_is_opaque_and_lighter_than_its_colour():
+    item = label("names", 0, "ann", (1.0, 0.0, 0.0, 0.2), (0.0, 0.0, 1.0), 0.8)
+    assert item.type == Marker.TEXT_VIEW_FACING
+    assert (item.color.r, item.color.g, item.color.b, item.color.a) == (1.0, 0.5, 0.5, 1.0)
+    assert (item.text, item.scale.z) == ("ann", 0.8)
+
+
+def test_lines_have_two_points_and_two_colours_per_segment():
+    item = lines("links", 0, [((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), RED), ((0.0, 1.0, 0.0), (1.0, 1.0, 0.0), BLUE)], 0.1)
+    assert len(item.points) == len(item.colors) == 4
+    assert [tint.b for tint in item.colors] == [0.0, 0.0, 1.0, 1.0]
+
+
+@pytest.mark.parametrize("opacity", [1.0, 0.4])
+def test_lines_are_as_opaque_as_their_faintest_segment_or_rviz_would_not_blend_them(opacity):
+    segments = [((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), tint) for tint in (RED, (0.0, 0.0, 1.0, opacity))]
+    assert lines("links", 0, segments, 0.1).color.a == opacity
+
+
+def test_sunken_origin_leaves_the_points_where_they_were():
+    item = lines("links", 0, [((1.0, 2.0, 0.5), (3.0, 4.0, 0.5), RED)], 0.1)
+    drawn_below(item, 2)
+    assert item.pose.position.z < -1000.0
+    assert [item.pose.position.z + point.z for point in item.points] == [0.5, 0.5]
+
+
+def test_circle_has_its_corners_at_the_radius_and_returns_to_the_first_when_closed():
+    corners = circle_points(2.0, 12, closed=True)
+    assert len(corners) == 13
+    assert [math.hypot(*corner) for corner in corners] == pytest.approx([2.0] * 13)
+    assert corners[12] == pytest.approx(corners[0])
+
+
+def area_m2(item):
+    triangles = [item.points[i : i + 3] for i in range(0, len(item.points), 3)]
+    return sum(shapely.Polygon([(p.x, p.y) for p in triangle]).area for triangle in triangles)
+
+
+def test_polygon_with_a_hole_is_covered_by_triangles_exactly():
+    mesh = Mesh()
+    mesh.polygon(shapely.box(0, 0, 10, 10) - shapely.box(4, 4, 6, 6), 0.5, RED)
+    item = mesh.marker("floor", 0)
+    assert area_m2(item) == pytest.approx(96.0)
+    assert len(item.colors) == len(item.points) == 3 * len(mesh)
+    assert {point.z for point in item.points} == {0.5}
+
+
+def test_ring_area_is_that_of_the_disc_without_the_hole():
+    mesh = Mesh()
+    mesh.ring((5.0, 5.0), 1.0, 2.0, 0.0, RED)
+    assert area_m2(mesh.marker("areas", 0)) == pytest.approx(3.0 * math.pi, rel=0.01)
+
+
+def test_first_update_clears_what_an_earlier_run_left():
+    shown = Shown()
+    assert keys(shown.update([marker("a", 0, Marker.CUBE, RED)])) == [
+        ("", 0, Marker.DELETEALL),
+        ("a", 0, Marker.ADD),
+    ]
+
+
+def test_marker_that_is_wanted_no_more_is_deleted_once():
+    shown = Shown()
+    shown.update([marker("a", i, Marker.CUBE, RED) for i in range(3)])
+    assert keys(shown.update([marker("a", 1, Marker.CUBE, RED)])) == [
+        ("a", 0, Marker.DELETE),
+        ("a", 2, Marker.DELETE),
+        ("a", 1, Marker.ADD),
+    ]
+    assert keys(shown.update([])) == [("a", 1, Marker.DELETE)]
+    assert shown.update([]) == []

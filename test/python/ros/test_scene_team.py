@@ -1,0 +1,182 @@
+import math
+
+import numpy as np
+import pytest
+from visualization_msgs.msg import Marker
+
+from robotteamsim.geometry import Pose
+from robotteamsim.network.messages import NetworkState
+from robotteamsim.ros.scene_shapes import colour, label
+from robotteamsim.ros.scene_team import (
+    EXCLUDED,
+    LinkView,
+    RobotView,
+    Trail,
+    label_offset,
+    link_markers,
+    link_views,
+    robot_colour,
+    robot_markers,
+    team_markers,
+    trail_marker,
+)
+
+
+def tint(item):
+    return (item.color.r, item.color.g, item.color.b)
+
+
+def named(markers, namespace):
+    return [item for item in markers if item.ns == namespace]
+
+
+def test_ids_of_a_team_are_unique_and_no_frame_has_a_leading_slash():
+    markers = team_markers([RobotView(i, Pose(i, 2.0 * i, 0.1 * i)) for i in range(30)])
+    assert len({(item.ns, item.id) for item in markers}) == len(markers)
+    assert {item.header.frame_id for item in markers} == {"map"}
+
+
+def test_first_robots_have_different_colours():
+    assert len({robot_colour(robot_id) for robot_id in range(7)}) == 7
+    assert robot_colour(7) == robot_colour(0)
+
+
+def test_body_has_the_robots_size_and_every_part_its_place():
+    markers = robot_markers(RobotView(4, Pose(3.0, 5.0, math.pi / 2), radius_m=0.3, height_m=0.4))
+    (body,) = named(markers, "bodies")
+    assert (body.scale.x, body.scale.y) == (0.6, 0.6)
+    assert body.pose.position.z + body.scale.z / 2.0 <= 0.4
+    (laser,) = named(markers, "lasers")
+    assert (laser.pose.position.x, laser.pose.position.y) == pytest.approx((3.0, 5.0 + 0.45 * 0.3))
+    assert named(markers, "robot_ids")[0].text == "R4"
+
+
+def test_heading_shows_in_the_pose_of_wedge_and_arrow():
+    for namespace in ("wedges", "arrows"):
+        (item,) = named(robot_markers(RobotView(0, Pose(0.0, 0.0, 1.0))), namespace)
+        assert 2.0 * math.atan2(item.pose.orientation.z, item.pose.orientation.w) == pytest.approx(1.0)
+        assert max(point.x for point in item.points) > -min(point.x for point in item.points)
+
+
+def test_excluded_robot_is_ringed_in_grey_and_keeps_its_deck():
+    included, excluded = (robot_markers(RobotView(2, Pose(0.0, 0.0, 0.0), excluded=flag)) for flag in (False, True))
+    assert tint(named(included, "rings")[0]) == robot_colour(2)[:3]
+    assert tint(named(excluded, "rings")[0]) == EXCLUDED[:3]
+    assert tint(named(excluded, "decks")[0]) == robot_colour(2)[:3]
+    assert [(item.ns, item.id) for item in included] == [(item.ns, item.id) for item in excluded]
+
+
+def test_number_stands_north_of_a_lone_robot_and_away_from_a_neighbour():
+    assert label_offset((1.0, 1.0), []) == pytest.approx((0.0, math.hypot(*label_offset((1.0, 1.0), []))))
+    assert label_offset((1.0, 1.0), [(1.0, 1.8)])[1] < 0.0
+    assert label_offset((1.0, 1.0), [(1.8, 1.0)])[0] < 0.0
+
+
+def drive(trail, path, *, step_s=1.0, max_points=100):
+    for i, (x, y) in enumerate(path):
+        trail.add(x, y, i * step_s, max_speed_mps=1.0, max_points=max_points)
+
+
+def test_trail_keeps_points_at_its_spacing():
+    trail = Trail(spacing_m=0.5)
+    drive(trail, [(0.2 * i, 0.0) for i in range(10)])
+    assert [x for x, _ in trail.points_m] == pytest.approx([0.0, 0.6, 1.2, 1.8])
+
+
+def test_trail_forgets_its_oldest_points():
+    trail = Trail()
+    drive(trail, [(float(i), 0.0) for i in range(10)], max_points=3)
+    assert trail.points_m == ((7.0, 0.0), (8.0, 0.0), (9.0, 0.0))
+
+
+def test_trail_begins_anew_when_time_runs_backwards():
+    trail = Trail()
+    drive(trail, [(0.0, 0.0), (1.0, 0.0)])
+    trail.add(1.2, 0.0, 0.5, max_speed_mps=1.0, max_points=100)
+    assert trail.points_m == ((1.2, 0.0),)
+
+
+def test_trail_begins_anew_when_the_robot_was_put_elsewhere():
+    trail = Trail()
+    drive(trail, [(0.0, 0.0), (1.0, 0.0), (9.0, 0.0)])
+    assert trail.points_m == ((9.0, 0.0),)
+
+
+def test_trail_of_a_robot_that_stood_long_goes_on():
+    trail = Trail()
+    drive(trail, [(0.0, 0.0)] * 50 + [(0.5, 0.0)])
+    assert trail.points_m == ((0.0, 0.0), (0.5, 0.0))
+
+
+def test_trail_fades_toward_its_oldest_point():
+    item = trail_marker(1, [(float(i), 0.0) for i in range(5)])
+    opacities = [point_colour.a for point_colour in item.colors]
+    assert opacities == sorted(opacities)
+    assert len(item.points) == len(item.colors) == 5
+    assert item.color.a < 1.0
+
+
+POSITIONS_M = {0: (0.0, 0.0), 1: (10.0, 0.0), 2: (30.0, 0.0)}
+
+
+@pytest.mark.parametrize(
+    ("rssi_dbm", "code"), [(-50.0, "#4dff88"), (-70.0, "#ffe14d"), (-80.0, "#ff4d4d"), (-90.0, "#ff4d4d")]
+)
+def test_link_is_green_when_strong_yellow_at_70_and_red_from_80_dbm(rssi_dbm, code):
+    links, _ = link_markers([LinkView(0, 1, rssi_dbm, True, 1)], POSITIONS_M)
+    assert (links.colors[0].r, links.colors[0].g, links.colors[0].b) == pytest.approx(colour(code)[:3])
+
+
+def test_hop_count_stands_at_the_middle_of_a_link():
+    _, number = link_markers([LinkView(0, 1, -60.0, True, 1)], POSITIONS_M)
+    assert number.type == Marker.TEXT_VIEW_FACING
+    assert (number.text, number.pose.position.x) == ("1", 5.0)
+
+
+def test_pair_that_needs_a_relay_is_dashed_and_lost_pair_is_not_drawn():
+    links = [LinkView(0, 1, -60.0, True, 1), LinkView(1, 2, -75.0, True, 1), LinkView(0, 2, -99.0, False, 2)]
+    markers = link_markers(links, POSITIONS_M)
+    solid, dashed = named(markers, "links")
+    assert len(solid.points) == 4
+    assert len(dashed.points) > 20
+    assert [item.text for item in named(markers, "hops")] == ["1", "1", "2"]
+    assert link_markers([LinkView(0, 1, -99.0, False, -1)], POSITIONS_M) == []
+
+
+def test_link_does_not_reach_into_the_robots():
+    links, _ = link_markers([LinkView(0, 1, -60.0, True, 1)], POSITIONS_M)
+    assert 0.2 < links.points[0].x < 0.5
+    assert 9.5 < links.points[1].x < 9.8
+
+
+def test_many_robots_have_links_without_numbers_and_dashes():
+    positions_m = {i: (5.0 * i, 0.0) for i in range(30)}
+    links = [LinkView(i, j, -70.0, j == i + 1, j - i) for i in range(30) for j in range(i + 1, 30)]
+    (solid,) = link_markers(links, positions_m)
+    assert len(solid.points) == 2 * 29
+
+
+def test_link_of_an_unknown_robot_is_left_out():
+    assert link_markers([LinkView(0, 9, -60.0, True, 1)], POSITIONS_M) == []
+
+
+def test_robots_in_the_same_place_can_be_linked():
+    assert link_markers([LinkView(0, 1, -40.0, True, 1)], {0: (1.0, 1.0), 1: (1.0, 1.0)})
+
+
+def test_every_pair_is_viewed_once():
+    rssi_dbm = np.array([[0.0, -60.0, -95.0], [-60.0, 0.0, -70.0], [-95.0, -70.0, 0.0]])
+    adjacency = (rssi_dbm > -94.0) & ~np.eye(3, dtype=bool)
+    hop_count = np.array([[0, 1, 2], [1, 0, 1], [2, 1, 0]], dtype=np.int32)
+    nothing = np.zeros((3, 3))
+    state = NetworkState(rssi_dbm, rssi_dbm, adjacency, hop_count, nothing, 1.0, nothing.astype(bool))
+    assert link_views(state) == [
+        LinkView(0, 1, -60.0, True, 1),
+        LinkView(0, 2, -95.0, False, 2),
+        LinkView(1, 2, -70.0, True, 1),
+    ]
+
+
+def test_label_of_an_excluded_robot_is_grey():
+    (number,) = named(robot_markers(RobotView(0, Pose(0.0, 0.0, 0.0), excluded=True)), "robot_ids")
+    assert tint(number) == tint(label("", 0, "", EXCLUDED, (0.0, 0.0, 0.0), 1.0))
