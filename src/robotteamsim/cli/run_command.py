@@ -10,9 +10,10 @@ from typing import Any
 from rich.console import Console
 
 from robotteamsim import scenario
+from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.parser import number, whole_number
 from robotteamsim.cli.progress import ProgressBar
-from robotteamsim.cli.table import EventList, print_result
+from robotteamsim.recording.table import EventList, print_result
 from robotteamsim.simulation import Observer, Simulation
 
 _DESCRIPTION = """\
@@ -65,6 +66,7 @@ def run(options: argparse.Namespace) -> None:
     observers: list[Observer] = [events, *_recorders(options)]
     if not options.quiet:
         observers.append(ProgressBar(Console(stderr=True)))
+    observers.append(InterruptBetweenSteps())
     result = simulation.run(observers)
     if options.json:
         # Imported late, as below: it brings rosbags along.
@@ -77,7 +79,8 @@ def run(options: argparse.Namespace) -> None:
 
 def overrides(options: argparse.Namespace) -> list[str]:
     """Return all overrides of a command line; its own options come last and win."""
-    named = {"run.seed": options.seed, "voice.noise_db": options.noise, "robots.count": options.robots}
+    noise_db = None if options.noise is None else f"{options.noise:g}"
+    named = {"run.seed": options.seed, "voice.noise_db": noise_db, "robots.count": options.robots}
     return [*options.overrides, *(f"{key}={value}" for key, value in named.items() if value is not None)]
 
 
