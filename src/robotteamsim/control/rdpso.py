@@ -16,6 +16,7 @@ from robotteamsim.control.link_keeper import LinkKeeper
 from robotteamsim.control.localisation import Localiser, body_of
 from robotteamsim.control.navigation import Navigator
 from robotteamsim.control.report import Best, Report, parse_report
+from robotteamsim.control.ruled_out import RuledOut
 from robotteamsim.control.surroundings import Surroundings
 from robotteamsim.control.wander import Wander
 from robotteamsim.geometry import Pose, Twist
@@ -66,6 +67,7 @@ class RdpsoController:
         self._navigator = Navigator(body, robot_id, control.navigation)
         self._surroundings = Surroundings(body.laser, control.sensing_radius_m)
         self._links = LinkKeeper(scenario)
+        self._ruled_out = RuledOut(scenario)
         self._rules = ExclusionRules(exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots)
         self._memory = memory_coefficients(control.memory, control.alpha, control.memory_terms)
         self._rng = rng.stream(scenario.run.seed, "rdpso", robot_id)
@@ -115,17 +117,23 @@ class RdpsoController:
 
     def _evaluate(self, pose: Pose, ranges_m: np.ndarray) -> Report:
         """Phase 1: return the report on what the robot knows at the start of an iteration."""
+        assert self._observation is not None
         position = (pose.x_m, pose.y_m)
         self._doors.look(pose, ranges_m, self._iteration)
         self._update_map()
         if self._task.epoch != self._epoch:
             self._epoch, self._known_best = self._task.epoch, None
+            self._ruled_out.clear()
+        voice = self._observation.voice
+        loudest = voice.local_best_m if voice.heard else None
+        self._ruled_out.add(position, loudest)
         self._local_best = self._find_local_best(position)
         return Report(
             robot_id=self._robot_id,
             iteration=self._iteration,
             epoch=self._epoch,
             position=position,
+            loudest=loudest,
             local_best=self._local_best,
             known_best=self._known_best,
             excluded=self._excluded,
@@ -137,7 +145,7 @@ class RdpsoController:
         """Return the loudest cell around; where no voice is heard, the cell nearest to the area to explore [5.3]."""
         assert self._observation is not None
         voice, area = self._observation.voice, self._task.area_center_m
-        if voice.heard:
+        if voice.heard and not self._ruled_out.covers(voice.local_best_m):
             return Best(voice.local_best_level_db, voice.local_best_m)
         if area is None:
             return None
@@ -173,9 +181,16 @@ class RdpsoController:
     def _share_bests(self, own: Report, reports: dict[int, Report]) -> bool:
         """Update the global best from comparable reports and return whether this iteration improved it."""
         comparable = [report for report in reports.values() if (report.epoch, report.doors) == (own.epoch, own.doors)]
-        before = _highest([report.known_best for report in comparable])
-        self._known_best = _highest([before, *(report.local_best for report in comparable)])
+        for report in comparable:
+            self._ruled_out.add(report.position, report.loudest)
+        before = self._highest([report.known_best for report in comparable])
+        self._known_best = self._highest([before, *(report.local_best for report in comparable)])
         return self._known_best is not before
+
+    def _highest(self, bests: Sequence[Best | None]) -> Best | None:
+        """Return the best that is not ruled out, the first of equals; none where there is none."""
+        valid = (best for best in bests if best and not (best.is_voice and self._ruled_out.covers(best.position)))
+        return max(valid, key=lambda best: best.value, default=None)
 
     def _judge(self, improved: bool, reports: dict[int, Report]) -> None:
         """Let the rules of social exclusion and inclusion act, on the word of the first member that was heard."""
@@ -256,8 +271,3 @@ class RdpsoController:
             local_best=self._local_best.value if self._local_best else 0.0,
             search_counter=self._swarm.search_counter,
         )
-
-
-def _highest(bests: Sequence[Best | None]) -> Best | None:
-    """Return the best of several, the first of equals; none where there is none."""
-    return max((best for best in bests if best is not None), key=lambda best: best.value, default=None)

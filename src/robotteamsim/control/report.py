@@ -16,12 +16,18 @@ class Best:
     value: float
     position: Vector
 
+    @property
+    def is_voice(self) -> bool:
+        """Whether the value is a voice level; otherwise it is the distance to the area, negative."""
+        return self.value > 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class Report:
     """One robot's view at the start of an iteration; positions in `map` [m].
 
     epoch:      of the task; bests of different epochs, or of robots that disagree on doors, are not comparable.
+    loudest:    the loudest cell that it hears; none if it hears no voice.
     local_best: none where nothing draws the robot.
     known_best: the best that it knows of since bests were last reset, before this iteration.
     swarm:      its copy of the swarm's memory, before this iteration.
@@ -32,6 +38,7 @@ class Report:
     iteration: int
     epoch: int
     position: Vector
+    loudest: Vector | None
     local_best: Best | None
     known_best: Best | None
     excluded: bool
@@ -46,6 +53,7 @@ class Report:
                 "iteration": self.iteration,
                 "epoch": self.epoch,
                 "position": self.position,
+                "loudest": self.loudest,
                 "local_best": _best_to_list(self.local_best),
                 "known_best": _best_to_list(self.known_best),
                 "excluded": self.excluded,
@@ -72,6 +80,7 @@ def parse_report(payload: str) -> Report | None:
             iteration=int(data["iteration"]),
             epoch=int(data["epoch"]),
             position=_to_vector(data["position"]),
+            loudest=None if data["loudest"] is None else _to_vector(data["loudest"]),
             local_best=_to_best(data["local_best"]),
             known_best=_to_best(data["known_best"]),
             excluded=bool(data["excluded"]),
