@@ -108,13 +108,14 @@ class BagWriter:
         self._active = path.with_name(f"{path.name}.active")
         self._writer: _Writer | None = None
         self._steps = 0
+        self._within_step = False
 
     def begin(self, scenario: Scenario) -> None:
         """Open the bag. Raises: RecordingError: it cannot be written."""
         self._scenario = scenario
         self._robots = scenario.placed_robots()
         self._step_ns = round(scenario.run.step_s * 1e9)
-        self._steps = 0
+        self._steps, self._within_step = 0, False
         self._last: StepRecord | None = None
         self._make = BagTypes()
         try:
@@ -133,6 +134,7 @@ class BagWriter:
     def step(self, record: StepRecord) -> None:
         """Write the messages of one step. Raises: RecordingError: the disk is full, for instance."""
         assert self._writer is not None
+        self._within_step = True
         try:
             for time_ns, topic, message in self._messages(record):
                 connection = self._connections[topic]
@@ -141,6 +143,7 @@ class BagWriter:
             assert self._writer.bio is not None
             self._writer.bio.flush()
             self._steps += 1
+            self._within_step = False
         except OSError as error:
             raise self._broken(error) from error
 
@@ -149,12 +152,15 @@ class BagWriter:
         self._close()
 
     def abandon(self) -> None:
-        """Close the bag as it is, if it has anything in it and can still be written."""
+        """Close the bag as it is: without a step it vanishes, with half a step it is left to `rosbag reindex`."""
         if self._writer is None:
             return
         if self._steps == 0:
             self._let_go()
             self._active.unlink(missing_ok=True)
+            return
+        if self._within_step:
+            self._let_go()
             return
         with contextlib.suppress(RecordingError):
             self._close()

@@ -1,0 +1,253 @@
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from rosbags.rosbag1 import Reader
+
+import robotteamsim
+from robotteamsim import scenario
+from robotteamsim.cli import main
+
+SHORT = ("--set", "mission.time_limit_s=2")
+
+
+def run(*arguments: str, folder: Path | None = None, **settings) -> subprocess.CompletedProcess:
+    command = [sys.executable, "-m", "robotteamsim.cli", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, cwd=folder, check=False, timeout=120, **settings)
+
+
+def refusal(capsys, *arguments: str) -> str:
+    """Return the one line with which a command is refused."""
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert captured.err.startswith("robotteamsim: ")
+    return captured.err.removeprefix("robotteamsim: ").rstrip("\n")
+
+
+def test_run_prints_a_table_of_what_happened(capsys):
+    assert main(["run", "garage_sar", "--seed", "7", *SHORT]) == 0
+    out = capsys.readouterr().out
+    assert "garage_sar: 3 robots, 10 dB noise, seed 7" in out
+    assert "0.0 s   mission starts: 5 areas, 4 victims, 10 dB noise" in out
+    assert "the time was up" in out
+    assert "0 of 5" in out
+
+
+def test_run_json_prints_one_object_with_the_result(capsys):
+    assert main(["run", "garage_sar", "--json", "--noise", "20", "--robots", "2", *SHORT]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert len(result["trajectory_hash"]) == 64
+    assert (result["areas_explored"], result["victims_saved"], result["endangered_links"]) == (0, 0, 0)
+    assert (result["end"], result["time_s"], result["noise_db"]) == ("time_limit", 2.0, 20.0)
+    assert len(result["robots"]) == 2
+
+
+def test_quiet_run_prints_nothing(capsys):
+    assert main(["run", "garage_sar", "--quiet", *SHORT]) == 0
+    captured = capsys.readouterr()
+    assert captured.out == captured.err == ""
+
+
+def test_seed_decides_the_trajectories(capsys):
+    def trajectory_hash(seed: str) -> str:
+        assert main(["run", "garage_sar", "--json", "--seed", seed, *SHORT]) == 0
+        return json.loads(capsys.readouterr().out)["trajectory_hash"]
+
+    assert trajectory_hash("7") == trajectory_hash("7") != trajectory_hash("8")
+
+
+def test_out_and_bag_are_written(capsys, tmp_path):
+    out, bag = tmp_path / "out", tmp_path / "m.bag"
+    assert main(["run", "garage_sar", "--json", "--out", str(out), "--bag", str(bag), *SHORT]) == 0
+    result = json.loads(capsys.readouterr().out)
+    document = json.loads((out / "mission.json").read_text())
+    assert document["result"]["trajectory_hash"] == result["trajectory_hash"]
+    assert document["scenario"]["mission"]["time_limit_s"] == 2
+    assert sorted(os.listdir(out / "trajectories")) == ["robot_0.tum", "robot_1.tum", "robot_2.tum"]
+    with Reader(bag) as reader:
+        assert reader.topics["/robot_2/odom"].msgcount == result["steps"]
+    assert sorted(os.listdir(tmp_path)) == ["m.bag", "out"]
+
+
+def test_unwritable_out_is_refused_before_the_mission_and_leaves_no_bag(capsys, tmp_path):
+    (tmp_path / "file").touch()
+    bag = tmp_path / "m.bag"
+    line = refusal(capsys, "run", "garage_sar", "--out", str(tmp_path / "file" / "out"), "--bag", str(bag))
+    assert line == f"{tmp_path}/file/out/trajectories: cannot be written: Not a directory"
+    assert os.listdir(tmp_path) == ["file"]
+
+
+def test_unwritable_bag_is_refused(capsys, tmp_path):
+    line = refusal(capsys, "run", "garage_sar", "--bag", str(tmp_path))
+    assert line == f"{tmp_path}: cannot be written: is a folder, wanted a file name"
+
+
+def test_full_disk_ends_the_run_with_one_line_and_no_result(tmp_path):
+    import resource
+
+    done = run(
+        "run",
+        "garage_sar",
+        "--out",
+        "out",
+        "--bag",
+        "m.bag",
+        folder=tmp_path,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000)),
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    wanted = "m.bag.active: cannot be written: File too large; `rosbag reindex m.bag.active` saves what was recorded"
+    assert done.stderr == f"robotteamsim: {wanted}\n"
+    assert sorted(os.listdir(tmp_path)) == ["m.bag.active", "out"]
+    assert os.listdir(tmp_path / "out") == ["trajectories"]
+    assert os.listdir(tmp_path / "out" / "trajectories") == []
+
+
+def test_interrupted_run_exits_130_with_one_line_and_closes_the_bag(tmp_path):
+    command = [sys.executable, "-m", "robotteamsim.cli", "run", "garage_sar", "--bag", "m.bag", "--set"]
+    process = subprocess.Popen(
+        [*command, "robots.count=30"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    active = tmp_path / "m.bag.active"
+    while process.poll() is None and not (active.exists() and active.stat().st_size > 2_000_000):
+        os.sched_yield()
+    process.send_signal(signal.SIGINT)
+    out, errors = process.communicate(timeout=60)
+    assert (process.returncode, out, errors) == (130, "", "robotteamsim: interrupted\n")
+    with Reader(tmp_path / "m.bag") as reader:
+        assert reader.topics["/robot_29/odom"].msgcount > 1
+
+
+def test_broken_pipe_is_silent():
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-m", "robotteamsim.cli", "scenario", "show", "garage_sar"]
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(writer)
+    assert done.stderr == ""
+    assert done.returncode == 141
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["rnu"], "no such command 'rnu'; did you mean 'run'? (see `robotteamsim --help`)"),
+        (["scenario", "zzz"], "no such command 'zzz'; known are check, show, schema, list"),
+        ([], "the following arguments are required: COMMAND"),
+        (["run"], "the following arguments are required: SCENARIO (see `robotteamsim run --help`)"),
+        (["run", "garage_sar", "--seed", "x"], "argument --seed: 'x' is not a whole number"),
+        (["run", "garage_sar", "--noise", "nan"], "argument --noise: 'nan' is not a number"),
+        (["run", "garage_sar", "--seed", "-1"], "--set: run.seed: -1 is below 0"),
+        (["run", "garage_sar", "--noise", "99"], "--set: voice.noise_db: 99 is above 80"),
+        (["run", "garage_sar", "--set", "control.alfa=1"], "--set: control.alfa: unknown key; did you mean 'alpha'?"),
+        (["run", "garage_sar", "--set", "seed"], "--set: 'seed' is not of the form KEY=VALUE"),
+        (["run", "garage"], "garage: no scenario of this name is shipped; did you mean 'garage_sar'?"),
+        (["run", "no/such.yaml"], "no/such.yaml: there is no such file"),
+        (["run", "garage_sar", "--set", "control.algorithm=rdpos"], "control.algorithm: 'rdpos' is not"),
+        (["plan", "import", "no.yaml", "--out", "x.yaml"], "no.yaml: No such file or directory"),
+        (["field", "radio", "garage_sar"], "the following arguments are required: --png"),
+        (["field", "radio", "garage_sar", "--at", "1", "--png", "x.png"], "argument --at: '1' is not of the form X,Y"),
+        (["field", "voice", "garage_sar", "--at", "99,1", "--png", "x.png"], "--at 99,1 lies outside the plan"),
+    ],
+)
+def test_mistake_is_told_in_one_line_with_exit_status_2(capsys, monkeypatch, tmp_path, arguments, line):
+    monkeypatch.chdir(tmp_path)
+    assert line in refusal(capsys, *arguments)
+    assert os.listdir(tmp_path) == []
+
+
+def test_version_is_told(capsys):
+    with pytest.raises(SystemExit) as left:
+        main(["--version"])
+    assert left.value.code == 0
+    assert capsys.readouterr().out == f"robotteamsim {robotteamsim.__version__}\n"
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["run"], ["scenario"], ["scenario", "show"], ["plan", "import"], ["field", "radio"]]
+)
+def test_help_helps(capsys, arguments):
+    with pytest.raises(SystemExit) as left:
+        main([*arguments, "--help"])
+    assert left.value.code == 0
+    assert f"usage: {' '.join(['robotteamsim', *arguments])}" in capsys.readouterr().out
+
+
+def test_help_gives_examples(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert "robotteamsim run garage_sar --seed 7 --noise 20" in capsys.readouterr().out
+
+
+def test_scenario_check_tells_good_ones(capsys):
+    assert main(["scenario", "check", "garage_sar"]) == 0
+    assert capsys.readouterr().out == "garage_sar: good: 3 robots, 5 areas, 4 victims in garage of 60 x 40 m\n"
+
+
+def test_scenario_check_tells_every_mistake_of_every_file(capsys, tmp_path):
+    first, second = tmp_path / "first.yaml", tmp_path / "second.yaml"
+    first.write_text("name: a\nplan: garage\nrobots: {count: 0, start: [4, 5, 0]}\nvoice: {noise_db: 99}\n")
+    second.write_text("nonsense\n")
+    assert main(["scenario", "check", "garage_sar", str(first), str(second)]) == 2
+    captured = capsys.readouterr()
+    assert captured.out.startswith("garage_sar: good: ")
+    lines = captured.err.splitlines()
+    assert len(lines) == 3
+    assert all(line.startswith("robotteamsim: ") for line in lines)
+    assert "first.yaml: robots.count: 0 is below 1" in captured.err
+    assert "first.yaml: voice.noise_db: 99 is above 80" in captured.err
+    assert "second.yaml: " in lines[2]
+
+
+def test_shown_scenario_is_read_back_as_the_same(capsys, tmp_path):
+    assert main(["scenario", "show", "garage_sar", "--set", "run.seed=5"]) == 0
+    shown = tmp_path / "shown.yaml"
+    shown.write_text(capsys.readouterr().out)
+    assert scenario.load(shown) == scenario.load("garage_sar", ["run.seed=5"])
+
+
+def test_schema_is_printed_or_written(capsys, tmp_path):
+    assert main(["scenario", "schema"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["properties"]["mission"]
+    assert main(["scenario", "schema", str(tmp_path / "schema.json")]) == 0
+    assert json.loads((tmp_path / "schema.json").read_text()) == printed
+
+
+def test_list_names_the_shipped_scenarios(capsys):
+    assert main(["scenario", "list"]) == 0
+    assert "garage_sar" in capsys.readouterr().out.split()
+
+
+def test_imported_map_is_a_plan_to_run_in(capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    rows = ["#" * 60] + ["#" + "." * 58 + "#"] * 58 + ["#" * 60]
+    pixels = bytes(0 if cell == "#" else 254 for row in rows for cell in row)
+    Path("room.pgm").write_bytes(b"P5\n60 60\n255\n" + pixels)
+    Path("room.yaml").write_text(
+        "image: room.pgm\nresolution: 0.1\norigin: [0.0, 0.0, 0.0]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+    assert main(["plan", "import", "room.yaml"]) == 0
+    assert capsys.readouterr().out.startswith("plan.yaml: ")
+    assert yaml.safe_load(Path("plan.yaml").read_text())["bounds"]["max"] == [6.0, 6.0]
+    assert "plan.yaml exists already" in refusal(capsys, "plan", "import", "room.yaml")
+    Path("trial.yaml").write_text("name: trial\nplan: plan.yaml\nrobots: {count: 2, start: [3, 3, 0]}\n")
+    assert main(["run", "trial.yaml", "--quiet", "--set", "mission.time_limit_s=1"]) == 0
+
+
+@pytest.mark.parametrize("kind", ["radio", "voice"])
+def test_field_picture_is_written(capsys, tmp_path, kind):
+    picture = tmp_path / "field.png"
+    assert main(["field", kind, "tutorial_arena", "--at", "5,2", "--png", str(picture)]) == 0
+    assert capsys.readouterr().out == f"{picture}\n"
+    assert picture.read_bytes().startswith(b"\x89PNG")

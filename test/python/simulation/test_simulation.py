@@ -1,0 +1,272 @@
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from robotteamsim import scenario
+from robotteamsim.control.controller import Decision, Task
+from robotteamsim.errors import RecordingError
+from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
+from robotteamsim.scenario import sections
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
+from robotteamsim.simulation import Simulation, simulation
+from robotteamsim.simulation.trajectory_hash import TrajectoryHash
+
+
+class FakeParts:
+    """Stands in for all stages of a loop of two robots, and notes who was called with what."""
+
+    def __init__(self) -> None:
+        self.calls: list[tuple] = []
+        self.step_index = 0
+        self.num_robots = 2
+
+    @property
+    def sim_time_ns(self) -> int:
+        return self.step_index * 100_000_000
+
+    @property
+    def names(self) -> list[str]:
+        return [call[0] for call in self.calls]
+
+    def world(self, plan, robots, run, *, seed) -> FakeWorld:
+        return FakeWorld(self)
+
+    def sensors(self, world, robots, seed) -> FakeSensors:
+        return FakeSensors(self)
+
+    def environment(self, loaded) -> FakeEnvironment:
+        return FakeEnvironment(self)
+
+    def controller(self, robot_id, loaded) -> FakeController:
+        return FakeController(self, robot_id)
+
+
+@dataclasses.dataclass
+class FakeWorld:
+    parts: FakeParts
+
+    @property
+    def step_index(self) -> int:
+        return self.parts.step_index
+
+    @property
+    def sim_time_ns(self) -> int:
+        return self.parts.sim_time_ns
+
+    def step(self, twists) -> None:
+        self.parts.step_index += 1
+        self.parts.calls.append(("world", [twist.linear_x_mps for twist in twists]))
+
+
+@dataclasses.dataclass
+class FakeSensors:
+    parts: FakeParts
+
+    def read(self):
+        self.parts.calls.append(("sensors",))
+        pose = PoseReading.from_pose(Pose(3.0 + self.parts.step_index, 5.0, 0.0))
+        twist = Twist(0.5)
+        return [RobotReading(pose, twist, OdometryReading(pose, twist), np.ones(3, np.float32), False)] * 2
+
+
+class FakeEnvironment:
+    voice_map_changes = 0
+
+    def __init__(self, parts: FakeParts) -> None:
+        self.parts = parts
+
+    def voice_map(self):
+        return None
+
+    def step(self, positions_m, outboxes, saved):
+        self.parts.calls.append(("environment", [[m.payload for m in outbox] for outbox in outboxes], tuple(saved)))
+        none = np.zeros((2, 2))
+        network = NetworkState(none, none, none > 0, none.astype(np.int32), none, 0.0, none > 0)
+        inboxes = [tuple(m for outbox in outboxes for m in outbox if m.sender != i) for i in range(2)]
+        return (VoiceReading(0.0, False, (3.0, 5.0), 0.0),) * 2, network, inboxes
+
+
+class FakeController:
+    def __init__(self, parts: FakeParts, robot_id: int) -> None:
+        self.parts, self.robot_id = parts, robot_id
+
+    def observe(self, observation, inbox, task) -> None:
+        assert observation.robot_id == self.robot_id
+        assert observation.sim_time_ns == self.parts.sim_time_ns
+        self.parts.calls.append((f"observe {self.robot_id}", [m.payload for m in inbox], task))
+
+    def decide(self) -> Decision:
+        self.parts.calls.append((f"decide {self.robot_id}",))
+        step = self.parts.step_index
+        message = Message(self.robot_id, EVERYBODY, f"step {step} of {self.robot_id}")
+        return Decision(Twist(step + 0.1 * self.robot_id), outbox=(message,))
+
+
+@pytest.fixture
+def parts(monkeypatch) -> FakeParts:
+    fakes = FakeParts()
+    monkeypatch.setattr(simulation, "World", fakes.world)
+    monkeypatch.setattr(simulation, "RobotSensors", fakes.sensors)
+    monkeypatch.setattr(simulation, "Environment", fakes.environment)
+    monkeypatch.setattr(simulation, "make_controller", fakes.controller)
+    return fakes
+
+
+def test_stages_follow_the_story(parts, hall_scenario):
+    Simulation(hall_scenario()).step()
+    assert parts.names == [
+        "world",
+        "sensors",
+        "environment",
+        "observe 0",
+        "observe 1",
+        "decide 0",
+        "decide 1",
+    ]
+
+
+def test_first_step_moves_nobody_delivers_nothing_and_has_no_task(parts, hall_scenario):
+    Simulation(hall_scenario()).step()
+    calls = {call[0]: call[1:] for call in parts.calls}
+    assert calls["world"] == ([0.0, 0.0],)
+    assert calls["environment"] == ([[], []], ())
+    assert calls["observe 0"] == ([], Task())
+
+
+def test_twists_messages_and_task_are_those_of_the_step_before(parts, hall_scenario):
+    loop = Simulation(hall_scenario())
+    first = loop.step()
+    parts.calls.clear()
+    second = loop.step()
+    calls = {call[0]: call[1:] for call in parts.calls}
+    assert calls["world"] == ([1.0, 1.1],)
+    assert calls["environment"][0] == [["step 1 of 0"], ["step 1 of 1"]]
+    assert calls["observe 1"] == (["step 1 of 0"], first.mission.task)
+    assert first.mission.task.running
+    assert second.inboxes[1][0] is first.decisions[0].outbox[0]
+
+
+def test_saved_victims_are_silent_from_the_next_step_on(parts, hall_scenario):
+    loop = Simulation(
+        hall_scenario(mission=sections.Mission(victims=(sections.Victim(name="eve", position=(4.0, 5.0)),)))
+    )
+    assert loop.step().mission.victims == ("saved",)
+    parts.calls.clear()
+    loop.step()
+    assert parts.calls[2][2] == ("eve",)
+
+
+def test_voice_map_is_recorded_when_it_changes(hall_scenario):
+    loop = Simulation(hall_scenario())
+    assert loop.step().voice_map is not None
+    assert loop.step().voice_map is None
+    loop.set_noise_db(20.0)
+    assert loop.step().voice_map is not None
+
+
+class Witness:
+    """An observer that notes what it is told, and may fail at a step or at the end."""
+
+    def __init__(self, fails_at: int | str | None = None) -> None:
+        self.told: list[str] = []
+        self.fails_at = fails_at
+        self.records = []
+
+    def begin(self, loaded) -> None:
+        self.told.append("begin")
+
+    def step(self, record) -> None:
+        self.records.append(record)
+        if self.fails_at == record.step_index:
+            raise RecordingError("the disk is full")
+
+    def end(self, result) -> None:
+        if self.fails_at == "end":
+            raise RecordingError("the disk is full")
+        self.told.append("end")
+
+    def abandon(self) -> None:
+        self.told.append("abandon")
+
+
+def short(hall_scenario, seed: int = 1, steps: int = 20) -> scenario.Scenario:
+    loaded = hall_scenario(seed)
+    mission = loaded.mission.model_copy(update={"time_limit_s": 0.1 * steps})
+    return loaded.model_copy(update={"mission": mission})
+
+
+def test_run_tells_observers_every_step_until_the_mission_ends(hall_scenario):
+    witness = Witness()
+    result = Simulation(short(hall_scenario)).run([witness])
+    assert witness.told == ["begin", "end"]
+    assert [record.step_index for record in witness.records] == list(range(1, 22))
+    assert [record.mission.state for record in witness.records].index("ended") == 20
+    assert (result.end, result.steps, result.time_s, result.sim_time_s) == ("time_limit", 21, 2.0, 2.1)
+
+
+def test_mission_without_autostart_is_started_by_run(hall_scenario):
+    loaded = short(hall_scenario)
+    mission = loaded.mission.model_copy(update={"autostart": False})
+    waiting = loaded.model_copy(update={"mission": mission})
+    assert Simulation(waiting).run().trajectory_hash == Simulation(loaded).run().trajectory_hash
+
+
+def test_observers_abandon_when_one_of_them_fails(hall_scenario):
+    good, bad = Witness(), Witness(fails_at=3)
+    with pytest.raises(RecordingError, match="the disk is full"):
+        Simulation(short(hall_scenario)).run([good, bad])
+    assert good.told == bad.told == ["begin", "abandon"]
+    assert len(good.records) == 3
+
+
+def test_observer_that_has_ended_is_not_told_to_abandon(hall_scenario):
+    good, bad, last = Witness(), Witness(fails_at="end"), Witness()
+    with pytest.raises(RecordingError):
+        Simulation(short(hall_scenario)).run([good, bad, last])
+    assert good.told == ["begin", "end"]
+    assert bad.told == last.told == ["begin", "abandon"]
+
+
+def test_equal_seeds_give_equal_trajectories_and_others_do_not(hall_scenario):
+    hashes = [Simulation(short(hall_scenario, seed, steps=50)).run().trajectory_hash for seed in (7, 7, 8)]
+    assert hashes[0] == hashes[1]
+    assert hashes[0] != hashes[2]
+
+
+def test_observers_do_not_change_the_trajectories(hall_scenario):
+    alone = Simulation(short(hall_scenario)).run()
+    watched = Simulation(short(hall_scenario)).run([Witness()])
+    assert alone.trajectory_hash == watched.trajectory_hash
+
+
+def test_result_hash_is_that_of_the_recorded_ground_truth(hall_scenario):
+    witness, by_hand = Witness(), TrajectoryHash()
+    result = Simulation(short(hall_scenario)).run([witness])
+    for record in witness.records:
+        by_hand.update(record.sim_time_ns, [reading.ground_truth for reading in record.readings])
+    assert by_hand.hexdigest() == result.trajectory_hash
+
+
+def test_distances_are_the_lengths_of_the_true_paths(hall_scenario):
+    witness = Witness()
+    result = Simulation(short(hall_scenario)).run([witness])
+    path = np.array([[r.readings[1].ground_truth.x_m, r.readings[1].ground_truth.y_m] for r in witness.records])
+    assert result.robots[1].distance_m == pytest.approx(np.hypot(*np.diff(path, axis=0).T).sum())
+
+
+def test_small_mission_is_done(hall_scenario):
+    result = Simulation(hall_scenario()).run()
+    assert (result.end, result.areas_explored) == ("areas_explored", 2)
+    assert max(robot.longest_stay_s for robot in result.robots) < 20.0
+
+
+@pytest.mark.parametrize("name", scenario.scenario_names())
+def test_every_shipped_scenario_runs_ten_steps(name):
+    loop = Simulation(scenario.load(name))
+    records = [loop.step() for _ in range(10)]
+    assert records[-1].sim_time_ns == 10 * round(loop.scenario.run.step_s * 1e9)
+    assert records[-1].mission.state == "running"

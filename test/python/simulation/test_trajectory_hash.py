@@ -1,0 +1,29 @@
+from __future__ import annotations
+
+import hashlib
+import struct
+
+from robotteamsim.geometry import PoseReading
+from robotteamsim.simulation import TrajectoryHash
+
+POSE = PoseReading(1.5, -2.25, 0.6, 0.8)
+
+
+def test_hash_is_sha256_of_stamp_and_little_endian_poses():
+    ours = TrajectoryHash()
+    ours.update(100_000_000, [POSE, POSE])
+    expected = struct.pack("<q4d4d", 100_000_000, 1.5, -2.25, 0.6, 0.8, 1.5, -2.25, 0.6, 0.8)
+    assert ours.hexdigest() == hashlib.sha256(expected).hexdigest()
+
+
+def test_one_bit_of_one_pose_changes_the_hash():
+    one, other = TrajectoryHash(), TrajectoryHash()
+    one.update(0, [POSE])
+    other.update(0, [PoseReading(1.5000000000000002, -2.25, 0.6, 0.8)])
+    assert one.hexdigest() != other.hexdigest()
+
+
+def test_hash_can_be_read_on_the_way():
+    ours = TrajectoryHash()
+    ours.update(0, [POSE])
+    assert ours.hexdigest() == ours.hexdigest()
