@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 
-import shapely
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.figure import Figure
@@ -61,8 +60,7 @@ def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
 def _title(plan: FloorPlan, scenario: Scenario | None) -> str:
     (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
     name = plan.name if scenario is None or scenario.name == plan.name else f"{scenario.name} in {plan.name}"
-    free_m2 = (max_x - min_x) * (max_y - min_y) - shapely.union_all([s.polygon for s in solids(plan)]).area
-    return f"{name}: {max_x - min_x:g} x {max_y - min_y:g} m, {free_m2:.0f} m² of free floor"
+    return f"{name}, {max_x - min_x:g} x {max_y - min_y:g} m"
 
 
 def _draw_solids(axes: Axes, plan: FloorPlan) -> None:

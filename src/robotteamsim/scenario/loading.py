@@ -61,8 +61,9 @@ def load_floor_plan(path_or_name: str | os.PathLike[str]) -> FloorPlan:
     Raises: ScenarioError: one line with file, key, value and what was wanted.
     """
     name = os.fspath(path_or_name)
-    path, place = _plan_file(name, Path(), name)
-    return _read_plan(path, place)
+    if is_bare_name(name) and not Path(name).is_file():
+        return _read_plan(shipped_plan(name), f"{name}/plan.yaml")
+    return _read_plan(Path(name), name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,10 +89,10 @@ class _Override:
             last = position + 1 == len(self.key)
             if isinstance(data, list):
                 if not isinstance(part, int) or part >= len(data):
-                    raise ScenarioError(f"--set: {key}: {here} is a list of {len(data)}; wanted an index below that")
+                    raise ScenarioError(f"--set: {key}: '{part}' is no index of a list of {len(data)} items")
             elif isinstance(data, dict):
                 if isinstance(part, int) and part not in data:
-                    raise ScenarioError(f"--set: {key}: {here} is no list in the file; set the whole of it")
+                    raise ScenarioError(f"--set: {key}: the file has no list {here}; set the whole of it")
                 if not last and data.get(part) is None:
                     data[part] = {}
             else:
@@ -142,6 +143,8 @@ def _read_mapping(path: Path, place: str, what: str) -> dict[str, Any]:
     except OSError as error:
         raise ScenarioError(f"{place}: {error.strerror or error}") from None
     data = parse(text, place)
+    if data is None:
+        raise ScenarioError(f"{place}: says nothing; wanted {what}: lines of KEY: VALUE")
     if not isinstance(data, dict):
         raise ScenarioError(f"{place}: {shown(data)} is not {what}: lines of KEY: VALUE")
     return data

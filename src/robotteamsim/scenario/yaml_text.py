@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Any
 
@@ -51,7 +52,9 @@ def parse(text: str, place: str) -> Any:
     try:
         return yaml.load(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
+        # A line without its colon is noticed on the next one only.
+        noticed_late = error.context == "while scanning a simple key"
+        mark = error.context_mark if noticed_late else error.problem_mark
         line = f":{mark.line + 1}" if mark and "\n" in text.strip() else ""
         raise ScenarioError(f"{place}{line}: {error.problem or error.context}") from None
     except (yaml.YAMLError, ValueError) as error:
@@ -72,8 +75,12 @@ class _Dumper(yaml.SafeDumper):
         return True
 
 
+# What the loader would take for a number must be quoted when it is text.
+_Dumper.yaml_implicit_resolvers = _Loader.yaml_implicit_resolvers
+
+
 def _number(dumper: yaml.SafeDumper, value: float) -> yaml.ScalarNode:
-    text = repr(value)
+    text = repr(value) if math.isfinite(value) else f"{value}".replace("inf", ".inf").replace("nan", ".nan")
     return dumper.represent_scalar("tag:yaml.org,2002:float", text)
 
 

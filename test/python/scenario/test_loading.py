@@ -1,0 +1,163 @@
+"""Scenarios from files, shipped names and overrides."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from robotteamsim.errors import PlacementError, ScenarioError
+from robotteamsim.scenario import load, load_floor_plan, map_names, scenario_names
+
+SCENARIO = """\
+name: room
+plan:
+  name: room
+  bounds: {min: [0, 0], max: [10, 8]}
+robots: {count: 2, start: [3, 3, 0]}
+mission:
+  victims:
+    - {name: ann, position: [2, 2]}
+    - {name: bob, position: [4, 4]}
+"""
+
+
+@pytest.fixture
+def room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    monkeypatch.chdir(tmp_path)
+    Path("room.yaml").write_text(SCENARIO, encoding="utf-8")
+    return "room.yaml"
+
+
+def _message(path: str, *overrides: str) -> str:
+    with pytest.raises(ScenarioError) as raised:
+        load(path, overrides)
+    return str(raised.value)
+
+
+def test_shipped_scenario_loads_by_name_from_any_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    scenario = load("garage_sar")
+    assert scenario.plan.name == "garage"
+    assert [area.name for area in scenario.mission.areas] == [f"area_{i}" for i in range(1, 6)]
+
+
+def test_shipped_names_are_listed() -> None:
+    assert {"garage_sar", "tutorial_arena"} <= set(scenario_names())
+    assert {"garage", "tutorial_arena"} <= set(map_names())
+
+
+def test_misspelt_name_gets_a_suggestion() -> None:
+    assert _message("garage_sra") == "garage_sra: no scenario of this name is shipped; did you mean 'garage_sar'?"
+
+
+def test_missing_file_is_named() -> None:
+    assert _message("nowhere/room.yaml") == "nowhere/room.yaml: there is no such file"
+
+
+def test_folder_is_no_scenario(tmp_path: Path) -> None:
+    assert _message(f"{tmp_path}/") == f"{tmp_path}/: Is a directory"
+
+
+def test_binary_file_is_no_scenario(room: str) -> None:
+    Path(room).write_bytes(b"\xff\xfe\x00")
+    assert _message(room) == "room.yaml: not a text file in UTF-8"
+
+
+def test_override_replaces_a_value_of_the_file(room: str) -> None:
+    assert load(room, ["mission.victims.1.position=[1, 2]"]).mission.victims[1].position == (1.0, 2.0)
+
+
+def test_override_adds_a_section_that_the_file_leaves_out(room: str) -> None:
+    scenario = load(room, ["voice.noise_db=20", "run.seed=7"])
+    assert (scenario.voice.noise_db, scenario.run.seed) == (20.0, 7)
+
+
+def test_later_override_wins(room: str) -> None:
+    assert load(room, ["run.seed=1", "run.seed=2"]).run.seed == 2
+
+
+def test_override_reaches_into_an_inline_plan_and_into_a_plan_file() -> None:
+    scenario = load("garage_sar", ["plan.doors.1.closed=false"])
+    assert [door.closed for door in scenario.plan.doors] == [False, False]
+    assert scenario.plan_file is None
+
+
+def test_plan_given_as_override_is_relative_to_the_current_folder(room: str) -> None:
+    Path("hall.yaml").write_text("name: hall\nbounds: {max: [9, 9]}\n", encoding="utf-8")
+    Path("folder").mkdir()
+    Path("folder/room.yaml").write_text(SCENARIO, encoding="utf-8")
+    assert load("folder/room.yaml", ["plan=hall.yaml"]).plan.name == "hall"
+    assert _message("folder/room.yaml", "plan=hull.yaml") == "--set: plan: there is no file 'hull.yaml'"
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("voice.nois_db=20", "--set: voice.nois_db: unknown key; did you mean 'noise_db'?"),
+        ("voice.noise_db=99", "--set: voice.noise_db: 99 is above 80"),
+        ("voice.noise_db=", "--set: voice.noise_db: null is not a number"),
+        ("run.seed=1.5", "--set: run.seed: 1.5 is not a whole number"),
+        ("voice.noise_db", "--set: 'voice.noise_db' is not of the form KEY=VALUE, such as voice.noise_db=20"),
+        ("=3", "--set: '=3' is not of the form KEY=VALUE, such as voice.noise_db=20"),
+        ("voice..noise_db=3", "--set: 'voice..noise_db=3' is not of the form KEY=VALUE, such as voice.noise_db=20"),
+        ("run.seed=[1", "--set: run.seed: expected ',' or ']', but got '<stream end>'"),
+        ("mission.victims.2.name=eve", "--set: mission.victims.2: '2' is no index of a list of 2 items"),
+        ("mission.victims.x.name=eve", "--set: mission.victims.x: 'x' is no index of a list of 2 items"),
+        ("name.short=r", "--set: name.short: name is 'room', not a section"),
+        (
+            "voice.constant_db.0=-70",
+            "--set: voice.constant_db.0: the file has no list voice.constant_db; set the whole of it",
+        ),
+        ("plan.walls=3", "--set: plan.walls: 3 is not a list"),
+        ("plan.bounds.max=[-1, 2]", "--set: plan.bounds.max: x -1 is not above that of min, 0"),
+    ],
+)
+def test_wrong_override_is_refused_with_its_exact_message(room: str, override: str, message: str) -> None:
+    assert _message(room, override) == message
+
+
+def test_mistake_in_the_file_is_not_blamed_on_an_override(room: str) -> None:
+    Path(room).write_text(SCENARIO + "voice: {noise_db: 99}\n", encoding="utf-8")
+    assert _message(room, "run.seed=3") == "room.yaml: voice.noise_db: 99 is above 80"
+
+
+def test_further_mistakes_stand_in_the_notes(room: str) -> None:
+    Path(room).write_text(SCENARIO + "voice: {noise_db: 99, nois: 1}\nrun: {seed: -1}\n", encoding="utf-8")
+    with pytest.raises(ScenarioError) as raised:
+        load(room)
+    assert [str(raised.value), *raised.value.__notes__] == [
+        "room.yaml: voice.nois: unknown key; did you mean 'noise_db'?",
+        "room.yaml: voice.noise_db: 99 is above 80",
+        "room.yaml: run.seed: -1 is below 0",
+    ]
+
+
+def test_badly_placed_robot_is_a_placement_error(room: str) -> None:
+    with pytest.raises(PlacementError, match=r"^room.yaml: robots.start: \[30, 3\] lies outside the plan"):
+        load(room, ["robots.start=[30, 3, 0]"])
+
+
+def test_mistake_in_a_plan_file_names_that_file(room: str) -> None:
+    Path("hall.yaml").write_text("name: hall\nbounds: {max: [9, 9]}\nwall: []\n", encoding="utf-8")
+    Path(room).write_text("name: room\nplan: hall.yaml\nrobots: {start: [3, 3, 0]}\n", encoding="utf-8")
+    assert _message(room) == "hall.yaml: wall: unknown key; did you mean 'walls'?"
+    with pytest.raises(ScenarioError, match=r"^hall.yaml: wall: unknown key"):
+        load_floor_plan("hall.yaml")
+
+
+def test_shipped_plan_loads_by_name_and_a_missing_one_is_named() -> None:
+    assert load_floor_plan("garage").name == "garage"
+    with pytest.raises(ScenarioError, match=r"^garaj: no map of this name is shipped; did you mean 'garage'"):
+        load_floor_plan("garaj")
+    with pytest.raises(ScenarioError, match=r"^maps/garaj.yaml: there is no such file$"):
+        load_floor_plan("maps/garaj.yaml")
+
+
+def test_share_folder_of_a_catkin_package_path_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "robotteamsim"
+    for name in ("scenarios/garage_sar.yaml", "scenarios/mine.yaml", "maps/garage/plan.yaml"):
+        (package / name).parent.mkdir(parents=True, exist_ok=True)
+        (package / name).write_text(SCENARIO, encoding="utf-8")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere:{tmp_path}")
+    assert load("mine").name == "room"

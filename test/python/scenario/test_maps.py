@@ -1,0 +1,103 @@
+"""The shipped maps and scenarios, and the scenarios in real buildings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from robotteamsim.scenario import Scenario, load, load_floor_plan, map_names, occupancy_grid, scenario_names
+from robotteamsim.scenario.plan import FREE
+from robotteamsim.scenario.plan_export import export_map
+from robotteamsim.scenario.plan_import import import_map
+from robotteamsim.scenario.shipped import shipped_plan
+
+BUILDINGS = sorted((Path(__file__).parents[2] / "data" / "scenarios").glob("*.yaml"))
+SCENARIOS = [*scenario_names(), *BUILDINGS]
+MARGIN_M = 0.1
+
+
+def _name(scenario: str | Path) -> str:
+    return Path(scenario).stem
+
+
+@pytest.mark.parametrize("name", map_names())
+def test_shipped_image_is_what_the_plan_gives(name: str, tmp_path: Path) -> None:
+    export_map(load_floor_plan(name), tmp_path)
+    folder = shipped_plan(name).parent
+    assert (folder / "map.yaml").read_bytes() == (tmp_path / "map.yaml").read_bytes()
+    assert (folder / "map.pgm").read_bytes() == (tmp_path / "map.pgm").read_bytes(), (
+        f"run robotteamsim.scenario.plan_export.export_map for maps/{name}"
+    )
+    assert (folder / "SOURCE.md").is_file()
+
+
+@pytest.mark.parametrize("name", map_names())
+def test_shipped_plan_is_closed_by_outer_walls(name: str) -> None:
+    cells = occupancy_grid(load_floor_plan(name), 0.05).cells
+    border = np.concatenate([cells[0], cells[-1], cells[:, 0], cells[:, -1]])
+    assert np.all(border != FREE)
+
+
+def test_exported_image_is_read_by_others_as_the_grid(tmp_path: Path) -> None:
+    plan = load_floor_plan("tutorial_arena")
+    export_map(plan, tmp_path)
+    image = cv2.imread(str(tmp_path / "map.pgm"), cv2.IMREAD_UNCHANGED)
+    np.testing.assert_array_equal(np.flipud(image) == 254, occupancy_grid(plan, 0.05).cells == FREE)
+
+
+@pytest.mark.parametrize("name", map_names())
+def test_exported_image_is_imported_with_the_same_cells(name: str) -> None:
+    plan = load_floor_plan(name)
+    imported = import_map(shipped_plan(name).parent / "map.yaml")
+    assert imported.bounds == plan.bounds
+    differ = occupancy_grid(imported, 0.05).cells != occupancy_grid(plan, 0.05).cells
+    assert np.count_nonzero(differ) == 0
+
+
+def _cells_in_reach(scenario: Scenario) -> tuple[np.ndarray, np.ndarray]:
+    """Return where robot 0 can drive with a margin, and the distance of each cell from solids [cells]."""
+    grid = occupancy_grid(scenario.plan, 0.05)
+    clearance = ndimage.distance_transform_edt(grid.cells == FREE)
+    robot = scenario.placed_robots()[0]
+    labels, _ = ndimage.label(clearance * 0.05 > robot.radius_m + MARGIN_M)
+    label = labels[grid.cell_at(*robot.start_pose[:2])]
+    assert label > 0, "robot 0 has no room at its start"
+    return labels == label, clearance
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS, ids=_name)
+def test_robots_can_reach_every_area_and_victim(scenario: str | Path) -> None:
+    loaded = load(scenario)
+    reached, _ = _cells_in_reach(loaded)
+    grid = occupancy_grid(loaded.plan, 0.05)
+    rows, columns = np.nonzero(reached)
+    centres = np.array([grid.cell_center(0, 0)]) + 0.05 * np.stack([columns, rows], axis=1)
+    spots = [(area.name, area.center, area.radius_m) for area in loaded.mission.areas]
+    spots += [(v.name, v.position, loaded.mission.save_distance_m) for v in loaded.mission.victims]
+    assert spots
+    for name, position, radius_m in spots:
+        assert np.min(np.linalg.norm(centres - position, axis=1)) < 0.5 * radius_m, name
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS, ids=_name)
+def test_every_robot_starts_in_the_same_room(scenario: str | Path) -> None:
+    loaded = load(scenario)
+    reached, _ = _cells_in_reach(loaded)
+    grid = occupancy_grid(loaded.plan, 0.05)
+    assert all(reached[grid.cell_at(*robot.start_pose[:2])] for robot in loaded.placed_robots())
+
+
+def test_garage_keeps_the_route_and_the_victims_of_the_study() -> None:
+    scenario = load("garage_sar")
+    assert [area.center for area in scenario.mission.areas] == [
+        (18.0, 7.0), (40.0, 7.0), (54.0, 12.0), (50.2, 33.5), (20.8, 34.9),
+    ]  # fmt: skip
+    assert [victim.position for victim in scenario.mission.victims] == [
+        (29.0, 4.5), (56.5, 22.0), (33.0, 24.1), (21.7, 24.0),
+    ]  # fmt: skip
+    assert {area.radius_m for area in scenario.mission.areas} == {2.0}
+    assert len(scenario.placed_robots()) == 3

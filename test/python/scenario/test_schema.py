@@ -1,0 +1,54 @@
+"""The JSON Schema that editors complete and check scenarios with."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from robotteamsim.scenario import json_schema, scenario_names
+from robotteamsim.scenario.shipped import shipped_scenario
+from robotteamsim.scenario.yaml_text import parse
+
+VALIDATOR = jsonschema.Draft202012Validator
+
+
+def _data(path: Path) -> Any:
+    return parse(path.read_text(encoding="utf-8"), path.name)
+
+
+def test_schema_is_valid_json_schema() -> None:
+    VALIDATOR.check_schema(json_schema())
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_shipped_scenario_agrees_with_the_schema(name: str) -> None:
+    VALIDATOR(json_schema()).validate(_data(shipped_scenario(name)))
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("unknown_key", "Additional properties are not allowed ('nois_db' was unexpected)"),
+        ("above_range", "99 is greater than the maximum of 80.0"),
+        ("wrong_choice", "'publised' is not one of ['published', 'grunwald_letnikov']"),
+    ],
+)
+def test_schema_refuses_what_load_refuses(name: str, message: str) -> None:
+    data = _data(Path(__file__).parents[2] / "data" / "invalid" / f"{name}.yaml")
+    assert message in [error.message for error in VALIDATOR(json_schema()).iter_errors(data)]
+
+
+def test_every_key_of_a_section_says_what_it_means() -> None:
+    schema = json_schema()
+    sections = {"Radio", "Voice", "Network", "Control", "SocialExclusion", "Mission", "Run", "Team", "Laser", "Drive"}
+    for section in sorted(sections):
+        for key, value in schema["$defs"][section]["properties"].items():
+            assert "description" in value or "$ref" in value, f"{section}.{key}"
+
+
+def test_plan_may_be_a_path_or_written_out() -> None:
+    plan = json_schema()["properties"]["plan"]
+    assert plan["anyOf"] == [{"type": "string"}, {"$ref": "#/$defs/FloorPlan"}]

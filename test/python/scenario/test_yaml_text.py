@@ -1,0 +1,76 @@
+"""YAML as scenarios use it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.yaml_text import parse, shown, write
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("1e6", 1e6), ("-2.5e-3", -2.5e-3), (".5", 0.5), ("1.", 1.0), ("7", 7), (".inf", math.inf), ("-.inf", -math.inf)],
+)
+def test_number_is_read_as_one(text: str, value: float) -> None:
+    assert parse(text, "x") == value
+    assert type(parse(text, "x")) is type(value)
+
+
+def test_date_is_plain_text() -> None:
+    assert parse("2001-01-01", "x") == "2001-01-01"
+
+
+def test_merged_keys_may_be_replaced() -> None:
+    assert parse("base: &base {a: 1, b: 2}\nmine: {<<: *base, b: 3}", "x")["mine"] == {"a": 1, "b": 3}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a: 1\nb:\n  c: 1\n  c: 2\n", "x.yaml:4: key 'c' stands here a second time"),
+        ("a: 1\ntrue: 2\n", "x.yaml:2: key true is not text; put it in quotes"),
+        ("? [1]\n: 2\n", "x.yaml:1: a key must be plain text"),
+        ("a: *b", "x.yaml: found undefined alias 'b'"),
+        ("a: 1\n---\nb: 2\n", "x.yaml:2: but found another document"),
+        ("a: \x07", "x.yaml: unacceptable character #x0007: special characters are not allowed"),
+        pytest.param("[" * 2000, "x.yaml: nested too deeply", id="deep"),
+        (
+            "a: !!python/object:os.system x",
+            "x.yaml: could not determine a constructor for the tag 'tag:yaml.org,2002:python/object:os.system'",
+        ),
+    ],
+)
+def test_bad_yaml_is_refused_with_its_line(text: str, message: str) -> None:
+    with pytest.raises(ScenarioError) as raised:
+        parse(text, "x.yaml")
+    assert str(raised.value) == message
+
+
+PLAIN = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(st.characters(codec="utf-8"))
+
+
+@given(st.recursive(PLAIN, lambda inner: st.lists(inner) | st.dictionaries(st.text("abc_1.-~:"), inner), max_leaves=12))
+def test_written_value_is_read_back(value: Any) -> None:
+    assert parse(write({"value": value}), "x") == {"value": value}
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        ("fast", "'fast'"),
+        (None, "null"),
+        (True, "true"),
+        (0.1, "0.1"),
+        ([1, 2.5], "[1, 2.5]"),
+        ({"a": 1}, "a section"),
+        ("x" * 90, "'" + "x" * 56 + "..."),
+    ],
+)
+def test_value_is_shown_on_one_short_line(value: Any, text: str) -> None:
+    assert shown(value) == text
