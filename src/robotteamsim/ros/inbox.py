@@ -44,7 +44,7 @@ class Step:
     restarted: bool
     messages: Mapping[str, Sequence[Any]]
 
-    def latest(self, channel: str) -> Any | None:
+    def latest(self, channel: str) -> Any:
         """Return the newest message of a channel, or None."""
         messages = self.messages[channel]
         return messages[-1] if messages else None
@@ -173,7 +173,8 @@ class LockstepInbox(Inbox):
     """A step is there when every channel has brought the message of the wanted stamp, and gets exactly that one.
 
     Every node thus computes on the same inputs in every run. The first step is at `step_ns`, each next one `step_ns`
-    later. A silent channel, and in the first step a channel of the last step, gives nothing.
+    later. A silent channel, and in the first step a channel of the last step, gives nothing. Messages with stamp 0, by
+    which a node may say that it is there, are never handed out.
     """
 
     def __init__(
@@ -217,7 +218,8 @@ class LockstepInbox(Inbox):
     def _hand_out(self) -> Step:
         messages = {}
         for name, queue in self._queues.items():
-            there = queue.life == self._life and queue.has(self._wanted_ns(queue))
+            stamp_ns = self._wanted_ns(queue)
+            there = stamp_ns > 0 and queue.life == self._life and queue.has(stamp_ns)
             messages[name] = (queue.waiting.pop(0)[1],) if there else ()
         stamp_ns, self._next_ns = self._next_ns, self._next_ns + self._step_ns
         return Step(stamp_ns, self._restarted, messages)
@@ -231,6 +233,6 @@ class LockstepInbox(Inbox):
         if alone and watch.alone and watch.waited_s() >= self._silence_limit_s:
             for queue in missing:
                 queue.silent = True
-                self._report(f"{queue.channel.name} has been silent for {watch.waited_s():.0f} s")
+                self._report(f"{queue.channel.name} has been silent for {watch.waited_s():.0f} s; going on without it")
         watch.alone = alone
         super()._ring(missing, watch)

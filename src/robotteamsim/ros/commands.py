@@ -1,0 +1,73 @@
+"""What the world was last told to do by each robot's controller. Knows threads, but no ROS."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Collection, Sequence
+
+from robotteamsim.geometry import Twist
+
+STOP = Twist()
+
+
+class Commands:
+    """The last velocity command of each robot; it holds for a time, then the robot stops."""
+
+    def __init__(self, hold_ns: Sequence[int]) -> None:
+        """Make it for robots whose commands hold for `hold_ns`, in id order."""
+        self._hold_ns = tuple(hold_ns)
+        self._last: list[tuple[int, Twist] | None] = [None] * len(hold_ns)
+
+    def put(self, robot_id: int, sim_time_ns: int, twist: Twist) -> bool:
+        """Take in a command that came at a time; one that is not finite is ignored, and False returned."""
+        if twist.is_finite:
+            self._last[robot_id] = (sim_time_ns, twist)
+        return twist.is_finite
+
+    def at(self, robot_id: int, sim_time_ns: int) -> Twist:
+        """Return the command that holds at a time."""
+        last = self._last[robot_id]
+        return last[1] if last is not None and sim_time_ns - last[0] < self._hold_ns[robot_id] else STOP
+
+    def stop(self, robot_id: int) -> None:
+        """Forget a robot's command."""
+        self._last[robot_id] = None
+
+    def clear(self) -> None:
+        """Forget all commands."""
+        self._last = [None] * len(self._hold_ns)
+
+
+class Answers:
+    """Which step each controller has answered last."""
+
+    def __init__(self, robot_ids: Collection[int]) -> None:
+        self._last_ns = dict.fromkeys(robot_ids, -1)
+        self._closed = False
+        self._changed = threading.Condition()
+
+    def put(self, robot_id: int, stamp_ns: int) -> None:
+        """Note an answer; its stamp is 0 when a controller says that it is there."""
+        with self._changed:
+            self._last_ns[robot_id] = stamp_ns
+            self._changed.notify_all()
+
+    def wait_for(self, stamp_ns: int, timeout_s: float) -> list[int]:
+        """Wait until all have answered a step, and return who has not in time [s, wall]."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._closed or not self._missing(stamp_ns), timeout=timeout_s)
+            return self._missing(stamp_ns)
+
+    def clear(self) -> None:
+        """Begin again with the first step; who was there still is."""
+        with self._changed:
+            self._last_ns = {robot_id: min(last_ns, 0) for robot_id, last_ns in self._last_ns.items()}
+
+    def close(self) -> None:
+        """Let nobody wait any more."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+
+    def _missing(self, stamp_ns: int) -> list[int]:
+        return [robot_id for robot_id, last_ns in self._last_ns.items() if last_ns < stamp_ns]

@@ -1,0 +1,173 @@
+"""The node `environment`: carries voices and messages between the robots."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import numpy as np
+import rospy
+from nav_msgs.msg import OccupancyGrid, Odometry
+from pydantic import ValidationError
+
+from robotteamsim.errors import PlacementError
+from robotteamsim.msg import FloatMap, MissionStatus, NetworkMessages, NetworkState, Voice
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.ros import msg_conversion as conversion
+from robotteamsim.ros.inbox import Channel, Step
+from robotteamsim.ros.node import Input, Output, Settings, make_inbox, read_settings, run
+from robotteamsim.scenario.placement import check_places
+from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.sections import Mission as MissionSection
+from robotteamsim.scenario.sections import Victim
+from robotteamsim.scenario.sections import Voice as VoiceSection
+from robotteamsim.simulation.environment import Environment
+from robotteamsim.srv import (
+    SetDoor,
+    SetDoorRequest,
+    SetDoorResponse,
+    SetNoise,
+    SetNoiseRequest,
+    SetNoiseResponse,
+    SetVictim,
+    SetVictimRequest,
+    SetVictimResponse,
+)
+
+STATUS = "/mission/status"
+NODE_PATIENCE_S = 2.0
+"""A change waits this long for another node's service [s, wall]."""
+
+
+def main() -> None:
+    """Run the node."""
+    run("environment", lambda: EnvironmentNode(read_settings()).serve())
+
+
+class EnvironmentNode:
+    """Steps voices and network by the robots' true places; takes changes of doors, noise and victims."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._make = conversion.RosTypes()
+        self._environment_lock = threading.Lock()
+        names = [f"/{fields.robot_name(robot_id)}" for robot_id in range(settings.num_robots)]
+        self._places = [f"{name}/base_pose_ground_truth" for name in names]
+        self._sent = [f"{name}/network/tx" for name in names]
+        latched = settings.lockstep
+        self._voices = [Output(f"{name}/voice", Voice, latched=latched) for name in names]
+        self._received = [Output(f"{name}/network/rx", NetworkMessages, latched=latched) for name in names]
+        self._network = Output("/network/state", NetworkState, latched=latched)
+        self._voice_picture = Output("/voice_map", OccupancyGrid, latched=True)
+        self._voice_map = Output("/voice_map/values", FloatMap, latched=True)
+        self._build()
+        self._publish_voice_map(0)
+        self._inbox = make_inbox(settings, self._inputs())
+        rospy.Service("/set_door", SetDoor, self._serve_set_door)
+        rospy.Service("/set_noise", SetNoise, self._serve_set_noise)
+        rospy.Service("/set_victim", SetVictim, self._serve_set_victim)
+
+    def serve(self) -> None:
+        """Step until the node is shut down."""
+        while (step := self._inbox.take()) is not None:
+            if step.restarted:
+                with self._environment_lock:
+                    self._build()
+            self._step(step)
+
+    def _inputs(self) -> list[Input]:
+        places = [Input(Channel(topic, needed=True), Odometry) for topic in self._places]
+        controlled = self._settings.controlled
+        sent = [
+            Input(Channel(topic, of_last_step=True, may_be_silent=True), NetworkMessages)
+            for robot_id, topic in enumerate(self._sent)
+            if robot_id in controlled or not self._settings.lockstep
+        ]
+        return [*places, *sent, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
+
+    def _build(self) -> None:
+        self._environment = Environment(self._settings.scenario)
+        self._victims = [victim.name for victim in self._settings.scenario.mission.victims]
+        self._saved: tuple[str, ...] = ()
+        self._published_changes = -1
+
+    def _step(self, step: Step) -> None:
+        places = [conversion.pose_reading(step.latest(topic).pose.pose) for topic in self._places]
+        positions_m = np.array([(place.x_m, place.y_m) for place in places])
+        outboxes = [
+            [sent for message in step.messages.get(topic, ()) for sent in conversion.network_messages(message)]
+            for topic in self._sent
+        ]
+        with self._environment_lock:
+            status = step.latest(STATUS)
+            if status is not None:
+                states = zip(self._victims, status.victims, strict=False)
+                self._saved = tuple(name for name, state in states if state == "saved")
+            voices, network, inboxes = self._environment.step(positions_m, outboxes, self._saved)
+        make, time_ns = self._make, step.stamp_ns
+        for output, voice in zip(self._voices, voices, strict=True):
+            if output.wanted:
+                output.publish(fields.voice(make, time_ns, voice))
+        for output, inbox in zip(self._received, inboxes, strict=True):
+            if output.wanted:
+                output.publish(fields.network_messages(make, time_ns, inbox))
+        if self._network.wanted:
+            self._network.publish(fields.network_state(make, time_ns, network))
+        self._publish_voice_map(time_ns)
+
+    def _publish_voice_map(self, time_ns: int) -> None:
+        with self._environment_lock:
+            changes = self._environment.voice_map_changes
+            if changes == self._published_changes:
+                return
+            self._published_changes = changes
+            voice_map = self._environment.voice_map()
+        self._voice_picture.publish(fields.field_map_picture(self._make, time_ns, voice_map))
+        self._voice_map.publish(fields.field_map(self._make, time_ns, voice_map, "voice_level", "dB"))
+
+    def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
+        try:
+            with self._environment_lock:
+                self._environment.set_door(request.name, request.closed)
+        except ValueError as error:
+            return SetDoorResponse(success=False, message=str(error))
+        _tell("/world/set_door", SetDoor, request)
+        _tell("/mission/set_door", SetDoor, request)
+        return SetDoorResponse(success=True, message="")
+
+    def _serve_set_noise(self, request: SetNoiseRequest) -> SetNoiseResponse:
+        try:
+            # The scenario's own model knows the range.
+            VoiceSection.model_validate({"noise_db": request.noise_db})
+        except ValidationError as error:
+            return SetNoiseResponse(success=False, message=str(problems(error, VoiceSection)[0]))
+        with self._environment_lock:
+            self._environment.set_noise_db(request.noise_db)
+        _tell("/mission/set_noise", SetNoise, request)
+        return SetNoiseResponse(success=True, message="")
+
+    def _serve_set_victim(self, request: SetVictimRequest) -> SetVictimResponse:
+        position_m = (request.position.x, request.position.y)
+        scenario = self._settings.scenario
+        try:
+            mission = MissionSection(victims=(Victim(name=request.name, position=position_m),))
+            check_places(scenario.plan, scenario.robots, mission, "set_victim")
+        except ValidationError as error:
+            return SetVictimResponse(success=False, message=str(problems(error, MissionSection)[0]))
+        except PlacementError as error:
+            return SetVictimResponse(success=False, message=str(error))
+        with self._environment_lock:
+            self._environment.set_victim(request.name, position_m)
+            if request.name not in self._victims:
+                self._victims.append(request.name)
+        _tell("/mission/set_victim", SetVictim, request)
+        return SetVictimResponse(success=True, message="")
+
+
+def _tell(service: str, service_class: Any, request: Any) -> None:
+    """Pass a change on to another node, if it is there."""
+    try:
+        rospy.wait_for_service(service, timeout=NODE_PATIENCE_S)
+        rospy.ServiceProxy(service, service_class)(request)
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        rospy.logwarn(f"{service} was not told: {error}")

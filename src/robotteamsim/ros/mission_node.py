@@ -1,0 +1,210 @@
+"""The node `mission`: judges the mission, reports it, and ends the launch with it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rospy
+from nav_msgs.msg import Odometry
+from rich.console import Console
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from robotteamsim.control.controller import Decision
+from robotteamsim.mission.status import Event
+from robotteamsim.msg import (
+    Areas,
+    Contact,
+    ControllerStatus,
+    MissionEvent,
+    MissionStatus,
+    NetworkState,
+    Victims,
+    Voice,
+)
+from robotteamsim.recording import ResultWriter, TumWriter
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording.table import print_result
+from robotteamsim.ros import msg_conversion as conversion
+from robotteamsim.ros.inbox import Channel, Step
+from robotteamsim.ros.node import Input, Output, Settings, make_inbox, parameter, read_settings, run
+from robotteamsim.ros.trial import Trial
+from robotteamsim.sensing.readings import RobotReading
+from robotteamsim.simulation import Observer
+from robotteamsim.srv import (
+    SetDoor,
+    SetDoorRequest,
+    SetDoorResponse,
+    SetNoise,
+    SetNoiseRequest,
+    SetNoiseResponse,
+    SetVictim,
+    SetVictimRequest,
+    SetVictimResponse,
+)
+
+FAREWELL_S = 0.5
+"""The last messages get this long to reach recorders before the node, and with it the launch, ends [s, wall]."""
+NETWORK = "/network/state"
+
+_NO_RANGES = np.zeros(0, dtype=np.float32)
+
+
+def main() -> None:
+    """Run the node."""
+    run("mission", lambda: MissionNode(read_settings()).serve())
+
+
+class RobotTopics:
+    """What the mission is told of one robot."""
+
+    def __init__(self, robot_id: int) -> None:
+        name = fields.robot_name(robot_id)
+        self.ground_truth = f"/{name}/base_pose_ground_truth"
+        self.contact = f"/{name}/contact"
+        self.voice = f"/{name}/voice"
+        self.status = f"/{name}/controller/status"
+
+    def inputs(self, controlled: bool) -> list[Input]:
+        """Return the inputs; a robot without a controller tells nothing of decisions."""
+        inputs = [
+            Input(Channel(self.ground_truth, needed=True), Odometry),
+            Input(Channel(self.contact), Contact),
+            Input(Channel(self.voice, needed=True), Voice),
+        ]
+        if controlled:
+            inputs.append(Input(Channel(self.status, may_be_silent=True), ControllerStatus))
+        return inputs
+
+    def reading(self, step: Step) -> RobotReading:
+        """Return what the mission knows of the robot's senses: no odometry of its own, and no ranges."""
+        truth = conversion.odometry_reading(step.latest(self.ground_truth))
+        contact = step.latest(self.contact)
+        return RobotReading(truth.pose, truth.twist, truth, _NO_RANGES, contact is not None and contact.in_contact)
+
+    def decision(self, step: Step) -> Decision:
+        """Return what is told of the robot's decision."""
+        status = step.latest(self.status) if self.status in step.messages else None
+        return Decision() if status is None else conversion.decision(status)
+
+
+class MissionNode:
+    """Steps the mission by what the other nodes tell, with recorders looking on."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._make = conversion.RosTypes()
+        self._stays = parameter("~stays", False)
+        out = parameter("~out", "")
+        self._folder = Path(out).expanduser() if out else None
+        self._robots = [RobotTopics(robot_id) for robot_id in range(settings.num_robots)]
+        self._trial_lock = threading.Lock()
+        self._trial = self._begin_trial()
+        self._inbox = make_inbox(settings, self._inputs())
+        self._events = Output("/mission/events", MissionEvent)
+        self._victims = Output("/mission/victims", Victims, latched=True)
+        self._areas = Output("/mission/areas", Areas, latched=True)
+        self._status = Output("/mission/status", MissionStatus, latched=True)
+        self._published: tuple[Any, ...] = ()
+        self._publish(0, ())
+        self._offer_services()
+
+    def serve(self) -> None:
+        """Step until the mission has ended (or on, if it is to stay), or the node is shut down."""
+        try:
+            while (step := self._inbox.take()) is not None:
+                if step.restarted:
+                    with self._trial_lock:
+                        self._trial.abandon()
+                        self._trial = self._begin_trial()
+                running = self._trial.result is None
+                self._step(step)
+                if running and self._trial.result is not None:
+                    self._report()
+                    if not self._stays:
+                        _say_farewell()
+                        return
+        finally:
+            self._trial.abandon()
+
+    def _inputs(self) -> list[Input]:
+        controlled = self._settings.controlled
+        inputs = [an_input for i, topics in enumerate(self._robots) for an_input in topics.inputs(i in controlled)]
+        return [*inputs, Input(Channel(NETWORK, needed=True), NetworkState)]
+
+    def _begin_trial(self) -> Trial:
+        recorders: list[Observer] = []
+        if self._folder is not None:
+            # mission.json comes last: where it is, the rest is complete.
+            recorders = [TumWriter(self._folder / "trajectories"), ResultWriter(self._folder)]
+        return Trial(self._settings.scenario, recorders)
+
+    def _step(self, step: Step) -> None:
+        readings = tuple(topics.reading(step) for topics in self._robots)
+        voices = tuple(conversion.voice_reading(step.latest(topics.voice)) for topics in self._robots)
+        decisions = tuple(topics.decision(step) for topics in self._robots)
+        network = conversion.network_state(step.latest(NETWORK))
+        with self._trial_lock:
+            events = self._trial.step(step.stamp_ns, readings, voices, network, decisions)
+        self._publish(step.stamp_ns, events)
+
+    def _publish(self, time_ns: int, events: Sequence[Event]) -> None:
+        make, scenario, mission = self._make, self._settings.scenario, self._trial.mission
+        status = mission.status
+        self._status.publish(fields.mission_status(make, time_ns, scenario.name, status, mission.noise_db))
+        for event in events:
+            self._events.publish(fields.mission_event(make, time_ns, event))
+            rospy.loginfo(f"{event.time_s:.1f} s: {event.detail}")
+        shown = (mission.victims, status.victims, status.explored, status.target_area)
+        if shown != self._published:
+            self._published = shown
+            self._victims.publish(fields.victims(make, time_ns, mission.victims, status.victims))
+            self._areas.publish(fields.areas(make, time_ns, scenario.mission.areas, status))
+
+    def _report(self) -> None:
+        result = self._trial.result
+        assert result is not None
+        written = [self._folder] if self._folder is not None else []
+        print_result(Console(), self._settings.scenario, result, self._trial.events, written)
+
+    def _offer_services(self) -> None:
+        for name in ("start", "pause", "resume", "abort"):
+            rospy.Service(f"/mission/{name}", Trigger, self._server_of(name))
+        rospy.Service("/mission/set_door", SetDoor, self._serve_set_door)
+        rospy.Service("/mission/set_noise", SetNoise, self._serve_set_noise)
+        rospy.Service("/mission/set_victim", SetVictim, self._serve_set_victim)
+
+    def _server_of(self, name: str) -> Callable[[TriggerRequest], TriggerResponse]:
+        def serve(_: TriggerRequest) -> TriggerResponse:
+            with self._trial_lock:
+                mission = self._trial.mission
+                before = mission.status.state
+                getattr(mission, name)()
+                after = mission.status.state
+            return TriggerResponse(success=before != after, message=f"the mission is {after}")
+
+        return serve
+
+    def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
+        with self._trial_lock:
+            self._trial.mission.set_door(request.name, request.closed)
+        return SetDoorResponse(success=True, message="")
+
+    def _serve_set_noise(self, request: SetNoiseRequest) -> SetNoiseResponse:
+        with self._trial_lock:
+            self._trial.mission.set_noise_db(request.noise_db)
+        return SetNoiseResponse(success=True, message="")
+
+    def _serve_set_victim(self, request: SetVictimRequest) -> SetVictimResponse:
+        with self._trial_lock:
+            self._trial.mission.set_victim(request.name, (request.position.x, request.position.y))
+        return SetVictimResponse(success=True, message="")
+
+
+def _say_farewell() -> None:
+    told_to_stop = threading.Event()
+    rospy.on_shutdown(told_to_stop.set)
+    told_to_stop.wait(FAREWELL_S)

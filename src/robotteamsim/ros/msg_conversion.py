@@ -1,0 +1,146 @@
+"""Between ROS messages and our values. Our values become messages in `recording.message_fields`, for bags as well."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import geometry_msgs.msg
+import nav_msgs.msg
+import numpy as np
+import rosgraph_msgs.msg
+import sensor_msgs.msg
+import std_msgs.msg
+import tf2_msgs.msg
+from genpy import Time
+
+import robotteamsim.msg
+from robotteamsim.control.controller import Decision, Task
+from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.mission.status import MissionStatus
+from robotteamsim.network.messages import Message, NetworkState
+from robotteamsim.sensing.readings import OdometryReading, VoiceReading
+
+_PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_msgs, robotteamsim)
+
+
+class RosTypes:
+    """Builds messages of rospy's classes; the `make` of `recording.message_fields`."""
+
+    def __init__(self) -> None:
+        self._classes: dict[str, Any] = {}
+
+    def __call__(self, type_name: str, /, **fields: Any) -> Any:
+        """Return a message of a type such as "nav_msgs/Odometry". Every field must be given."""
+        message_class = self._classes.get(type_name) or self._find(type_name)
+        # All fields are given, so the defaults that __init__ would fill in first are not needed.
+        message = message_class.__new__(message_class)
+        for name, value in fields.items():
+            setattr(message, name, _plain(value) if type(value) is np.ndarray else value)
+        return message
+
+    def time(self, time_ns: int) -> Time:
+        """Return the stamp of a time [ns]."""
+        return Time(*divmod(time_ns, 10**9))
+
+    def _find(self, type_name: str) -> Any:
+        package_name, class_name = type_name.split("/")
+        package = next(package for package in _PACKAGES if package.__name__ == package_name)
+        return self._classes.setdefault(type_name, getattr(package.msg, class_name))
+
+
+def _plain(values: np.ndarray) -> Any:
+    """uint8[] is bytes in rospy; other arrays are written fastest from lists."""
+    return values.tobytes() if values.dtype == np.uint8 else values.tolist()
+
+
+def stamp_ns(message: Any) -> int:
+    """Return the stamp of a message with a header [ns]."""
+    stamp = message.header.stamp
+    return stamp.secs * 10**9 + stamp.nsecs
+
+
+def pose_reading(message: geometry_msgs.msg.Pose) -> PoseReading:
+    """Return a pose in the plane; height, roll and pitch are dropped."""
+    return PoseReading(message.position.x, message.position.y, message.orientation.z, message.orientation.w)
+
+
+def twist(message: geometry_msgs.msg.Twist) -> Twist:
+    """Return a velocity in the plane, which may hold NaN or infinity."""
+    return Twist(message.linear.x, message.linear.y, message.angular.z)
+
+
+def odometry_reading(message: nav_msgs.msg.Odometry) -> OdometryReading:
+    """Return pose and twist of `odom` or `base_pose_ground_truth`."""
+    return OdometryReading(pose_reading(message.pose.pose), twist(message.twist.twist))
+
+
+def ranges_m(message: sensor_msgs.msg.LaserScan) -> np.ndarray:
+    """Return the ranges of a scan as float32, shape (beams,) [m]."""
+    return np.asarray(message.ranges, dtype=np.float32)
+
+
+def voice_reading(message: robotteamsim.msg.Voice) -> VoiceReading:
+    """Return what a robot hears."""
+    return VoiceReading(message.level_db, message.heard, _point(message.local_best), message.local_best_level_db)
+
+
+def network_messages(message: robotteamsim.msg.NetworkMessages) -> tuple[Message, ...]:
+    """Return the messages of `network/tx` or `network/rx`, in their order."""
+    return tuple(Message(m.sender, m.receiver, m.payload) for m in message.messages)
+
+
+def network_state(message: robotteamsim.msg.NetworkState) -> NetworkState:
+    """Return the network of n robots."""
+    shape = (message.num_robots, message.num_robots)
+
+    def matrix(values: Sequence[Any], dtype: Any) -> np.ndarray:
+        return np.array(values, dtype=dtype).reshape(shape)
+
+    return NetworkState(
+        rssi_dbm=matrix(message.rssi_dbm, np.float64),
+        link=matrix(message.link, np.float64),
+        adjacency=np.frombuffer(message.adjacency, dtype=np.uint8).reshape(shape).astype(bool),
+        hop_count=matrix(message.hop_count, np.int32),
+        break_matrix=matrix(message.break_matrix, np.float64),
+        fiedler_value=message.fiedler_value,
+        endangered=np.frombuffer(message.endangered, dtype=np.uint8).reshape(shape).astype(bool),
+    )
+
+
+def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
+    """Return what is told of a decision; its twist and outbox travel on topics of their own."""
+    return Decision(
+        excluded=message.excluded,
+        goal_m=_point(message.goal) if message.has_goal else None,
+        local_best=message.local_best,
+        search_counter=message.search_counter,
+    )
+
+
+def mission_status(message: robotteamsim.msg.MissionStatus) -> MissionStatus:
+    """Return the mission and the task it sets."""
+    return MissionStatus(
+        state=message.state,
+        end=message.end,
+        time_s=message.time_s,
+        explored=tuple(map(bool, message.explored)),
+        victims=tuple(message.victims),
+        target_area=message.target_area,
+        endangered_links=message.endangered_links,
+        task=task(message),
+    )
+
+
+def task(message: robotteamsim.msg.MissionStatus) -> Task:
+    """Return what the mission asks of the team."""
+    return Task(
+        running=message.running,
+        epoch=message.epoch,
+        area_center_m=_point(message.area_center) if message.has_area else None,
+        area_radius_m=message.area_radius_m,
+    )
+
+
+def _point(message: geometry_msgs.msg.Point) -> tuple[float, float]:
+    return message.x, message.y

@@ -1,0 +1,180 @@
+"""What all nodes share: how they start, read their settings, listen, speak and end."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import rospy
+
+from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.ros.inbox import Channel, Inbox, LatestInbox, LockstepInbox
+from robotteamsim.ros.msg_conversion import stamp_ns
+from robotteamsim.scenario import Scenario, load
+from robotteamsim.scenario.sections import Team
+
+PARAMETERS = "/robotteamsim"
+"""Namespace of the parameters that all nodes read."""
+
+
+class ParameterError(RobotTeamSimError):
+    """A parameter of a node is missing or wrong."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What all nodes must agree on; see docs/ros_api.md for the parameters."""
+
+    scenario: Scenario
+    lockstep: bool
+    controllers: bool
+    teleop: int
+    silence_limit_s: float
+
+    @property
+    def controlled(self) -> range:
+        """Ids of the robots that have a controller."""
+        return range(self.num_robots if self.controllers else 0)
+
+    def drives(self, robot_id: int) -> bool:
+        """Whether the robot's own controller drives it, and not somebody by hand."""
+        return robot_id in self.controlled and robot_id != self.teleop
+
+    @property
+    def step_ns(self) -> int:
+        """Length of a step [ns]."""
+        return round(self.scenario.run.step_s * 1e9)
+
+    @property
+    def num_robots(self) -> int:
+        """Number of robots."""
+        robots = self.scenario.robots
+        return robots.count if isinstance(robots, Team) else len(robots)
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """A topic that a node needs, and how its inbox treats it."""
+
+    channel: Channel
+    message_class: type
+
+
+class Output:
+    """A topic that a node publishes; no message need be built that nobody gets."""
+
+    def __init__(self, topic: str, message_class: type, *, latched: bool = False) -> None:
+        self._latched = latched
+        # 0: unlimited. A full queue would drop a message that lockstep waits for.
+        self._publisher = rospy.Publisher(topic, message_class, queue_size=0, latch=latched)
+
+    @property
+    def wanted(self) -> bool:
+        """Whether somebody gets the next message, now or (latched) later."""
+        return self._latched or self._publisher.get_num_connections() > 0
+
+    def publish(self, message: Any) -> None:
+        """Send a message, unless the node is shutting down."""
+        if not rospy.is_shutdown():
+            self._publisher.publish(message)
+
+
+def run(name: str, serve: Callable[[], None]) -> None:
+    """Run a node until it is done or told to stop; a user's mistake ends it in one line and status 2."""
+    # Nodes take the time from the stamps that they work on. Not listening to /clock saves each node more messages
+    # than all its other topics have.
+    rospy.init_node(name, disable_rostime=True)
+    _forward_logging()
+    try:
+        serve()
+    except RobotTeamSimError as error:
+        rospy.logfatal(str(error))
+        sys.exit(2)
+    finally:
+        # rospy's threads would keep a failed node alive, and its launch with it.
+        rospy.signal_shutdown(f"{name} has ended")
+
+
+def read_settings() -> Settings:
+    """Return the settings from the parameter server. Raises: ParameterError, ScenarioError."""
+    name = parameter(f"{PARAMETERS}/scenario", "")
+    if not name:
+        raise ParameterError(f"{PARAMETERS}/scenario: is not set; wanted the name or file of a scenario")
+    overrides = parameter(f"{PARAMETERS}/set", "").split()
+    scenario = load(name, overrides)
+    num_robots = parameter(f"{PARAMETERS}/robots", 0)
+    if num_robots and isinstance(scenario.robots, Team) and scenario.robots.count != num_robots:
+        scenario = load(name, [*overrides, f"robots.count={num_robots}"])
+    settings = Settings(
+        scenario,
+        lockstep=parameter(f"{PARAMETERS}/lockstep", False),
+        controllers=parameter(f"{PARAMETERS}/controllers", True),
+        teleop=parameter(f"{PARAMETERS}/teleop", -1),
+        silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
+    )
+    if num_robots and settings.num_robots != num_robots:
+        raise ParameterError(
+            f"{PARAMETERS}/robots: {num_robots}; wanted {settings.num_robots}, the length of the robots' list in {name}"
+        )
+    return settings
+
+
+def parameter(name: str, default: Any) -> Any:
+    """Return a parameter, of its default's type. Raises: ParameterError."""
+    value = rospy.get_param(name, default)
+    if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value)
+    if isinstance(default, str) and isinstance(value, int | float):
+        value = str(value)
+    if type(value) is not type(default):
+        raise ParameterError(f"{rospy.resolve_name(name)}: {value!r}; wanted {type(default).__name__}")
+    return value
+
+
+def make_inbox(settings: Settings, inputs: Iterable[Input]) -> Inbox:
+    """Return an inbox that listens to all inputs, and is closed when the node shuts down."""
+    inputs = list(inputs)
+    channels = [an_input.channel for an_input in inputs]
+    inbox: Inbox
+    if settings.lockstep:
+        inbox = LockstepInbox(
+            channels, rospy.logwarn, step_ns=settings.step_ns, silence_limit_s=settings.silence_limit_s
+        )
+    else:
+        inbox = LatestInbox(channels, rospy.logwarn)
+    rospy.on_shutdown(inbox.close)
+    for an_input in inputs:
+        _listen(inbox, an_input)
+    return inbox
+
+
+def subscribe(topic: str, message_class: type, callback: Callable[[Any], None]) -> None:
+    """Subscribe without delay and without limit."""
+    rospy.Subscriber(topic, message_class, callback, tcp_nodelay=True)
+
+
+def _listen(inbox: Inbox, an_input: Input) -> None:
+    name = an_input.channel.name
+    subscribe(name, an_input.message_class, lambda message: inbox.put(name, stamp_ns(message), message))
+
+
+def _forward_logging() -> None:
+    """Send what the core logs to rosout."""
+    logger = logging.getLogger("robotteamsim")
+    logger.addHandler(_Rosout())
+    logger.propagate = False
+
+
+class _Rosout(logging.Handler):
+    def emit(self, record: logging.LogRecord) -> None:
+        if record.levelno >= logging.ERROR:
+            rospy.logerr(self.format(record))
+        elif record.levelno >= logging.WARNING:
+            rospy.logwarn(self.format(record))
+        elif record.levelno >= logging.INFO:
+            rospy.loginfo(self.format(record))
+        else:
+            rospy.logdebug(self.format(record))

@@ -1,0 +1,123 @@
+"""Where the world gets the robots' commands from: in lockstep, or as they come."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import rospy
+from geometry_msgs.msg import Twist as TwistMessage
+from geometry_msgs.msg import TwistStamped
+
+from robotteamsim.geometry import Twist
+from robotteamsim.msg import MissionStatus
+from robotteamsim.recording.message_fields import robot_name
+from robotteamsim.ros import msg_conversion as conversion
+from robotteamsim.ros.commands import STOP, Answers, Commands
+from robotteamsim.ros.inbox import Channel, LockstepInbox
+from robotteamsim.ros.node import Input, Settings, make_inbox, subscribe
+from robotteamsim.scenario.sections import PlacedRobot
+
+FOLLOW_PATIENCE_S = 0.02
+"""Flat out, the world waits this long for the controllers to follow [s, wall]."""
+START_PATIENCE_S = 60.0
+"""Out of lockstep, the world starts without controllers that are not there after this long [s, wall]."""
+
+
+class _Team:
+    """Commands by topic `cmd_vel`."""
+
+    def __init__(self, robots: Sequence[PlacedRobot]) -> None:
+        self._commands = Commands([round(robot.cmd_vel_hold_s * 1e9) for robot in robots])
+        self._ids = range(len(robots))
+        self._now_ns = 0
+
+    def _listen(self, robot_id: int) -> None:
+        """Take the robot's commands from its `cmd_vel`, as they come."""
+        subscribe(
+            f"/{robot_name(robot_id)}/cmd_vel",
+            TwistMessage,
+            lambda message: self._take(robot_id, self._now_ns, message),
+        )
+
+    def _take(self, robot_id: int, sim_time_ns: int, message: TwistMessage) -> None:
+        if not self._commands.put(robot_id, sim_time_ns, conversion.twist(message)):
+            rospy.logwarn_throttle(1.0, f"{robot_name(robot_id)}: a command that is not finite is ignored")
+
+
+class LockstepTeam(_Team):
+    """Waits for the answers of all controllers to the last step, and for the mission's verdict on it.
+
+    A robot driven by hand takes its commands from `cmd_vel`; its controller's answers only pace the world.
+    """
+
+    def __init__(self, settings: Settings, robots: Sequence[PlacedRobot]) -> None:
+        super().__init__(robots)
+        self._answers = {robot_id: f"/{robot_name(robot_id)}/cmd_vel_stamped" for robot_id in settings.controlled}
+        self._by_hand = [robot_id for robot_id in self._ids if not settings.drives(robot_id)]
+        for robot_id in self._by_hand:
+            self._listen(robot_id)
+        inputs = [Input(Channel(topic, may_be_silent=True), TwistStamped) for topic in self._answers.values()]
+        inputs.append(Input(Channel("/mission/status"), MissionStatus))
+        inbox = make_inbox(settings, inputs)
+        assert isinstance(inbox, LockstepInbox)
+        self._inbox = inbox
+
+    def twists(self, step_index: int, sim_time_ns: int) -> list[Twist] | None:
+        """Return the commands after a step, in id order; None when the node is shutting down."""
+        self._now_ns = sim_time_ns
+        if step_index == 0:
+            return [STOP for _ in self._ids]
+        step = self._inbox.take()
+        if step is None:
+            return None
+        twists = []
+        for robot_id in self._ids:
+            if robot_id not in self._by_hand:
+                answer = step.latest(self._answers[robot_id])
+                if answer is None:
+                    self._commands.stop(robot_id)
+                else:
+                    self._take(robot_id, sim_time_ns, answer.twist)
+            twists.append(self._commands.at(robot_id, sim_time_ns))
+        return twists
+
+    def restart(self) -> None:
+        """Begin again with the first step."""
+        self._inbox.restart()
+        self._commands.clear()
+
+
+class FreeTeam(_Team):
+    """Takes the commands that have come. With `follow` it gives the controllers a moment to answer each step."""
+
+    def __init__(self, settings: Settings, robots: Sequence[PlacedRobot], *, follow: bool) -> None:
+        super().__init__(robots)
+        self._follow = follow
+        self._answers = Answers(settings.controlled)
+        rospy.on_shutdown(self._answers.close)
+        for robot_id in self._ids:
+            self._listen(robot_id)
+        for robot_id in settings.controlled:
+            self._listen_to_answers(robot_id)
+
+    def twists(self, step_index: int, sim_time_ns: int) -> list[Twist] | None:
+        """Return the commands after a step, in id order; None when the node is shutting down."""
+        self._now_ns = sim_time_ns
+        if step_index == 0:
+            for robot_id in self._answers.wait_for(0, START_PATIENCE_S):
+                rospy.logwarn(f"starting without the controller of {robot_name(robot_id)}")
+        elif self._follow:
+            self._answers.wait_for(sim_time_ns, FOLLOW_PATIENCE_S)
+        return None if rospy.is_shutdown() else [self._commands.at(robot_id, sim_time_ns) for robot_id in self._ids]
+
+    def restart(self) -> None:
+        """Begin again with the first step."""
+        self._answers.clear()
+        self._commands.clear()
+
+    def _listen_to_answers(self, robot_id: int) -> None:
+        subscribe(
+            f"/{robot_name(robot_id)}/cmd_vel_stamped",
+            TwistStamped,
+            lambda message: self._answers.put(robot_id, conversion.stamp_ns(message)),
+        )

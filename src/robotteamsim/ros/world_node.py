@@ -1,0 +1,206 @@
+"""The node `world`: moves the robots, senses for them, and keeps the time."""
+
+from __future__ import annotations
+
+import threading
+
+import rospy
+from nav_msgs.msg import OccupancyGrid, Odometry
+from nav_msgs.srv import GetMap, GetMapResponse
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import LaserScan
+from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerResponse
+from tf2_msgs.msg import TFMessage
+
+from robotteamsim.geometry import PoseReading
+from robotteamsim.msg import Contact
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.ros import msg_conversion as conversion
+from robotteamsim.ros.gate import Gate, Pacer
+from robotteamsim.ros.node import Output, ParameterError, Settings, parameter, read_settings, run
+from robotteamsim.ros.team import FreeTeam, LockstepTeam
+from robotteamsim.scenario import occupancy_grid
+from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.sensing.readings import RobotReading
+from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.srv import SetDoor, SetDoorResponse, Step, StepResponse
+from robotteamsim.world import World
+
+MAP_RESOLUTION_M = 0.05
+SERVICE_PATIENCE_S = 5.0
+"""A service waits this long for the step under way [s, wall]."""
+FIRST_STEPS = 2
+"""A reset comes after these: only then do all nodes see stamps jump backwards."""
+
+
+def main() -> None:
+    """Run the node."""
+    run("world", lambda: WorldNode(read_settings()).serve())
+
+
+class WorldNode:
+    """Steps the world by the team's commands and publishes what the robots sense."""
+
+    def __init__(self, settings: Settings) -> None:
+        scenario = settings.scenario
+        self._scenario = scenario
+        self._step_ns = settings.step_ns
+        self._robots = scenario.placed_robots()
+        self._make = conversion.RosTypes()
+        self._gate = Gate()
+        self._pacer = _pacer()
+        self._localization = parameter("~localization", "none")
+        if self._localization not in ("none", "ground_truth"):
+            raise ParameterError(f"~localization: {self._localization!r}; wanted none or ground_truth")
+        self._world_lock = threading.Lock()
+        self._build()
+        rospy.on_shutdown(self._gate.close)
+        self._team = (
+            LockstepTeam(settings, self._robots)
+            if settings.lockstep
+            else FreeTeam(settings, self._robots, follow=self._pacer.is_flat_out)
+        )
+        self._tf = Output("/tf", TFMessage)
+        self._clock = Output("/clock", Clock)
+        # In lockstep a late subscriber must still get the step that everybody waits for.
+        self._topics = [RobotTopics(i, robot, settings.lockstep) for i, robot in enumerate(self._robots)]
+        self._offer_map()
+        self._offer_services()
+
+    def serve(self) -> None:
+        """Step until the node is shut down."""
+        while self._gate.wait():
+            self._tick()
+            twists = self._team.twists(self._world.step_index, self._world.sim_time_ns)
+            if twists is None:
+                return
+            if self._world.step_index >= FIRST_STEPS and self._gate.take_reset():
+                self._reset()
+                continue
+            with self._world_lock:
+                self._world.step(twists)
+                readings = self._sensors.read()
+            self._publish(readings)
+            self._gate.passed()
+
+    def _build(self) -> None:
+        seed = self._scenario.run.seed
+        self._world = World(self._scenario.plan, self._robots, self._scenario.run, seed=seed)
+        self._sensors = RobotSensors(self._world, self._robots, seed)
+
+    def _reset(self) -> None:
+        with self._world_lock:
+            self._build()
+        self._team.restart()
+        rospy.loginfo("the world begins anew")
+
+    def _tick(self) -> None:
+        """Let the clock run up to the next step, whose own tick comes after its data."""
+        ticks = self._scenario.run.physics_substeps
+        for tick in range(1, ticks + 1):
+            time_ns = self._world.sim_time_ns + tick * self._step_ns // ticks
+            delay_s = self._pacer.delay_s(time_ns)
+            if delay_s > 0.0:
+                self._gate.sleep(delay_s)
+            if tick < ticks:
+                self._publish_clock(time_ns)
+
+    def _publish(self, readings: list[RobotReading]) -> None:
+        time_ns = self._world.sim_time_ns
+        for topics, reading in zip(self._topics, readings, strict=True):
+            topics.publish(self._make, time_ns, reading)
+        if self._tf.wanted:
+            transforms = fields.transforms(self._make, time_ns, self._robots, [r.odometry for r in readings])
+            if self._localization == "ground_truth":
+                transforms.transforms += [
+                    fields.localization(self._make, time_ns, robot_id, _map_from_odom(reading))
+                    for robot_id, reading in enumerate(readings)
+                ]
+            self._tf.publish(transforms)
+        self._publish_clock(time_ns)
+
+    def _publish_clock(self, time_ns: int) -> None:
+        if self._clock.wanted:
+            self._clock.publish(fields.clock(self._make, time_ns))
+
+    def _offer_map(self) -> None:
+        grid = fields.occupancy_grid(self._make, 0, occupancy_grid(self._scenario.plan, MAP_RESOLUTION_M))
+        self._map = Output("/map", OccupancyGrid, latched=True)
+        self._map.publish(grid)
+        rospy.Service("/static_map", GetMap, lambda _: GetMapResponse(map=grid))
+
+    def _offer_services(self) -> None:
+        rospy.Service("/pause", Trigger, self._serve_pause)
+        rospy.Service("/resume", Trigger, self._serve_resume)
+        rospy.Service("/step", Step, self._serve_step)
+        rospy.Service("/reset", Trigger, self._serve_reset)
+        rospy.Service("/reset_positions", Empty, self._serve_reset_positions)
+        rospy.Service("/world/set_door", SetDoor, self._serve_set_door)
+
+    def _serve_pause(self, _: object) -> TriggerResponse:
+        done = self._gate.pause(SERVICE_PATIENCE_S)
+        return TriggerResponse(success=True, message="paused" if done else "pauses after the step under way")
+
+    def _serve_resume(self, _: object) -> TriggerResponse:
+        self._gate.resume()
+        return TriggerResponse(success=True, message="goes on")
+
+    def _serve_step(self, request: Step) -> StepResponse:
+        if request.steps == 0:
+            return StepResponse(success=False, message="steps: 0; wanted at least 1")
+        done = self._gate.step(request.steps)
+        return StepResponse(success=done, message="" if done else "the world is not paused")
+
+    def _serve_reset(self, _: object) -> TriggerResponse:
+        done = self._gate.reset(SERVICE_PATIENCE_S)
+        return TriggerResponse(success=True, message="begun anew" if done else "begins anew after the step under way")
+
+    def _serve_reset_positions(self, _: object) -> EmptyResponse:
+        with self._world_lock:
+            self._world.reset_positions()
+        return EmptyResponse()
+
+    def _serve_set_door(self, request: SetDoor) -> SetDoorResponse:
+        try:
+            with self._world_lock:
+                self._world.set_door(request.name, request.closed)
+        except ValueError as error:
+            return SetDoorResponse(success=False, message=str(error))
+        return SetDoorResponse(success=True, message="")
+
+
+class RobotTopics:
+    """What the world publishes of one robot."""
+
+    def __init__(self, robot_id: int, robot: PlacedRobot, latched: bool) -> None:
+        self._robot_id = robot_id
+        self._laser = robot.laser
+        name = fields.robot_name(robot_id)
+        self._odom = Output(f"/{name}/odom", Odometry, latched=latched)
+        self._scan = Output(f"/{name}/base_scan", LaserScan, latched=latched)
+        self._ground_truth = Output(f"/{name}/base_pose_ground_truth", Odometry, latched=latched)
+        self._contact = Output(f"/{name}/contact", Contact, latched=latched)
+
+    def publish(self, make: conversion.RosTypes, time_ns: int, reading: RobotReading) -> None:
+        """Publish one step's readings."""
+        robot_id = self._robot_id
+        if self._ground_truth.wanted:
+            self._ground_truth.publish(fields.ground_truth(make, time_ns, robot_id, reading))
+        if self._odom.wanted:
+            self._odom.publish(fields.odometry(make, time_ns, robot_id, reading.odometry))
+        if self._scan.wanted:
+            self._scan.publish(fields.scan(make, time_ns, robot_id, self._laser, reading.ranges_m))
+        if self._contact.wanted:
+            self._contact.publish(fields.contact(make, time_ns, robot_id, reading.in_contact))
+
+
+def _pacer() -> Pacer:
+    speed = parameter("~speed", 1.0)
+    try:
+        return Pacer(speed)
+    except ValueError as error:
+        raise ParameterError(f"~speed: {error}") from None
+
+
+def _map_from_odom(reading: RobotReading) -> PoseReading:
+    return PoseReading.from_pose(reading.ground_truth.pose @ reading.odometry.pose.pose.inverse())
