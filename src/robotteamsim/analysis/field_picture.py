@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -71,11 +70,6 @@ def draw_field(field: FieldMap, plan: FloorPlan, style: FieldStyle, title: str, 
     bar = figure.colorbar(image, ax=axes, shrink=0.9, pad=0.02)
     bar.set_label(f"{style.quantity} [{style.unit}]")
     return figure
-
-
-def save_png(figure: Figure, path: Path) -> None:
-    """Write a figure. Raises: OSError."""
-    figure.savefig(path, format="png")
 
 
 def _size_inches(width_m: float, height_m: float) -> tuple[float, float]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
 from robotteamsim.cli.parser import UsageError, number, point
+from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.cli.run_command import add_set_option
 
 RADIO_RESOLUTION_M = 0.1
@@ -37,7 +37,7 @@ def add_to(commands: Any) -> None:
     for kind in (radio, voice):
         kind.add_argument("scenario", metavar="SCENARIO", help="a file or a shipped name")
         add_set_option(kind)
-        kind.add_argument("--png", type=Path, required=True, metavar="FILE", help="the picture to write")
+        add_png_option(kind)
 
 
 def draw_radio(options: argparse.Namespace) -> None:
@@ -63,7 +63,7 @@ def draw_radio(options: argparse.Namespace) -> None:
         contours=((network.endangered_below_dbm, f"endangered {network.endangered_below_dbm:g} dBm"),),
     )
     title = f"{loaded.plan.name}: radio of a robot at ({at_m[0]:g}, {at_m[1]:g}), {loaded.radio.tx_power_dbm:g} dBm"
-    _save(draw_field(field, loaded.plan, style, title, [Spot("transmitter", at_m)]), options.png)
+    save(draw_field(field, loaded.plan, style, title, [Spot("transmitter", at_m)]), options.png)
 
 
 def draw_voice(options: argparse.Namespace) -> None:
@@ -90,19 +90,10 @@ def draw_voice(options: argparse.Namespace) -> None:
     )
     title = f"{loaded.plan.name}: voices above {noise_db:g} dB of noise, seed {loaded.run.seed}"
     spots = [Spot(victim.name, victim.position) for victim in victims]
-    _save(draw_field(field, loaded.plan, style, title, spots), options.png)
+    save(draw_field(field, loaded.plan, style, title, spots), options.png)
 
 
 def _inside(loaded: scenario.Scenario, point_m: tuple[float, float]) -> tuple[float, float]:
     if not loaded.plan.bounds.contains(point_m):
         raise UsageError(f"--at {point_m[0]:g},{point_m[1]:g} lies outside the plan, {loaded.plan.bounds}")
     return point_m
-
-
-def _save(figure: Any, path: Path) -> None:
-    from robotteamsim.analysis.field_picture import save_png
-    from robotteamsim.recording.files import atomically
-
-    with atomically(path) as part:
-        save_png(figure, part)
-    print(path)

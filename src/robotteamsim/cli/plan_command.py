@@ -8,6 +8,7 @@ from typing import Any
 
 from robotteamsim import scenario
 from robotteamsim.cli.parser import UsageError
+from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.recording.files import atomically
 
 _IMPORT_TEXT = """\
@@ -27,6 +28,11 @@ def add_to(commands: Any) -> None:
     )
     bring.set_defaults(command=import_plan)
 
+    render = actions.add_parser("render", help="draw a floor plan")
+    render.add_argument("plan", metavar="PLAN", help="a plan file, a map_server yaml, or a shipped map: garage")
+    add_png_option(render)
+    render.set_defaults(command=render_plan)
+
 
 def import_plan(options: argparse.Namespace) -> None:
     """Import an image."""
@@ -40,3 +46,10 @@ def import_plan(options: argparse.Namespace) -> None:
     with atomically(out) as part:
         scenario.write_floor_plan(plan, part)
     print(f"{out}: {len(plan.walls)} walls, {len(plan.blocks)} blocks")
+
+
+def render_plan(options: argparse.Namespace) -> None:
+    """Draw a plan."""
+    from robotteamsim.analysis.plan_picture import draw_plan
+
+    save(draw_plan(scenario.load_floor_plan(options.plan)), options.png)

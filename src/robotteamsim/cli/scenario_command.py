@@ -10,6 +10,7 @@ from typing import Any
 
 from robotteamsim import scenario
 from robotteamsim.cli.parser import UsageError
+from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording.files import write_atomically
@@ -32,6 +33,12 @@ def add_to(commands: Any) -> None:
     show.add_argument("scenario", metavar="SCENARIO", help="a file or a shipped name")
     add_set_option(show)
     show.set_defaults(command=run_show)
+
+    render = actions.add_parser("render", help="draw plan, areas, victims and robots")
+    render.add_argument("scenario", metavar="SCENARIO", help="a file or a shipped name")
+    add_set_option(render)
+    add_png_option(render)
+    render.set_defaults(command=run_render)
 
     schema = actions.add_parser("schema", help="print the JSON Schema of a scenario", epilog=_SCHEMA_EPILOG)
     schema.add_argument("file", nargs="?", type=Path, metavar="FILE", help="write it here instead")
@@ -64,6 +71,14 @@ def run_check(options: argparse.Namespace) -> None:
 def run_show(options: argparse.Namespace) -> None:
     """Print a scenario as YAML."""
     print(scenario.dump(scenario.load(options.scenario, options.overrides)), end="")
+
+
+def run_render(options: argparse.Namespace) -> None:
+    """Draw a scenario."""
+    from robotteamsim.analysis.plan_picture import draw_plan
+
+    loaded = scenario.load(options.scenario, options.overrides)
+    save(draw_plan(loaded.plan, loaded), options.png)
 
 
 def run_schema(options: argparse.Namespace) -> None:

@@ -141,7 +141,7 @@ def test_broken_pipe_is_silent():
     ("arguments", "line"),
     [
         (["rnu"], "no such command 'rnu'; did you mean 'run'? (see `robotteamsim --help`)"),
-        (["scenario", "zzz"], "no such command 'zzz'; known are check, show, schema, list"),
+        (["scenario", "zzz"], "no such command 'zzz'; known are check, show, render, schema, list"),
         ([], "the following arguments are required: COMMAND"),
         (["run"], "the following arguments are required: SCENARIO (see `robotteamsim run --help`)"),
         (["run", "garage_sar", "--seed", "x"], "argument --seed: 'x' is not a whole number"),
@@ -251,3 +251,16 @@ def test_field_picture_is_written(capsys, tmp_path, kind):
     assert main(["field", kind, "tutorial_arena", "--at", "5,2", "--png", str(picture)]) == 0
     assert capsys.readouterr().out == f"{picture}\n"
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("arguments", [["plan", "render", "garage"], ["scenario", "render", "garage_sar"]])
+def test_plan_or_scenario_is_drawn(capsys, tmp_path, arguments):
+    picture = tmp_path / "plan.png"
+    assert main([*arguments, "--png", str(picture)]) == 0
+    assert capsys.readouterr().out == f"{picture}\n"
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_picture_that_cannot_be_written_is_refused(capsys, tmp_path):
+    line = refusal(capsys, "plan", "render", "garage", "--png", str(tmp_path / "no" / "plan.png"))
+    assert line == f"{tmp_path}/no/plan.png: cannot be written: No such file or directory"

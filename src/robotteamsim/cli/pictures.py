@@ -1,0 +1,24 @@
+"""What commands that write pictures share."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from robotteamsim.recording.files import atomically
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def add_png_option(parser: argparse.ArgumentParser) -> None:
+    """Add --png."""
+    parser.add_argument("--png", type=Path, required=True, metavar="FILE", help="the picture to write")
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a picture and tell where. Raises: RecordingError."""
+    with atomically(path) as part:
+        figure.savefig(part, format="png")
+    print(path)
