@@ -30,7 +30,7 @@ double DistanceM(PointMm a, PointMm b);
 /// are exact in any order; what a unit means (0.05 dB, half a wall) is the business of whoever made the faces.
 ///
 /// A ray through the end of a face, or along it, is decided by moving all faces by the same infinitely small
-/// (eps, eps^2) [Edelsbrunner and Muecke 1990]. The moved faces have no such ties, so the weight from a to b is that
+/// (eps, eps^2) [edelsbrunner1990]. The moved faces have no such ties, so the weight from a to b is that
 /// from b to a, and it never falls when a ray is made longer.
 class FaceSet {
  public:

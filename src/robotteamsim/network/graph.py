@@ -48,7 +48,7 @@ def break_matrix(link: np.ndarray, hops: np.ndarray) -> np.ndarray:
 def fiedler_value(adjacency: np.ndarray) -> float:
     """Return the algebraic connectivity (Fiedler value) of an undirected graph.
 
-    Second-smallest eigenvalue of the Laplacian Lp = D - A [dissertation, eq. 33; Fiedler 1973].
+    Second-smallest eigenvalue of the Laplacian Lp = D - A [dissertation, eq. 33; fiedler1973].
     Args:    adjacency: bool, shape (n, n), symmetric, zero diagonal.
     Returns: > 0 where the team is connected, 0 exactly where it is split; 1 for a single robot, as the value of a
              complete graph is its number of robots.
