@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -164,25 +165,22 @@ class Mission:
         return events
 
     def _judge_victims(self, positions_m: np.ndarray, voices: Sequence[VoiceReading]) -> None:
-        for robot_id, voice in enumerate(voices):
-            if voice.heard:
-                self._hear(robot_id, voice)
-        for index, victim in enumerate(self._victims):
-            if self._victim_states[index] == "saved":
-                continue
-            robot_id, distance_m = _nearest(positions_m, victim.position)
+        if "waiting" in self._victim_states:
+            for robot_id, voice in enumerate(voices):
+                if voice.heard:
+                    self._hear(robot_id, voice)
+        unsaved = [i for i, state in enumerate(self._victim_states) if state != "saved"]
+        helpers, distances_m = _nearest(positions_m, [self._victims[i].position for i in unsaved])
+        for index, robot_id, distance_m in zip(unsaved, helpers, distances_m, strict=True):
             if distance_m <= self._save_distance_m:
                 self._victim_states[index] = "saved"
                 self._epoch += 1  # her voice leaves the map
-                count = f"{self._victim_states.count('saved')} of {len(self._victims)}"
-                self._tell("victim_saved", victim.name, robot_id, f"robot {robot_id} saves {victim.name} ({count})")
+                name, count = self._victims[index].name, f"{self._victim_states.count('saved')} of {len(self._victims)}"
+                self._tell("victim_saved", name, robot_id, f"robot {robot_id} saves {name} ({count})")
 
     def _hear(self, robot_id: int, voice: VoiceReading) -> None:
         unsaved = [i for i, state in enumerate(self._victim_states) if state != "saved"]
-        if not unsaved:
-            return
-        places_m = np.array([self._victims[i].position for i in unsaved])
-        index = unsaved[_nearest(places_m, voice.local_best_m)[0]]
+        index = min(unsaved, key=lambda i: math.dist(self._victims[i].position, voice.local_best_m))
         if self._victim_states[index] == "waiting":
             self._victim_states[index] = "heard"
             name, level_db = self._victims[index].name, voice.local_best_level_db
@@ -192,7 +190,7 @@ class Mission:
         if self._num_explored == len(self._areas):
             return
         area = self._areas[self._num_explored]
-        robot_id, distance_m = _nearest(positions_m, area.center)
+        (robot_id,), (distance_m,) = _nearest(positions_m, [area.center])
         if distance_m <= area.radius_m:
             self._num_explored += 1
             self._epoch += 1
@@ -260,8 +258,11 @@ class Mission:
         )
 
 
-def _nearest(places_m: np.ndarray, to_m: tuple[float, float]) -> tuple[int, float]:
-    """Return the row of `places_m`, shape (n, 2), nearest to a point, and its distance [m]; the first of equals."""
-    squares = (places_m[:, 0] - to_m[0]) ** 2 + (places_m[:, 1] - to_m[1]) ** 2
-    row = int(np.argmin(squares))
-    return row, float(np.sqrt(squares[row]))
+def _nearest(positions_m: np.ndarray, places_m: Sequence[tuple[float, float]]) -> tuple[list[int], list[float]]:
+    """Return for each place which robot is nearest, the first of equals, and how far it is [m]."""
+    if not places_m:
+        return [], []
+    x, y = np.array(places_m).T
+    distances_m = np.hypot(positions_m[:, 0, None] - x, positions_m[:, 1, None] - y)
+    robot_ids = distances_m.argmin(axis=0)
+    return robot_ids.tolist(), distances_m.min(axis=0).tolist()

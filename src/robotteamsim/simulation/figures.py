@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-
-import numpy as np
 
 from robotteamsim.control.controller import Decision
 from robotteamsim.sensing.readings import RobotReading
@@ -14,40 +13,48 @@ _STAY_RADIUS_M = 0.5
 
 
 class TeamFigures:
-    """Adds up what each of n robots does."""
+    """Adds up what each robot does."""
 
     def __init__(self, num_robots: int, step_s: float) -> None:
+        self._logs = [_RobotLog() for _ in range(num_robots)]
         self._step_s = step_s
-        self._last_m: np.ndarray | None = None
-        self._distance_m = np.zeros(num_robots)
-        self._contact_steps = np.zeros(num_robots, dtype=np.int64)
-        self._excluded_steps = np.zeros(num_robots, dtype=np.int64)
-        self._anchor_m = np.full((num_robots, 2), np.inf)
-        self._stay_steps = np.zeros(num_robots, dtype=np.int64)
-        self._longest_stay_steps = np.zeros(num_robots, dtype=np.int64)
 
-    def update(
-        self, positions_m: np.ndarray, readings: Sequence[RobotReading], decisions: Sequence[Decision], running: bool
-    ) -> None:
-        """Take in one step; positions_m has shape (n, 2). Staying counts only while the mission runs."""
-        if self._last_m is not None:
-            self._distance_m += np.hypot(*(positions_m - self._last_m).T)
-        self._last_m = positions_m
-        self._contact_steps += [reading.in_contact for reading in readings]
-        self._excluded_steps += [decision.excluded for decision in decisions]
-        left = np.hypot(*(positions_m - self._anchor_m).T) > _STAY_RADIUS_M
-        self._anchor_m[left] = positions_m[left]
-        self._stay_steps[left] = 0
-        if running:
-            self._stay_steps += 1
-            np.maximum(self._longest_stay_steps, self._stay_steps, out=self._longest_stay_steps)
+    def update(self, readings: Sequence[RobotReading], decisions: Sequence[Decision], running: bool) -> None:
+        """Take in one step, in id order. Staying counts only while the mission runs."""
+        for log, reading, decision in zip(self._logs, readings, decisions, strict=True):
+            log.move((reading.ground_truth.x_m, reading.ground_truth.y_m), running)
+            log.contact_steps += reading.in_contact
+            log.excluded_steps += decision.excluded
 
     def result(self) -> tuple[RobotFigures, ...]:
         """Return the figures so far, in id order."""
-        columns = (
-            self._distance_m,
-            self._contact_steps * self._step_s,
-            self._excluded_steps * self._step_s,
-            self._longest_stay_steps * self._step_s,
+        return tuple(
+            RobotFigures(
+                distance_m=log.distance_m,
+                contact_s=log.contact_steps * self._step_s,
+                excluded_s=log.excluded_steps * self._step_s,
+                longest_stay_s=log.longest_stay_steps * self._step_s,
+            )
+            for log in self._logs
         )
-        return tuple(RobotFigures(*row) for row in np.stack(columns, axis=1).tolist())
+
+
+class _RobotLog:
+    """The sums of one robot."""
+
+    def __init__(self) -> None:
+        self.distance_m = 0.0
+        self.contact_steps = self.excluded_steps = self.stay_steps = self.longest_stay_steps = 0
+        self._last_m: tuple[float, float] | None = None
+        self._anchor_m = (math.inf, math.inf)
+
+    def move(self, position_m: tuple[float, float], running: bool) -> None:
+        """Take in where the robot is."""
+        if self._last_m is not None:
+            self.distance_m += math.dist(position_m, self._last_m)
+        self._last_m = position_m
+        if math.dist(position_m, self._anchor_m) > _STAY_RADIUS_M:
+            self._anchor_m, self.stay_steps = position_m, 0
+        if running:
+            self.stay_steps += 1
+            self.longest_stay_steps = max(self.longest_stay_steps, self.stay_steps)

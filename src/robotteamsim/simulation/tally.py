@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import time
 
-import numpy as np
-
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation.figures import TeamFigures
 from robotteamsim.simulation.record import Result, StepRecord
@@ -25,10 +23,8 @@ class Tally:
     def add(self, record: StepRecord) -> None:
         """Take in one step."""
         self._last = record
-        ground_truth = [reading.ground_truth for reading in record.readings]
-        self._hash.update(record.sim_time_ns, ground_truth)
-        positions_m = np.array([(pose.x_m, pose.y_m) for pose in ground_truth])
-        self._figures.update(positions_m, record.readings, record.decisions, record.mission.state == "running")
+        self._hash.update(record.sim_time_ns, [reading.ground_truth for reading in record.readings])
+        self._figures.update(record.readings, record.decisions, record.mission.state == "running")
 
     def result(self) -> Result:
         """Return the result as of the last step. Raises: ValueError: there was no step yet."""
