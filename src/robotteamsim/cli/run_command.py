@@ -13,6 +13,7 @@ from robotteamsim import scenario
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.parser import number, whole_number
 from robotteamsim.cli.progress import ProgressBar
+from robotteamsim.recording import BagWriter, ResultWriter, TumWriter, result_summary
 from robotteamsim.recording.table import EventList, print_result
 from robotteamsim.simulation import Observer, Simulation
 
@@ -69,9 +70,6 @@ def run(options: argparse.Namespace) -> None:
     observers.append(InterruptBetweenSteps())
     result = simulation.run(observers)
     if options.json:
-        # Imported late, as below: it brings rosbags along.
-        from robotteamsim.recording import result_summary
-
         print(json.dumps(result_summary(result)))
     elif not options.quiet:
         print_result(Console(), loaded, result, events.events, [options.out, options.bag])
@@ -85,10 +83,6 @@ def overrides(options: argparse.Namespace) -> list[str]:
 
 
 def _recorders(options: argparse.Namespace) -> list[Observer]:
-    if not (options.out or options.bag):
-        return []
-    from robotteamsim.recording import BagWriter, ResultWriter, TumWriter
-
     recorders: list[Observer] = [BagWriter(options.bag)] if options.bag else []
     if options.out:
         # mission.json comes last: where it is, the rest is complete.
