@@ -184,7 +184,9 @@ class RdpsoController:
         for report in comparable:
             self._ruled_out.add(report.position, report.loudest)
         before = self._highest([report.known_best for report in comparable])
-        self._known_best = self._highest([before, *(report.local_best for report in comparable)])
+        # How near a wandering outsider comes to the area is no success of the swarm, but the voice that it hears is.
+        found = [r.local_best for r in comparable if not r.excluded or (r.local_best and r.local_best.is_voice)]
+        self._known_best = self._highest([before, *found])
         return self._known_best is not before
 
     def _highest(self, bests: Sequence[Best | None]) -> Best | None:
@@ -214,8 +216,9 @@ class RdpsoController:
 
     def _next_velocity(self, position: Vector, pose: Pose, ranges_m: np.ndarray, reports: dict[int, Report]) -> Vector:
         """Return v[t+1] of eq. (25), before the speed limit."""
-        assert self._local_best is not None
-        assert self._known_best is not None
+        assert self._observation
+        assert self._local_best
+        assert self._known_best
         clear_place = self._surroundings.attractor(pose, ranges_m)
         members = {i: report for i, report in self._team.items() if not report.excluded}
         x_cb, c4 = self._links.pull(
@@ -223,8 +226,12 @@ class RdpsoController:
             {i: report.position for i, report in members.items() if i in reports},
             {i: report.position for i, report in members.items() if i not in reports},
         )
+        local_best = self._local_best.position
+        if self._observation.voice.heard and self._known_best.is_voice and not self._local_best.is_voice:
+            # All that this robot hears is ruled out: while the swarm follows a voice, the area must not hold it back.
+            local_best = position
         attractors = Attractors(
-            local_best=self._along_path(position, self._local_best.position),
+            local_best=self._along_path(position, local_best),
             global_best=self._along_path(position, self._known_best.position),
             obstacle=position if clear_place is None else clear_place,
             communication=position if c4 == 0.0 else self._along_path(position, x_cb),
