@@ -96,8 +96,8 @@ def _draw_mission(axes: Axes, scenario: Scenario, unit_m: float) -> None:
         axes.plot([], [], "o", color=_AREA, alpha=0.4, markersize=9, label="area, in this order")
     for i, victim in enumerate(victims):
         axes.plot(*victim.position, "X", color=_VICTIM, markersize=9, label=None if i else "victim", zorder=6)
-        label = {"color": _VICTIM, "fontsize": 8, "ha": "center", "va": "bottom", "zorder": 6}
-        axes.text(victim.position[0], victim.position[1] + 0.5 * unit_m, victim.name, **label)
+        x, y = victim.position
+        axes.text(x, y + 0.5 * unit_m, victim.name, color=_VICTIM, fontsize=8, ha="center", va="bottom", zorder=6)
 
 
 def _draw_robots(axes: Axes, scenario: Scenario) -> None:

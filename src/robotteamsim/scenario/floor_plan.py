@@ -35,8 +35,10 @@ class Wall(Model):
     """A straight wall of rectangular footprint around its centre line; its ends are cut square at `from` and `to`."""
 
     name: str = Field(description="a name, unique among the plan's elements")
-    start: Point = Field(alias="from", description="one end of the centre line [m]")
-    end: Point = Field(alias="to", description="other end of the centre line [m]")
+    start: Point = Field(
+        validation_alias="from", serialization_alias="from", description="one end of the centre line [m]"
+    )
+    end: Point = Field(validation_alias="to", serialization_alias="to", description="other end of the centre line [m]")
     thickness_m: float = Field(default=0.2, gt=0.0, le=0.8, description="decides the loss class (Table 3) [m]")
     height_m: float = Field(default=2.6, gt=0.0, le=20.0, description="for 3D views [m]")
     material: str | None = Field(default=None, description="key into radio.materials; none: by thickness")
@@ -70,8 +72,8 @@ class Door(Model):
     """A door leaf: one segment across a gap between walls."""
 
     name: str = Field(description="a name, unique among the plan's elements")
-    start: Point = Field(alias="from", description="hinge side of the leaf [m]")
-    end: Point = Field(alias="to", description="other side of the leaf [m]")
+    start: Point = Field(validation_alias="from", serialization_alias="from", description="hinge side of the leaf [m]")
+    end: Point = Field(validation_alias="to", serialization_alias="to", description="other side of the leaf [m]")
     kind: Literal["normal", "fireproof"] = Field(default="normal", description="Table 3: 1.4 dB or 10.2 dB when closed")
     closed: bool = Field(default=False, description="state at the start")
     thickness_m: float = Field(default=0.06, gt=0.0, le=0.2, description="of the leaf as a body [m]")
@@ -86,8 +88,14 @@ class Door(Model):
 class BayRow(Model):
     """A row of parking bays painted on the floor: scenery, nothing runs into it."""
 
-    start: Point = Field(alias="from", description="one end of the row's open side [m]")
-    end: Point = Field(alias="to", description="other end; the bays lie to the left of from -> to [m]")
+    start: Point = Field(
+        validation_alias="from", serialization_alias="from", description="one end of the row's open side [m]"
+    )
+    end: Point = Field(
+        validation_alias="to",
+        serialization_alias="to",
+        description="other end; the bays lie to the left of from -> to [m]",
+    )
     depth_m: float = Field(default=5.0, gt=0.0, le=30.0, description="length of a bay [m]")
     count: int = Field(ge=1, le=1000, description="number of bays")
 
@@ -110,7 +118,7 @@ class FloorPlan(Model):
     @model_validator(mode="after")
     def _check(self) -> FloorPlan:
         places = [f"{key}.{i}" for key in ("walls", "blocks", "doors") for i in range(len(getattr(self, key)))]
-        elements = (*self.walls, *self.blocks, *self.doors)
+        elements: tuple[Wall | Block | Door, ...] = (*self.walls, *self.blocks, *self.doors)
         repeated = first_repeated([element.name for element in elements])
         if repeated:
             raise wrong(f"{places[repeated[0]]}.name", f"'{repeated[1]}' is the name of another element already")

@@ -17,7 +17,7 @@ from robotteamsim.scenario.placement import check_places
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.shipped import is_bare_name, shipped_plan, shipped_scenario
-from robotteamsim.scenario.yaml_text import parse, shown
+from robotteamsim.scenario.yaml_text import parse, read_mapping, shown
 
 M = TypeVar("M", bound=Model)
 
@@ -32,19 +32,18 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
                 same file stand in the exception's notes. PlacementError: a robot, area or victim stands badly.
     """
     path, place = _scenario_file(os.fspath(path_or_name))
-    data = _read_mapping(path, place, "a scenario")
+    data = read_mapping(path, place, "a scenario")
     changes = [_Override.of(text) for text in overrides]
     folder = path.parent
     for change in changes:
         if change.key[0] == "plan" and len(change.key) > 1 and isinstance(data.get("plan"), str):
-            plan_path, plan_place = _plan_file(data["plan"], folder, place)
-            data["plan"] = _read_plan(plan_path, plan_place).model_dump(by_alias=True, mode="json")
+            data["plan"] = _read_plan(*_plan_file(data["plan"], folder, place)).model_dump(by_alias=True, mode="json")
         elif change.key == ("plan",):
             folder = Path()
         change.apply(data)
 
     set_keys = [change.key for change in changes]
-    plan_path = None
+    plan_path: Path | None = None
     if isinstance(data.get("plan"), str):
         plan_path, plan_place = _plan_file(data["plan"], folder, "--set" if ("plan",) in set_keys else place)
         data["plan"] = _read_plan(plan_path, plan_place)
@@ -124,30 +123,13 @@ def _plan_file(name: str, folder: Path, place: str) -> tuple[Path, str]:
 
 
 def _read_plan(path: Path, place: str) -> FloorPlan:
-    data = _read_mapping(path, place, "a floor plan")
+    data = read_mapping(path, place, "a floor plan")
     if "image" in data:
         # OpenCV takes longer to import than most scenarios to load.
         from robotteamsim.scenario.plan_import import import_map
 
         return import_map(path)
     return _validated(FloorPlan, data, place)
-
-
-def _read_mapping(path: Path, place: str, what: str) -> dict[str, Any]:
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise ScenarioError(f"{place}: there is no such file") from None
-    except UnicodeDecodeError:
-        raise ScenarioError(f"{place}: not a text file in UTF-8") from None
-    except OSError as error:
-        raise ScenarioError(f"{place}: {error.strerror or error}") from None
-    data = parse(text, place)
-    if data is None:
-        raise ScenarioError(f"{place}: says nothing; wanted {what}: lines of KEY: VALUE")
-    if not isinstance(data, dict):
-        raise ScenarioError(f"{place}: {shown(data)} is not {what}: lines of KEY: VALUE")
-    return data
 
 
 def _validated(model: type[M], data: Any, place: str, set_keys: Sequence[tuple[str | int, ...]] = ()) -> M:

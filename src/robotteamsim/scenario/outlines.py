@@ -7,11 +7,14 @@ from collections import defaultdict
 import numpy as np
 import shapely
 
+Corner = tuple[float, float]
+Ring = list[Corner]
+
 LONG_EDGE_CELLS = 8.0
 """An edge along an axis of this length is a wall's face and stays where it is; shorter ones may be a staircase."""
 
-STAIRCASE_TOLERANCE_CELLS = 1.0
-"""How far a straightened staircase may lie beside the cells' borders; less leaves steps behind."""
+TOLERANCE_CELLS = 0.75
+"""Straight lines pass this near the middles of a staircase's steps. It is less than what is one cell wide."""
 
 
 def outlines(solid: np.ndarray) -> list[shapely.Polygon]:
@@ -53,46 +56,46 @@ def convex_pieces(polygon: shapely.Polygon) -> list[np.ndarray]:
 
 
 def _straightened(polygon: shapely.Polygon) -> shapely.Polygon:
-    """Return a polygon along cell borders with straight lines for staircases, except where the lines would cross."""
-    outline = shapely.simplify(polygon, 0.0)
-    exact = [_chains(shapely.get_coordinates(ring)[:-1]) for ring in (outline.exterior, *outline.interiors)]
-    rings = [_straight_ring(chains) for chains in exact]
-    while not (straight := _as_polygon(rings)).is_valid:
-        # The reason ends in the point where the lines meet: "Self-intersection[17.5 3]".
-        spot = shapely.Point(*map(float, shapely.is_valid_reason(straight).partition("[")[2].rstrip("]").split()))
-        places = [(r, c) for r, ring in enumerate(rings) for c in range(len(ring)) if rings[r][c] is not exact[r][c]]
-        crossing = [(r, c) for r, c in places if shapely.LineString(rings[r][c]).distance(spot) < 1e-6]
-        for r, c in crossing or places:
-            rings[r][c] = exact[r][c]
-    return straight
+    """Return a polygon along cell borders with straight lines for staircases, or as it is where those would cross."""
+    exact = shapely.simplify(polygon, 0.0)
+    shell, *holes = (_straight_ring(shapely.get_coordinates(r)[:-1]) for r in (exact.exterior, *exact.interiors))
+    straight = shapely.Polygon(shell, holes)
+    return straight if straight.is_valid else exact
 
 
-def _chains(corners: np.ndarray) -> list[np.ndarray]:
-    """Cut a ring at the ends of its long edges; every chain begins where the one before it ends."""
-    lengths = np.abs(np.roll(corners, -1, axis=0) - corners).sum(axis=1)
-    long = np.flatnonzero(lengths >= LONG_EDGE_CELLS)
-    cuts = np.unique(np.concatenate([long, long + 1]) % len(corners)) if len(long) else np.zeros(1, dtype=int)
-    steps = np.diff(np.append(cuts, cuts[0] + len(corners)))
-    return [corners[(cut + np.arange(step + 1)) % len(corners)] for cut, step in zip(cuts, steps, strict=True)]
+def _straight_ring(corners: np.ndarray) -> np.ndarray:
+    """Return a ring of edges along the axes with straight lines for its staircases; float64, shape (n, 2).
+
+    A step is a short edge between two opposite turns; its middle lies on the line that the staircase stands for.
+    """
+    edges = np.roll(corners, -1, axis=0) - corners
+    before = np.roll(edges, 1, axis=0)
+    turns = np.sign(before[:, 0] * edges[:, 1] - before[:, 1] * edges[:, 0])
+    long = np.abs(edges).sum(axis=1) >= LONG_EDGE_CELLS
+    steps = ~long & (turns != np.roll(turns, -1))
+    points: Ring = []
+    cuts: list[int] = []
+    for i, step in enumerate(steps):
+        if step:
+            points.append(tuple((corners[i] + 0.5 * edges[i]).tolist()))
+        else:
+            cuts += [len(points), len(points) + 1] if long[i] else []
+            points += [tuple(corners[i].tolist()), tuple((corners[i] + edges[i]).tolist())]
+    return _simplified(np.array(points), cuts or [0])
 
 
-def _straight_ring(chains: list[np.ndarray]) -> list[np.ndarray]:
-    """Drop the corners of each chain that lie within the tolerance of a line; not where nothing would be left."""
-    lines = [_straight_chain(chain) for chain in chains]
-    return lines if sum(len(line) - 1 for line in lines) > 2 else list(chains)
+def _simplified(points: np.ndarray, cuts: list[int]) -> np.ndarray:
+    """Drop the points of a ring that lie within the tolerance of a line; the points at `cuts` stay."""
+    kept = []
+    for start, end in zip(cuts, [*cuts[1:], cuts[0] + len(points)], strict=True):
+        chain = points[np.arange(start, end + 1) % len(points)]
+        kept.append(shapely.get_coordinates(shapely.simplify(shapely.LineString(chain), TOLERANCE_CELLS))[:-1])
+    ring = np.concatenate(kept)
+    ring = ring[np.any(ring != np.roll(ring, 1, axis=0), axis=1)]
+    return ring if len(ring) > 2 else points
 
 
-def _straight_chain(chain: np.ndarray) -> np.ndarray:
-    line = shapely.get_coordinates(shapely.simplify(shapely.LineString(chain), STAIRCASE_TOLERANCE_CELLS))
-    return line if len(line) < len(chain) else chain
-
-
-def _as_polygon(rings: list[list[np.ndarray]]) -> shapely.Polygon:
-    shell, *holes = (np.concatenate([line[:-1] for line in ring]) for ring in rings)
-    return shapely.Polygon(shell, holes)
-
-
-def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+def _turn(a: Corner, b: Corner, c: Corner) -> float:
     """Return twice the area of a triangle, positive when a, b, c turn left."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
@@ -103,7 +106,7 @@ def _root(home: dict[int, int], piece: int) -> int:
     return piece
 
 
-def _merged(one: list, other: list, a: tuple, b: tuple) -> list | None:
+def _merged(one: Ring, other: Ring, a: Corner, b: Corner) -> Ring | None:
     """Return two convex rings joined along the edge a-b, or none where the result is not convex."""
     if one[one.index(a) - len(one) + 1] != b:
         a, b = b, a
@@ -116,5 +119,5 @@ def _merged(one: list, other: list, a: tuple, b: tuple) -> list | None:
     return ring
 
 
-def _without_straight_corners(ring: list) -> list:
+def _without_straight_corners(ring: Ring) -> Ring:
     return [p for i, p in enumerate(ring) if _turn(ring[i - 1], p, ring[(i + 1) % len(ring)]) > 0.0]

@@ -136,7 +136,7 @@ class _Room:
         inside = np.all(
             (points >= np.array(self._bounds.min) + keep_m) & (points <= np.array(self._bounds.max) - keep_m), axis=1
         )
-        free = inside.copy()
+        free: np.ndarray = inside.copy()
         candidates = shapely.points(points[inside])
         clear = shapely.is_empty(self._obstacles) | (shapely.distance(self._obstacles, candidates) >= keep_m)
         alone = shapely.is_empty(self._taken) | (shapely.distance(self._taken, candidates) >= keep_m + self._radius_m)
@@ -154,7 +154,8 @@ class _Room:
         labels, _ = ndimage.label(free)
         row, column = self._grid.cell_at(start[0], start[1])
         near = labels[max(row - 2, 0) : row + 3, max(column - 2, 0) : column + 3]
-        return ndimage.binary_dilation(np.isin(labels, near[near > 0]), iterations=2)
+        reached: np.ndarray = ndimage.binary_dilation(np.isin(labels, near[near > 0]), iterations=2)
+        return reached
 
 
 def _stands_in(solid: Solid) -> str:

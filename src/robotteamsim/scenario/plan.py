@@ -127,7 +127,7 @@ class OccupancyGrid:
     def is_free(self, x_m: float, y_m: float) -> bool:
         """Whether a point lies in a free cell; nothing outside the grid is free."""
         row, column = self.cell_at(x_m, y_m)
-        return self.contains(row, column) and bool(self.cells[row, column] == FREE)
+        return self.contains(row, column) and int(self.cells[row, column]) == FREE
 
 
 def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bool] | None = None) -> OccupancyGrid:

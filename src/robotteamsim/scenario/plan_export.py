@@ -39,5 +39,5 @@ def pgm(grid: OccupancyGrid) -> bytes:
     grey = np.full(grid.cells.shape, _UNKNOWN_GREY, dtype=np.uint8)
     grey[grid.cells == FREE] = _FREE_GREY
     grey[grid.cells == OCCUPIED] = _OCCUPIED_GREY
-    rows, columns = grey.shape
+    rows, columns = grid.cells.shape
     return b"P5\n%d %d\n255\n" % (columns, rows) + np.flipud(grey).tobytes()

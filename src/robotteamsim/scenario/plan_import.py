@@ -16,7 +16,7 @@ from robotteamsim.scenario.base import Model, PlanarPose, wrong
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.outlines import convex_pieces, outlines
 from robotteamsim.scenario.problems import problems
-from robotteamsim.scenario.yaml_text import parse, shown
+from robotteamsim.scenario.yaml_text import read_mapping
 
 MAX_WALL_THICKNESS_M = 0.8
 """The loss table ends here: a thicker rectangle is a block."""
@@ -87,21 +87,17 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
             else:
                 blocks.append(Block(name=f"block_{len(blocks) + 1}", polygon=tuple(corners)))
     low, high = metres(np.array([[0, 0], [columns, rows]])).tolist()
-    return FloorPlan(name=path.stem, bounds=Bounds(min=tuple(low), max=tuple(high)), walls=walls, blocks=blocks)
+    return FloorPlan(
+        name=path.stem, bounds=Bounds(min=tuple(low), max=tuple(high)), walls=tuple(walls), blocks=tuple(blocks)
+    )
 
 
 def _read_settings(path: Path) -> MapFile:
-    place = str(path)
-    try:
-        data = parse(path.read_text(encoding="utf-8"), place)
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{place}: {getattr(error, 'strerror', None) or 'not a text file in UTF-8'}") from None
-    if not isinstance(data, dict):
-        raise ScenarioError(f"{place}: {shown(data)} is not the yaml of a map: lines of KEY: VALUE")
+    data = read_mapping(path, str(path), "the yaml of a map")
     try:
         return MapFile.model_validate(data)
     except ValidationError as error:
-        raise ScenarioError(f"{place}: {problems(error, MapFile)[0]}") from None
+        raise ScenarioError(f"{path}: {problems(error, MapFile)[0]}") from None
 
 
 def _read_cells(path: Path, settings: MapFile) -> tuple[np.ndarray, np.ndarray]:
@@ -112,7 +108,9 @@ def _read_cells(path: Path, settings: MapFile) -> tuple[np.ndarray, np.ndarray]:
     image = cv2.imread(str(image_path), cv2.IMREAD_UNCHANGED)
     if image is None or min(image.shape[:2]) < 3:
         raise ScenarioError(f"{path}: image: '{settings.image}' cannot be read as an image")
-    lightness = image.astype(np.float64) / np.iinfo(image.dtype).max
+    if image.dtype not in (np.uint8, np.uint16):
+        raise ScenarioError(f"{path}: image: '{settings.image}' has {image.dtype} pixels; wanted 8 or 16 bits")
+    lightness = image.astype(np.float64) / (255.0 if image.dtype == np.uint8 else 65535.0)
     if lightness.ndim == 3:
         lightness = lightness[:, :, :3].mean(axis=2)
     occupancy = np.flipud(lightness if settings.negate else 1.0 - lightness)

@@ -27,7 +27,7 @@ class Problem:
 
 def problems(error: ValidationError, root: type[Model]) -> list[Problem]:
     """Return the mistakes of one validation, unknown keys first: they often explain the missing ones."""
-    details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] != "extra_forbidden")
+    details = sorted(map(dict, error.errors(include_url=False)), key=lambda detail: detail["type"] != "extra_forbidden")
     return [_problem(detail, root) for detail in details]
 
 
@@ -88,7 +88,7 @@ def _known_key(name: str, model: type[Model] | None, root: type[Model]) -> str:
     """Say which key may have been meant: one nearly so called here, one so called elsewhere, or what there is."""
     if model is None:
         return ""
-    known = [field.alias or key for key, field in model.model_fields.items()]
+    known = [_key(key, field) for key, field in model.model_fields.items()]
     near = suggestion(name, known)
     if near:
         return near
@@ -97,7 +97,7 @@ def _known_key(name: str, model: type[Model] | None, root: type[Model]) -> str:
 
 
 def _meaning(model: type[Model] | None, key: str) -> str:
-    fields = {field.alias or name: field for name, field in model.model_fields.items()} if model else {}
+    fields = {_key(name, field): field for name, field in model.model_fields.items()} if model else {}
     return f"; wanted {fields[key].description}" if key in fields and fields[key].description else ""
 
 
@@ -123,7 +123,12 @@ def _model_at(root: type[Model], path: Sequence[str | int]) -> type[Model] | Non
 
 
 def _field(model: type[Model], key: str) -> FieldInfo | None:
-    return next((field for name, field in model.model_fields.items() if key in (name, field.alias)), None)
+    return next((field for name, field in model.model_fields.items() if key in (name, _key(name, field))), None)
+
+
+def _key(name: str, field: FieldInfo) -> str:
+    """Return what a field is called in YAML."""
+    return field.validation_alias if isinstance(field.validation_alias, str) else name
 
 
 def _section(annotation: Any, int_follows: bool) -> type[Model] | None:

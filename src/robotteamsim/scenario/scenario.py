@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from robotteamsim.scenario.base import Many, Model, wrong
-from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
 from robotteamsim.scenario.placement import placed_robots
 from robotteamsim.scenario.sections import Control, Mission, Network, PlacedRobot, Radio, Run, Team, Voice
 
@@ -46,7 +46,8 @@ class Scenario(Model):
     @model_validator(mode="after")
     def _check(self) -> Scenario:
         known = ", ".join(self.radio.materials) or "none"
-        for element in (*self.plan.walls, *self.plan.blocks):
+        elements: tuple[Wall | Block, ...] = (*self.plan.walls, *self.plan.blocks)
+        for element in elements:
             if element.material is not None and element.material not in self.radio.materials:
                 raise wrong(
                     "radio.materials",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from pathlib import Path
 from typing import Any
 
 import yaml
@@ -64,6 +65,28 @@ def parse(text: str, place: str) -> Any:
         raise ScenarioError(f"{place}: nested too deeply") from None
 
 
+def read_mapping(path: Path, place: str, what: str) -> dict[str, Any]:
+    """Return the keys and values of a YAML file.
+
+    Args:   place: what error messages call the file. what: what it is meant to be, such as "a scenario".
+    Raises: ScenarioError: the file is missing, unreadable, no YAML or no mapping.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise ScenarioError(f"{place}: there is no such file") from None
+    except UnicodeDecodeError:
+        raise ScenarioError(f"{place}: not a text file in UTF-8") from None
+    except OSError as error:
+        raise ScenarioError(f"{place}: {error.strerror or error}") from None
+    data = parse(text, place)
+    if data is None:
+        raise ScenarioError(f"{place}: says nothing; wanted {what}: lines of KEY: VALUE")
+    if not isinstance(data, dict):
+        raise ScenarioError(f"{place}: {shown(data)} is not {what}: lines of KEY: VALUE")
+    return data
+
+
 class _Dumper(yaml.SafeDumper):
     """Lists of plain values, such as points, on one line."""
 
@@ -84,7 +107,14 @@ def _number(dumper: yaml.SafeDumper, value: float) -> yaml.ScalarNode:
     return dumper.represent_scalar("tag:yaml.org,2002:float", text)
 
 
+def _text(dumper: yaml.SafeDumper, value: str) -> yaml.ScalarNode:
+    # Only the double-quoted style keeps every control character.
+    style = None if value.isprintable() else '"'
+    return dumper.represent_scalar("tag:yaml.org,2002:str", value, style=style)
+
+
 _Dumper.add_representer(float, _number)
+_Dumper.add_representer(str, _text)
 
 
 def write(value: Any) -> str:

@@ -1,0 +1,38 @@
+"""Pictures of floor plans."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from matplotlib.collections import PatchCollection
+
+from robotteamsim.analysis.plan_picture import draw_plan, render_plan
+from robotteamsim.scenario import load, load_floor_plan
+
+
+def test_plan_is_drawn_to_scale_with_its_size_in_the_title() -> None:
+    axes = draw_plan(load_floor_plan("garage")).axes[0]
+    assert axes.get_title() == "garage, 60 x 40 m"
+    assert axes.get_aspect() == 1.0
+
+
+def test_scenario_adds_numbered_areas_named_victims_and_robots() -> None:
+    scenario = load("garage_sar")
+    axes = draw_plan(scenario.plan, scenario).axes[0]
+    texts = {text.get_text() for text in axes.texts}
+    assert {"1", "2", "3", "4", "5", "victim_1", "victim_4"} <= texts
+    (robots,) = (item for item in axes.collections if isinstance(item, PatchCollection))
+    assert len(robots.get_paths()) == 3
+
+
+@pytest.mark.parametrize("name", ["garage_sar", "tutorial_arena"])
+def test_picture_shows_walls_and_floor(name: str, tmp_path: Path) -> None:
+    scenario = load(name)
+    render_plan(scenario.plan, tmp_path / "plan.png", scenario)
+    grey = cv2.imread(str(tmp_path / "plan.png"), cv2.IMREAD_GRAYSCALE)
+    assert min(grey.shape) > 800
+    assert 0.02 < np.mean(grey < 110) < 0.4
+    assert np.mean(grey > 230) > 0.5

@@ -1,0 +1,189 @@
+"""Floor plans from map_server images."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import shapely
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario import load, load_floor_plan, occupancy_grid, solids, write_floor_plan
+from robotteamsim.scenario.plan import FREE, OCCUPIED
+from robotteamsim.scenario.plan_import import import_map
+
+MAPS = Path(__file__).parents[2] / "data" / "maps"
+BUILDINGS = {"one_r5": (11.95, 12.45), "cumberland": (51.6, 37.425), "diag_labs": (50.0, 40.0)}
+
+WHITE, GREY, BLACK = 254, 205, 0
+
+
+def _write(folder: Path, image: np.ndarray, settings: str = "", name: str = "room.png") -> Path:
+    """Write an image given with its lowest row first, and its yaml: cells of 0.1 m, origin (-1, 2)."""
+    cv2.imwrite(str(folder / name), np.flipud(image))
+    path = folder / "room.yaml"
+    keys = {"image": name, "resolution": "0.1", "origin": "[-1, 2, 0]", "negate": "0"}
+    keys |= {"occupied_thresh": "0.65", "free_thresh": "0.196"}
+    keys |= dict(line.split(": ", 1) for line in settings.splitlines())
+    path.write_text("".join(f"{key}: {value}\n" for key, value in keys.items()), encoding="utf-8")
+    return path
+
+
+def _room(rows: int = 40, columns: int = 60) -> np.ndarray:
+    image = np.full((rows, columns), WHITE, dtype=np.uint8)
+    image[[0, -1]] = image[:, [0, -1]] = BLACK
+    return image
+
+
+@pytest.mark.parametrize(("name", "size_m"), BUILDINGS.items())
+def test_real_building_is_imported_within_a_cell_of_its_image(name: str, size_m: tuple[float, float]) -> None:
+    plan = import_map(MAPS / f"{name}.yaml")
+    assert plan.bounds.max == size_m
+    resolution_m = 0.075 if name == "cumberland" else 0.05
+    image = np.flipud(cv2.imread(str(MAPS / f"{name}.png"), cv2.IMREAD_GRAYSCALE))
+    occupied = occupancy_grid(plan, resolution_m).cells == OCCUPIED
+    assert occupied.shape == image.shape
+    near = cv2.dilate(occupied.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)
+    deep = cv2.erode(occupied.astype(np.uint8), np.ones((5, 5), np.uint8)).astype(bool)
+    black = image < 0.3 * 255
+    assert np.count_nonzero(black & ~near) < 0.01 * np.count_nonzero(black)  # noise of one or two cells
+    # Pockets too small for anybody are filled, all other free cells stay free.
+    assert np.count_nonzero(deep & (image > 240)) * resolution_m**2 < 2.0
+
+
+@pytest.mark.parametrize("name", BUILDINGS)
+def test_imported_pieces_are_convex_and_do_not_overlap(name: str) -> None:
+    polygons = [solid.polygon for solid in solids(import_map(MAPS / f"{name}.yaml"))]
+    assert 10 < len(polygons) < 1500
+    assert all(polygon.convex_hull.area - polygon.area < 1e-6 for polygon in polygons)
+    assert shapely.union_all(polygons).area == pytest.approx(sum(polygon.area for polygon in polygons))
+
+
+def test_import_is_the_same_each_time() -> None:
+    assert import_map(MAPS / "cumberland.yaml") == import_map(MAPS / "cumberland.yaml")
+
+
+def test_scenario_may_name_a_map_server_yaml_as_its_plan(tmp_path: Path) -> None:
+    _write(tmp_path, _room())
+    scenario_file = tmp_path / "scenario.yaml"
+    scenario_file.write_text("name: s\nplan: room.yaml\nrobots: {start: [1, 4, 0]}\n", encoding="utf-8")
+    scenario = load(scenario_file)
+    assert scenario.plan == import_map(tmp_path / "room.yaml")
+    assert load(scenario_file, ["plan.name=hall"]).plan.walls == scenario.plan.walls
+
+
+def test_imported_plan_is_written_and_read_back(tmp_path: Path) -> None:
+    plan = import_map(MAPS / "one_r5.yaml")
+    write_floor_plan(plan, tmp_path / "plan.yaml")
+    assert load_floor_plan(tmp_path / "plan.yaml") == plan
+
+
+def test_wall_along_the_axes_keeps_its_cells_and_its_thickness(tmp_path: Path) -> None:
+    image = _room()
+    image[10:13, 20:40] = BLACK
+    plan = import_map(_write(tmp_path, image))
+    assert (plan.bounds.min, plan.bounds.max) == ((-1.0, 2.0), (5.0, 6.0))
+    (wall,) = (wall for wall in plan.walls if wall.thickness_m == 0.3)
+    assert (wall.start, wall.end) == ((1.0, 3.15), (3.0, 3.15))
+    np.testing.assert_array_equal(occupancy_grid(plan, 0.1).cells == OCCUPIED, image == BLACK)
+
+
+def test_thick_rectangle_is_a_block(tmp_path: Path) -> None:
+    image = _room()
+    image[10:22, 20:32] = BLACK
+    blocks = [block for block in import_map(_write(tmp_path, image)).blocks if (1.0, 3.0) in block.polygon]
+    assert set(blocks[0].polygon) == {(1.0, 3.0), (2.2, 3.0), (2.2, 4.2), (1.0, 4.2)}
+
+
+@pytest.mark.parametrize("end", [(55, 35), (55, 17), (12, 35)])
+def test_slanted_wall_becomes_few_straight_pieces_without_gaps(tmp_path: Path, end: tuple[int, int]) -> None:
+    image = _room()
+    cv2.line(image, (5, 5), end, BLACK, 1, cv2.LINE_8)
+    plan = import_map(_write(tmp_path, image))
+    slanted = [s.polygon for s in solids(plan) if s.polygon.bounds[0] > -0.9 and s.polygon.bounds[2] < 4.9]
+    union = shapely.union_all(slanted)
+    assert union.geom_type == "Polygon"
+    assert len(slanted) <= 12
+    line = shapely.LineString([(-1 + 0.1 * (x + 0.5), 2 + 0.1 * (y + 0.5)) for x, y in ((5, 5), end)])
+    assert line.buffer(0.2).covers(union)
+
+
+def test_pillar_of_few_cells_stays_and_smaller_specks_go(tmp_path: Path) -> None:
+    image = _room()
+    image[10:12, 10:12] = BLACK
+    image[20, 20:22] = BLACK
+    grid = occupancy_grid(import_map(_write(tmp_path, image)), 0.1)
+    assert np.count_nonzero(grid.cells[5:-5, 5:-5] == OCCUPIED) == 4
+    assert not grid.is_free(0.1, 3.1)
+
+
+def test_image_without_walls_is_closed_at_its_border(tmp_path: Path) -> None:
+    grid = occupancy_grid(import_map(_write(tmp_path, np.full((40, 60), WHITE, dtype=np.uint8))), 0.1)
+    np.testing.assert_array_equal(grid.cells == OCCUPIED, _room() == BLACK)
+
+
+def test_narrow_unknown_region_is_solid(tmp_path: Path) -> None:
+    image = _room()
+    image[10:15, 10:40] = GREY
+    grid = occupancy_grid(import_map(_write(tmp_path, image)), 0.1)
+    assert np.all(grid.cells[10:15, 10:40] == OCCUPIED)
+
+
+def test_wide_unknown_region_is_a_void_behind_one_cell_of_wall(tmp_path: Path) -> None:
+    image = _room()
+    image[10:30, 10:40] = GREY
+    grid = occupancy_grid(import_map(_write(tmp_path, image)), 0.1)
+    shell = np.full((20, 30), OCCUPIED, dtype=np.int8)
+    shell[1:-1, 1:-1] = FREE
+    np.testing.assert_array_equal(grid.cells[10:30, 10:40], shell)
+
+
+def test_negated_image_is_read_the_other_way_round(tmp_path: Path) -> None:
+    image = _room()
+    image[10:13, 20:40] = BLACK
+    straight = import_map(_write(tmp_path, image))
+    assert import_map(_write(tmp_path, 255 - image, "negate: 1")) == straight
+    # 205 of 255 is unknown either way round only as 50.
+    assert import_map(_write(tmp_path, np.dstack([image] * 3))) == straight
+
+
+def test_plain_text_image_and_comments_are_read(tmp_path: Path) -> None:
+    path = _write(tmp_path, _room())
+    straight = import_map(path)
+    rows = "\n".join(" ".join(map(str, row)) for row in _room().tolist())
+    (tmp_path / "room.pgm").write_text(f"P2\n# by hand\n60 40\n255\n{rows}\n", encoding="ascii")
+    path.write_text(path.read_text().replace("room.png", "room.pgm  # a comment") + "mode: trinary\nextra: 1\n")
+    assert import_map(path) == straight
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ("image: hall.png", "image: there is no file 'hall.png'"),
+        ("image: room.yaml", "image: 'room.yaml' cannot be read as an image"),
+        ("origin: [0, 0, 0.5]", "origin: yaw 0.5 is not 0; turn the image instead"),
+        ("origin: [0, 0]", "origin: [0, 0] is not [x, y, yaw]"),
+        ("resolution: 0", "resolution: 0 is not above 0"),
+        ("negate: 2", "negate: 2 is not one of 0, 1, False, True"),
+        ("mode: raw", "mode: 'raw' is not one of trinary, scale"),
+        ("free_thresh: 0.7", "free_thresh: 0.7 is not below occupied_thresh, 0.65"),
+        ("negate: 1", "image: no cell of 'room.png' is free; is negate or free_thresh wrong?"),
+    ],
+)
+def test_wrong_map_yaml_is_refused_with_its_exact_message(tmp_path: Path, settings: str, message: str) -> None:
+    image = _room()
+    image[image == BLACK] = GREY
+    path = _write(tmp_path, image, settings)
+    with pytest.raises(ScenarioError) as raised:
+        import_map(path)
+    assert str(raised.value) == f"{path}: {message}"
+
+
+def test_missing_or_empty_map_yaml_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"nowhere.yaml: there is no such file"):
+        import_map(tmp_path / "nowhere.yaml")
+    (tmp_path / "empty.yaml").write_text("", encoding="utf-8")
+    with pytest.raises(ScenarioError, match=r"empty.yaml: says nothing; wanted the yaml of a map"):
+        import_map(tmp_path / "empty.yaml")
