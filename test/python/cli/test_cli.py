@@ -153,7 +153,7 @@ def test_broken_pipe_is_silent():
         (["run", "garage"], "garage: no scenario of this name is shipped; did you mean 'garage_sar'?"),
         (["run", "no/such.yaml"], "no/such.yaml: there is no such file"),
         (["run", "garage_sar", "--set", "control.algorithm=rdpos"], "control.algorithm: 'rdpos' is not"),
-        (["plan", "import", "no.yaml", "--out", "x.yaml"], "no.yaml: No such file or directory"),
+        (["plan", "import", "no.yaml", "--out", "x.yaml"], "no.yaml: there is no such file"),
         (["field", "radio", "garage_sar"], "the following arguments are required: --png"),
         (["field", "radio", "garage_sar", "--at", "1", "--png", "x.png"], "argument --at: '1' is not of the form X,Y"),
         (["field", "voice", "garage_sar", "--at", "99,1", "--png", "x.png"], "--at 99,1 lies outside the plan"),
