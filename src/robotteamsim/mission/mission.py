@@ -48,6 +48,7 @@ class Mission:
         self._team_was_running = False
         self._num_explored = 0
         self._victim_states: list[VictimState] = ["waiting"] * len(self._victims)
+        self._places_m = self._all_places_m()
         self._epoch = 0
         self._endangered_links = 0
         self._endangered: np.ndarray | None = None
@@ -130,6 +131,7 @@ class Mission:
         else:
             self._victims.append(victim)
             self._victim_states.append("waiting")
+        self._places_m = self._all_places_m()
         self._tell("victim", name, NOBODY, f"victim {name} calls at ({position_m[0]:.1f}, {position_m[1]:.1f})")
         self._change_task()
 
@@ -154,8 +156,10 @@ class Mission:
             self._elapsed_ns += sim_time_ns - self._last_step_ns
         self._last_step_ns = sim_time_ns
         if self._state == "running":
-            self._judge_victims(positions_m, voices)
-            self._judge_area(positions_m)
+            robot_ids, distances_m = _nearest(positions_m, self._places_m)
+            num_victims = len(self._victims)
+            self._judge_victims(voices, robot_ids[:num_victims], distances_m[:num_victims])
+            self._judge_area(robot_ids[num_victims:], distances_m[num_victims:])
             self._judge_links(network)
             self._judge_team(decisions)
             self._judge_end()
@@ -164,19 +168,19 @@ class Mission:
         events, self._events = tuple(self._events), []
         return events
 
-    def _judge_victims(self, positions_m: np.ndarray, voices: Sequence[VoiceReading]) -> None:
+    def _judge_victims(
+        self, voices: Sequence[VoiceReading], nearest_robots: Sequence[int], distances_m: Sequence[float]
+    ) -> None:
         if "waiting" in self._victim_states:
             for robot_id, voice in enumerate(voices):
                 if voice.heard:
                     self._hear(robot_id, voice)
-        unsaved = [i for i, state in enumerate(self._victim_states) if state != "saved"]
-        helpers, distances_m = _nearest(positions_m, [self._victims[i].position for i in unsaved])
-        for index, robot_id, distance_m in zip(unsaved, helpers, distances_m, strict=True):
-            if distance_m <= self._save_distance_m:
+        for index, victim in enumerate(self._victims):
+            if distances_m[index] <= self._save_distance_m and self._victim_states[index] != "saved":
                 self._victim_states[index] = "saved"
                 self._epoch += 1  # her voice leaves the map
-                name, count = self._victims[index].name, f"{self._victim_states.count('saved')} of {len(self._victims)}"
-                self._tell("victim_saved", name, robot_id, f"robot {robot_id} saves {name} ({count})")
+                robot_id, count = nearest_robots[index], f"{len(self.saved_victims)} of {len(self._victims)}"
+                self._tell("victim_saved", victim.name, robot_id, f"robot {robot_id} saves {victim.name} ({count})")
 
     def _hear(self, robot_id: int, voice: VoiceReading) -> None:
         unsaved = [i for i, state in enumerate(self._victim_states) if state != "saved"]
@@ -186,22 +190,22 @@ class Mission:
             name, level_db = self._victims[index].name, voice.local_best_level_db
             self._tell("victim_heard", name, robot_id, f"robot {robot_id} hears {name} at {level_db:.1f} dB")
 
-    def _judge_area(self, positions_m: np.ndarray) -> None:
+    def _judge_area(self, nearest_robots: Sequence[int], distances_m: Sequence[float]) -> None:
         if self._num_explored == len(self._areas):
             return
         area = self._areas[self._num_explored]
-        (robot_id,), (distance_m,) = _nearest(positions_m, [area.center])
-        if distance_m <= area.radius_m:
+        if distances_m[self._num_explored] <= area.radius_m:
+            robot_id = nearest_robots[self._num_explored]
             self._num_explored += 1
             self._epoch += 1
             count = f"{self._num_explored} of {len(self._areas)}"
             self._tell("area_explored", area.name, robot_id, f"robot {robot_id} explores {area.name} ({count})")
 
     def _judge_links(self, network: NetworkState) -> None:
-        fresh = network.endangered if self._endangered is None else network.endangered & ~self._endangered
-        self._endangered = network.endangered
-        if not fresh.any():
+        before, self._endangered = self._endangered, network.endangered
+        if not network.endangered.any():
             return
+        fresh = network.endangered if before is None else network.endangered & ~before
         for i, j in np.argwhere(np.triu(fresh, 1)).tolist():
             self._endangered_links += 1
             level = f"{network.rssi_dbm[i, j]:.1f} dBm"
@@ -229,6 +233,11 @@ class Mission:
         saved = self._victim_states.count("saved")
         count = f"{self._num_explored}/{len(self._areas)} areas, {saved}/{len(self._victims)} victims"
         self._tell("end", "", NOBODY, f"mission ends: {_END_DETAIL[end]}; {count}")
+
+    def _all_places_m(self) -> np.ndarray:
+        """Return where the victims are and then the areas, shape (victims + areas, 2) [m]."""
+        places = [victim.position for victim in self._victims] + [area.center for area in self._areas]
+        return np.array(places, dtype=np.float64).reshape(-1, 2)
 
     def _change_task(self) -> None:
         self._epoch += 1
@@ -258,11 +267,7 @@ class Mission:
         )
 
 
-def _nearest(positions_m: np.ndarray, places_m: Sequence[tuple[float, float]]) -> tuple[list[int], list[float]]:
-    """Return for each place which robot is nearest, the first of equals, and how far it is [m]."""
-    if not places_m:
-        return [], []
-    x, y = np.array(places_m).T
-    distances_m = np.hypot(positions_m[:, 0, None] - x, positions_m[:, 1, None] - y)
-    robot_ids = distances_m.argmin(axis=0)
-    return robot_ids.tolist(), distances_m.min(axis=0).tolist()
+def _nearest(positions_m: np.ndarray, places_m: np.ndarray) -> tuple[list[int], list[float]]:
+    """Return for each place, shape (m, 2), which robot is nearest, the first of equals, and how far it is [m]."""
+    distances_m = np.hypot(positions_m[:, 0, None] - places_m[:, 0], positions_m[:, 1, None] - places_m[:, 1])
+    return distances_m.argmin(axis=0).tolist(), distances_m.min(axis=0).tolist()
