@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Collection, Sequence
+from collections.abc import Iterable, Sequence
 
 from robotteamsim.geometry import Twist
 
@@ -39,20 +39,20 @@ class Commands:
 
 
 class Answers:
-    """Which step each controller has answered last."""
+    """Which step each of several nodes has answered last."""
 
-    def __init__(self, robot_ids: Collection[int]) -> None:
-        self._last_ns = dict.fromkeys(robot_ids, -1)
+    def __init__(self, names: Iterable[str]) -> None:
+        self._last_ns = dict.fromkeys(names, -1)
         self._closed = False
         self._changed = threading.Condition()
 
-    def put(self, robot_id: int, stamp_ns: int) -> None:
-        """Note an answer; its stamp is 0 when a controller says that it is there."""
+    def put(self, name: str, stamp_ns: int) -> None:
+        """Note an answer; its stamp is 0 when a node says that it is there."""
         with self._changed:
-            self._last_ns[robot_id] = stamp_ns
+            self._last_ns[name] = stamp_ns
             self._changed.notify_all()
 
-    def wait_for(self, stamp_ns: int, timeout_s: float) -> list[int]:
+    def wait_for(self, stamp_ns: int, timeout_s: float) -> list[str]:
         """Wait until all have answered a step, and return who has not in time [s, wall]."""
         with self._changed:
             self._changed.wait_for(lambda: self._closed or not self._missing(stamp_ns), timeout=timeout_s)
@@ -61,7 +61,7 @@ class Answers:
     def clear(self) -> None:
         """Begin again with the first step; who was there still is."""
         with self._changed:
-            self._last_ns = {robot_id: min(last_ns, 0) for robot_id, last_ns in self._last_ns.items()}
+            self._last_ns = {name: min(last_ns, 0) for name, last_ns in self._last_ns.items()}
 
     def close(self) -> None:
         """Let nobody wait any more."""
@@ -69,5 +69,5 @@ class Answers:
             self._closed = True
             self._changed.notify_all()
 
-    def _missing(self, stamp_ns: int) -> list[int]:
-        return [robot_id for robot_id, last_ns in self._last_ns.items() if last_ns < stamp_ns]
+    def _missing(self, stamp_ns: int) -> list[str]:
+        return [name for name, last_ns in self._last_ns.items() if last_ns < stamp_ns]

@@ -74,7 +74,12 @@ class Output:
     @property
     def wanted(self) -> bool:
         """Whether somebody gets the next message, now or (latched) later."""
-        return self._latched or self._publisher.get_num_connections() > 0
+        return self._latched or self.num_subscribers > 0
+
+    @property
+    def num_subscribers(self) -> int:
+        """How many nodes are connected."""
+        return self._publisher.get_num_connections()
 
     def publish(self, message: Any) -> None:
         """Send a message, unless the node is shutting down."""

@@ -62,6 +62,9 @@ class LockstepTeam(_Team):
         assert isinstance(inbox, LockstepInbox)
         self._inbox = inbox
 
+    def assemble(self) -> None:
+        """Wait for nobody: who comes late gets the first step all the same, and the second one waits for all."""
+
     def twists(self, step_index: int, sim_time_ns: int) -> list[Twist] | None:
         """Return the commands after a step, in id order; None when the node is shutting down."""
         self._now_ns = sim_time_ns
@@ -93,20 +96,28 @@ class FreeTeam(_Team):
     def __init__(self, settings: Settings, robots: Sequence[PlacedRobot], *, follow: bool) -> None:
         super().__init__(robots)
         self._follow = follow
-        self._answers = Answers(settings.controlled)
+        controllers = {f"/{robot_name(robot_id)}/controller": robot_id for robot_id in settings.controlled}
+        self._answers = Answers(controllers)
+        self._others = Answers(("/environment", "/mission"))
         rospy.on_shutdown(self._answers.close)
+        rospy.on_shutdown(self._others.close)
         for robot_id in self._ids:
             self._listen(robot_id)
-        for robot_id in settings.controlled:
-            self._listen_to_answers(robot_id)
+        for name, robot_id in controllers.items():
+            self._listen_to_answers(name, robot_id)
+        # Latched topics tell that a node is there; what they say does not matter here.
+        subscribe("/voice_map/values", rospy.AnyMsg, lambda _: self._others.put("/environment", 0))
+        subscribe("/mission/areas", rospy.AnyMsg, lambda _: self._others.put("/mission", 0))
+
+    def assemble(self) -> None:
+        """Wait until all nodes are there, with patience."""
+        for name in self._others.wait_for(0, START_PATIENCE_S) + self._answers.wait_for(0, START_PATIENCE_S):
+            rospy.logwarn(f"starting without {name}")
 
     def twists(self, step_index: int, sim_time_ns: int) -> list[Twist] | None:
         """Return the commands after a step, in id order; None when the node is shutting down."""
         self._now_ns = sim_time_ns
-        if step_index == 0:
-            for robot_id in self._answers.wait_for(0, START_PATIENCE_S):
-                rospy.logwarn(f"starting without the controller of {robot_name(robot_id)}")
-        elif self._follow:
+        if self._follow and step_index > 0:
             self._answers.wait_for(sim_time_ns, FOLLOW_PATIENCE_S)
         return None if rospy.is_shutdown() else [self._commands.at(robot_id, sim_time_ns) for robot_id in self._ids]
 
@@ -115,9 +126,9 @@ class FreeTeam(_Team):
         self._answers.clear()
         self._commands.clear()
 
-    def _listen_to_answers(self, robot_id: int) -> None:
+    def _listen_to_answers(self, name: str, robot_id: int) -> None:
         subscribe(
             f"/{robot_name(robot_id)}/cmd_vel_stamped",
             TwistStamped,
-            lambda message: self._answers.put(robot_id, conversion.stamp_ns(message)),
+            lambda message: self._answers.put(name, conversion.stamp_ns(message)),
         )

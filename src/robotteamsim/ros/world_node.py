@@ -29,6 +29,10 @@ from robotteamsim.world import World
 MAP_RESOLUTION_M = 0.05
 SERVICE_PATIENCE_S = 5.0
 """A service waits this long for the step under way [s, wall]."""
+START_NS = 1_000_000
+"""What the clock shows before the first step; to ROS, 0 means that there is no time yet."""
+QUIET_S = 1.0
+"""The world starts when no listener has come for this long [s, wall]."""
 FIRST_STEPS = 2
 """A reset comes after these: only then do all nodes see stamps jump backwards."""
 
@@ -61,7 +65,7 @@ class WorldNode:
             else FreeTeam(settings, self._robots, follow=self._pacer.is_flat_out)
         )
         self._tf = Output("/tf", TFMessage)
-        self._clock = Output("/clock", Clock)
+        self._clock = Output("/clock", Clock, latched=True)
         # In lockstep a late subscriber must still get the step that everybody waits for.
         self._topics = [RobotTopics(i, robot, settings.lockstep) for i, robot in enumerate(self._robots)]
         self._offer_map()
@@ -69,6 +73,9 @@ class WorldNode:
 
     def serve(self) -> None:
         """Step until the node is shut down."""
+        self._publish_clock(START_NS)
+        self._team.assemble()
+        self._await_listeners()
         while self._gate.wait():
             self._tick()
             twists = self._team.twists(self._world.step_index, self._world.sim_time_ns)
@@ -82,6 +89,13 @@ class WorldNode:
                 readings = self._sensors.read()
             self._publish(readings)
             self._gate.passed()
+
+    def _await_listeners(self) -> None:
+        """Wait until no new listener comes: a recorder is to get the first step, too."""
+        connected = -1
+        while connected != (now_connected := sum(topics.num_subscribers for topics in self._topics)):
+            connected = now_connected
+            self._gate.sleep(QUIET_S)
 
     def _build(self) -> None:
         seed = self._scenario.run.seed
@@ -120,8 +134,7 @@ class WorldNode:
         self._publish_clock(time_ns)
 
     def _publish_clock(self, time_ns: int) -> None:
-        if self._clock.wanted:
-            self._clock.publish(fields.clock(self._make, time_ns))
+        self._clock.publish(fields.clock(self._make, time_ns))
 
     def _offer_map(self) -> None:
         grid = fields.occupancy_grid(self._make, 0, occupancy_grid(self._scenario.plan, MAP_RESOLUTION_M))
@@ -180,6 +193,11 @@ class RobotTopics:
         self._scan = Output(f"/{name}/base_scan", LaserScan, latched=latched)
         self._ground_truth = Output(f"/{name}/base_pose_ground_truth", Odometry, latched=latched)
         self._contact = Output(f"/{name}/contact", Contact, latched=latched)
+
+    @property
+    def num_subscribers(self) -> int:
+        """How many connections they have."""
+        return sum(topic.num_subscribers for topic in (self._odom, self._scan, self._ground_truth, self._contact))
 
     def publish(self, make: conversion.RosTypes, time_ns: int, reading: RobotReading) -> None:
         """Publish one step's readings."""
