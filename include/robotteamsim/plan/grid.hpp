@@ -72,7 +72,7 @@ class PlanningGrid {
 
   bool Inside(int row, int col) const { return row >= 0 && row < shape_.rows && col >= 0 && col < shape_.cols; }
   bool Free(int row, int col) const { return Inside(row, col) && blocked_[row * shape_.cols + col] == 0; }
-  bool CanStep(int row, int col, const Step& step) const;
+  std::uint8_t ExitsOf(int cell) const;
   int RowOf(double y) const;
   int ColOf(double x) const;
   int FreeCellOf(const Point& point) const;
@@ -83,6 +83,7 @@ class PlanningGrid {
   GridShape shape_;
   std::vector<std::uint8_t> blocked_;
   std::vector<Step> steps_;
+  std::vector<std::uint8_t> exits_;  ///< bit i: step i leads from this free cell to a free one and cuts no corner
 
   // A cell's scratch entries count only where its stamp is the current search's, which saves clearing them.
   mutable std::uint32_t search_ = 0;

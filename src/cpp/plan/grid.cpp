@@ -1,6 +1,7 @@
 #include "robotteamsim/plan/grid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -60,6 +61,8 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
       }
     }
   }
+  exits_.resize(blocked_.size());
+  for (int cell = 0; cell < static_cast<int>(blocked_.size()); ++cell) exits_[cell] = ExitsOf(cell);
   stamp_.assign(blocked_.size(), 0);
   length_.resize(blocked_.size());
   parent_.resize(blocked_.size());
@@ -86,9 +89,18 @@ Point PlanningGrid::Center(int cell) const {
           shape_.origin.y + (cell / shape_.cols + 0.5) * shape_.resolution};
 }
 
-bool PlanningGrid::CanStep(int row, int col, const Step& step) const {
-  if (!Free(row + step.d_row, col + step.d_col)) return false;
-  return step.d_row == 0 || step.d_col == 0 || (Free(row + step.d_row, col) && Free(row, col + step.d_col));
+std::uint8_t PlanningGrid::ExitsOf(int cell) const {
+  const int row = cell / shape_.cols;
+  const int col = cell % shape_.cols;
+  if (!Free(row, col)) return 0;
+  std::uint8_t exits = 0;
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const Step& step = steps_[i];
+    if (!Free(row + step.d_row, col + step.d_col)) continue;
+    if (step.d_row != 0 && step.d_col != 0 && (!Free(row + step.d_row, col) || !Free(row, col + step.d_col))) continue;
+    exits = static_cast<std::uint8_t>(exits | (1U << i));
+  }
+  return exits;
 }
 
 bool PlanningGrid::IsFree(const Point& point) const { return FreeCellOf(point) >= 0; }
@@ -145,24 +157,32 @@ bool PlanningGrid::IsLineFree(const Point& a, const Point& b) const {
 std::vector<float> PlanningGrid::DistanceField(const Point& goal) const {
   const int start = FreeCellOf(goal);
   if (start < 0) throw std::invalid_argument("the goal of a distance field must be free");
+  // Dijkstra with buckets as wide as the shortest step: no cell of a bucket can shorten another one's way, so the order
+  // within a bucket does not matter. The longest step reaches two buckets ahead.
   std::vector<double> distance(blocked_.size(), kInfinity);
-  using Entry = std::pair<double, int>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  std::array<std::vector<int>, 4> buckets;
+  const double width = shape_.resolution * (1.0 - 1e-9);
+  const auto bucket_of = [&](double length) { return static_cast<std::size_t>(length / width) % buckets.size(); };
   distance[start] = 0.0;
-  open.emplace(0.0, start);
-  while (!open.empty()) {
-    const auto [length, cell] = open.top();
-    open.pop();
-    if (length > distance[cell]) continue;
-    const int row = cell / shape_.cols;
-    const int col = cell % shape_.cols;
-    for (const Step& step : steps_) {
-      if (!CanStep(row, col, step)) continue;
-      const double new_length = length + step.length;
-      if (new_length >= distance[cell + step.offset]) continue;
-      distance[cell + step.offset] = new_length;
-      open.emplace(new_length, cell + step.offset);
+  buckets[0].push_back(start);
+  std::size_t num_open = 1;
+  for (std::size_t current = 0; num_open > 0; current = (current + 1) % buckets.size()) {
+    for (std::size_t i = 0; i < buckets[current].size(); ++i) {
+      const int cell = buckets[current][i];
+      const double length = distance[cell];
+      if (bucket_of(length) != current) continue;  // a shorter way was found since
+      for (std::size_t s = 0; s < steps_.size(); ++s) {
+        if ((exits_[cell] >> s & 1U) == 0) continue;
+        const Step& step = steps_[s];
+        const double new_length = length + step.length;
+        if (new_length >= distance[cell + step.offset]) continue;
+        distance[cell + step.offset] = new_length;
+        buckets[bucket_of(new_length)].push_back(cell + step.offset);
+        ++num_open;
+      }
     }
+    num_open -= buckets[current].size();
+    buckets[current].clear();
   }
   return {distance.begin(), distance.end()};
 }
@@ -212,10 +232,9 @@ std::vector<Point> PlanningGrid::ShortestPath(const Point& from, const Point& to
     if (entry.cell == goal) break;
     const double length = length_[entry.cell];
     if (entry.total > length + entry.remaining) continue;  // a shorter way was found since
-    const int row = entry.cell / shape_.cols;
-    const int col = entry.cell % shape_.cols;
-    for (const Step& step : steps_) {
-      if (CanStep(row, col, step)) reach(entry.cell + step.offset, entry.cell, length + step.length);
+    for (std::size_t s = 0; s < steps_.size(); ++s) {
+      if ((exits_[entry.cell] >> s & 1U) == 0) continue;
+      reach(entry.cell + steps_[s].offset, entry.cell, length + steps_[s].length);
     }
   }
   std::vector<Point> path;
@@ -251,12 +270,13 @@ std::optional<Point> PlanningGrid::BestReachable(const Point& from, double radiu
       best = cell;
       best_value = cell_value;
     }
-    const int row = cell / shape_.cols;
-    const int col = cell % shape_.cols;
     const Point center = Center(cell);
-    for (const Step& step : steps_) {
+    for (std::size_t s = 0; s < steps_.size(); ++s) {
+      const Step& step = steps_[s];
+      // Every diagonal step has a way around by two straight ones.
+      if ((exits_[cell] >> s & 1U) == 0 || (step.d_row != 0 && step.d_col != 0)) continue;
       const int next = cell + step.offset;
-      if (!CanStep(row, col, step) || stamp_[next] == search_) continue;
+      if (stamp_[next] == search_) continue;
       const Point next_center{center.x + step.d_col * shape_.resolution, center.y + step.d_row * shape_.resolution};
       if (SquaredDistance(next_center, from) > radius * radius) continue;
       stamp_[next] = search_;
