@@ -17,17 +17,19 @@ from visualization_msgs.msg import Marker, MarkerArray
 from robotteamsim.geometry import Pose
 from robotteamsim.msg import Areas, ControllerStatus, FloatMap, MissionEvent, MissionStatus, NetworkState, Victims
 from robotteamsim.ros import msg_conversion, scene_laser, scene_mission, scene_plan, scene_team
-from robotteamsim.ros.node import parameter, read_settings, run
+from robotteamsim.ros.node import Output, parameter, read_settings, run
 from robotteamsim.ros.scene_feed import GROUND_TRUTH, Feed, robot_topics
 from robotteamsim.ros.scene_shapes import FRAME, Shown
-from robotteamsim.scenario import Scenario
+from robotteamsim.scenario import Scenario, occupancy_grid
+from robotteamsim.scenario.plan import OCCUPIED
 from robotteamsim.scenario.sections import Robot
 
 DRAW_PERIOD_S = 0.1
 TRAIL_PERIOD_S = 0.5
 DISCOVERY_PERIOD_S = 0.5
 IDLE_SHARE = 4.0
-"""After each drawing the node rests at least this many times as long: many robots are drawn less often."""
+"""After each drawing the node rests this many times as long, up to a limit: many robots are drawn less often."""
+MAX_IDLE_S = 0.5
 TRAIL_POINTS = 6_000
 """Of all robots together."""
 WALL_HEIGHT_M = 1.1
@@ -44,19 +46,19 @@ def _serve() -> None:
         started_s = time.monotonic()
         scene.step(started_s)
         drawing_s = time.monotonic() - started_s
-        scene.wait(max(DRAW_PERIOD_S - drawing_s, IDLE_SHARE * drawing_s))
+        scene.wait(max(DRAW_PERIOD_S - drawing_s, min(IDLE_SHARE * drawing_s, MAX_IDLE_S)))
 
 
 class Canvas:
     """One latched topic of markers, and what of it is on display."""
 
     def __init__(self, topic: str) -> None:
-        self._publisher = rospy.Publisher(topic, MarkerArray, queue_size=2, latch=True)
+        self._output = Output(topic, MarkerArray, latched=True)
         self._shown = Shown()
 
     def draw(self, markers: Iterable[Marker]) -> None:
         """Replace what the topic shows."""
-        self._publisher.publish(MarkerArray(self._shown.update(markers)))
+        self._output.publish(MarkerArray(self._shown.update(markers)))
 
 
 class RobotFeed:
@@ -66,7 +68,7 @@ class RobotFeed:
         self._id = robot_id
         self._prefix = prefix
         self._robot = robot
-        self._truth = Feed(prefix + GROUND_TRUTH, Odometry, keep=200)
+        self._truth = Feed(prefix + GROUND_TRUTH, Odometry, keep=1000)
         self._status = Feed(f"{prefix}controller/status", ControllerStatus)
         self._scan: Feed | None = None
         self._recent: dict[int, Pose] = {}
@@ -75,7 +77,7 @@ class RobotFeed:
 
     def look(self, trail_points: int) -> bool:
         """Take in what came; return whether anything did."""
-        truths = self._truth.take(at_most=10)
+        truths = self._truth.take(at_most=20)
         for truth in truths:
             pose = msg_conversion.odometry_reading(truth).pose.pose
             stamp_ns = msg_conversion.stamp_ns(truth)
@@ -134,7 +136,7 @@ class Scene:
         self._placed = scenario.placed_robots()
         layers = ("building", "doors", "voice", "areas", "victims", "trails", "links", "robots", "headline")
         self._canvas = {layer: Canvas(f"/scene/{layer}") for layer in layers}
-        self._laser = rospy.Publisher("/scene/laser", PointCloud2, queue_size=2, latch=True)
+        self._laser = Output("/scene/laser", PointCloud2)
         self._robots: dict[int, RobotFeed] = {}
         self._status = Feed("/mission/status", MissionStatus)
         self._events = Feed("/mission/events", MissionEvent, keep=1000)
@@ -161,11 +163,15 @@ class Scene:
         self._canvas["building"].draw(scene_plan.building_markers(plan, self._wall_height_m))
         self._draw_doors({door.name: door.closed for door in plan.doors})
         areas = [scene_mission.AreaView(area.name, area.center, area.radius_m) for area in mission.areas]
-        victims = [scene_mission.VictimView(victim.name, victim.position) for victim in mission.victims]
         self._canvas["areas"].draw(scene_mission.area_markers(areas))
-        self._canvas["victims"].draw(scene_mission.victim_markers(victims, mission.save_distance_m))
+        self._draw_victims([scene_mission.VictimView(victim.name, victim.position) for victim in mission.victims])
         for layer in ("voice", "trails", "links", "robots", "headline"):
             self._canvas[layer].draw([])
+
+    def _draw_victims(self, victims: list[scene_mission.VictimView]) -> None:
+        distance_m = self._scenario.mission.save_distance_m
+        self._written_m = [scene_mission.name_spot_m(victim, distance_m) for victim in victims]
+        self._canvas["victims"].draw(scene_mission.victim_markers(victims, distance_m))
 
     def _draw_doors(self, closed: dict[str, bool]) -> None:
         self._closed = closed
@@ -203,9 +209,9 @@ class Scene:
             ]
             self._canvas["areas"].draw(scene_mission.area_markers(views))
         if victims is not None:
-            people = [scene_mission.VictimView(v.name, (v.position.x, v.position.y), v.state) for v in victims.victims]
-            distance_m = self._scenario.mission.save_distance_m
-            self._canvas["victims"].draw(scene_mission.victim_markers(people, distance_m))
+            self._draw_victims(
+                [scene_mission.VictimView(v.name, (v.position.x, v.position.y), v.state) for v in victims.victims]
+            )
         if status is not None:
             self._draw_headline(status)
         changes = dict(filter(None, map(scene_plan.door_change, self._events.take())))
@@ -235,7 +241,10 @@ class Scene:
         if voice is not None:
             levels_db = np.asarray(voice.data).reshape(voice.height, voice.width)
             origin_m = (voice.origin.x, voice.origin.y)
-            self._canvas["voice"].draw(scene_mission.voice_markers(origin_m, voice.resolution_m, levels_db))
+            grid = occupancy_grid(self._scenario.plan, voice.resolution_m)
+            same = grid.origin_m == origin_m and grid.cells.shape == levels_db.shape
+            solid = grid.cells == OCCUPIED if same else None
+            self._canvas["voice"].draw(scene_mission.voice_markers(origin_m, voice.resolution_m, levels_db, solid))
 
     def _draw_team(self, now_s: float) -> None:
         trail_points = max(100, TRAIL_POINTS // max(1, len(self._robots)))
@@ -248,7 +257,7 @@ class Scene:
             return
         views = [view for view in (robot.view() for robot in self._robots.values()) if view is not None]
         positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
-        self._canvas["robots"].draw(scene_team.team_markers(views))
+        self._canvas["robots"].draw(scene_team.team_markers(views, self._written_m))
         self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m))
         if now_s >= self._trails_due_s:
             self._trails_due_s = now_s + TRAIL_PERIOD_S
@@ -258,8 +267,7 @@ class Scene:
             )
 
     def _draw_laser(self) -> None:
-        wanted = self._laser.get_num_connections() > 0
-        new = {robot_id: robot.scan(wanted) for robot_id, robot in self._robots.items()}
+        new = {robot_id: robot.scan(self._laser.wanted) for robot_id, robot in self._robots.items()}
         fresh = {robot_id: scan for robot_id, scan in new.items() if scan is not None}
         if fresh:
             self._scans |= fresh

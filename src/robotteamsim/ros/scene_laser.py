@@ -12,6 +12,8 @@ from robotteamsim.geometry import Pose
 from robotteamsim.ros.scene_shapes import FRAME
 from robotteamsim.ros.scene_team import robot_colour
 
+IN_FRONT_M = 0.06
+
 _POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4")])
 
 
@@ -33,12 +35,15 @@ class ScanView:
 
 
 def scan_points_m(scan: ScanView) -> np.ndarray:
-    """Return the points that a scan hit, float64, shape (hits, 2), in the map frame [m]."""
+    """Return the points that a scan hit, float64, shape (hits, 2), in the map frame [m].
+
+    They lie a little in front of what was hit, or it would cover half of each.
+    """
     ranges_m = np.asarray(scan.ranges_m, dtype=float)
     hit = np.isfinite(ranges_m) & (ranges_m >= scan.range_min_m) & (ranges_m < scan.range_max_m)
     angles_rad = scan.laser.yaw_rad + scan.angle_min_rad + scan.angle_step_rad * np.flatnonzero(hit)
     away = np.column_stack((np.cos(angles_rad), np.sin(angles_rad)))
-    return np.array([scan.laser.x_m, scan.laser.y_m]) + ranges_m[hit, None] * away
+    return np.array([scan.laser.x_m, scan.laser.y_m]) + (ranges_m[hit, None] - IN_FRONT_M) * away
 
 
 def cloud(scans: Sequence[ScanView]) -> PointCloud2:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import contourpy
 import numpy as np
+import shapely
+from scipy import ndimage
 from visualization_msgs.msg import Marker
 
 from robotteamsim.ros.scene_plan import AREA_Z_M, VOICE_Z_M
@@ -80,6 +82,11 @@ def victim_markers(victims: Sequence[VictimView], save_distance_m: float) -> lis
     return [part for i, victim in enumerate(victims) for part in _victim_parts(i, victim, save_distance_m)]
 
 
+def name_spot_m(victim: VictimView, save_distance_m: float) -> tuple[float, float]:
+    """Return where a victim's name stands, south of her ring [m]."""
+    return (victim.position_m[0], victim.position_m[1] - save_distance_m - 0.7)
+
+
 def _victim_parts(index: int, victim: VictimView, save_distance_m: float) -> Iterable[Marker]:
     tint = VICTIM_COLOURS[victim.state]
     x, y = victim.position_m
@@ -102,7 +109,7 @@ def _victim_parts(index: int, victim: VictimView, save_distance_m: float) -> Ite
     ring.ring((x, y), save_distance_m - 0.1, save_distance_m, AREA_Z_M + 0.01, tint)
     yield drawn_below(ring.marker("victim_rings", index), DISC_LAYER)
     words = victim.name.replace("_", " ")
-    yield label("victim_names", index, words, tint, (x, y + save_distance_m + 0.6, 0.4), 1.1)
+    yield label("victim_names", index, words, tint, (*name_spot_m(victim, save_distance_m), 0.4), 1.1)
 
 
 def area_markers(areas: Sequence[AreaView]) -> list[Marker]:
@@ -120,13 +127,21 @@ def _area_parts(index: int, area: AreaView) -> Iterable[Marker]:
     yield label("area_numbers", index, f"A{index + 1}", tint, (*area.center_m, 0.4), 1.4)
 
 
-def voice_markers(origin_m: tuple[float, float], resolution_m: float, levels_db: np.ndarray) -> list[Marker]:
+def voice_markers(
+    origin_m: tuple[float, float], resolution_m: float, levels_db: np.ndarray, solid: np.ndarray | None = None
+) -> list[Marker]:
     """Return the voice map as a coloured film over the floor with a contour every 10 dB; nothing where all is silent.
 
-    Args: origin_m: lower left corner of the lower left cell [m].  levels_db: shape (rows, cols), row 0 at the lowest
-          y; 0 where silent.
+    Args:
+        origin_m: lower left corner of the lower left cell [m].
+        levels_db: shape (rows, cols), row 0 at the lowest y; 0 where silent.
+        solid: bool, of the same shape: cells in walls, which are silent in the map; here they take the level beside
+            them, or every pillar would tear a hole into the film and draw contours around itself.
     """
     levels_db = np.asarray(levels_db, dtype=float)
+    if solid is not None and not solid.all():
+        beside = ndimage.distance_transform_edt(solid, return_distances=False, return_indices=True)
+        levels_db = levels_db[tuple(beside)]
     stride = max(1, math.ceil(math.sqrt(levels_db.size / MAX_VOICE_CELLS)))
     x_m = origin_m[0] + (np.arange(levels_db.shape[1]) + 0.5) * resolution_m
     y_m = origin_m[1] + (np.arange(levels_db.shape[0]) + 0.5) * resolution_m
@@ -146,12 +161,15 @@ def _voice_film(x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray) -> Mesh
         full = gradient(VOICE_COLOURS, level_db)
         return faded(full, full[3] * min(1.0, max(0.0, level_db - faintest_db) / VOICE_FADE_DB))
 
-    film = Mesh()
-    tints = [[tint(level_db) for level_db in row] for row in levels_db.tolist()]
     inner = heard[:-1, :-1] | heard[:-1, 1:] | heard[1:, :-1] | heard[1:, 1:]
-    for r, c in np.argwhere(inner).tolist():
-        around = ((r, c), (r, c + 1), (r + 1, c + 1), (r + 1, c))
-        film.quad([(x_m[j], y_m[i], VOICE_Z_M) for i, j in around], [tints[i][j] for i, j in around])
+    columns = len(x_m)
+    lower_left = [row * columns + column for row, column in np.argwhere(inner).tolist()]
+    film = Mesh()
+    film.sheet(
+        [(x, y, VOICE_Z_M) for y in y_m.tolist() for x in x_m.tolist()],
+        [tint(level_db) for level_db in levels_db.ravel().tolist()],
+        [(first, first + 1, first + columns + 1, first + columns) for first in lower_left],
+    )
     return film
 
 
@@ -159,7 +177,8 @@ def _contours(x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray) -> Iterat
     generator = contourpy.contour_generator(x_m, y_m, levels_db)
     for level_db in np.arange(VOICE_CONTOUR_DB, levels_db.max(), VOICE_CONTOUR_DB):
         for line in generator.lines(level_db):
-            points = [(x, y, VOICE_Z_M + 0.004) for x, y in np.asarray(line).tolist()[::3]]
+            smooth = shapely.LineString(np.asarray(line)).simplify(0.5 * (x_m[1] - x_m[0]))
+            points = [(x, y, VOICE_Z_M + 0.004) for x, y in smooth.coords]
             for start, end in itertools.pairwise(points):
                 yield start, end, VOICE_CONTOUR
 

@@ -13,7 +13,7 @@ from visualization_msgs.msg import Marker
 
 FRAME = "map"
 
-# What lies flat on the floor and is see-through, from the top to the bottom: see `drawn_below`.
+# What is flat and see-through on the floor, from the top to the bottom: see `drawn_below`.
 TRAIL_LAYER = 1
 DISC_LAYER = 2
 CONTOUR_LAYER = 3
@@ -111,14 +111,15 @@ def lines(
 
 
 def drawn_below(item: Marker, layer: int) -> Marker:
-    """Return the marker such that rviz paints it before all see-through markers of lower layers; layer >= 1.
+    """Return the marker such that rviz paints it before what is see-through in lower layers, or in none (0).
 
     rviz paints what is see-through from the farthest to the nearest, as told by the origins of the poses. So the
-    origin is sunk into the ground, and the points are raised by as much. Changes and returns the marker.
+    origin is sunk into the ground and the points are raised by as much; no deeper than needed, as rviz computes with
+    24 bits and the layers are a centimetre apart. Changes and returns the marker.
     """
-    depth_m = 1000.0 * layer
+    depth_m = 100.0 + 5.0 * layer
     item.pose.position.z -= depth_m
-    for point in item.points:
+    for point in {id(point): point for point in item.points}.values():  # triangles may share their corners
         point.z += depth_m
     return item
 
@@ -151,6 +152,15 @@ class Mesh:
         """Add a quadrilateral; corners in order around it."""
         for i, j, k in ((0, 1, 2), (0, 2, 3)):
             self.triangle((corners[i], corners[j], corners[k]), (tints[i], tints[j], tints[k]))
+
+    def sheet(self, corners: Sequence[Position], tints: Sequence[Colour], quads: Iterable[Sequence[int]]) -> None:
+        """Add many quadrilaterals that share corners, each given by the indices of its four in order around it."""
+        points = [Point(*corner) for corner in corners]
+        colours = [ColorRGBA(*tint) for tint in tints]
+        for a, b, c, d in quads:
+            for index in (a, b, c, a, c, d):
+                self._points.append(points[index])
+                self._colours.append(colours[index])
 
     def polygon(self, shape: shapely.Geometry, z_m: float, tint: Colour) -> None:
         """Add a flat polygon, with holes or of several parts, at a height."""

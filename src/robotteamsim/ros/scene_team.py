@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
@@ -43,16 +44,17 @@ LINK_COLOURS = (
 )
 """Colour by signal [dBm]: red at the threshold below which a link is in danger."""
 RELAYED = colour("#8d97a3")
-LINK_HEIGHT_M = 0.6
+LINK_HEIGHT_M = 0.36
 DASH_M = 0.8
-MAX_HOP_LABELS = 28
-"""A team of 8 still gets the hop count of every pair; beyond that the numbers would hide the scene."""
+FEW_ROBOTS = 8
+"""So many still get every pair's link and hop count; beyond that they would hide the scene."""
 
 RING_MARGIN_M = 0.55
 """A robot is a few pixels wide when the whole building is in view; a ring this far around it shows where it is."""
 RING_WIDTH_M = 0.14
 RING_Z_M = TRAIL_Z_M - 0.01
 LABEL_DISTANCE_M = 1.6
+LABEL_M = 1.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +74,7 @@ def robot_colour(robot_id: int) -> Colour:
 
 
 def label_offset(position_m: tuple[float, float], others_m: Iterable[tuple[float, float]]) -> tuple[float, float]:
-    """Return where a robot's number stands relative to it [m]: away from its neighbours, north when alone."""
+    """Return where a robot's number stands relative to it [m]: away from what is near, north when alone."""
     x, y = 0.0, 0.25
     for other_x, other_y in others_m:
         dx, dy = position_m[0] - other_x, position_m[1] - other_y
@@ -82,17 +84,23 @@ def label_offset(position_m: tuple[float, float], others_m: Iterable[tuple[float
     return (LABEL_DISTANCE_M * x / length, LABEL_DISTANCE_M * y / length)
 
 
-def team_markers(views: Sequence[RobotView]) -> list[Marker]:
-    """Return the markers of all robots; their numbers stand clear of each other."""
+def team_markers(views: Sequence[RobotView], written_m: Sequence[tuple[float, float]] = ()) -> list[Marker]:
+    """Return the markers of all robots; their numbers stand clear of each other.
+
+    Args: written_m: where other words stand, to keep clear of [m].
+    """
     spots = [(view.pose.x_m, view.pose.y_m) for view in views]
+    label_m = LABEL_M if len(views) <= FEW_ROBOTS else 0.65 * LABEL_M
     return [
         part
         for i, view in enumerate(views)
-        for part in robot_markers(view, label_offset(spots[i], (*spots[:i], *spots[i + 1 :])))
+        for part in robot_markers(view, label_offset(spots[i], (*spots[:i], *spots[i + 1 :], *written_m)), label_m)
     ]
 
 
-def robot_markers(view: RobotView, label_offset_m: tuple[float, float] = (0.0, LABEL_DISTANCE_M)) -> list[Marker]:
+def robot_markers(
+    view: RobotView, label_offset_m: tuple[float, float] = (0.0, LABEL_DISTANCE_M), label_m: float = LABEL_M
+) -> list[Marker]:
     """Return body, deck, heading wedge, laser, number, and a ring with an arrow to find the robot from far away.
 
     An excluded robot has a grey ring, arrow and number; its deck keeps its colour.
@@ -113,6 +121,7 @@ def robot_markers(view: RobotView, label_offset_m: tuple[float, float] = (0.0, L
     def flat(name: str, kind: int, tint: Colour, z: float, corners: Sequence[tuple[float, float]]) -> Marker:
         result = part(name, kind, tint, (x, y, z), (1.0, 1.0, 1.0))
         result.points = [Point(along, across, 0.0) for along, across in corners]
+        result.colors = [ColorRGBA(*tint)] * len(corners)
         return result
 
     ring = flat("rings", Marker.LINE_STRIP, sign, RING_Z_M, circle_points(ring_m, 24, closed=True))
@@ -133,7 +142,7 @@ def robot_markers(view: RobotView, label_offset_m: tuple[float, float] = (0.0, L
             f"R{view.robot_id}",
             sign,
             (x + label_offset_m[0], y + label_offset_m[1], height_m + 0.3),
-            1.1,
+            label_m,
         ),
     ]
 
@@ -204,10 +213,18 @@ class LinkView:
 
 
 def link_views(network: NetworkState) -> list[LinkView]:
-    """Return every pair of robots once, ordered by their ids."""
+    """Return every pair of robots once, ordered by their ids; of many robots only the links that hold them together.
+
+    Those are the links that no third robot offers a better way around (the relative neighbourhood graph by signal):
+    few, hardly crossing each other, and they connect whatever all links connect.
+    """
+    pairs = list(itertools.combinations(range(len(network.adjacency)), 2))
+    if len(network.adjacency) > FEW_ROBOTS:
+        rssi_dbm = np.where(network.adjacency, network.rssi_dbm, -np.inf)
+        pairs = [(i, j) for i, j in pairs if np.minimum(rssi_dbm[i], rssi_dbm[j]).max() < rssi_dbm[i, j]]
     return [
         LinkView(i, j, float(network.rssi_dbm[i, j]), bool(network.adjacency[i, j]), int(network.hop_count[i, j]))
-        for i, j in itertools.combinations(range(len(network.adjacency)), 2)
+        for i, j in pairs
     ]
 
 
@@ -224,11 +241,9 @@ def link_markers(links: Sequence[LinkView], positions_m: Mapping[int, tuple[floa
         tint = gradient(LINK_COLOURS, link.rssi_dbm) if link.linked else RELAYED
         if link.linked:
             solid.append((start, end, tint))
-        elif len(reachable) <= MAX_HOP_LABELS:
-            dashed += [(a, b, tint) for a, b in _dashes(start, end)]
         else:
-            continue
-        if len(reachable) <= MAX_HOP_LABELS and math.dist(start, end) > 3.0:
+            dashed += [(a, b, tint) for a, b in _dashes(start, end)]
+        if len(positions_m) <= FEW_ROBOTS and math.dist(start, end) > 3.0:
             # Not both at the middle: in a chain of robots the long pair lies on the short ones.
             x, y, _ = _between(start, end, 0.5 if link.linked else 0.4)
             numbers.append(label("hops", i, str(link.hop_count), tint, (x, y, LINK_HEIGHT_M + 0.5), 0.9))

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from robotteamsim.geometry import Pose
-from robotteamsim.ros.scene_laser import ScanView, cloud, scan_points_m
+from robotteamsim.ros.scene_laser import IN_FRONT_M, ScanView, cloud, scan_points_m
 from robotteamsim.ros.scene_team import robot_colour
-
 
 ORIGIN = Pose(0.0, 0.0, 0.0)
 
@@ -16,7 +15,7 @@ def scan(ranges_m, *, robot_id=0, laser=ORIGIN):
 
 
 def test_points_lie_along_the_beams_in_the_map_frame():
-    points_m = scan_points_m(scan([1.0, 2.0, 3.0], laser=Pose(10.0, 20.0, math.pi / 2)))
+    points_m = scan_points_m(scan(np.array([1.0, 2.0, 3.0]) + IN_FRONT_M, laser=Pose(10.0, 20.0, math.pi / 2)))
     assert points_m == pytest.approx(np.array([[11.0, 20.0], [10.0, 22.0], [7.0, 20.0]]))
 
 

@@ -131,3 +131,13 @@ def test_headline_stands_behind_the_building():
     )
     assert item.pose.position.x == 10.0
     assert item.pose.position.y > 12.0
+
+
+def test_pillar_tears_no_hole_into_the_voice_layer():
+    whole, torn = fading_voice(), fading_voice()
+    solid = np.zeros(whole.shape, dtype=bool)
+    solid[10:12, 12:14] = True
+    torn[solid] = 0.0
+    (film, _), (mended, _) = voice_markers((0.0, 0.0), 0.5, whole), voice_markers((0.0, 0.0), 0.5, torn, solid)
+    assert len(mended.points) == len(film.points)
+    assert [tint.a for tint in mended.colors] == pytest.approx([tint.a for tint in film.colors], abs=0.1)

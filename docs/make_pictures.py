@@ -1,0 +1,208 @@
+"""Make the pictures of README and docs anew: run the garage mission, halt it at a good moment, and look with rviz.
+
+Needs no display: rviz draws on a virtual one, by software. Run by `make pictures`; takes about two minutes.
+"""
+
+from __future__ import annotations
+
+import copy
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import rospy
+import yaml
+from nav_msgs.msg import Odometry
+from PIL import Image
+from robotteamsim.msg import MissionStatus
+from robotteamsim.srv import Step
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
+
+ROOT = Path(__file__).resolve().parents[1]
+IMAGES = ROOT / "docs" / "images"
+CONFIG = ROOT / "rviz" / "robotteamsim.rviz"
+
+SIZE = (1600, 900)
+FINER = 2
+"""rviz draws this many times as large; reducing the picture smooths its edges."""
+MOMENT_STEPS = 2501
+"""The mission, which begins with the first step, is halted after these: at 250 s."""
+RUN = ("seed:=7", "lockstep:=true", "speed:=20", "rviz:=false", "mission_stays:=true")
+PATIENCE_S = 120.0
+
+LOOK_PERIOD_S = 1.5
+STILL_LOOKS = 3
+"""So many looks in a row must be equal: rviz fills the scene in bit by bit."""
+MIN_COLOURS = 200
+"""A blank screen and rviz's splash have fewer."""
+
+
+def orbit(x_m: float, y_m: float, distance_m: float, pitch_rad: float, yaw_rad: float) -> dict[str, Any]:
+    """Return an rviz view that looks at a point of the floor; yaw 4.71 looks north."""
+    return {
+        "Class": "rviz/Orbit",
+        "Name": "Orbit",
+        "Distance": distance_m,
+        "Focal Point": {"X": x_m, "Y": y_m, "Z": 0.2},
+        "Near Clip Distance": 0.1,
+        "Pitch": pitch_rad,
+        "Yaw": yaw_rad,
+        "Target Frame": "<Fixed Frame>",
+    }
+
+
+def from_above(x_m: float, y_m: float, pixels_per_m: float) -> dict[str, Any]:
+    """Return an rviz view straight down."""
+    return {
+        "Class": "rviz/TopDownOrtho",
+        "Name": "From above",
+        "Angle": 0,
+        "Scale": pixels_per_m,
+        "X": x_m,
+        "Y": y_m,
+        "Target Frame": "<Fixed Frame>",
+    }
+
+
+def main() -> None:
+    """Write all pictures."""
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    with ExitStack() as stack:
+        scratch = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        display = stack.enter_context(virtual_display())
+        port = free_port()
+        os.environ |= {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOSTNAME": "localhost", "PWD": str(scratch)}
+        launch = ["roslaunch", "-p", str(port), "robotteamsim", "garage_sar.launch", *RUN]
+        stack.enter_context(running(launch, scratch / "launch.log"))
+        stack.enter_context(running(["rosrun", "robotteamsim", "scene"], scratch / "scene.log"))
+        x_m, y_m = halt_at_the_moment()
+        views = {
+            "garage_sar": None,
+            "garage_sar_from_above": from_above(30.0, 21.0, 20.0 * FINER),
+            "garage_sar_close": orbit(x_m, y_m, 16.0, 0.75, 4.4),
+        }
+        for name, view in views.items():
+            path = IMAGES / f"{name}.png"
+            take_picture(display, view, scratch, path)
+            print(f"{path.relative_to(ROOT)}: {path.stat().st_size // 1024} kB")
+
+
+@contextmanager
+def running(command: list[str], log: Path, **options: Any) -> Iterator[subprocess.Popen[bytes]]:
+    """Run a program and end it, and it alone, by its process id."""
+    with log.open("wb") as output:
+        process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, **options)
+        try:
+            yield process
+        finally:
+            process.terminate()
+            process.wait()
+
+
+@contextmanager
+def virtual_display() -> Iterator[str]:
+    """Start Xvfb on a display that is free and yield its name."""
+    width, height = (FINER * pixels for pixels in SIZE)
+    reader, writer = os.pipe()
+    screen = ["-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp", "-displayfd", str(writer)]
+    with running(["Xvfb", *screen], Path(os.devnull), pass_fds=[writer]):
+        os.close(writer)
+        with os.fdopen(reader) as lines:
+            yield f":{lines.readline().strip()}"
+
+
+def free_port() -> int:
+    """Return a port that nobody listens on."""
+    with socket.socket() as listener:
+        listener.bind(("localhost", 0))
+        return int(listener.getsockname()[1])
+
+
+def halt_at_the_moment() -> tuple[float, float]:
+    """Let the mission run from its start to the moment and stand still; return the middle of the team there [m]."""
+    wait_for_master()
+    rospy.init_node("make_pictures", disable_rostime=True)
+    rospy.wait_for_message("/scene/robots", MarkerArray, PATIENCE_S)
+    rospy.wait_for_message("/mission/status", MissionStatus, PATIENCE_S)
+    for name in ("/pause", "/reset"):  # the scene may have missed the first steps, which would cut the trails
+        call(name, Trigger)
+    call("/step", Step, MOMENT_STEPS)
+    poses = [
+        rospy.wait_for_message(f"/robot_{robot_id}/base_pose_ground_truth", Odometry, PATIENCE_S).pose.pose
+        for robot_id in range(rospy.get_param("/robotteamsim/robots"))
+    ]
+    return (
+        sum(pose.position.x for pose in poses) / len(poses),
+        sum(pose.position.y for pose in poses) / len(poses),
+    )
+
+
+def call(name: str, kind: type, *arguments: Any) -> None:
+    """Call a service that must succeed."""
+    rospy.wait_for_service(name, PATIENCE_S)
+    answer = rospy.ServiceProxy(name, kind)(*arguments)
+    if not answer.success:
+        sys.exit(f"make_pictures: {name}: {answer.message}")
+
+
+def wait_for_master() -> None:
+    """Wait until the master that roslaunch starts is up."""
+    deadline_s = time.monotonic() + PATIENCE_S
+    while not master_answers():
+        if time.monotonic() > deadline_s:
+            sys.exit("make_pictures: roslaunch starts no master")
+        time.sleep(0.2)
+
+
+def master_answers() -> bool:
+    """Whether the master is up."""
+    try:
+        rospy.get_master().getPid()
+    except OSError:
+        return False
+    return True
+
+
+def take_picture(display: str, view: dict[str, Any] | None, scratch: Path, path: Path) -> None:
+    """Look at the scene with rviz, wait until nothing changes any more, and write what is seen."""
+    config = copy.deepcopy(yaml.safe_load(CONFIG.read_text(encoding="utf-8")))
+    if view is not None:
+        config["Visualization Manager"]["Views"]["Current"] = view
+    width, height = (FINER * pixels for pixels in SIZE)
+    config["Window Geometry"] |= {"Width": width, "Height": height}
+    config_path = scratch / "view.rviz"
+    config_path.write_text(yaml.safe_dump(config), encoding="utf-8")
+    rviz = ["rviz", "--fullscreen", "-d", str(config_path)]
+    environment = os.environ | {"DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1", "QT_QPA_PLATFORM": "xcb"}
+    with running(rviz, scratch / "rviz.log", env=environment):
+        picture = still_picture(display, scratch / "screen.png")
+    picture.convert("RGB").resize(SIZE, Image.Resampling.LANCZOS).save(path, optimize=True)
+
+
+def still_picture(display: str, path: Path) -> Image.Image:
+    """Return the screen once it shows something and has not changed for a while."""
+    deadline_s = time.monotonic() + PATIENCE_S
+    last, same = b"", 0
+    while same < STILL_LOOKS:
+        if time.monotonic() > deadline_s:
+            sys.exit("make_pictures: rviz does not come to rest")
+        time.sleep(LOOK_PERIOD_S)
+        subprocess.run(["import", "-display", display, "-window", "root", str(path)], check=True)
+        with Image.open(path) as screen:
+            picture = screen.convert("RGB")
+        drawn = len(picture.resize((160, 90)).getcolors(160 * 90) or ()) > MIN_COLOURS
+        same = same + 1 if drawn and picture.tobytes() == last else 0
+        last = picture.tobytes()
+    return picture
+
+
+if __name__ == "__main__":
+    main()
