@@ -10,6 +10,10 @@ from pydantic import Field, model_validator
 from robotteamsim.scenario.base import Many, Model, Point, first_repeated, wrong
 
 
+MAX_SIDE_M = 1000.0
+"""Grids of larger plans would not fit into memory."""
+
+
 class Bounds(Model):
     """The rectangle that the plan fills; beyond it nothing exists."""
 
@@ -21,6 +25,8 @@ class Bounds(Model):
         for axis, (low, high) in zip("xy", zip(self.min, self.max, strict=True), strict=True):
             if not high > low:
                 raise wrong("max", f"{axis} {high:g} is not above that of min, {low:g}")
+            if high - low > MAX_SIDE_M:
+                raise wrong("max", f"{axis} {high:g} is more than {MAX_SIDE_M:g} m from that of min, {low:g}")
         return self
 
     def contains(self, point: Point) -> bool:

@@ -18,6 +18,8 @@ CLEARANCE_M = 0.05
 """Between a formation's robots and solids, beyond their radius."""
 
 _REACH_RESOLUTION_M = 0.1
+_MAX_REACH_CELLS = 2000
+"""Along a side; the cells of larger plans are larger."""
 
 
 def placed_robots(plan: FloorPlan, robots: Team | tuple[PlacedRobot, ...]) -> tuple[PlacedRobot, ...]:
@@ -127,7 +129,8 @@ class _Room:
         self._radius_m = team.radius_m
         self._taken = shapely.MultiPoint([pose[:2] for pose in taken])
         self._bounds = plan.bounds
-        self._grid = occupancy_grid(plan, _REACH_RESOLUTION_M)
+        longest_m = max(high - low for low, high in zip(plan.bounds.min, plan.bounds.max, strict=True))
+        self._grid = occupancy_grid(plan, max(_REACH_RESOLUTION_M, longest_m / _MAX_REACH_CELLS))
         self._reached = self._flood(start)
 
     def has_place(self, points: np.ndarray) -> np.ndarray:

@@ -232,7 +232,9 @@ class Run(Model):
 
     seed: int = Field(default=1, ge=0, le=2**53, description="of every random stream")
     step_s: float = Field(default=0.1, ge=0.001, le=1.0, description="one step of the loop: sensors, commands [s]")
-    physics_substeps: int = Field(default=5, ge=1, le=1000, description="physics steps and clock ticks per step")
+    physics_substeps: int = Field(
+        default=5, ge=1, le=1000, description="physics steps and clock ticks per step; ROS wants 50 Hz"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Run:

@@ -124,10 +124,12 @@ def write(value: Any) -> str:
 
 def shown(value: Any) -> str:
     """Return a value as YAML writes it, on one short line."""
-    if isinstance(value, str):
-        text = f"'{value}'"
-    elif isinstance(value, (dict, list, tuple, float, int, type(None))):
-        text = write(value).splitlines()[0] if not isinstance(value, dict) else "a section"
-    else:
-        text = repr(value)
+    if isinstance(value, dict):
+        return "a section"
+    try:
+        text = f"'{value}'" if isinstance(value, str) else write(value).splitlines()[0]
+    except RecursionError:
+        return "a list that contains itself"
+    # A text may have line breaks of its own.
+    text = " ".join(text.split())
     return text if len(text) <= 60 else f"{text[:57]}..."

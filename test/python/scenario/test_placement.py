@@ -96,3 +96,8 @@ def test_team_without_room_is_refused_with_count_and_place() -> None:
     with pytest.raises(PlacementError) as raised:
         placed_robots(closet, Team(count=9, start=(1.0, 1.0, 0.0)))
     assert str(raised.value) == "robots.count: 9 robots 0.8 m apart find no room around [1, 1], only 4 of them"
+
+
+def test_plan_of_the_largest_size_has_room() -> None:
+    field = FloorPlan(name="field", bounds=Bounds(max=(1000.0, 1000.0)))
+    assert len(placed_robots(field, Team(count=100, start=(500.0, 500.0, 0.0)))) == 100
