@@ -7,4 +7,6 @@ void BindPlan(pybind11::module_& m);
 void BindControl(pybind11::module_& m);
 void BindPropagation(pybind11::module_& m);
 void BindNetwork(pybind11::module_& m);
+void BindWorld(pybind11::module_& m);
+void BindSensing(pybind11::module_& m);
 }  // namespace robotteamsim::bindings

@@ -7,4 +7,6 @@ PYBIND11_MODULE(_core, m) {
   robotteamsim::bindings::BindControl(m);
   robotteamsim::bindings::BindPropagation(m);
   robotteamsim::bindings::BindNetwork(m);
+  robotteamsim::bindings::BindWorld(m);
+  robotteamsim::bindings::BindSensing(m);
 }

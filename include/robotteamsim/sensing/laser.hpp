@@ -13,8 +13,11 @@ struct LaserModel {
   int beams = 181;
   double angle_min = 0.0;  ///< of the first beam, in base_link [rad]
   double angle_max = 0.0;  ///< of the last beam [rad]
-  double range_max = 5.0;  ///< [m]
   double forward = 0.0;    ///< ahead of base_link [m]
+  double range_min = 0.0;  ///< [m]
+  double range_max = 5.0;  ///< [m]
+  double too_near = 0.0;   ///< what it reports of a range below range_min [m]
+  double no_return = 5.0;  ///< what it reports where nothing is within range_max [m]
 };
 
 /// Scans a world: walls, blocks, closed doors and other robots return a beam, its own robot does not.
@@ -29,6 +32,9 @@ class Laser {
 
   /// Returns the range of each beam of a robot's laser [m]; infinity where nothing is within range_max.
   std::vector<double> Scan(const World& world, int robot) const;
+
+  /// Returns what the laser reports [m] of the ranges of a scan. Args: noise: added to each [m], or empty.
+  std::vector<float> Report(const std::vector<double>& ranges, const std::vector<double>& noise = {}) const;
 
  private:
   struct Direction {

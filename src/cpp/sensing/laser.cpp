@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace robotteamsim {
 namespace {
@@ -43,7 +45,8 @@ std::vector<Segment> Outlines(const std::vector<Solid>& solids) {
 
 LaserModel Checked(const LaserModel& model) {
   if (model.beams < 1) throw std::invalid_argument("beams must be >= 1, got " + std::to_string(model.beams));
-  if (!(model.range_max > 0.0)) throw std::invalid_argument("range_max must be > 0");
+  if (!(model.range_max > model.range_min)) throw std::invalid_argument("range_max must be > range_min");
+  if (!(model.range_min >= 0.0)) throw std::invalid_argument("range_min must be >= 0");
   if (!std::isfinite(model.angle_min) || !std::isfinite(model.angle_max) || !std::isfinite(model.forward)) {
     throw std::invalid_argument("angles and position of a laser must be finite");
   }
@@ -83,6 +86,20 @@ std::vector<double> Laser::Scan(const World& world, int robot) const {
     if (range > model_.range_max) range = kInfinity;
   }
   return ranges;
+}
+
+std::vector<float> Laser::Report(const std::vector<double>& ranges, const std::vector<double>& noise) const {
+  if (!noise.empty() && noise.size() != ranges.size())
+    throw std::invalid_argument("noise must have one value per beam");
+  std::vector<float> report(ranges.size());
+  for (std::size_t beam = 0; beam < ranges.size(); ++beam) {
+    const double range = noise.empty() ? ranges[beam] : ranges[beam] + noise[beam];
+    const double reported = range > model_.range_max   ? model_.no_return
+                            : range < model_.range_min ? model_.too_near
+                                                       : range;
+    report[beam] = static_cast<float>(reported);
+  }
+  return report;
 }
 
 void Laser::MeetSegment(const Segment& segment, std::vector<double>& ranges) const {

@@ -1,1 +1,5 @@
+"""What is true: walls, doors, robots and what they do to each other; simulated time."""
 
+from robotteamsim.world.world import World
+
+__all__ = ["World"]

@@ -12,7 +12,10 @@ namespace {
 
 const double kPi = std::acos(-1.0);
 const double kInfinity = std::numeric_limits<double>::infinity();
-const LaserModel kForward180{181, -kPi / 2.0, kPi / 2.0, 5.0, 0.0};
+
+LaserModel Model(int beams, double angle_min, double angle_max, double forward) {
+  return {beams, angle_min, angle_max, forward, 0.05, 5.0, 0.05, 5.0};
+}
 
 Solid Rectangle(double x0, double y0, double x1, double y1) {
   const Polygon corners{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
@@ -31,7 +34,7 @@ World WorldOf(const std::vector<Solid>& solids, const std::vector<Robot>& robots
 
 TEST(Laser, MeasuresAWallAheadByDistanceOverCosine) {
   const World world = WorldOf({Rectangle(3.0, -10.0, 3.2, 10.0)}, {RobotAt(1.0, 0.0, 0.0)});
-  const std::vector<double> ranges = Laser(kForward180, world).Scan(world, 0);
+  const std::vector<double> ranges = Laser(Model(181, -kPi / 2.0, kPi / 2.0, 0.0), world).Scan(world, 0);
   ASSERT_EQ(ranges.size(), 181U);
   EXPECT_NEAR(ranges[90], 2.0, 1e-12);
   EXPECT_NEAR(ranges[90 + 60], 4.0, 1e-12);
@@ -43,13 +46,13 @@ TEST(Laser, MeasuresAWallAheadByDistanceOverCosine) {
 
 TEST(Laser, StandsForwardOfTheRobotAndTurnsWithIt) {
   const World world = WorldOf({Rectangle(-1.0, 3.0, 1.0, 3.2)}, {RobotAt(0.0, 0.0, kPi / 2.0)});
-  const Laser laser({1, 0.0, 0.0, 5.0, 0.1}, world);
+  const Laser laser(Model(1, 0.0, 0.0, 0.1), world);
   EXPECT_NEAR(laser.Scan(world, 0)[0], 2.9, 1e-12);
 }
 
 TEST(Laser, SeesOtherRobotsAsDiscsAndNotItsOwn) {
   const World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0), RobotAt(2.0, 0.0, 0.0)});
-  const Laser laser({3, -0.05, 0.05, 5.0, 0.1}, world);
+  const Laser laser(Model(3, -0.05, 0.05, 0.1), world);
   const std::vector<double> ranges = laser.Scan(world, 0);
   EXPECT_NEAR(ranges[1], 1.7, 1e-12);
   const double along = 1.9 * std::cos(0.05), across = 1.9 * std::sin(0.05);
@@ -60,12 +63,12 @@ TEST(Laser, SeesOtherRobotsAsDiscsAndNotItsOwn) {
 TEST(Laser, SeesTheNearestOfAll) {
   const World world = WorldOf({Rectangle(4.0, -1.0, 4.2, 1.0), Rectangle(1.0, -0.1, 1.2, 0.1)},
                               {RobotAt(0.0, 0.0, 0.0), RobotAt(2.0, 0.0, 0.0)});
-  EXPECT_NEAR(Laser({1, 0.0, 0.0, 5.0, 0.0}, world).Scan(world, 0)[0], 1.0, 1e-12);
+  EXPECT_NEAR(Laser(Model(1, 0.0, 0.0, 0.0), world).Scan(world, 0)[0], 1.0, 1e-12);
 }
 
 TEST(Laser, SeesClosedDoorsOnly) {
   World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0)}, {{Rectangle(2.0, -1.0, 2.06, 1.0), false}});
-  const Laser laser({1, 0.0, 0.0, 5.0, 0.0}, world);
+  const Laser laser(Model(1, 0.0, 0.0, 0.0), world);
   EXPECT_EQ(laser.Scan(world, 0)[0], kInfinity);
   world.SetDoorClosed(0, true);
   EXPECT_NEAR(laser.Scan(world, 0)[0], 2.0, 1e-12);
@@ -78,18 +81,18 @@ TEST(Laser, LetsNoBeamThroughACornerWhereWallsMeet) {
     const double y = -0.9 + 0.0017 * i;
     const double angle = std::atan2(0.5 - y, 2.0);
     const World world = WorldOf(solids, {RobotAt(0.0, y, angle)});
-    EXPECT_NEAR(Laser({1, 0.0, 0.0, 5.0, 0.0}, world).Scan(world, 0)[0], std::hypot(2.0, 0.5 - y), 1e-6);
+    EXPECT_NEAR(Laser(Model(1, 0.0, 0.0, 0.0), world).Scan(world, 0)[0], std::hypot(2.0, 0.5 - y), 1e-6);
   }
 }
 
 TEST(Laser, SeesTheEndOfAWallThatItLooksAlong) {
   const World world = WorldOf({Rectangle(1.0, 0.0, 3.0, 0.2)}, {RobotAt(0.0, 0.0, 0.0)});
-  EXPECT_NEAR(Laser({1, 0.0, 0.0, 5.0, 0.0}, world).Scan(world, 0)[0], 1.0, 1e-9);
+  EXPECT_NEAR(Laser(Model(1, 0.0, 0.0, 0.0), world).Scan(world, 0)[0], 1.0, 1e-9);
 }
 
 TEST(Laser, LooksAllRound) {
   const World world = WorldOf({Rectangle(-2.2, -9.0, -2.0, 9.0)}, {RobotAt(0.0, 0.0, 0.0)});
-  const std::vector<double> ranges = Laser({5, -kPi, kPi, 5.0, 0.0}, world).Scan(world, 0);
+  const std::vector<double> ranges = Laser(Model(5, -kPi, kPi, 0.0), world).Scan(world, 0);
   EXPECT_NEAR(ranges[0], 2.0, 1e-9);
   EXPECT_NEAR(ranges[4], 2.0, 1e-9);
   EXPECT_EQ(ranges[2], kInfinity);
@@ -98,8 +101,8 @@ TEST(Laser, LooksAllRound) {
 TEST(Laser, MayCountItsBeamsClockwise) {
   const World world =
       WorldOf({Rectangle(2.0, 0.5, 2.2, 3.0), Rectangle(-3.0, -1.2, 3.0, -1.0)}, {RobotAt(0.0, 0.0, 0.3)});
-  std::vector<double> ranges = Laser({91, -2.0, 2.0, 5.0, 0.1}, world).Scan(world, 0);
-  const std::vector<double> clockwise = Laser({91, 2.0, -2.0, 5.0, 0.1}, world).Scan(world, 0);
+  std::vector<double> ranges = Laser(Model(91, -2.0, 2.0, 0.1), world).Scan(world, 0);
+  const std::vector<double> clockwise = Laser(Model(91, 2.0, -2.0, 0.1), world).Scan(world, 0);
   std::reverse(ranges.begin(), ranges.end());
   for (std::size_t beam = 0; beam < 91; ++beam) {
     if (std::isinf(ranges[beam])) {
@@ -112,14 +115,30 @@ TEST(Laser, MayCountItsBeamsClockwise) {
 
 TEST(Laser, InsideAnotherRobotMeasuresZero) {
   const World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0), RobotAt(0.4, 0.0, 0.0)});
-  EXPECT_EQ(Laser({1, 0.0, 0.0, 5.0, 0.3}, world).Scan(world, 0)[0], 0.0);
+  EXPECT_EQ(Laser(Model(1, 0.0, 0.0, 0.3), world).Scan(world, 0)[0], 0.0);
+}
+
+TEST(Laser, ReportsWhatItCannotMeasureAsItsModelSays) {
+  const World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0)});
+  LaserModel model = Model(4, 0.0, 1.0, 0.0);
+  const std::vector<double> ranges{0.01, 0.05, 5.0, kInfinity};
+  EXPECT_EQ(Laser(model, world).Report(ranges), (std::vector<float>{0.05F, 0.05F, 5.0F, 5.0F}));
+  model.too_near = -kInfinity;
+  model.no_return = kInfinity;
+  const float infinity = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(Laser(model, world).Report(ranges), (std::vector<float>{-infinity, 0.05F, 5.0F, infinity}));
+  EXPECT_EQ(Laser(model, world).Report(ranges, {0.5, -0.01, 0.1, -9.0}),
+            (std::vector<float>{0.51F, -infinity, infinity, infinity}));
+  EXPECT_THROW(Laser(model, world).Report(ranges, {0.1}), std::invalid_argument);
 }
 
 TEST(Laser, RefusesImpossibleModels) {
   const World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0)});
-  EXPECT_THROW(Laser({0, 0.0, 1.0, 5.0, 0.0}, world), std::invalid_argument);
-  EXPECT_THROW(Laser({1, 0.0, 1.0, 0.0, 0.0}, world), std::invalid_argument);
-  EXPECT_THROW(Laser({1, kInfinity, 1.0, 5.0, 0.0}, world), std::invalid_argument);
+  EXPECT_THROW(Laser(Model(0, 0.0, 1.0, 0.0), world), std::invalid_argument);
+  EXPECT_THROW(Laser(Model(1, kInfinity, 1.0, 0.0), world), std::invalid_argument);
+  LaserModel blind = Model(1, 0.0, 1.0, 0.0);
+  blind.range_max = blind.range_min;
+  EXPECT_THROW(Laser(blind, world), std::invalid_argument);
 }
 
 }  // namespace

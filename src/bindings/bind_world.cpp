@@ -1,0 +1,77 @@
+// Floor 2: what is true of robots, walls and doors.
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "bindings.hpp"
+#include "robotteamsim/world/world.hpp"
+
+namespace py = pybind11;
+
+namespace robotteamsim::bindings {
+namespace {
+
+using Corners = std::vector<std::pair<double, double>>;
+using Triple = std::array<double, 3>;
+
+Polygon ToPolygon(const Corners& corners) {
+  Polygon polygon;
+  for (const auto& [x, y] : corners) polygon.push_back({x, y});
+  return polygon;
+}
+
+Solid ToSolid(const Corners& outline, const std::vector<Corners>& pieces) {
+  Solid solid{ToPolygon(outline), {}};
+  for (const Corners& piece : pieces) solid.pieces.push_back(ToPolygon(piece));
+  return solid;
+}
+
+Robot ToRobot(double radius_m, double mass_kg, const std::array<double, 4>& drive, const Triple& start) {
+  return {radius_m, mass_kg, {drive[0], drive[1], drive[2], drive[3]}, {start[0], start[1], start[2]}};
+}
+
+void Step(World& world, const std::vector<Triple>& twists) {
+  std::vector<Twist> commands;
+  commands.reserve(twists.size());
+  for (const auto& [x, y, turn] : twists) commands.push_back({x, y, turn});
+  world.Step(commands);
+}
+
+// One row per robot. Pose and Twist are three doubles each.
+template <typename Row>
+py::array_t<double> ToArray(const std::vector<Row>& rows) {
+  static_assert(sizeof(Row) == 3 * sizeof(double));
+  return py::array_t<double>({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}},
+                             reinterpret_cast<const double*>(rows.data()));
+}
+
+}  // namespace
+
+void BindWorld(py::module_& m) {
+  py::class_<Solid>(m, "Solid").def(py::init(&ToSolid), py::arg("outline_m"), py::arg("pieces_m"));
+  py::class_<Door>(m, "Door").def(py::init<Solid, bool>(), py::arg("leaf"), py::arg("closed"));
+  py::class_<Robot>(m, "Robot")
+      .def(py::init(&ToRobot), py::arg("radius_m"), py::arg("mass_kg"), py::arg("drive"), py::arg("start"));
+  py::class_<World>(m, "World")
+      .def(py::init<std::vector<Solid>, std::vector<Door>, std::vector<Robot>, double, int>(), py::arg("solids"),
+           py::arg("doors"), py::arg("robots"), py::arg("step_s"), py::arg("substeps"))
+      .def("step", &Step, py::arg("twists"))
+      .def("poses", [](const World& world) { return ToArray(world.poses()); })
+      .def("twists", [](const World& world) { return ToArray(world.twists()); })
+      .def("motions", [](const World& world) { return ToArray(world.motions()); })
+      .def("in_contact", &World::in_contact)
+      .def(
+          "set_pose",
+          [](World& world, int robot_id, const Triple& pose) {
+            world.SetPose(robot_id, {pose[0], pose[1], pose[2]});
+          },
+          py::arg("robot_id"), py::arg("pose"))
+      .def("set_door", &World::SetDoorClosed, py::arg("door"), py::arg("closed"))
+      .def("door_closed", [](const World& world, int door) { return world.doors().at(door).closed; })
+      .def("reset", &World::Reset);
+}
+
+}  // namespace robotteamsim::bindings

@@ -1,0 +1,47 @@
+"""The laser range finder: what a robot sees of walls, closed doors and other robots."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from robotteamsim import _core
+from robotteamsim.scenario.sections import Laser as LaserModel
+from robotteamsim.world import World
+
+_NO_NOISE = np.empty(0)
+
+
+class Laser:
+    """The lasers of one kind in a world.
+
+    What is beyond range_max does not return: the beam reads range_max, or +inf where the model says so. What is nearer
+    than range_min reads range_min, or -inf (REP-117).
+    """
+
+    def __init__(self, model: LaserModel, world: World) -> None:
+        as_rep_117 = model.no_return == "inf"
+        self._model = model
+        self._world = world
+        self._core = _core.Laser(
+            world.core,
+            beams=model.beams,
+            angle_min_rad=model.angle_min_rad,
+            angle_max_rad=model.angle_max_rad,
+            forward_m=model.forward_m,
+            range_min_m=model.range_min_m,
+            range_max_m=model.range_max_m,
+            too_near_m=-math.inf if as_rep_117 else model.range_min_m,
+            no_return_m=math.inf if as_rep_117 else model.range_max_m,
+        )
+
+    def scan(self, robot_id: int, generator: np.random.Generator) -> np.ndarray:
+        """Return the ranges that a robot measures now, float32, shape (beams,), the first at angle_min [m].
+
+        Args: generator: of the noise; left alone where the model has none.
+        """
+        noise_m = _NO_NOISE
+        if self._model.noise_m > 0.0:
+            noise_m = generator.normal(0.0, self._model.noise_m, self._model.beams)
+        return self._core.scan(self._world.core, robot_id, noise_m)

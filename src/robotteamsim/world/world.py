@@ -1,0 +1,211 @@
+"""What is true: where robots are, what they run into, which doors are closed, what time it is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from robotteamsim import _core
+from robotteamsim.errors import PlacementError
+from robotteamsim.geometry import Pose, Twist
+from robotteamsim.scenario.floor_plan import Door, FloorPlan
+from robotteamsim.scenario.plan import Solid, solids
+from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.world.pieces import convex_pieces
+
+_TOUCH_M = 1e-6
+"""Robots may be placed touching a wall or each other, up to rounding."""
+
+
+class World:
+    """A floor plan with robots in it: static walls, doors, round bodies with differential drives.
+
+    Commands are twists in `base_link`: the drive approaches them within its acceleration and speed limits in every
+    physics substep; a sideways velocity is beyond it. Contacts are solved by Box2D, without friction: they take the
+    velocity that presses a robot into something, so it slides along a wall that it meets at an angle, and pushes
+    robots. A robot that touches nothing moves in double precision exactly as its drive says.
+
+    Everything is deterministic: equal calls give equal bits, and `reset` begins the same again.
+    """
+
+    def __init__(self, plan: FloorPlan, robots: Sequence[PlacedRobot], run: Run, *, seed: int = 0) -> None:
+        """Place the robots at their start poses, in id order.
+
+        Args:   seed: for what is random in a world; so far nothing is.
+        Raises: PlacementError: a robot starts in a wall, block, closed door or robot, or outside the plan.
+        """
+        self.seed = seed
+        self._plan = plan
+        self._robots = tuple(robots)
+        self._step_ns = round(run.step_s * 1e9)
+        self._solids = solids(plan, {door.name: True for door in plan.doors})
+        self._shapes = shapely.STRtree([solid.polygon for solid in self._solids])
+        self._closed = {door.name: door.closed for door in plan.doors}
+        self._door_ids = {door.name: index for index, door in enumerate(plan.doors)}
+        self._radii_m = np.array([robot.radius_m for robot in self._robots])
+        self._start_poses = [Pose(*robot.start_pose) for robot in self._robots]
+        self._check_start_poses()
+        self.core = self._build(run)
+        """The C++ world, for the sensors that look at it."""
+        self._begin()
+
+    @property
+    def num_robots(self) -> int:
+        """Number of robots; their ids count from 0."""
+        return len(self._robots)
+
+    @property
+    def step_index(self) -> int:
+        """Number of steps since the start."""
+        return self._step_index
+
+    @property
+    def sim_time_ns(self) -> int:
+        """Time since the start [ns]."""
+        return self._step_index * self._step_ns
+
+    @property
+    def step_ns(self) -> int:
+        """Length of a step [ns]."""
+        return self._step_ns
+
+    def step(self, twists: Sequence[Twist]) -> None:
+        """Advance by one step with one command per robot, in id order.
+
+        Raises: ValueError: the number of twists is wrong, or one is not finite; nothing has moved then.
+        """
+        self.core.step([(twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps) for twist in twists])
+        self._step_index += 1
+        self._read_poses()
+
+    def poses(self) -> list[Pose]:
+        """Return `map_T_base_link` of every robot."""
+        return list(self._poses)
+
+    def positions_m(self) -> np.ndarray:
+        """Return the robots' positions in `map`, float64, shape (n, 2) [m]."""
+        return self._pose_rows[:, :2].copy()
+
+    def twists(self) -> list[Twist]:
+        """Return every robot's mean velocity in the last step as its body really moved, in `base_link`.
+
+        A blocked robot has none; one that slides along a wall or is pushed has a sideways part.
+        """
+        return [Twist(*row) for row in self.core.twists().tolist()]
+
+    def motions(self) -> list[Pose]:
+        """Return every robot's way in the last step: its pose at the end, seen from that at the beginning.
+
+        To be set elsewhere between steps (`set_pose`, `reset_positions`) is no way.
+        """
+        return [Pose(*row) for row in self.core.motions().tolist()]
+
+    def in_contact(self) -> list[bool]:
+        """Return whether each robot touched something in the last step (came within 5 mm)."""
+        return self.core.in_contact()
+
+    def doors(self) -> dict[str, bool]:
+        """Return whether each door is closed, by name, in the plan's order."""
+        return dict(self._closed)
+
+    def set_pose(self, robot_id: int, pose: Pose) -> None:
+        """Put a robot somewhere, standing still.
+
+        Raises: PlacementError: it cannot stand there. ValueError: no such robot, or the pose is not finite.
+        """
+        if not 0 <= robot_id < self.num_robots:
+            raise ValueError(f"robot_id must be in 0..{self.num_robots - 1}, got {robot_id}")
+        others_m = self.positions_m()
+        others_m[robot_id] = math.nan
+        self._check_pose(robot_id, pose, others_m, "pose")
+        self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
+        self._read_poses()
+
+    def set_door(self, name: str, closed: bool) -> None:
+        """Close or open a door; a robot in the way of a closing leaf is pushed aside.
+
+        Raises: ValueError: no such door.
+        """
+        if name not in self._closed:
+            raise ValueError(f"there is no door '{name}', only {', '.join(self._closed) or 'none'}")
+        self.core.set_door(self._door_ids[name], closed)
+        self._closed[name] = closed
+
+    def reset_positions(self) -> None:
+        """Put all robots back to their start poses, standing still; time and doors stay as they are."""
+        for robot_id, pose in enumerate(self._start_poses):
+            self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
+        self._read_poses()
+
+    def reset(self) -> None:
+        """Begin again as new: time, poses and doors as at the start."""
+        self.core.reset()
+        self._closed = {door.name: door.closed for door in self._plan.doors}
+        self._begin()
+
+    def _begin(self) -> None:
+        self._step_index = 0
+        self._read_poses()
+
+    def _read_poses(self) -> None:
+        self._pose_rows = self.core.poses()
+        self._poses = [Pose(*row) for row in self._pose_rows.tolist()]
+
+    def _build(self, run: Run) -> _core.World:
+        shapes = [_core.Solid(solid.corners, convex_pieces(solid.corners)) for solid in self._solids]
+        elements = [solid.element for solid in self._solids]
+        leaves = [
+            _core.Door(shape, element.closed)
+            for shape, element in zip(shapes, elements, strict=True)
+            if isinstance(element, Door)
+        ]
+        still = [shape for shape, element in zip(shapes, elements, strict=True) if not isinstance(element, Door)]
+        return _core.World(still, leaves, [_body(robot) for robot in self._robots], run.step_s, run.physics_substeps)
+
+    def _check_start_poses(self) -> None:
+        placed_m = np.full((self.num_robots, 2), math.nan)
+        for robot_id, pose in enumerate(self._start_poses):
+            self._check_pose(robot_id, pose, placed_m, "start pose")
+            placed_m[robot_id] = pose.x_m, pose.y_m
+
+    def _check_pose(self, robot_id: int, pose: Pose, others_m: np.ndarray, what: str) -> None:
+        """Raise an error unless a robot can stand there; others_m has rows of NaN for robots that are not there."""
+        if not all(map(math.isfinite, (pose.x_m, pose.y_m, pose.yaw_rad))):
+            raise ValueError(f"robot_{robot_id}: {what} must be finite, got {pose}")
+        radius_m = self._robots[robot_id].radius_m
+        place = f"robot_{robot_id}: {what} ({pose.x_m:.2f}, {pose.y_m:.2f})"
+        if not self._plan.bounds.contains((pose.x_m, pose.y_m)):
+            raise PlacementError(f"{place} is outside the plan, {self._plan.bounds}")
+        hit = self._solid_near(pose, radius_m - _TOUCH_M)
+        if hit is not None:
+            raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'; wanted {radius_m:g} m of clearance")
+        apart_m = self._radii_m + (radius_m - _TOUCH_M)
+        for other_id in np.flatnonzero(np.hypot(*(others_m - (pose.x_m, pose.y_m)).T) < apart_m):
+            x_m, y_m = others_m[other_id]
+            wanted_m = radius_m + self._radii_m[other_id]
+            raise PlacementError(
+                f"{place} is inside robot_{other_id} at ({x_m:.2f}, {y_m:.2f}); wanted {wanted_m:g} m between them"
+            )
+
+    def _solid_near(self, pose: Pose, distance_m: float) -> Solid | None:
+        near = self._shapes.query(shapely.Point(pose.x_m, pose.y_m), predicate="dwithin", distance=distance_m)
+        hits = (self._solids[index] for index in sorted(near))
+        return next((solid for solid in hits if self._closed.get(solid.name, True)), None)
+
+
+def _body(robot: PlacedRobot) -> _core.Robot:
+    drive = robot.drive
+    return _core.Robot(
+        radius_m=robot.radius_m,
+        mass_kg=robot.mass_kg,
+        drive=(
+            drive.max_speed_mps,
+            drive.max_turn_radps,
+            drive.max_acceleration_mps2,
+            drive.max_turn_acceleration_radps2,
+        ),
+        start=robot.start_pose,
+    )
