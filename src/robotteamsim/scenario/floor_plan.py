@@ -9,7 +9,6 @@ from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import Many, Model, Point, first_repeated, wrong
 
-
 MAX_SIDE_M = 1000.0
 """Grids of larger plans would not fit into memory."""
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from robotteamsim.scenario import Scenario, load, load_floor_plan, map_names, occupancy_grid, scenario_names
+from robotteamsim.scenario import load, load_floor_plan, map_names, occupancy_grid, scenario_names
 from robotteamsim.scenario.plan import FREE
 from robotteamsim.scenario.plan_export import export_map
 from robotteamsim.scenario.plan_import import import_map
@@ -58,37 +58,24 @@ def test_exported_image_is_imported_with_the_same_cells(name: str) -> None:
     assert np.count_nonzero(differ) == 0
 
 
-def _cells_in_reach(scenario: Scenario) -> tuple[np.ndarray, np.ndarray]:
-    """Return where robot 0 can drive with a margin, and the distance of each cell from solids [cells]."""
-    grid = occupancy_grid(scenario.plan, 0.05)
-    clearance = ndimage.distance_transform_edt(grid.cells == FREE)
-    robot = scenario.placed_robots()[0]
-    labels, _ = ndimage.label(clearance * 0.05 > robot.radius_m + MARGIN_M)
-    label = labels[grid.cell_at(*robot.start_pose[:2])]
-    assert label > 0, "robot 0 has no room at its start"
-    return labels == label, clearance
-
-
 @pytest.mark.parametrize("scenario", SCENARIOS, ids=_name)
 def test_robots_can_reach_every_area_and_victim(scenario: str | Path) -> None:
+    """By a flood fill from robot 0 where it keeps a margin from solids; all others start in that region too."""
     loaded = load(scenario)
-    reached, _ = _cells_in_reach(loaded)
     grid = occupancy_grid(loaded.plan, 0.05)
-    rows, columns = np.nonzero(reached)
+    robots = loaded.placed_robots()
+    clearance_m = 0.05 * ndimage.distance_transform_edt(grid.cells == FREE)
+    labels, _ = ndimage.label(clearance_m > robots[0].radius_m + MARGIN_M)
+    starts = {int(labels[grid.cell_at(*robot.start_pose[:2])]) for robot in robots}
+    assert len(starts) == 1
+    assert starts != {0}
+    rows, columns = np.nonzero(labels == starts.pop())
     centres = np.array([grid.cell_center(0, 0)]) + 0.05 * np.stack([columns, rows], axis=1)
     spots = [(area.name, area.center, area.radius_m) for area in loaded.mission.areas]
     spots += [(v.name, v.position, loaded.mission.save_distance_m) for v in loaded.mission.victims]
     assert spots
     for name, position, radius_m in spots:
         assert np.min(np.linalg.norm(centres - position, axis=1)) < 0.5 * radius_m, name
-
-
-@pytest.mark.parametrize("scenario", SCENARIOS, ids=_name)
-def test_every_robot_starts_in_the_same_room(scenario: str | Path) -> None:
-    loaded = load(scenario)
-    reached, _ = _cells_in_reach(loaded)
-    grid = occupancy_grid(loaded.plan, 0.05)
-    assert all(reached[grid.cell_at(*robot.start_pose[:2])] for robot in loaded.placed_robots())
 
 
 def test_garage_keeps_the_route_and_the_victims_of_the_study() -> None:
