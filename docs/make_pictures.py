@@ -77,7 +77,7 @@ def main() -> None:
     IMAGES.mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
         scratch = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        display = stack.enter_context(virtual_display())
+        screen = stack.enter_context(virtual_display())
         port = free_port()
         os.environ |= {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOSTNAME": "localhost", "PWD": str(scratch)}
         launch = ["roslaunch", "-p", str(port), "robotteamsim", "garage_sar.launch", *RUN]
@@ -87,11 +87,11 @@ def main() -> None:
         views = {
             "garage_sar": None,
             "garage_sar_from_above": from_above(30.0, 21.0, 20.0 * FINER),
-            "garage_sar_close": orbit(x_m, y_m, 16.0, 0.75, 4.4),
+            "garage_sar_close": orbit(x_m, y_m, 12.0, 0.72, 4.4),
         }
         for name, view in views.items():
             path = IMAGES / f"{name}.png"
-            take_picture(display, view, scratch, path)
+            take_picture(screen, view, scratch, path, hidden=("Headline",) if "close" in name else ())
             print(f"{path.relative_to(ROOT)}: {path.stat().st_size // 1024} kB")
 
 
@@ -171,23 +171,28 @@ def master_answers() -> bool:
     return True
 
 
-def take_picture(display: str, view: dict[str, Any] | None, scratch: Path, path: Path) -> None:
-    """Look at the scene with rviz, wait until nothing changes any more, and write what is seen."""
+def take_picture(
+    screen: str, view: dict[str, Any] | None, scratch: Path, path: Path, hidden: tuple[str, ...] = ()
+) -> None:
+    """Look at the scene without its hidden displays, wait until it stands still, and write what is seen."""
     config = copy.deepcopy(yaml.safe_load(CONFIG.read_text(encoding="utf-8")))
     if view is not None:
         config["Visualization Manager"]["Views"]["Current"] = view
+    for display in config["Visualization Manager"]["Displays"]:
+        if display["Name"] in hidden:
+            display["Enabled"] = display["Value"] = False
     width, height = (FINER * pixels for pixels in SIZE)
     config["Window Geometry"] |= {"Width": width, "Height": height}
     config_path = scratch / "view.rviz"
     config_path.write_text(yaml.safe_dump(config), encoding="utf-8")
     rviz = ["rviz", "--fullscreen", "-d", str(config_path)]
-    environment = os.environ | {"DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1", "QT_QPA_PLATFORM": "xcb"}
+    environment = os.environ | {"DISPLAY": screen, "LIBGL_ALWAYS_SOFTWARE": "1", "QT_QPA_PLATFORM": "xcb"}
     with running(rviz, scratch / "rviz.log", env=environment):
-        picture = still_picture(display, scratch / "screen.png")
+        picture = still_picture(screen, scratch / "screen.png")
     picture.convert("RGB").resize(SIZE, Image.Resampling.LANCZOS).save(path, optimize=True)
 
 
-def still_picture(display: str, path: Path) -> Image.Image:
+def still_picture(screen: str, path: Path) -> Image.Image:
     """Return the screen once it shows something and has not changed for a while."""
     deadline_s = time.monotonic() + PATIENCE_S
     last, same = b"", 0
@@ -195,9 +200,9 @@ def still_picture(display: str, path: Path) -> Image.Image:
         if time.monotonic() > deadline_s:
             sys.exit("make_pictures: rviz does not come to rest")
         time.sleep(LOOK_PERIOD_S)
-        subprocess.run(["import", "-display", display, "-window", "root", str(path)], check=True)
-        with Image.open(path) as screen:
-            picture = screen.convert("RGB")
+        subprocess.run(["import", "-display", screen, "-window", "root", str(path)], check=True)
+        with Image.open(path) as grabbed:
+            picture = grabbed.convert("RGB")
         drawn = len(picture.resize((160, 90)).getcolors(160 * 90) or ()) > MIN_COLOURS
         same = same + 1 if drawn and picture.tobytes() == last else 0
         last = picture.tobytes()

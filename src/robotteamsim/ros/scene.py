@@ -20,7 +20,7 @@ from robotteamsim.ros import msg_conversion, scene_laser, scene_mission, scene_p
 from robotteamsim.ros.node import Output, parameter, read_settings, run
 from robotteamsim.ros.scene_feed import GROUND_TRUTH, Feed, robot_topics
 from robotteamsim.ros.scene_shapes import FRAME, Shown
-from robotteamsim.scenario import Scenario, occupancy_grid
+from robotteamsim.scenario import Bounds, Scenario, occupancy_grid
 from robotteamsim.scenario.plan import OCCUPIED
 from robotteamsim.scenario.sections import Robot
 
@@ -149,7 +149,7 @@ class Scene:
         self._mission_time_s = 0.0
         self._num_endangered = 0
         self._discovery_due_s = self._trails_due_s = 0.0
-        self._frame = _publish_frame()
+        self._frame = _publish_frame(scenario.plan.bounds)
         self._ended = threading.Event()
         rospy.on_shutdown(self._ended.set)
         self._draw_start()
@@ -274,10 +274,15 @@ class Scene:
             self._laser.publish(scene_laser.cloud([self._scans[i] for i in sorted(self._scans)]))
 
 
-def _publish_frame() -> tf2_ros.StaticTransformBroadcaster:
-    """Make the frame `map` known: the world says nothing of it, and rviz warns of a fixed frame that is not there."""
-    transform = TransformStamped(child_frame_id="scene")
+def _publish_frame(bounds: Bounds) -> tf2_ros.StaticTransformBroadcaster:
+    """Publish the frame `building` in the middle of the plan: rviz's camera looks there, whatever the plan.
+
+    It also makes `map` known, of which the world may say nothing; rviz warns of a fixed frame that is not there.
+    """
+    transform = TransformStamped(child_frame_id="building")
     transform.header.frame_id = FRAME
+    transform.transform.translation.x = (bounds.min[0] + bounds.max[0]) / 2.0
+    transform.transform.translation.y = (bounds.min[1] + bounds.max[1]) / 2.0
     transform.transform.rotation.w = 1.0
     broadcaster = tf2_ros.StaticTransformBroadcaster()
     broadcaster.sendTransform(transform)

@@ -1,0 +1,143 @@
+"""The node `scene` draws a bag, and rviz shows it: on a virtual display, with a master of their own."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from robotteamsim.recording import BagWriter
+from robotteamsim.ros.scene_plan import FLOOR, WALL
+from robotteamsim.ros.scene_team import robot_colour
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
+
+ROOT = Path(__file__).resolve().parents[2]
+PATIENCE_S = 90.0
+WIDTH, HEIGHT = 1600, 900
+
+LISTENER = """
+import json, sys
+import rospy
+from visualization_msgs.msg import MarkerArray
+
+rospy.init_node("listener", anonymous=True, disable_rostime=True)
+print(json.dumps({
+    topic: [[m.ns, m.id, m.action, m.header.frame_id] for m in rospy.wait_for_message(topic, MarkerArray, 60.0).markers]
+    for topic in sys.argv[1:]
+}))
+"""
+
+
+@contextmanager
+def running(command: list[str], environment: dict[str, str], **options: object) -> Iterator[subprocess.Popen[bytes]]:
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, **options)
+    try:
+        yield process
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def free_port() -> int:
+    with socket.socket() as listener:
+        listener.bind(("localhost", 0))
+        return listener.getsockname()[1]
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory) -> Path:
+    """Two seconds of a garage mission, recorded without ROS."""
+    path = tmp_path_factory.mktemp("scene") / "garage.bag"
+    Simulation(load("garage_sar", ["mission.time_limit_s=2.0"])).run([BagWriter(path)])
+    return path
+
+
+@pytest.fixture(scope="module")
+def environment(bag) -> Iterator[dict[str, str]]:
+    """The environment of a master on which the scene of the played bag is on show."""
+    port = free_port()
+    variables = os.environ | {
+        "ROS_MASTER_URI": f"http://localhost:{port}",
+        "ROS_HOSTNAME": "localhost",
+        "ROS_HOME": str(bag.parent),
+        "LIBGL_ALWAYS_SOFTWARE": "1",
+    }
+    with running(["rosmaster", "--core", "-p", str(port)], variables):
+        wait_for_port(port)
+        subprocess.run(["rosparam", "set", "/robotteamsim/scenario", "garage_sar"], env=variables, check=True)
+        with running([sys.executable, str(ROOT / "scripts" / "scene")], variables):
+            listen(variables, "/scene/building")
+            subprocess.run(["rosbag", "play", "-q", "--clock", str(bag)], env=variables, check=True, timeout=PATIENCE_S)
+            yield variables
+
+
+def wait_for_port(port: int) -> None:
+    deadline_s = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline_s:
+        with socket.socket() as caller:
+            if caller.connect_ex(("localhost", port)) == 0:
+                return
+    pytest.fail(f"nobody listens on port {port}")
+
+
+def listen(environment: dict[str, str], *topics: str) -> dict[str, list[tuple[str, int, int, str]]]:
+    """Return namespace, id, action and frame of the markers that a late listener gets."""
+    command = [sys.executable, "-c", LISTENER, *topics]
+    answer = subprocess.run(command, env=environment, check=True, capture_output=True, timeout=PATIENCE_S)
+    return json.loads(answer.stdout)
+
+
+def test_late_listener_gets_the_whole_scene_of_a_bag_that_has_ended(environment):
+    layers = ("building", "doors", "voice", "areas", "victims", "robots", "headline")
+    scene = listen(environment, *(f"/scene/{layer}" for layer in layers))
+    drawn = {topic: {ns for ns, _, action, _ in markers if action == 0} for topic, markers in scene.items()}
+    assert drawn["/scene/building"] == {"floor", "shadows", "walls"}
+    assert drawn["/scene/headline"] == {"headline"}
+    assert drawn["/scene/voice"] == {"voice"}
+    assert drawn["/scene/robots"] >= {"bodies", "decks", "wedges", "robot_ids"}
+    bodies = [key for key in scene["/scene/robots"] if key[0] == "bodies"]
+    assert [robot_id for _, robot_id, _, _ in bodies] == [0, 1, 2]
+    assert {frame for markers in scene.values() for _, _, _, frame in markers} == {"map"}
+
+
+def grab(display: str) -> np.ndarray:
+    """Return the screen, shape (height, width, 3)."""
+    command = ["import", "-display", display, "-window", "root", "-depth", "8", "rgb:-"]
+    data = subprocess.run(command, check=True, capture_output=True, timeout=PATIENCE_S).stdout
+    return np.frombuffer(data, dtype=np.uint8).reshape(HEIGHT, WIDTH, 3)
+
+
+def near(picture: np.ndarray, tint: tuple[float, ...]) -> int:
+    """Return how many pixels have nearly this colour."""
+    return int((np.abs(picture - 255.0 * np.array(tint[:3])).max(axis=2) < 12).sum())
+
+
+def test_rviz_shows_floor_walls_and_robots(environment, tmp_path):
+    reader, writer = os.pipe()
+    screen = ["-screen", "0", f"{WIDTH}x{HEIGHT}x24", "-nolisten", "tcp", "-displayfd", str(writer)]
+    with running(["Xvfb", *screen], environment, pass_fds=[writer], stderr=subprocess.DEVNULL):
+        os.close(writer)
+        with os.fdopen(reader) as lines:
+            display = f":{lines.readline().strip()}"
+        rviz = ["rviz", "-d", str(ROOT / "rviz" / "robotteamsim.rviz")]
+        with running(rviz, environment | {"DISPLAY": display}, stderr=subprocess.DEVNULL) as process:
+            deadline_s = time.monotonic() + PATIENCE_S
+            wanted = {"floor": (FLOOR, 100_000), "walls": (WALL, 3_000), "robot 0": (robot_colour(0), 30)}
+            missing = list(wanted)
+            while missing and time.monotonic() < deadline_s:
+                assert process.poll() is None, "rviz has died"
+                picture = grab(display)
+                missing = [name for name, (tint, pixels) in wanted.items() if near(picture, tint) < pixels]
+            Image.fromarray(picture).save(tmp_path / "rviz.png")
+            assert not missing, f"see {tmp_path / 'rviz.png'}"
