@@ -13,6 +13,7 @@ import rospy
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.ros.inbox import Channel, Inbox, LatestInbox, LockstepInbox
 from robotteamsim.ros.msg_conversion import stamp_ns
+from robotteamsim.ros.prompt_connection import send_promptly
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.scenario.sections import Team
 
@@ -92,6 +93,7 @@ def run(name: str, serve: Callable[[], None]) -> None:
     # Nodes take the time from the stamps that they work on. Not listening to /clock saves each node more messages
     # than all its other topics have.
     rospy.init_node(name, disable_rostime=True)
+    send_promptly()
     _forward_logging()
     try:
         serve()

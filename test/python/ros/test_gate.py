@@ -1,0 +1,133 @@
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+from robotteamsim.ros.gate import REANCHOR_S, Gate, Pacer
+
+
+class World:
+    """A thread that passes a gate as the world does, and counts its steps."""
+
+    def __init__(self, gate: Gate) -> None:
+        self.steps = 0
+        self.resets = 0
+        self._gate = gate
+        self._permits = threading.Semaphore(0)
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        while self._gate.wait():
+            if self._gate.take_reset():
+                self.resets += 1
+                continue
+            if not self._permits.acquire(timeout=5.0):
+                return
+            self.steps += 1
+            self._gate.passed()
+
+    def allow(self, steps: int) -> None:
+        self._permits.release(steps)
+
+    def join(self) -> None:
+        self._thread.join(5.0)
+        assert not self._thread.is_alive()
+
+
+@pytest.fixture
+def gate():
+    gate = Gate()
+    yield gate
+    gate.close()
+
+
+def test_pause_returns_when_the_step_under_way_is_done_and_no_other_follows(gate):
+    world = World(gate)
+    world.allow(1)
+    threading.Timer(0.05, world.allow, [1]).start()
+    assert gate.pause(5.0)
+    steps = world.steps
+    world.allow(5)
+    assert gate.step(1)
+    assert world.steps == steps + 1
+
+
+def test_pause_tells_when_the_step_under_way_takes_longer(gate):
+    World(gate)
+    assert not gate.pause(0.01)
+
+
+def test_step_takes_exactly_so_many_steps_while_paused(gate):
+    world = World(gate)
+    world.allow(100)
+    gate.pause(5.0)
+    before = world.steps
+    assert gate.step(3)
+    assert world.steps == before + 3
+
+
+def test_step_is_refused_unless_paused(gate):
+    assert not gate.step(1)
+
+
+def test_reset_passes_a_paused_gate(gate):
+    world = World(gate)
+    world.allow(1)
+    gate.pause(5.0)
+    assert gate.reset(5.0)
+    assert world.resets == 1
+
+
+def test_closed_gate_lets_nobody_wait():
+    gate = Gate()
+    world = World(gate)
+    world.allow(1)
+    gate.pause(5.0)
+    gate.close()
+    world.join()
+    assert not gate.wait()
+
+
+class Wall:
+    def __init__(self) -> None:
+        self.now_s = 100.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+def test_pacer_at_speed_2_lets_one_second_last_half_a_second():
+    wall = Wall()
+    pacer = Pacer(2.0, wall)
+    assert pacer.delay_s(5_000_000_000) == 0.0
+    assert pacer.delay_s(6_000_000_000) == pytest.approx(0.5)
+    wall.now_s += 0.4
+    assert pacer.delay_s(6_000_000_000) == pytest.approx(0.1)
+
+
+def test_pacer_flat_out_never_waits():
+    pacer = Pacer(0.0, Wall())
+    assert [pacer.delay_s(time_ns) for time_ns in (0, 10**9, 10**12)] == [0.0, 0.0, 0.0]
+
+
+def test_pacer_does_not_hurry_after_a_pause():
+    wall = Wall()
+    pacer = Pacer(1.0, wall)
+    pacer.delay_s(0)
+    wall.now_s += 10.0 + REANCHOR_S
+    assert pacer.delay_s(1_000_000_000) == 0.0
+    assert pacer.delay_s(2_000_000_000) == pytest.approx(1.0)
+
+
+def test_pacer_goes_on_when_time_jumps_back():
+    pacer = Pacer(1.0, Wall())
+    pacer.delay_s(50_000_000_000)
+    assert pacer.delay_s(0) == 0.0
+    assert pacer.delay_s(1_000_000_000) == pytest.approx(1.0)
+
+
+def test_pacer_refuses_a_negative_speed():
+    with pytest.raises(ValueError, match=r"speed must be >= 0, got -1"):
+        Pacer(-1.0)

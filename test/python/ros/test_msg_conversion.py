@@ -1,0 +1,142 @@
+from __future__ import annotations
+
+import io
+
+import genpy
+import numpy as np
+import pytest
+
+from robotteamsim.control.controller import Decision, Task
+from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.mission.status import Event, MissionStatus
+from robotteamsim.network.messages import Message, NetworkState
+from robotteamsim.propagation import FieldMap
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.ros import msg_conversion as conversion
+from robotteamsim.scenario.plan import OccupancyGrid
+from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
+
+TIME_NS = 12_300_000_000
+# Numbers without a short binary form: equal only when every bit has come through.
+PLACE = PoseReading(0.1 + 0.2, -1.0 / 3.0, 0.6000000000000001, 0.7999999999999999)
+MOTION = Twist(0.1, -0.2, 1.0 / 7.0)
+RANGES_M = np.array([0.1, 5.0, np.inf], dtype=np.float32)
+READING = RobotReading(PLACE, MOTION, OdometryReading(PLACE, MOTION), RANGES_M, True)
+
+
+@pytest.fixture
+def make() -> conversion.RosTypes:
+    return conversion.RosTypes()
+
+
+def sent(message: genpy.Message) -> genpy.Message:
+    """Return the message as a subscriber gets it."""
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    return type(message)().deserialize(buffer.getvalue())
+
+
+def test_stamps_are_whole_nanoseconds(make):
+    message = sent(fields.header(make, 1_000_000_001, "map"))
+    assert (message.stamp.secs, message.stamp.nsecs) == (1, 1)
+    assert conversion.stamp_ns(sent(fields.contact(make, 2**31 * 10**9 - 1, 0, True))) == 2**31 * 10**9 - 1
+
+
+def test_odometry_keeps_its_bits(make):
+    message = sent(fields.odometry(make, TIME_NS, 1, READING.odometry))
+    assert conversion.odometry_reading(message) == READING.odometry
+    assert (message.header.frame_id, message.child_frame_id) == ("robot_1/odom", "robot_1/base_footprint")
+
+
+def test_ground_truth_keeps_its_bits(make):
+    message = sent(fields.ground_truth(make, TIME_NS, 1, READING))
+    assert conversion.odometry_reading(message) == OdometryReading(PLACE, MOTION)
+    assert message.header.frame_id == "map"
+
+
+def test_command_keeps_its_bits_and_may_be_no_number(make):
+    assert conversion.twist(sent(fields.twist(make, MOTION))) == MOTION
+    assert not conversion.twist(sent(fields.twist(make, Twist(float("nan"), 0.0, 0.0)))).is_finite
+    message = sent(fields.twist_stamped(make, TIME_NS, 2, MOTION))
+    assert (conversion.stamp_ns(message), conversion.twist(message.twist)) == (TIME_NS, MOTION)
+
+
+def test_scan_keeps_its_ranges(make):
+    ranges_m = conversion.ranges_m(sent(fields.scan(make, TIME_NS, 0, Laser(beams=3), RANGES_M)))
+    assert ranges_m.dtype == np.float32
+    np.testing.assert_array_equal(ranges_m, RANGES_M)
+
+
+@pytest.mark.parametrize(
+    "reading", [VoiceReading(12.5, True, (1.25, 1.0 / 3.0), 0.1), VoiceReading(0.0, False, (0, 0), 0)]
+)
+def test_voice_keeps_its_bits(make, reading):
+    assert conversion.voice_reading(sent(fields.voice(make, TIME_NS, reading))) == reading
+
+
+def test_messages_keep_order_and_text(make):
+    messages = (Message(0, -1, '{"a": 0.1}'), Message(2, 1, "ü"), Message(1, 0, ""))
+    assert conversion.network_messages(sent(fields.network_messages(make, TIME_NS, messages))) == messages
+    assert conversion.network_messages(sent(fields.network_messages(make, TIME_NS, ()))) == ()
+
+
+def test_network_keeps_its_matrices(make):
+    levels = np.array([[0.0, -80.1, -99.0], [-80.1, 0.0, -1.0 / 3.0], [-99.0, -1.0 / 3.0, 0.0]])
+    linked = np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], dtype=bool)
+    hops = np.array([[0, 1, 2], [1, 0, 1], [2, 1, 0]], dtype=np.int32)
+    network = NetworkState(levels, levels, linked, hops, np.zeros((3, 3)), 1.0, linked & (levels < -80.0))
+    message = sent(fields.network_state(make, TIME_NS, network))
+    back = conversion.network_state(message)
+    for name in ("rssi_dbm", "link", "adjacency", "hop_count", "break_matrix", "endangered"):
+        expected, got = getattr(network, name), getattr(back, name)
+        assert got.dtype == expected.dtype, name
+        np.testing.assert_array_equal(got, expected, err_msg=name)
+    assert (back.fiedler_value, message.num_endangered) == (1.0, 1)
+
+
+@pytest.mark.parametrize("goal_m", [(1.0, 2.0), None])
+def test_decision_keeps_all_but_command_and_outbox(make, goal_m):
+    decision = Decision(MOTION, (Message(0, 1, ""),), True, goal_m, 0.1, 7)
+    message = sent(fields.controller_status(make, TIME_NS, 3, decision))
+    assert conversion.decision(message) == Decision(Twist(), (), True, goal_m, 0.1, 7)
+    assert message.robot_id == 3
+
+
+@pytest.mark.parametrize("task", [Task(True, 4, (18.0, 0.1), 2.0), Task()])
+def test_mission_status_keeps_its_task(make, task):
+    status = MissionStatus("running", "", 0.1 + 0.2, (True, False), ("waiting", "saved"), 1, 5, task)
+    message = sent(fields.mission_status(make, TIME_NS, "garage", status, 10.0))
+    assert conversion.mission_status(message) == status
+    assert conversion.task(message) == task
+
+
+def test_everything_else_that_is_published_can_be_sent(make):
+    field = FieldMap((0.5, 1.0), 0.25, np.array([[0.0, 12.4], [99.6, 130.0]]))
+    status = MissionStatus("ended", "aborted", 1.0, (False,), ("heard",), 0, 0, Task())
+    grid = OccupancyGrid((0.0, 0.0), 0.05, np.array([[0, 100, -1]], dtype=np.int8))
+    picture = sent(fields.field_map_picture(make, TIME_NS, field))
+    assert list(picture.data) == [0, 12, 100, 100]
+    values = sent(fields.field_map(make, TIME_NS, field, "voice_level", "dB"))
+    assert (values.width, values.height, values.data[1]) == (2, 2, pytest.approx(12.4))
+    assert list(sent(fields.occupancy_grid(make, TIME_NS, grid)).data) == [0, 100, -1]
+    assert sent(fields.clock(make, TIME_NS)).clock.to_nsec() == TIME_NS
+    assert sent(fields.mission_event(make, TIME_NS, Event(1.0, "end", "", -1, "over"))).robot_id == -1
+    assert (
+        sent(fields.victims(make, TIME_NS, [Victim(name="a", position=(1.0, 2.0))], ["heard"])).victims[0].name == "a"
+    )
+    assert sent(fields.areas(make, TIME_NS, [Area(name="b", center=(1.0, 2.0))], status)).areas[0].target
+    assert sent(fields.contact(make, TIME_NS, 0, True)).in_contact
+
+
+def test_transforms_lead_from_odom_to_laser_without_leading_slashes(make):
+    message = sent(fields.transforms(make, TIME_NS, [Robot()], [READING.odometry]))
+    message.transforms.append(sent(fields.localization(make, TIME_NS, 0, PLACE)))
+    links = [(link.header.frame_id, link.child_frame_id) for link in message.transforms]
+    assert links == [
+        ("robot_0/odom", "robot_0/base_footprint"),
+        ("robot_0/base_footprint", "robot_0/base_link"),
+        ("robot_0/base_link", "robot_0/base_laser_link"),
+        ("map", "robot_0/odom"),
+    ]
+    assert {conversion.stamp_ns(link) for link in message.transforms} == {TIME_NS}
