@@ -79,6 +79,15 @@ class KnownMap:
             return goal, straight_m
         return corners[1], sum(math.dist(a, b) for a, b in itertools.pairwise(corners))
 
+    def reachable_towards(self, start: Vector, goal: Vector) -> Vector:
+        """Return the goal where the straight way is free; else the place nearest to it that can be reached close by."""
+        if self.grid.is_line_free(start, goal):
+            return goal
+        free_start = self.grid.nearest_free(start, 1.0)
+        if free_start is None:
+            return goal
+        return self.grid.nearest_reachable(free_start, goal, math.dist(free_start, goal) + GRID_RESOLUTION_M)
+
     def _field(self, goal: Vector) -> np.ndarray | None:
         if goal not in self._fields:
             while len(self._fields) >= _KEPT_FIELDS:

@@ -18,6 +18,7 @@ ARRIVED_M = 0.05
 LASER_MARGIN_M = 0.04
 """Kept between the body and what the laser sees; below the map's margin, so that planned paths are not refused."""
 LOOK_AHEAD_M = 0.5
+LONGEST_PATH_M = 200.0
 TURN_IN_PLACE_RAD = 0.8
 TURN_GAIN_PER_S = 3.0
 BRAKING_MPS2 = 1.0
@@ -98,13 +99,10 @@ class Navigator:
         start = grid.nearest_free(position, 1.0)
         if start is None:
             return [goal]
-        straight_m = math.dist(position, goal)
-        if grid.is_free(goal):
-            corners = grid.waypoints(start, goal, 3.0 * straight_m + 2.0)
-            if len(corners) > 1:
-                return [*corners[1:-1], goal]
-        reachable = grid.nearest_reachable(start, goal, straight_m + 0.3)
-        return [start if reachable is None else reachable]
+        corners = grid.waypoints(start, goal, LONGEST_PATH_M)
+        if len(corners) > 1:
+            return [*corners[1:-1], goal]
+        return [known_map.reachable_towards(position, goal)]
 
     def _watch_progress(
         self, known_map: KnownMap, pose: Pose, ranges_m: np.ndarray, time_s: float, teammates: Mapping[int, Vector]
@@ -123,14 +121,19 @@ class Navigator:
                 self._num_escapes = 0
             self._anchor, self._anchor_s = position, time_s
             return
-        yields = any(
+        waited_s = time_s - self._anchor_s
+        if waited_s <= YIELDING_PATIENCE_S or (waited_s <= PATIENCE_S and not self._yields(position, teammates)):
+            return
+        self._escape = self._find_escape(known_map, pose, ranges_m, teammates)
+        self._escape_until_s = time_s + ESCAPE_S
+        self._num_escapes += 1
+
+    def _yields(self, position: Vector, teammates: Mapping[int, Vector]) -> bool:
+        """Whether a teammate of lower id is near."""
+        return any(
             robot_id < self._robot_id and math.dist(position, other) < NEAR_TEAMMATE_M
             for robot_id, other in teammates.items()
         )
-        if time_s - self._anchor_s > (YIELDING_PATIENCE_S if yields else PATIENCE_S):
-            self._escape = self._find_escape(known_map, pose, ranges_m, teammates)
-            self._escape_until_s = time_s + ESCAPE_S
-            self._num_escapes += 1
 
     def _find_escape(
         self, known_map: KnownMap, pose: Pose, ranges_m: np.ndarray, teammates: Mapping[int, Vector]

@@ -77,6 +77,8 @@ class RdpsoController:
         self._task = Task()
         self._team: dict[int, Report] = {}
         """The last report of every teammate heard so far."""
+        self._teammates: dict[int, Vector] = {}
+        """Where each of them was then."""
         self._iteration = -1
         self._epoch = -1
         self._own: Report | None = None
@@ -96,6 +98,7 @@ class RdpsoController:
             report = parse_report(message.payload)
             if report is not None and report.robot_id != self._robot_id:
                 self._team[report.robot_id] = report
+                self._teammates[report.robot_id] = report.position
 
     def decide(self) -> Decision:
         """Return command and messages for this step."""
@@ -176,6 +179,9 @@ class RdpsoController:
         velocity = limit_speed(self._next_velocity(position, pose, ranges_m, reports), step_m)
         self._velocities.appendleft(velocity)
         self._goal = next_position(position, velocity)
+        if self._control.navigation == "path":
+            # A step ends at a wall; it does not lead around it. The way around is in the attractors.
+            self._goal = self._map.reachable_towards(position, self._goal)
         self._speed_mps = max(0.1, HURRY * math.hypot(*velocity) / self._control.iteration_s)
 
     def _share_bests(self, own: Report, reports: dict[int, Report]) -> bool:
@@ -259,8 +265,7 @@ class RdpsoController:
         if goal is None:
             goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), time_s)
             speed_mps = self._control.max_step_speed_mps
-        mates = {i: report.position for i, report in self._team.items()}
-        return self._navigator.drive(self._map, pose, ranges_m, goal, speed_mps, time_s, mates), goal
+        return self._navigator.drive(self._map, pose, ranges_m, goal, speed_mps, time_s, self._teammates), goal
 
     def _update_map(self) -> None:
         """Take the map with the doors as believed now; bests along other paths are forgotten."""

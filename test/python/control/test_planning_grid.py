@@ -5,9 +5,10 @@ import math
 
 import numpy as np
 import pytest
-from robotteamsim._core import PlanningGrid
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
+
+from robotteamsim._core import PlanningGrid
 
 RESOLUTION_M = 0.1
 

@@ -1,0 +1,102 @@
+"""The communication term of one robot, and the places that are ruled out."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from robotteamsim.control.link_keeper import LinkKeeper
+from robotteamsim.control.ruled_out import RuledOut
+from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Control, Network
+
+HERE = (10.0, 50.0)
+
+
+def field_scenario(hall_scenario, *walls: Wall, **network: object) -> Scenario:
+    plan = FloorPlan(name="field", bounds=Bounds(max=(400.0, 100.0)), walls=walls)
+    return hall_scenario(plan=plan, control=Control(c4=0.4), network=Network(**network))
+
+
+def test_safe_link_does_not_pull(hall_scenario):
+    links = LinkKeeper(field_scenario(hall_scenario))
+    # 25.4 m is where free space has -80 dBm.
+    assert links.pull(HERE, {1: (35.0, 50.0)}, {})[1] == 0.0
+    assert links.pull(HERE, {1: (11.0, 50.0), 2: (300.0, 50.0)}, {})[1] == 0.0
+
+
+def test_endangered_link_pulls_towards_the_neighbour_and_no_nearer_than_safe(hall_scenario):
+    links = LinkKeeper(field_scenario(hall_scenario))
+    (x, y), weight = links.pull(HERE, {1: (50.0, 50.0)}, {})
+    assert (50.0 - x, y) == pytest.approx((25.4, 50.0), abs=0.1)
+    # -84.6 dBm at 40 m: a third of the way from -80 to -94 dBm.
+    assert weight == pytest.approx(0.4 * 0.327, abs=0.002)
+
+
+def test_wall_endangers_a_shorter_link_and_still_pulls_together(hall_scenario):
+    walls = [Wall(name=f"w{i}", start=(14.0 + i, 40.0), end=(14.0 + i, 60.0)) for i in range(3)]
+    links = LinkKeeper(field_scenario(hall_scenario, *walls))
+    (x, _), weight = links.pull(HERE, {1: (28.0, 50.0)}, {})
+    assert weight > 0.0
+    assert HERE[0] < x < 28.0
+
+
+def test_member_that_was_not_heard_pulls_with_full_weight(hall_scenario):
+    links = LinkKeeper(field_scenario(hall_scenario))
+    (x, y), weight = links.pull(HERE, {1: (11.0, 50.0)}, {2: (210.0, 50.0)})
+    assert weight == 0.4
+    assert x > HERE[0]
+    assert y == 50.0
+
+
+def test_robot_alone_is_not_pulled(hall_scenario):
+    assert LinkKeeper(field_scenario(hall_scenario)).pull(HERE, {}, {}) == (HERE, 0.0)
+
+
+def test_link_by_distance_pulls_from_four_fifths_of_the_range(hall_scenario):
+    links = LinkKeeper(field_scenario(hall_scenario, link="distance", max_distance_m=10.0))
+    assert links.pull(HERE, {1: (17.9, 50.0)}, {})[1] == 0.0
+    (x, _), weight = links.pull(HERE, {1: (19.0, 50.0)}, {})
+    assert x == pytest.approx(11.0)
+    assert weight == pytest.approx(0.2)
+
+
+def test_without_c4_no_radio_is_computed(hall_scenario):
+    links = LinkKeeper(hall_scenario(control=Control(c4=0.0)))
+    assert links.pull((3.0, 4.0), {1: (math.inf, 0.0)}, {}) == ((3.0, 4.0), 0.0)
+
+
+@pytest.fixture
+def ruled_out(hall_scenario) -> RuledOut:
+    return RuledOut(hall_scenario())
+
+
+def test_nothing_is_ruled_out_at_first(ruled_out):
+    assert not ruled_out.covers((5.0, 5.0))
+
+
+def test_robot_rules_out_all_around_but_the_loudest_cell(ruled_out):
+    ruled_out.add((5.0, 5.0), (6.125, 5.125))
+    assert not ruled_out.covers((6.125, 5.125))
+    assert ruled_out.covers((6.125, 5.375))
+    assert ruled_out.covers((4.0, 5.0))
+    assert not ruled_out.covers((6.6, 5.0))
+
+
+def test_robot_beside_the_loudest_cell_rules_it_out(ruled_out):
+    ruled_out.add((5.0, 5.0), (5.625, 5.125))
+    assert ruled_out.covers((5.625, 5.125))
+
+
+def test_silence_rules_out_everything_around(ruled_out):
+    ruled_out.add((5.0, 5.0), None)
+    assert ruled_out.covers((6.4, 5.0))
+    assert not ruled_out.covers((6.6, 5.0))
+
+
+def test_new_voice_map_rules_out_nothing(ruled_out):
+    ruled_out.add((5.0, 5.0), None)
+    ruled_out.clear()
+    assert not ruled_out.covers((5.0, 5.0))
