@@ -15,7 +15,7 @@ from rosbags.rosbag1 import Writer
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.recording.bag_types import BagTypes
-from robotteamsim.recording.files import cannot_write
+from robotteamsim.recording.files import cannot_write, check_replaceable
 from robotteamsim.scenario import occupancy_grid
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
@@ -105,7 +105,7 @@ class BagWriter:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._active = path.with_name(f"{path.name}.active")
+        self._active = path.parent / f"{path.name}.active"
         self._writer: _Writer | None = None
         self._steps = 0
         self._within_step = False
@@ -119,8 +119,7 @@ class BagWriter:
         self._last: StepRecord | None = None
         self._make = BagTypes()
         try:
-            if self._path.is_dir():
-                raise RecordingError(f"{self._path}: cannot be written: is a folder, wanted a file name")
+            check_replaceable(self._path)
             self._path.parent.mkdir(parents=True, exist_ok=True)
             self._active.unlink(missing_ok=True)
             writer = _Writer(self._active)

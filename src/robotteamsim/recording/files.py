@@ -21,12 +21,21 @@ def prepare_folder(folder: Path) -> None:
         raise cannot_write(folder, error) from error
 
 
+def check_replaceable(path: Path) -> None:
+    """Make sure that a path names a file, or nothing yet. Raises: RecordingError: a folder, a device."""
+    if path.is_dir():
+        raise RecordingError(f"{path}: cannot be written: is a folder, wanted a file name")
+    if path.exists() and not path.is_file():
+        raise RecordingError(f"{path}: cannot be written: is a device, wanted a file name")
+
+
 @contextlib.contextmanager
 def atomically(path: Path) -> Iterator[Path]:
     """Give a name to write to; when the block is left, the file takes the name `path`, or vanishes after an error.
 
     Others see the old file or the whole new one. Raises: RecordingError: an OSError in the block, or at the renaming.
     """
+    check_replaceable(path)
     part = path.with_name(f".part-{path.name}")
     try:
         yield part

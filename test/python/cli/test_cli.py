@@ -89,6 +89,17 @@ def test_unwritable_out_is_refused_before_the_mission_and_leaves_no_bag(capsys, 
 def test_unwritable_bag_is_refused(capsys, tmp_path):
     line = refusal(capsys, "run", "garage_sar", "--bag", str(tmp_path))
     assert line == f"{tmp_path}: cannot be written: is a folder, wanted a file name"
+    line = refusal(capsys, "run", "garage_sar", "--bag", "")
+    assert line == ".: cannot be written: is a folder, wanted a file name"
+
+
+def test_devices_are_never_replaced(capsys, tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    wanted = f"{pipe}: cannot be written: is a device, wanted a file name"
+    assert refusal(capsys, "run", "garage_sar", "--bag", str(pipe)) == wanted
+    assert refusal(capsys, "plan", "render", "garage", "--png", str(pipe)) == wanted
+    assert pipe.is_fifo()
 
 
 def test_full_disk_ends_the_run_with_one_line_and_no_result(tmp_path):
