@@ -30,6 +30,10 @@ DISCOVERY_PERIOD_S = 0.5
 IDLE_SHARE = 4.0
 """After each drawing the node rests this many times as long, up to a limit: many robots are drawn less often."""
 MAX_IDLE_S = 0.5
+RESEND_PERIOD_S = 5.0
+"""rviz forgets all markers when time jumps backwards, and by its Reset button."""
+RESEND_DELAY_S = 1.0
+"""After time has jumped backwards, rviz gets this long to notice."""
 TRAIL_POINTS = 6_000
 """Of all robots together."""
 WALL_HEIGHT_M = 1.1
@@ -55,10 +59,16 @@ class Canvas:
     def __init__(self, topic: str) -> None:
         self._output = Output(topic, MarkerArray, latched=True)
         self._shown = Shown()
+        self._markers: list[Marker] = []
 
     def draw(self, markers: Iterable[Marker]) -> None:
         """Replace what the topic shows."""
-        self._output.publish(MarkerArray(self._shown.update(markers)))
+        self._markers = list(markers)
+        self._output.publish(MarkerArray(self._shown.update(self._markers)))
+
+    def draw_again(self) -> None:
+        """Send what the topic shows."""
+        self.draw(self._markers)
 
 
 class RobotFeed:
@@ -73,6 +83,7 @@ class RobotFeed:
         self._scan: Feed | None = None
         self._recent: dict[int, Pose] = {}
         self._excluded = False
+        self.stamp_ns = 0
         self.trail = scene_team.Trail()
 
     def look(self, trail_points: int) -> bool:
@@ -82,6 +93,9 @@ class RobotFeed:
             pose = msg_conversion.odometry_reading(truth).pose.pose
             stamp_ns = msg_conversion.stamp_ns(truth)
             self.trail.add(pose.x_m, pose.y_m, 1e-9 * stamp_ns, self._robot.drive.max_speed_mps, trail_points)
+            if stamp_ns < self.stamp_ns:
+                self._recent.clear()
+            self.stamp_ns = stamp_ns
             self._recent[stamp_ns] = pose
         for old in list(self._recent)[:-10]:
             del self._recent[old]
@@ -146,9 +160,10 @@ class Scene:
         self._voice = Feed("/voice_map/values", FloatMap)
         self._links: list[scene_team.LinkView] = []
         self._scans: dict[int, scene_laser.ScanView] = {}
-        self._mission_time_s = 0.0
         self._num_endangered = 0
+        self._stamp_ns = 0
         self._discovery_due_s = self._trails_due_s = 0.0
+        self._resend_due_s = 0.0
         self._frame = _publish_frame(scenario.plan.bounds)
         self._ended = threading.Event()
         rospy.on_shutdown(self._ended.set)
@@ -182,10 +197,22 @@ class Scene:
         if now_s >= self._discovery_due_s:
             self._discovery_due_s = now_s + DISCOVERY_PERIOD_S
             self._discover()
+        if now_s >= self._resend_due_s:
+            self._resend_due_s = now_s + RESEND_PERIOD_S
+            for canvas in self._canvas.values():
+                canvas.draw_again()
         self._draw_mission()
         self._draw_voice()
         self._draw_team(now_s)
         self._draw_laser()
+
+    def _note_time(self, now_s: float) -> None:
+        """Begin anew when the world does: doors are as in the plan again."""
+        stamp_ns = max((robot.stamp_ns for robot in self._robots.values()), default=0)
+        if stamp_ns < self._stamp_ns:
+            self._resend_due_s = now_s + RESEND_DELAY_S
+            self._draw_doors({door.name: door.closed for door in self._scenario.plan.doors})
+        self._stamp_ns = stamp_ns
 
     def _discover(self) -> None:
         """Follow the robots that are published; the last ones stay when a run or a bag has ended."""
@@ -219,9 +246,6 @@ class Scene:
             self._draw_doors(self._closed | {name: changes[name] for name in self._closed if name in changes})
 
     def _draw_headline(self, status: MissionStatus) -> None:
-        if status.time_s < self._mission_time_s:
-            self._draw_doors({door.name: door.closed for door in self._scenario.plan.doors})
-        self._mission_time_s = status.time_s
         headline = scene_mission.Headline(
             scenario=status.scenario,
             state=status.state,
@@ -255,6 +279,7 @@ class Scene:
             self._num_endangered = network.num_endangered
         if not any(changed) and network is None:
             return
+        self._note_time(now_s)
         views = [view for view in (robot.view() for robot in self._robots.values()) if view is not None]
         positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
         self._canvas["robots"].draw(scene_team.team_markers(views, self._written_m))

@@ -174,8 +174,12 @@ def _voice_film(x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray) -> Mesh
 
 
 def _contours(x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray) -> Iterator[tuple[Position, Position, Colour]]:
+    """Yield the edge of what can be heard, and a contour at every multiple of 10 dB within."""
     generator = contourpy.contour_generator(x_m, y_m, levels_db)
-    for level_db in np.arange(VOICE_CONTOUR_DB, levels_db.max(), VOICE_CONTOUR_DB):
+    faintest_db = levels_db[levels_db > 0.0].min()
+    first = math.floor(faintest_db / VOICE_CONTOUR_DB) + 1
+    within = np.arange(first * VOICE_CONTOUR_DB, levels_db.max(), VOICE_CONTOUR_DB)
+    for level_db in (0.9 * faintest_db, *within):
         for line in generator.lines(level_db):
             smooth = shapely.LineString(np.asarray(line)).simplify(0.5 * (x_m[1] - x_m[0]))
             points = [(x, y, VOICE_Z_M + 0.004) for x, y in smooth.coords]
