@@ -34,8 +34,6 @@ class Odometry:
         self._generator = generator
         self._noise: list[float] = []
         self._pose = Pose(0.0, 0.0, 0.0)
-        self.reading = OdometryReading(PoseReading.from_pose(self._pose), Twist())
-        """What the odometry says after the last step."""
 
     def step(self, motion: Pose, twist: Twist) -> OdometryReading:
         """Return the reading after one more step.
@@ -54,7 +52,7 @@ class Odometry:
         distance_error_m = distance_noise * math.sqrt(model.alpha3 * distance2 + model.alpha4 * (first2 + second2))
         second_error_rad = second_noise * math.sqrt(model.alpha1 * second2 + model.alpha2 * distance2)
         self._move(distance_m + distance_error_m, heading_rad + first_error_rad, rest_rad + second_error_rad)
-        self.reading = OdometryReading(
+        return OdometryReading(
             PoseReading.from_pose(self._pose),
             Twist(
                 twist.linear_x_mps + distance_error_m / self._step_s,
@@ -62,7 +60,6 @@ class Odometry:
                 twist.angular_z_radps + (first_error_rad + second_error_rad) / self._step_s,
             ),
         )
-        return self.reading
 
     def _move(self, distance_m: float, first_turn_rad: float, second_turn_rad: float) -> None:
         pose = self._pose
