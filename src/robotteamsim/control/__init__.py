@@ -1,12 +1,14 @@
 """Controllers: one robot's observation and messages in, twist and messages out."""
 
+from collections.abc import Callable
+
 from robotteamsim.control.controller import Controller, Decision, Task
 from robotteamsim.control.rdpso import RdpsoController
 from robotteamsim.control.wander import WanderController
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.scenario import Scenario
 
-ALGORITHMS = {"rdpso": RdpsoController, "wander": WanderController}
+ALGORITHMS: dict[str, Callable[[int, Scenario], Controller]] = {"rdpso": RdpsoController, "wander": WanderController}
 """The controllers by the name that `control.algorithm` gives."""
 
 

@@ -40,6 +40,9 @@ from robotteamsim.swarm import (
 LONGEST_DETOUR_M = 60.0
 """Best places farther than this along the path draw as the crow flies."""
 
+SEARCHED_FOR_S = 30.0
+"""A member that was not heard for longer no longer draws the robot to where it was."""
+
 HURRY = 1.25
 """A robot drives this much faster than its swarm velocity, so that it is there when the next iteration begins."""
 
@@ -88,6 +91,8 @@ class RdpsoController:
         self._swarm = SwarmState()
         self._excluded = False
         self._velocities: deque[Vector] = deque(maxlen=len(self._memory))
+        """What the robot really moved in the last iterations, newest first [m per iteration]."""
+        self._last_position: Vector | None = None
         self._goal: Vector | None = None
         self._speed_mps = control.max_step_speed_mps
 
@@ -172,12 +177,16 @@ class RdpsoController:
             self._doors.hear(report.doors)
         self._update_map()
         if self._excluded or self._known_best is None or self._local_best is None:
-            self._goal = None
+            self._goal = self._last_position = None
+            self._velocities.clear()
             return
         self._wander.stop()
+        # A blocked robot must not remember a velocity that it never had.
+        if self._last_position is not None:
+            self._velocities.appendleft((position[0] - self._last_position[0], position[1] - self._last_position[1]))
+        self._last_position = position
         step_m = self._control.max_step_speed_mps * self._control.iteration_s
         velocity = limit_speed(self._next_velocity(position, pose, ranges_m, reports), step_m)
-        self._velocities.appendleft(velocity)
         self._goal = next_position(position, velocity)
         if self._control.navigation == "path":
             # A step ends at a wall; it does not lead around it. The way around is in the attractors.
@@ -218,7 +227,6 @@ class RdpsoController:
         self._swarm = verdict.state
         if self._robot_id in (*verdict.leaves, *verdict.joins):
             self._excluded = self._robot_id in verdict.leaves
-            self._velocities.clear()
 
     def _next_velocity(self, position: Vector, pose: Pose, ranges_m: np.ndarray, reports: dict[int, Report]) -> Vector:
         """Return v[t+1] of eq. (25), before the speed limit."""
@@ -227,10 +235,11 @@ class RdpsoController:
         assert self._known_best
         clear_place = self._surroundings.attractor(pose, ranges_m)
         members = {i: report for i, report in self._team.items() if not report.excluded}
+        oldest = self._iteration - round(SEARCHED_FOR_S / self._control.iteration_s)
         x_cb, c4 = self._links.pull(
             position,
             {i: report.position for i, report in members.items() if i in reports},
-            {i: report.position for i, report in members.items() if i not in reports},
+            {i: report.position for i, report in members.items() if i not in reports and report.iteration >= oldest},
         )
         local_best = self._local_best.position
         if self._observation.voice.heard and self._known_best.is_voice and not self._local_best.is_voice:
