@@ -87,7 +87,7 @@ def main() -> None:
         views = {
             "garage_sar": None,
             "garage_sar_from_above": from_above(30.0, 21.0, 20.0 * FINER),
-            "garage_sar_close": orbit(x_m, y_m, 12.0, 0.72, 4.4),
+            "garage_sar_close": orbit(x_m, y_m, 13.0, 0.8, 4.4),
         }
         for name, view in views.items():
             path = IMAGES / f"{name}.png"

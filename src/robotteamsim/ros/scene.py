@@ -162,8 +162,8 @@ class Scene:
         self._scans: dict[int, scene_laser.ScanView] = {}
         self._num_endangered = 0
         self._stamp_ns = 0
-        self._discovery_due_s = self._trails_due_s = 0.0
-        self._resend_due_s = 0.0
+        self._discovery_due_s = self._trails_due_s = self._resend_due_s = 0.0
+        self._trails_stale = False
         self._frame = _publish_frame(scenario.plan.bounds)
         self._ended = threading.Event()
         rospy.on_shutdown(self._ended.set)
@@ -277,15 +277,15 @@ class Scene:
         if network is not None:
             self._links = scene_team.link_views(msg_conversion.network_state(network))
             self._num_endangered = network.num_endangered
-        if not any(changed) and network is None:
-            return
-        self._note_time(now_s)
-        views = [view for view in (robot.view() for robot in self._robots.values()) if view is not None]
-        positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
-        self._canvas["robots"].draw(scene_team.team_markers(views, self._written_m))
-        self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m))
-        if now_s >= self._trails_due_s:
-            self._trails_due_s = now_s + TRAIL_PERIOD_S
+        if any(changed) or network is not None:
+            self._note_time(now_s)
+            views = [view for view in (robot.view() for robot in self._robots.values()) if view is not None]
+            positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
+            self._canvas["robots"].draw(scene_team.team_markers(views, self._written_m))
+            self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m))
+            self._trails_stale = True
+        if self._trails_stale and now_s >= self._trails_due_s:
+            self._trails_stale, self._trails_due_s = False, now_s + TRAIL_PERIOD_S
             trails = {robot_id: robot.trail.points_m for robot_id, robot in self._robots.items()}
             self._canvas["trails"].draw(
                 scene_team.trail_marker(robot_id, points) for robot_id, points in trails.items() if len(points) > 1

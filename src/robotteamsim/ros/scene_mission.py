@@ -13,7 +13,7 @@ import shapely
 from scipy import ndimage
 from visualization_msgs.msg import Marker
 
-from robotteamsim.ros.scene_plan import AREA_Z_M, VOICE_Z_M
+from robotteamsim.ros.scene_plan import AREA_Z_M, LABEL_Z_M, VOICE_Z_M
 from robotteamsim.ros.scene_shapes import (
     CONTOUR_LAYER,
     DISC_LAYER,
@@ -84,7 +84,7 @@ def victim_markers(victims: Sequence[VictimView], save_distance_m: float) -> lis
 
 def name_spot_m(victim: VictimView, save_distance_m: float) -> tuple[float, float]:
     """Return where a victim's name stands, south of her ring [m]."""
-    return (victim.position_m[0], victim.position_m[1] - save_distance_m - 0.7)
+    return (victim.position_m[0], victim.position_m[1] - save_distance_m - 1.1)
 
 
 def _victim_parts(index: int, victim: VictimView, save_distance_m: float) -> Iterable[Marker]:
@@ -109,7 +109,7 @@ def _victim_parts(index: int, victim: VictimView, save_distance_m: float) -> Ite
     ring.ring((x, y), save_distance_m - 0.1, save_distance_m, AREA_Z_M + 0.01, tint)
     yield drawn_below(ring.marker("victim_rings", index), DISC_LAYER)
     words = victim.name.replace("_", " ")
-    yield label("victim_names", index, words, tint, (*name_spot_m(victim, save_distance_m), 0.4), 1.1)
+    yield label("victim_names", index, words, tint, (*name_spot_m(victim, save_distance_m), LABEL_Z_M), 1.1)
 
 
 def area_markers(areas: Sequence[AreaView]) -> list[Marker]:
@@ -124,7 +124,7 @@ def _area_parts(index: int, area: AreaView) -> Iterable[Marker]:
     disc.ring(area.center_m, 0.0, area.radius_m - rim_m, AREA_Z_M, faded(tint, fill))
     disc.ring(area.center_m, area.radius_m - rim_m, area.radius_m, AREA_Z_M, faded(tint, 0.95))
     yield drawn_below(disc.marker("areas", index), DISC_LAYER)
-    yield label("area_numbers", index, f"A{index + 1}", tint, (*area.center_m, 0.4), 1.4)
+    yield label("area_numbers", index, f"A{index + 1}", tint, (*area.center_m, 0.3), 1.4)
 
 
 def voice_markers(

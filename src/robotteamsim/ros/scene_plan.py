@@ -53,6 +53,9 @@ VOICE_Z_M = 0.02
 AREA_Z_M = 0.03
 TRAIL_Z_M = 0.05
 
+LABEL_Z_M = 1.0
+"""Words stand high enough for walls, cut at the usual height, to hide little of them."""
+
 
 def building_markers(plan: FloorPlan, cut_height_m: float) -> list[Marker]:
     """Return floor, shadows, walls, blocks and pillars; what is taller than `cut_height_m` is cut there.

@@ -15,7 +15,7 @@ from visualization_msgs.msg import Marker
 
 from robotteamsim.geometry import Pose
 from robotteamsim.network.messages import NetworkState
-from robotteamsim.ros.scene_plan import TRAIL_Z_M
+from robotteamsim.ros.scene_plan import LABEL_Z_M, TRAIL_Z_M
 from robotteamsim.ros.scene_shapes import (
     TRAIL_LAYER,
     WHITE,
@@ -141,7 +141,7 @@ def robot_markers(
             view.robot_id,
             f"R{view.robot_id}",
             sign,
-            (x + label_offset_m[0], y + label_offset_m[1], height_m + 0.3),
+            (x + label_offset_m[0], y + label_offset_m[1], LABEL_Z_M),
             label_m,
         ),
     ]
