@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from robotteamsim.geometry import Twist
+from robotteamsim.ros import msg_conversion as conversion
+from robotteamsim.ros import world_node
+from robotteamsim.ros.node import Settings
+
+STEPS = 3
+STEP_NS = 100_000_000
+
+
+class FakeOutput:
+    """Keeps what all topics publish, in order."""
+
+    sent: list[tuple[str, Any]]
+
+    def __init__(self, topic: str, message_class: type, *, latched: bool = False) -> None:
+        self._topic = topic
+        self.wanted = True
+        self.num_subscribers = 0
+
+    def publish(self, message: Any) -> None:
+        FakeOutput.sent.append((self._topic, message))
+
+
+class FakeTeam:
+    """Lets the world take some steps, straight ahead, and then ends it."""
+
+    def __init__(self, *_: object, **__: object) -> None:
+        self.restarted = False
+
+    def assemble(self) -> None:
+        pass
+
+    def twists(self, step_index: int, sim_time_ns: int) -> list[Twist] | None:
+        return [Twist(0.5, 0.0, 0.0), Twist()] if step_index < STEPS else None
+
+
+@pytest.fixture
+def sent(monkeypatch, hall_scenario) -> list[tuple[str, Any]]:
+    """What a world publishes in its first steps."""
+    FakeOutput.sent = []
+    parameters = {"~speed": 0.0, "~localization": "ground_truth"}
+    monkeypatch.setattr(world_node, "Output", FakeOutput)
+    monkeypatch.setattr(world_node, "FreeTeam", FakeTeam)
+    monkeypatch.setattr(world_node, "parameter", lambda name, default: parameters[name])
+    monkeypatch.setattr(world_node, "QUIET_S", 0.0)
+    monkeypatch.setattr(world_node.rospy, "Service", lambda *_: None)
+    settings = Settings(hall_scenario(), lockstep=False, controllers=True, teleop=-1, silence_limit_s=5.0)
+    world_node.WorldNode(settings).serve()
+    return FakeOutput.sent
+
+
+def test_clock_comes_after_all_else_of_its_step(sent):
+    clock_ns = 0
+    stamps: dict[str, list[int]] = {}
+    for topic, message in sent:
+        if topic == "/clock":
+            clock_ns = message.clock.to_nsec()
+        elif topic != "/map":
+            stamp_ns = conversion.stamp_ns(message.transforms[0] if topic == "/tf" else message)
+            assert stamp_ns > clock_ns, topic
+            stamps.setdefault(topic, []).append(stamp_ns)
+    names = ["odom", "base_scan", "base_pose_ground_truth", "contact"]
+    assert sorted(stamps) == sorted(["/tf", *(f"/robot_{robot_id}/{name}" for robot_id in (0, 1) for name in names)])
+    assert set(map(tuple, stamps.values())) == {(STEP_NS, 2 * STEP_NS, 3 * STEP_NS)}
+
+
+def test_clock_starts_near_zero_and_ticks_with_the_physics(sent):
+    ticks_ns = [message.clock.to_nsec() for topic, message in sent if topic == "/clock"]
+    # The last step is not taken, but the clock has already run up to it.
+    assert ticks_ns == [1_000_000, *(20_000_000 * tick for tick in range(1, 5 * STEPS + 5))]
+
+
+def test_true_motion_is_published(sent):
+    truths = [message for topic, message in sent if topic == "/robot_0/base_pose_ground_truth"]
+    assert truths[0].pose.pose.position.x < truths[-1].pose.pose.position.x < 3.2
+    assert truths[-1].twist.twist.linear.x > 0.0
+
+
+def test_map_frame_is_tied_to_odometry_on_demand(sent):
+    links = [link for topic, message in sent if topic == "/tf" for link in message.transforms]
+    assert {link.child_frame_id for link in links if link.header.frame_id == "map"} == {"robot_0/odom", "robot_1/odom"}

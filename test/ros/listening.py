@@ -1,0 +1,68 @@
+"""What the test nodes share: topics to wait for, services to call. Nothing here waits longer than PATIENCE_S."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import rospy
+
+PATIENCE_S = 30.0
+
+
+class Topic:
+    """Keeps all messages of a topic."""
+
+    def __init__(self, name: str, message_class: type) -> None:
+        self.name = name
+        self.messages: list[Any] = []
+        self._changed = threading.Condition()
+        rospy.Subscriber(name, message_class, self._put, tcp_nodelay=True)
+
+    def _put(self, message: Any) -> None:
+        with self._changed:
+            self.messages.append(message)
+            self._changed.notify_all()
+
+    def wait_for_count(self, count: int) -> Sequence[Any]:
+        """Wait until so many messages have come, and return them."""
+        with self._changed:
+            if not self._changed.wait_for(lambda: len(self.messages) >= count, timeout=PATIENCE_S):
+                raise AssertionError(f"{self.name}: {len(self.messages)} messages came, {count} were waited for")
+            return tuple(self.messages)
+
+    def wait_for(self, holds: Callable[[Any], bool], what: str) -> Any:
+        """Wait for a message yet to come of which something holds, and return it."""
+        return self.wait_for_after(len(self.messages), holds, what)
+
+    def wait_for_after(self, index: int, holds: Callable[[Any], bool], what: str) -> Any:
+        """Wait for a message from the index-th on of which something holds, and return it."""
+        with self._changed:
+            found = self._changed.wait_for(
+                lambda: next((message for message in self.messages[index:] if holds(message)), None),
+                timeout=PATIENCE_S,
+            )
+            if found is None:
+                raise AssertionError(f"{self.name}: no message with {what} came")
+            return found
+
+    def next(self) -> Any:
+        """Wait for a message yet to come."""
+        return self.wait_for(lambda _: True, "anything")
+
+
+def call(name: str, service_class: type, **fields: Any) -> Any:
+    """Call a service as soon as it is there."""
+    rospy.wait_for_service(name, timeout=PATIENCE_S)
+    return rospy.ServiceProxy(name, service_class)(**fields)
+
+
+def speed_mps(message: Any) -> float:
+    """Return the forward speed that an odometry message tells."""
+    return message.twist.twist.linear.x
+
+
+def place_m(message: Any) -> tuple[float, float]:
+    """Return the place that an odometry message tells."""
+    return message.pose.pose.position.x, message.pose.pose.position.y

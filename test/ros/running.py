@@ -1,0 +1,137 @@
+"""Starting ROS programs for tests: each with a master, a home and a log of its own, all of it ended afterwards."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+PATIENCE_S = 90.0
+GRACE_S = 20.0
+
+ROSTEST = (sys.executable, "-c", "import rostest; rostest.rostestmain()")
+ROSLAUNCH = (sys.executable, "-c", "import roslaunch; roslaunch.main()")
+
+
+def environment(folder: Path) -> dict[str, str]:
+    """Return an environment in which nothing is left outside the folder and no window opens."""
+    inherited = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
+    return inherited | {
+        "PWD": str(folder),
+        "ROS_HOME": str(folder / "home"),
+        "ROS_LOG_DIR": str(folder / "log"),
+        "ROS_TEST_RESULTS_DIR": str(folder / "results"),
+        "ROS_MASTER_URI": f"http://localhost:{free_port()}",
+        "ROS_HOSTNAME": "localhost",
+        "ROSTEST_PYTHON": sys.executable,
+        "ROSTEST_OUT": str(folder / "out"),
+    }
+
+
+def free_port() -> int:
+    """Return a port that nobody listens on."""
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        return probe.getsockname()[1]
+
+
+class Program:
+    """A program that runs, and the lines that it has written so far."""
+
+    def __init__(self, command: Sequence[str], folder: Path) -> None:
+        env = environment(folder)
+        self.port = int(env["ROS_MASTER_URI"].rpartition(":")[2])
+        port = ("-p", str(self.port)) if command[: len(ROSLAUNCH)] == ROSLAUNCH else ()
+        self.process = subprocess.Popen(
+            (*command[: len(ROSLAUNCH)], *port, *command[len(ROSLAUNCH) :]),
+            cwd=folder,
+            env=env,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+        )
+        self.lines: list[str] = []
+        self._changed = threading.Condition()
+        self._ended = False
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+
+    @property
+    def output(self) -> str:
+        """All that it has written so far."""
+        return "".join(self.lines)
+
+    def wait_for(self, holds: Callable[[str], bool], what: str) -> str:
+        """Wait for a line of which something holds, and return it."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._ended or any(map(holds, self.lines)), timeout=PATIENCE_S)
+            for line in self.lines:
+                if holds(line):
+                    return line
+        raise AssertionError(f"no line with {what} came:\n{self.output}")
+
+    def wait(self, timeout_s: float = PATIENCE_S) -> int:
+        """Wait until it has ended by itself, and return its exit status."""
+        try:
+            status = self.process.wait(timeout_s)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f"still running after {timeout_s:g} s:\n{self.output}") from None
+        self._reader.join(GRACE_S)
+        return status
+
+    def stop(self) -> None:
+        """End it, and whatever it has started."""
+        started = descendants(self.process.pid)
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self.process.wait(GRACE_S)
+        for pid in (self.process.pid, *started):
+            if pid != self.process.pid or self.process.poll() is None:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+        self.process.wait(GRACE_S)
+        self._reader.join(GRACE_S)
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            with self._changed:
+                self.lines.append(line)
+                self._changed.notify_all()
+        with self._changed:
+            self._ended = True
+            self._changed.notify_all()
+
+
+@contextlib.contextmanager
+def running(command: Sequence[str], folder: Path) -> Iterator[Program]:
+    """Run a program; in the end it and whatever it has started are gone."""
+    program = Program(command, folder)
+    try:
+        yield program
+    finally:
+        program.stop()
+
+
+def descendants(pid: int) -> list[int]:
+    """Return the ids of all processes that a process has started, and those have started, and so on."""
+    parents: dict[int, list[int]] = {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            fields = stat.read_text().rpartition(")")[2].split()
+            parents.setdefault(int(fields[1]), []).append(int(stat.parent.name))
+    found, open_ids = [], [pid]
+    while open_ids:
+        children = parents.get(open_ids.pop(), [])
+        found += children
+        open_ids += children
+    return found

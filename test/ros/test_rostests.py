@@ -1,0 +1,26 @@
+"""Runs every .test file here by rostest, and tells what failed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from running import ROSTEST, running
+
+TESTS = sorted(Path(__file__).parent.glob("*.test"))
+
+
+@pytest.mark.parametrize("path", TESTS, ids=lambda path: path.stem)
+def test_rostest_passes(path: Path, tmp_path: Path) -> None:
+    with running((*ROSTEST, str(path)), tmp_path) as program:
+        program.wait()
+    results = [ElementTree.parse(file).getroot() for file in (tmp_path / "results").rglob("*.xml")]
+    cases = [case for result in results for case in result.iter("testcase")]
+    failed = {
+        case.get("name"): problem.text
+        for case in cases
+        for problem in (*case.findall("failure"), *case.findall("error"))
+    }
+    assert cases, program.output
+    assert not failed, "\n".join((*(f"{name}: {text}" for name, text in failed.items()), program.output))
