@@ -152,6 +152,7 @@ class Scene:
         self._canvas = {layer: Canvas(f"/scene/{layer}") for layer in layers}
         self._laser = Output("/scene/laser", PointCloud2)
         self._robots: dict[int, RobotFeed] = {}
+        self._missing: set[int] = set()
         self._status = Feed("/mission/status", MissionStatus)
         self._events = Feed("/mission/events", MissionEvent, keep=1000)
         self._areas = Feed("/mission/areas", Areas)
@@ -219,9 +220,11 @@ class Scene:
         found = robot_topics(topic for topic, _ in rospy.get_published_topics())
         if not found:
             return
-        for robot_id in self._robots.keys() - found.keys():
+        gone = self._robots.keys() - found.keys()
+        for robot_id in gone & self._missing:  # seen missing twice: a run that ends takes back its topics one by one
             self._robots.pop(robot_id).close()
             self._scans.pop(robot_id, None)
+        self._missing = gone
         for robot_id in found.keys() - self._robots.keys():
             robot = self._placed[robot_id] if robot_id < len(self._placed) else Robot()
             self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot)
@@ -271,7 +274,8 @@ class Scene:
             self._canvas["voice"].draw(scene_mission.voice_markers(origin_m, voice.resolution_m, levels_db, solid))
 
     def _draw_team(self, now_s: float) -> None:
-        trail_points = max(100, TRAIL_POINTS // max(1, len(self._robots)))
+        num_seen = sum(robot.view() is not None for robot in self._robots.values())
+        trail_points = max(100, TRAIL_POINTS // max(1, num_seen))
         changed = [robot.look(trail_points) for robot in self._robots.values()]
         network = self._network.newest()
         if network is not None:
