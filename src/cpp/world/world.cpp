@@ -142,7 +142,7 @@ void World::AddRobot(const Robot& robot) {
   b2Body* body = box_->CreateBody(&def);
   body->CreateFixture(&fixture);
   robot_bodies_.push_back(body);
-  poses_.push_back(robot.start);
+  poses_.push_back({robot.start.x, robot.start.y, NormaliseAngle(robot.start.yaw)});
 }
 
 void World::CheckCommands(const std::vector<Twist>& commands) const {

@@ -29,7 +29,7 @@ class Odometry:
 
     def __init__(self, model: OdometryModel, step_s: float, generator: np.random.Generator) -> None:
         """Begin at (0, 0, 0). The generator gives three numbers a step, so equal streams give equal drifts."""
-        self._model = model
+        self._alphas = (model.alpha1, model.alpha2, model.alpha3, model.alpha4)
         self._step_s = step_s
         self._generator = generator
         self._noise: list[float] = []
@@ -40,7 +40,7 @@ class Odometry:
 
         Args: motion: the way of the step, seen from its beginning. twist: its mean velocity, in `base_link`.
         """
-        model = self._model
+        alpha1, alpha2, alpha3, alpha4 = self._alphas
         first_noise, distance_noise, second_noise = self._draw()
         distance_m, heading_rad = _signed_distance(motion)
         turn_rad = twist.angular_z_radps * self._step_s
@@ -48,9 +48,9 @@ class Odometry:
         first2 = min(abs(heading_rad), abs(turn_rad)) ** 2
         second2 = min(abs(rest_rad), abs(turn_rad)) ** 2
         distance2 = distance_m * distance_m
-        first_error_rad = first_noise * math.sqrt(model.alpha1 * first2 + model.alpha2 * distance2)
-        distance_error_m = distance_noise * math.sqrt(model.alpha3 * distance2 + model.alpha4 * (first2 + second2))
-        second_error_rad = second_noise * math.sqrt(model.alpha1 * second2 + model.alpha2 * distance2)
+        first_error_rad = first_noise * math.sqrt(alpha1 * first2 + alpha2 * distance2)
+        distance_error_m = distance_noise * math.sqrt(alpha3 * distance2 + alpha4 * (first2 + second2))
+        second_error_rad = second_noise * math.sqrt(alpha1 * second2 + alpha2 * distance2)
         self._move(distance_m + distance_error_m, heading_rad + first_error_rad, rest_rad + second_error_rad)
         return OdometryReading(
             PoseReading.from_pose(self._pose),

@@ -21,7 +21,7 @@ class RobotSensors:
         self._world = world
         self._robots = tuple(robots)
         self._seed = seed
-        lasers = {robot.laser: Laser(robot.laser, world) for robot in self._robots}
+        lasers = {model: Laser(model, world) for model in dict.fromkeys(robot.laser for robot in self._robots)}
         self._lasers = [lasers[robot.laser] for robot in self._robots]
         self.reset()
 

@@ -63,6 +63,11 @@ TEST(World, MovesAFreeRobotExactlyAsItsDriveSays) {
   EXPECT_FALSE(world.in_contact()[0]);
 }
 
+TEST(World, GivesHeadingsWithinHalfATurnFromTheStart) {
+  const World world({}, {}, {RobotAt(0.0, 0.0, 3.0 * kPi / 2.0)}, kStep, kSubsteps);
+  EXPECT_DOUBLE_EQ(world.poses()[0].yaw, -kPi / 2.0);
+}
+
 TEST(World, AcceleratesWithinItsLimits) {
   World world({}, {}, {RobotAt(0.0, 0.0, 0.0)}, kStep, kSubsteps);
   world.Step({{5.0, 0.0, 50.0}});
