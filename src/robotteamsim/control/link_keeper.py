@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 
 from robotteamsim.propagation import RadioField
+from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Radio
 from robotteamsim.swarm import (
     Vector,
     communication_attractor,
@@ -31,7 +34,7 @@ class LinkKeeper:
         self._c4 = scenario.control.c4
         self._network = scenario.network
         self._radio = scenario.radio
-        self._field = RadioField(scenario.plan, scenario.radio) if self._c4 > 0.0 else None
+        self._field = _radio_field(scenario.plan, scenario.radio.model_dump_json()) if self._c4 > 0.0 else None
 
     def pull(
         self, position: Vector, heard: Mapping[int, Vector], missing: Mapping[int, Vector]
@@ -68,3 +71,9 @@ class LinkKeeper:
         endangered = robot_proximity_by_signal(max(endangered_dbm, lost_dbm + 1e-9), lost_dbm, reference_dbm)
         range_m = math.dist(position, neighbour) * 10.0 ** ((signal_dbm - endangered_dbm) / self._radio.slope_db)
         return proximity, endangered, range_m
+
+
+@functools.lru_cache(maxsize=8)
+def _radio_field(plan: FloorPlan, radio_json: str) -> RadioField:
+    """Return the radio field that all robots of a plan share; nobody changes its doors."""
+    return RadioField(plan, Radio.model_validate_json(radio_json))

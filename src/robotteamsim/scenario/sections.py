@@ -176,7 +176,7 @@ class Control(Model):
     c1: float = Field(default=0.08, ge=0.0, le=2.0, description="cognitive weight")
     c2: float = Field(default=0.11, ge=0.0, le=2.0, description="social weight")
     c3: float = Field(default=0.29, ge=0.0, le=2.0, description="obstacle weight")
-    c4: float = Field(default=0.0, ge=0.0, le=2.0, description="communication weight; acts where a link is in danger")
+    c4: float = Field(default=0.4, ge=0.0, le=2.0, description="communication weight; acts where a link is in danger")
     max_step_speed_mps: float = Field(default=0.58, gt=0.0, le=10.0, description="limit of the swarm velocity [m/s]")
     sensing_radius_m: float = Field(default=1.0, gt=0.0, le=50.0, description="r_s of the obstacle term [m]")
     navigation: Literal["path", "straight"] = Field(
