@@ -52,7 +52,7 @@ class Topic:
         return self.wait_for(lambda _: True, "anything")
 
 
-def call(name: str, service_class: type, **fields: Any) -> Any:
+def call(name: str, service_class: type, /, **fields: Any) -> Any:
     """Call a service as soon as it is there."""
     rospy.wait_for_service(name, timeout=PATIENCE_S)
     return rospy.ServiceProxy(name, service_class)(**fields)

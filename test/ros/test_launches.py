@@ -1,0 +1,133 @@
+"""Starts the launch files as a user does, and looks at what they print and leave behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import roslaunch.rlutil
+from rosbags.rosbag1 import Reader
+from running import ROSLAUNCH, running
+
+from robotteamsim.recording import TrajectoryHash, message_fields
+from robotteamsim.recording.bag import ROBOT_TOPICS, TEAM_TOPICS
+from robotteamsim.recording.bag_types import bag_typestore
+from robotteamsim.ros import msg_conversion as conversion
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
+
+LAUNCH_FILES = sorted((Path(__file__).parents[2] / "launch").glob("*.launch"))
+GARAGE = (*ROSLAUNCH, "robotteamsim", "garage_sar.launch", "rviz:=false", "seed:=7")
+STEP_NS = 100_000_000
+
+
+class Run:
+    """What a launch has left behind."""
+
+    def __init__(self, folder: Path) -> None:
+        command = (*GARAGE, "lockstep:=true", "speed:=0", "set:=mission.time_limit_s=20 voice.noise_db=12")
+        with running((*command, "record:=true", "bag:=run.bag", "out:=results"), folder) as program:
+            self.status = program.wait()
+            self.output = program.output
+        self.bag = folder / "run.bag"
+        self.result = json.loads((folder / "results" / "mission.json").read_text())["result"]
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    return Run(tmp_path_factory.mktemp("run"))
+
+
+@pytest.fixture(scope="module")
+def headless_hash() -> str:
+    overrides = ["mission.time_limit_s=20", "voice.noise_db=12", "run.seed=7"]
+    return Simulation(load("garage_sar", overrides)).run().trajectory_hash
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.stem)
+def test_launch_file_passes_roslaunch_check(path: Path) -> None:
+    assert not roslaunch.rlutil.check_roslaunch(str(path))
+
+
+def test_launch_ends_with_the_mission_and_a_table_of_what_happened(run: Run, headless_hash: str) -> None:
+    assert run.status == 0
+    assert "mission-4] has died!\nprocess has finished cleanly" in run.output
+    assert "the time was up" in run.output
+    assert f"trajectories {headless_hash}" in run.output
+    assert (run.result["trajectory_hash"], run.result["noise_db"]) == (headless_hash, 12.0)
+    assert "Traceback" not in run.output
+
+
+def test_recorded_bag_has_the_topics_and_types_of_a_headless_bag(run: Run) -> None:
+    expected = {topic.name: topic.type_name for topic in TEAM_TOPICS}
+    for robot_id in range(3):
+        name = message_fields.robot_name(robot_id)
+        expected |= {f"/{name}/{topic.name}": topic.type_name for topic in ROBOT_TOPICS}
+    with Reader(run.bag) as bag:
+        assert {name: topic.msgtype.replace("/msg/", "/") for name, topic in bag.topics.items()} == expected
+
+
+def test_recorded_bag_holds_the_trajectories_of_the_hash(run: Run, headless_hash: str) -> None:
+    assert trajectory_hash(run.bag, run.result["steps"]) == headless_hash
+
+
+def test_recorded_bag_is_one_that_rosbag_info_can_read(run: Run) -> None:
+    command = (sys.executable, "-c", "import rosbag; rosbag.rosbagmain()", "info", str(run.bag))
+    info = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert re.search(r"/mission/events +\d+ msgs +: robotteamsim/MissionEvent", info)
+
+
+def test_replay_plays_the_bag_and_ends(run: Run, tmp_path: Path) -> None:
+    command = (*ROSLAUNCH, "robotteamsim", "replay.launch", f"bag:={run.bag}", "rviz:=false", "rate:=20")
+    with running(command, tmp_path) as program:
+        assert program.wait() == 0
+    assert "player-2] has died!\nprocess has finished cleanly" in program.output
+
+
+def test_launch_ends_and_names_the_node_that_died(tmp_path: Path) -> None:
+    with running(GARAGE, tmp_path) as program:
+        line = program.wait_for(lambda line: "process[robot_1/controller" in line, "the controller")
+        program.wait_for(lambda line: "mission starts" in line, "the mission's start")
+        os.kill(int(re.search(r"pid \[(\d+)\]", line)[1]), signal.SIGKILL)
+        program.wait()
+    assert re.search(r"REQUIRED process \[robot_1/controller-\d+\] has died!", program.output)
+
+
+@pytest.mark.parametrize(
+    ("argument", "line"),
+    [
+        ("set:=voice.noise_db=99", "--set: voice.noise_db: 99 is above 80"),
+        ("scenario:=garage_sra", "garage_sra: no scenario of this name is shipped; did you mean 'garage_sar'?"),
+    ],
+)
+def test_wrong_argument_ends_the_launch_with_one_line_and_status_2(argument: str, line: str, tmp_path: Path) -> None:
+    with running((*GARAGE, argument), tmp_path) as program:
+        program.wait()
+    assert line in program.output
+    assert "exit code 2" in program.output
+    assert "Traceback" not in program.output
+
+
+def trajectory_hash(path: Path, steps: int) -> str:
+    """Return the hash of the true poses in a bag."""
+    typestore, computed = bag_typestore(), TrajectoryHash()
+    with Reader(path) as bag:
+        robots = zip(*(truths(bag, typestore, robot_id) for robot_id in range(3)), strict=True)
+        for step, messages in enumerate(robots, 1):
+            if step <= steps:
+                computed.update(step * STEP_NS, [conversion.pose_reading(message.pose.pose) for message in messages])
+    return computed.hexdigest()
+
+
+def truths(bag: Reader, typestore: object, robot_id: int) -> Iterator[object]:
+    topic = f"/{message_fields.robot_name(robot_id)}/base_pose_ground_truth"
+    connections = [connection for connection in bag.connections if connection.topic == topic]
+    for connection, _, data in bag.messages(connections):
+        yield typestore.deserialize_ros1(data, connection.msgtype)
