@@ -6,6 +6,7 @@ Needs no display: rviz draws on a virtual one, by software. Run by `make picture
 from __future__ import annotations
 
 import copy
+import math
 import os
 import socket
 import subprocess
@@ -21,7 +22,7 @@ import rospy
 import yaml
 from nav_msgs.msg import Odometry
 from PIL import Image
-from robotteamsim.msg import MissionStatus
+from robotteamsim.msg import MissionStatus, Victims
 from robotteamsim.srv import Step
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
@@ -87,7 +88,7 @@ def main() -> None:
         views = {
             "garage_sar": None,
             "garage_sar_from_above": from_above(30.0, 21.0, 20.0 * FINER),
-            "garage_sar_close": orbit(x_m, y_m, 13.0, 0.8, 4.4),
+            "garage_sar_close": orbit(x_m, y_m, 14.0, 0.8, 4.4),
         }
         for name, view in views.items():
             path = IMAGES / f"{name}.png"
@@ -127,7 +128,10 @@ def free_port() -> int:
 
 
 def halt_at_the_moment() -> tuple[float, float]:
-    """Let the mission run from its start to the moment and stand still; return the middle of the team there [m]."""
+    """Let the mission run from its start to the moment and stand still.
+
+    Returns: the point midway between the middle of the team and the victim nearest to it [m].
+    """
     wait_for_master()
     rospy.init_node("make_pictures", disable_rostime=True)
     rospy.wait_for_message("/scene/robots", MarkerArray, PATIENCE_S)
@@ -135,14 +139,14 @@ def halt_at_the_moment() -> tuple[float, float]:
     for name in ("/pause", "/reset"):  # the scene may have missed the first steps, which would cut the trails
         call(name, Trigger)
     call("/step", Step, MOMENT_STEPS)
-    poses = [
-        rospy.wait_for_message(f"/robot_{robot_id}/base_pose_ground_truth", Odometry, PATIENCE_S).pose.pose
+    positions_m = [
+        rospy.wait_for_message(f"/robot_{robot_id}/base_pose_ground_truth", Odometry, PATIENCE_S).pose.pose.position
         for robot_id in range(rospy.get_param("/robotteamsim/robots"))
     ]
-    return (
-        sum(pose.position.x for pose in poses) / len(poses),
-        sum(pose.position.y for pose in poses) / len(poses),
-    )
+    x_m, y_m = (sum(getattr(p, axis) for p in positions_m) / len(positions_m) for axis in "xy")
+    victims = rospy.wait_for_message("/mission/victims", Victims, PATIENCE_S).victims
+    nearest = min((v.position for v in victims), key=lambda p: math.dist((p.x, p.y), (x_m, y_m)))
+    return (x_m + nearest.x) / 2.0, (y_m + nearest.y) / 2.0
 
 
 def call(name: str, kind: type, *arguments: Any) -> None:

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from running import PATIENCE_S, environment
 
 from robotteamsim.recording import BagWriter
 from robotteamsim.ros.scene_plan import FLOOR, WALL
@@ -23,7 +24,6 @@ from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 
 ROOT = Path(__file__).resolve().parents[2]
-PATIENCE_S = 90.0
 WIDTH, HEIGHT = 1600, 900
 
 LISTENER = """
@@ -40,19 +40,13 @@ print(json.dumps({
 
 
 @contextmanager
-def running(command: list[str], environment: dict[str, str], **options: object) -> Iterator[subprocess.Popen[bytes]]:
-    process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, **options)
+def running(command: list[str], variables: dict[str, str], **options: object) -> Iterator[subprocess.Popen[bytes]]:
+    process = subprocess.Popen(command, env=variables, stdout=subprocess.DEVNULL, **options)
     try:
         yield process
     finally:
         process.terminate()
         process.wait()
-
-
-def free_port() -> int:
-    with socket.socket() as listener:
-        listener.bind(("localhost", 0))
-        return listener.getsockname()[1]
 
 
 @pytest.fixture(scope="module")
@@ -64,15 +58,10 @@ def bag(tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def environment(bag) -> Iterator[dict[str, str]]:
+def master(bag) -> Iterator[dict[str, str]]:
     """The environment of a master on which the scene of the played bag is on show."""
-    port = free_port()
-    variables = os.environ | {
-        "ROS_MASTER_URI": f"http://localhost:{port}",
-        "ROS_HOSTNAME": "localhost",
-        "ROS_HOME": str(bag.parent),
-        "LIBGL_ALWAYS_SOFTWARE": "1",
-    }
+    variables = environment(bag.parent)
+    port = int(variables["ROS_MASTER_URI"].rpartition(":")[2])
     with running(["rosmaster", "--core", "-p", str(port)], variables):
         wait_for_port(port)
         subprocess.run(["rosparam", "set", "/robotteamsim/scenario", "garage_sar"], env=variables, check=True)
@@ -91,16 +80,16 @@ def wait_for_port(port: int) -> None:
     pytest.fail(f"nobody listens on port {port}")
 
 
-def listen(environment: dict[str, str], *topics: str) -> dict[str, list[tuple[str, int, int, str]]]:
+def listen(variables: dict[str, str], *topics: str) -> dict[str, list[tuple[str, int, int, str]]]:
     """Return namespace, id, action and frame of the markers that a late listener gets."""
     command = [sys.executable, "-c", LISTENER, *topics]
-    answer = subprocess.run(command, env=environment, check=True, capture_output=True, timeout=PATIENCE_S)
+    answer = subprocess.run(command, env=variables, check=True, capture_output=True, timeout=PATIENCE_S)
     return json.loads(answer.stdout)
 
 
-def test_late_listener_gets_the_whole_scene_of_a_bag_that_has_ended(environment):
+def test_late_listener_gets_the_whole_scene_of_a_bag_that_has_ended(master):
     layers = ("building", "doors", "voice", "areas", "victims", "robots", "headline")
-    scene = listen(environment, *(f"/scene/{layer}" for layer in layers))
+    scene = listen(master, *(f"/scene/{layer}" for layer in layers))
     drawn = {topic: {ns for ns, _, action, _ in markers if action == 0} for topic, markers in scene.items()}
     assert drawn["/scene/building"] == {"floor", "shadows", "walls"}
     assert drawn["/scene/headline"] == {"headline"}
@@ -123,15 +112,17 @@ def near(picture: np.ndarray, tint: tuple[float, ...]) -> int:
     return int((np.abs(picture - 255.0 * np.array(tint[:3])).max(axis=2) < 12).sum())
 
 
-def test_rviz_shows_floor_walls_and_robots(environment, tmp_path):
+def test_rviz_shows_floor_walls_and_robots(master, tmp_path):
     reader, writer = os.pipe()
     screen = ["-screen", "0", f"{WIDTH}x{HEIGHT}x24", "-nolisten", "tcp", "-displayfd", str(writer)]
-    with running(["Xvfb", *screen], environment, pass_fds=[writer], stderr=subprocess.DEVNULL):
+    with running(["Xvfb", *screen], master, pass_fds=[writer], stderr=subprocess.DEVNULL):
         os.close(writer)
         with os.fdopen(reader) as lines:
             display = f":{lines.readline().strip()}"
         rviz = ["rviz", "-d", str(ROOT / "rviz" / "robotteamsim.rviz")]
-        with running(rviz, environment | {"DISPLAY": display}, stderr=subprocess.DEVNULL) as process:
+        with running(
+            rviz, master | {"DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"}, stderr=subprocess.DEVNULL
+        ) as process:
             deadline_s = time.monotonic() + PATIENCE_S
             wanted = {"floor": (FLOOR, 100_000), "walls": (WALL, 3_000), "robot 0": (robot_colour(0), 30)}
             missing = list(wanted)
