@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
+import numpy as np
 import pytest
+import shapely
 
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
+from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Area, Mission, PlacedRobot, Run, Victim
 
@@ -42,5 +46,22 @@ def hall_scenario() -> Callable[..., Scenario]:
             "run": Run(seed=seed),
         }
         return Scenario(**(fields | sections))
+
+    return make
+
+
+@pytest.fixture
+def scattered_robots() -> Callable[..., tuple[PlacedRobot, ...]]:
+    """Place robots at random where nothing touches them; keywords are fields of `PlacedRobot`."""
+
+    def make(plan: FloorPlan, count: int, generator: np.random.Generator, **fields: object) -> tuple[PlacedRobot, ...]:
+        solid, robots = obstacles(plan), []
+        while len(robots) < count:
+            x, y = generator.uniform(plan.bounds.min, plan.bounds.max).tolist()
+            robot = PlacedRobot(start_pose=(x, y, generator.uniform(-math.pi, math.pi)), **fields)
+            apart = all(math.dist((x, y), other.start_pose[:2]) > 2.0 * robot.radius_m for other in robots)
+            if apart and solid.distance(shapely.Point(x, y)) > robot.radius_m:
+                robots.append(robot)
+        return tuple(robots)
 
     return make

@@ -1,0 +1,116 @@
+"""Odometry of robots that drive through the shipped garage, with collisions."""
+
+import math
+
+import numpy as np
+import pytest
+
+from robotteamsim.geometry import Pose, Twist
+from robotteamsim.scenario import Bounds, FloorPlan, Wall, load
+from robotteamsim.scenario.sections import Odometry as OdometryModel
+from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.sensing.odometry import Odometry
+from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.world import World
+
+EXACT = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0)
+MODEL = OdometryModel(alpha1=0.004, alpha2=0.001, alpha3=0.002, alpha4=0.003)
+CORRIDOR = FloorPlan(
+    name="corridor", bounds=Bounds(max=(40.0, 4.0)), walls=(Wall(name="w", start=(0.0, 3.1), end=(40.0, 3.1)),)
+)
+
+
+def random_twists(count: int, generator: np.random.Generator) -> list[Twist]:
+    return [
+        Twist(v, 0.0, w)
+        for v, w in zip(generator.uniform(-0.7, 0.7, count), generator.normal(0, 1, count), strict=True)
+    ]
+
+
+def test_without_noise_it_is_the_true_way_to_a_nanometre_over_five_minutes_of_collisions(scattered_robots):
+    plan = load("garage_sar").plan
+    generator = np.random.default_rng(31)
+    robots = scattered_robots(plan, 20, generator, odometry=EXACT)
+    world = World(plan, robots, Run())
+    sensors = RobotSensors(world, robots, seed=1)
+    touched = set()
+    for step in range(3000):
+        if step % 30 == 0:
+            twists = random_twists(20, generator)
+        world.step(twists)
+        readings = sensors.read()
+        touched |= {robot_id for robot_id, reading in enumerate(readings) if reading.in_contact}
+    for robot, pose, reading in zip(robots, world.poses(), readings, strict=True):
+        true, believed = Pose(*robot.start_pose).inverse() @ pose, reading.odometry.pose.pose
+        assert (believed.x_m, believed.y_m) == pytest.approx((true.x_m, true.y_m), abs=1e-9)
+        assert math.remainder(believed.yaw_rad - true.yaw_rad, math.tau) == pytest.approx(0.0, abs=1e-9)
+    assert len(touched) >= 10
+
+
+def test_robot_that_slides_along_a_wall_reckons_with_the_way_it_really_went():
+    robots = [PlacedRobot(start_pose=(5.0, 2.8, 0.5), odometry=EXACT)]
+    world = World(CORRIDOR, robots, Run())
+    sensors = RobotSensors(world, robots, seed=1)
+    for _ in range(100):
+        world.step([Twist(0.7)])
+        reading = sensors.read()[0]
+    true = Pose(5.0, 2.8, 0.5) @ reading.odometry.pose.pose
+    assert reading.in_contact
+    # 0.7 m/s is reached after 0.35 s; the wall leaves the part along it.
+    assert true.x_m == pytest.approx(5.0 + math.cos(0.5) * 0.7 * (10.0 - 0.175), abs=0.02)
+    assert true.y_m == pytest.approx(2.8, abs=0.005)
+    assert reading.odometry.twist.linear_y_mps == pytest.approx(-0.7 * math.cos(0.5) * math.sin(0.5), rel=0.01)
+
+
+def test_robot_that_is_pushed_sideways_reckons_with_it():
+    # The second robot drives at the side of the first, which stands.
+    robots = [
+        PlacedRobot(start_pose=(10.0, 1.0, math.pi / 2.0), odometry=EXACT),
+        PlacedRobot(start_pose=(9.5, 1.0, 0.0), odometry=EXACT),
+    ]
+    world = World(CORRIDOR, robots, Run())
+    sensors = RobotSensors(world, robots, seed=1)
+    for _ in range(30):
+        world.step([Twist(), Twist(0.7)])
+        pushed = sensors.read()[0].odometry
+    way_m = world.poses()[0].x_m - 10.0
+    assert way_m > 0.1
+    assert (pushed.pose.x_m, pushed.pose.y_m) == pytest.approx((0.0, -way_m), abs=1e-9)
+    assert pushed.twist.linear_y_mps < -0.01
+
+
+@pytest.mark.parametrize("speed_mps", [0.6, -0.6], ids=["forwards", "backwards"])
+def test_drift_along_an_arc_has_the_variances_of_the_formula(speed_mps):
+    # An arc is a turn by half its angle, its chord, and the other half.
+    half_rad, samples = 0.06, 5000
+    chord_m = speed_mps * 0.1 * math.sin(half_rad) / half_rad
+    way = Pose(chord_m * math.cos(half_rad), chord_m * math.sin(half_rad), 2.0 * half_rad)
+    odometry = (Odometry(MODEL, 0.1, np.random.default_rng(seed)) for seed in range(samples))
+    ends = [one.step(way, Twist(speed_mps, 0.0, 20.0 * half_rad)).pose.pose for one in odometry]
+    expected = {
+        "length": MODEL.alpha3 * chord_m**2 + MODEL.alpha4 * 2.0 * half_rad**2,
+        "yaw": 2.0 * (MODEL.alpha1 * half_rad**2 + MODEL.alpha2 * chord_m**2),
+        "course": MODEL.alpha1 * half_rad**2 + MODEL.alpha2 * chord_m**2,
+    }
+    sign = math.copysign(1.0, speed_mps)
+    measured = {
+        "length": np.array([math.hypot(end.x_m, end.y_m) for end in ends]),
+        "yaw": np.array([end.yaw_rad for end in ends]),
+        "course": np.array([math.atan2(sign * end.y_m, sign * end.x_m) for end in ends]),
+    }
+    # Five standard errors: that of a variance of normal numbers is sqrt(2 / samples) of it.
+    for name, variance in expected.items():
+        assert measured[name].var() == pytest.approx(variance, rel=5.0 * math.sqrt(2.0 / samples)), name
+    assert measured["yaw"].mean() == pytest.approx(2.0 * half_rad, abs=5.0 * math.sqrt(expected["yaw"] / samples))
+
+
+def test_drifts_of_two_robots_on_the_same_way_are_not_related():
+    robots = [PlacedRobot(start_pose=(1.0, 0.5 + i, 0.0), odometry=MODEL) for i in range(2)]
+    world = World(CORRIDOR, robots, Run())
+    sensors = RobotSensors(world, robots, seed=6)
+    errors = []
+    for _ in range(400):
+        world.step([Twist(0.5), Twist(0.5)])
+        errors.append([reading.odometry.twist.linear_x_mps - reading.twist.linear_x_mps for reading in sensors.read()])
+    assert not any(reading.in_contact for reading in sensors.read())
+    assert abs(np.corrcoef(np.array(errors).T)[0, 1]) < 0.2
