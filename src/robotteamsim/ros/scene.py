@@ -179,14 +179,18 @@ class Scene:
         self._canvas["building"].draw(scene_plan.building_markers(plan, self._wall_height_m))
         self._draw_doors({door.name: door.closed for door in plan.doors})
         areas = [scene_mission.AreaView(area.name, area.center, area.radius_m) for area in mission.areas]
-        self._canvas["areas"].draw(scene_mission.area_markers(areas))
+        self._draw_areas(areas)
         self._draw_victims([scene_mission.VictimView(victim.name, victim.position) for victim in mission.victims])
         for layer in ("voice", "trails", "links", "robots", "headline"):
             self._canvas[layer].draw([])
 
+    def _draw_areas(self, areas: list[scene_mission.AreaView]) -> None:
+        self._numbers_m = [area.center_m for area in areas]
+        self._canvas["areas"].draw(scene_mission.area_markers(areas))
+
     def _draw_victims(self, victims: list[scene_mission.VictimView]) -> None:
         distance_m = self._scenario.mission.save_distance_m
-        self._written_m = [scene_mission.name_spot_m(victim, distance_m) for victim in victims]
+        self._names_m = [scene_mission.name_spot_m(victim, distance_m) for victim in victims]
         self._canvas["victims"].draw(scene_mission.victim_markers(victims, distance_m))
 
     def _draw_doors(self, closed: dict[str, bool]) -> None:
@@ -237,7 +241,7 @@ class Scene:
                 scene_mission.AreaView(a.name, (a.center.x, a.center.y), a.radius_m, a.explored, a.target)
                 for a in areas.areas
             ]
-            self._canvas["areas"].draw(scene_mission.area_markers(views))
+            self._draw_areas(views)
         if victims is not None:
             self._draw_victims(
                 [scene_mission.VictimView(v.name, (v.position.x, v.position.y), v.state) for v in victims.victims]
@@ -285,7 +289,7 @@ class Scene:
             self._note_time(now_s)
             views = [view for view in (robot.view() for robot in self._robots.values()) if view is not None]
             positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
-            self._canvas["robots"].draw(scene_team.team_markers(views, self._written_m))
+            self._canvas["robots"].draw(scene_team.team_markers(views, self._names_m + self._numbers_m))
             self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m))
             self._trails_stale = True
         if self._trails_stale and now_s >= self._trails_due_s:
