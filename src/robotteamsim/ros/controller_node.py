@@ -10,6 +10,7 @@ from sensor_msgs.msg import LaserScan
 from robotteamsim.control import make_controller
 from robotteamsim.control.controller import Decision, Task
 from robotteamsim.msg import Contact, ControllerStatus, MissionStatus, NetworkMessages, Voice
+from robotteamsim.network.messages import Message
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.inbox import Channel, Step
@@ -83,7 +84,7 @@ class ControllerNode:
         )
         return Observation(self._robot_id, step.stamp_ns, robot, conversion.voice_reading(step.latest("voice")))
 
-    def _received(self, step: Step) -> list[fields.Message]:
+    def _received(self, step: Step) -> list[Message]:
         return [
             received for message in step.messages["network/rx"] for received in conversion.network_messages(message)
         ]

@@ -58,7 +58,7 @@ def main() -> None:
     run("mission", lambda: MissionNode(read_settings()).serve())
 
 
-class RobotTopics:
+class RobotInputs:
     """What the mission is told of one robot."""
 
     def __init__(self, robot_id: int) -> None:
@@ -100,7 +100,7 @@ class MissionNode:
         self._stays = parameter("~stays", False)
         out = parameter("~out", "")
         self._folder = Path(out).expanduser() if out else None
-        self._robots = [RobotTopics(robot_id) for robot_id in range(settings.num_robots)]
+        self._robots = [RobotInputs(robot_id) for robot_id in range(settings.num_robots)]
         self._trial_lock = threading.Lock()
         self._trial = self._begin_trial()
         self._inbox = make_inbox(settings, self._inputs())

@@ -121,4 +121,7 @@ def read_keys(terminal: int, duration_s: float) -> Iterator[str]:
     until_s = time.monotonic() + duration_s
     while (left_s := until_s - time.monotonic()) > 0.0:
         if select.select([terminal], [], [], left_s)[0]:
-            yield from os.read(terminal, 64).decode(errors="ignore")
+            characters = os.read(terminal, 64)
+            if not characters:
+                raise ParameterError("teleop: the terminal was closed")
+            yield from characters.decode(errors="ignore")

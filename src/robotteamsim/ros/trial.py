@@ -21,7 +21,8 @@ class Trial:
         self.mission = Mission(scenario)
         self.result: Result | None = None
         self.events: list[Event] = []
-        self._tally = Tally(scenario)
+        self._scenario = scenario
+        self._tally: Tally | None = None
         self._steps = 0
         self._recorders: list[Observer] = []
         for recorder in recorders:
@@ -40,6 +41,8 @@ class Trial:
         positions_m = true_positions_m(readings)
         events = self.mission.step(sim_time_ns, positions_m, voices, network, decisions)
         if self.result is None:
+            # Its wall clock starts here: nodes wait for each other before the first step.
+            self._tally = self._tally or Tally(self._scenario)
             self._steps += 1
             self.events += events
             record = StepRecord(
@@ -60,7 +63,7 @@ class Trial:
             for recorder in self._recorders:
                 recorder.step(record)
             if record.mission.state == "ended":
-                self._end()
+                self._end(self._tally.result())
         return events
 
     def abandon(self) -> None:
@@ -68,8 +71,8 @@ class Trial:
         while self._recorders:
             self._recorders.pop().abandon()
 
-    def _end(self) -> None:
-        self.result = self._tally.result()
+    def _end(self, result: Result) -> None:
+        self.result = result
         while self._recorders:
-            self._recorders[0].end(self.result)
+            self._recorders[0].end(result)
             del self._recorders[0]

@@ -23,7 +23,7 @@ from robotteamsim.scenario import occupancy_grid
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.sensing.robots import RobotSensors
-from robotteamsim.srv import SetDoor, SetDoorResponse, Step, StepResponse
+from robotteamsim.srv import SetDoor, SetDoorRequest, SetDoorResponse, Step, StepRequest, StepResponse
 from robotteamsim.world import World
 
 MAP_RESOLUTION_M = 0.05
@@ -67,7 +67,7 @@ class WorldNode:
         self._tf = Output("/tf", TFMessage)
         self._clock = Output("/clock", Clock, latched=True)
         # In lockstep a late subscriber must still get the step that everybody waits for.
-        self._topics = [RobotTopics(i, robot, settings.lockstep) for i, robot in enumerate(self._robots)]
+        self._outputs = [RobotOutputs(i, robot, settings.lockstep) for i, robot in enumerate(self._robots)]
         self._offer_map()
         self._offer_services()
 
@@ -93,7 +93,7 @@ class WorldNode:
     def _await_listeners(self) -> None:
         """Wait until no new listener comes: a recorder is to get the first step, too."""
         connected = -1
-        while connected != (now_connected := sum(topics.num_subscribers for topics in self._topics)):
+        while connected != (now_connected := sum(outputs.num_subscribers for outputs in self._outputs)):
             connected = now_connected
             self._gate.sleep(QUIET_S)
 
@@ -106,6 +106,7 @@ class WorldNode:
         with self._world_lock:
             self._build()
         self._team.restart()
+        self._publish_clock(START_NS)
         rospy.loginfo("the world begins anew")
 
     def _tick(self) -> None:
@@ -121,8 +122,8 @@ class WorldNode:
 
     def _publish(self, readings: list[RobotReading]) -> None:
         time_ns = self._world.sim_time_ns
-        for topics, reading in zip(self._topics, readings, strict=True):
-            topics.publish(self._make, time_ns, reading)
+        for outputs, reading in zip(self._outputs, readings, strict=True):
+            outputs.publish(self._make, time_ns, reading)
         if self._tf.wanted:
             transforms = fields.transforms(self._make, time_ns, self._robots, [r.odometry for r in readings])
             if self._localization == "ground_truth":
@@ -158,7 +159,7 @@ class WorldNode:
         self._gate.resume()
         return TriggerResponse(success=True, message="goes on")
 
-    def _serve_step(self, request: Step) -> StepResponse:
+    def _serve_step(self, request: StepRequest) -> StepResponse:
         if request.steps == 0:
             return StepResponse(success=False, message="steps: 0; wanted at least 1")
         done = self._gate.step(request.steps)
@@ -173,7 +174,7 @@ class WorldNode:
             self._world.reset_positions()
         return EmptyResponse()
 
-    def _serve_set_door(self, request: SetDoor) -> SetDoorResponse:
+    def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
         try:
             with self._world_lock:
                 self._world.set_door(request.name, request.closed)
@@ -182,7 +183,7 @@ class WorldNode:
         return SetDoorResponse(success=True, message="")
 
 
-class RobotTopics:
+class RobotOutputs:
     """What the world publishes of one robot."""
 
     def __init__(self, robot_id: int, robot: PlacedRobot, latched: bool) -> None:
@@ -197,7 +198,7 @@ class RobotTopics:
     @property
     def num_subscribers(self) -> int:
         """How many connections they have."""
-        return sum(topic.num_subscribers for topic in (self._odom, self._scan, self._ground_truth, self._contact))
+        return sum(output.num_subscribers for output in (self._odom, self._scan, self._ground_truth, self._contact))
 
     def publish(self, make: conversion.RosTypes, time_ns: int, reading: RobotReading) -> None:
         """Publish one step's readings."""

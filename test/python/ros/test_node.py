@@ -1,0 +1,74 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.ros import node
+from robotteamsim.ros.node import ParameterError, parameter, read_settings
+
+
+@pytest.fixture
+def parameters(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """The parameter server."""
+    values: dict[str, Any] = {"/robotteamsim/scenario": "garage_sar"}
+    monkeypatch.setattr(node.rospy, "get_param", lambda name, default: values.get(name, default))
+    monkeypatch.setattr(node.rospy, "resolve_name", lambda name: name.replace("~", "/node/"))
+    return values
+
+
+@pytest.mark.parametrize(("value", "default", "expected"), [(2, 1.0, 2.0), (2.5, 1.0, 2.5), (7, "", "7"), (3, 0, 3)])
+def test_parameter_takes_the_type_of_its_default(parameters, value, default, expected):
+    parameters["~p"] = value
+    assert parameter("~p", default) == expected
+    assert type(parameter("~p", default)) is type(default)
+
+
+@pytest.mark.parametrize(("value", "default"), [("fast", 1.0), (1.5, 1), (1, True), ("true", False)])
+def test_parameter_of_another_type_is_refused_by_its_full_name(parameters, value, default):
+    parameters["~p"] = value
+    with pytest.raises(ParameterError, match=rf"/node/p: {value!r}; wanted {type(default).__name__}"):
+        parameter("~p", default)
+
+
+def test_settings_follow_the_parameters(parameters):
+    parameters |= {
+        "/robotteamsim/set": " run.seed=7  voice.noise_db=20 ",
+        "/robotteamsim/robots": 5,
+        "/robotteamsim/lockstep": True,
+        "/robotteamsim/teleop": 1,
+    }
+    settings = read_settings()
+    assert (settings.scenario.run.seed, settings.scenario.voice.noise_db) == (7, 20.0)
+    assert (settings.num_robots, settings.lockstep, settings.step_ns) == (5, True, 100_000_000)
+    assert [settings.drives(robot_id) for robot_id in range(6)] == [True, False, True, True, True, False]
+
+
+def test_without_controllers_every_robot_is_driven_by_others(parameters):
+    parameters["/robotteamsim/controllers"] = False
+    settings = read_settings()
+    assert list(settings.controlled) == []
+    assert not settings.drives(0)
+
+
+def test_missing_scenario_is_told(parameters):
+    del parameters["/robotteamsim/scenario"]
+    with pytest.raises(ParameterError, match=r"/robotteamsim/scenario: is not set; wanted the name or file of a"):
+        read_settings()
+
+
+def test_wrong_override_is_told(parameters):
+    parameters["/robotteamsim/set"] = "voice.noise_bd=20"
+    with pytest.raises(ScenarioError, match=r"--set: voice.noise_bd: unknown key; did you mean 'noise_db'"):
+        read_settings()
+
+
+def test_number_of_robots_must_fit_a_list_of_robots(parameters, tmp_path):
+    file = tmp_path / "two.yaml"
+    file.write_text("name: two\nplan: garage\nrobots: [{start_pose: [4, 5, 0]}, {start_pose: [6, 5, 0]}]\n")
+    parameters |= {"/robotteamsim/scenario": str(file), "/robotteamsim/robots": 3}
+    with pytest.raises(ParameterError, match=r"/robotteamsim/robots: 3; wanted 2, the length of the robots' list"):
+        read_settings()
+    parameters["/robotteamsim/robots"] = 2
+    assert read_settings().num_robots == 2
