@@ -153,6 +153,15 @@ class InterfaceTest(unittest.TestCase):
         self.assertEqual((values.quantity, values.unit), ("voice_level", "dB"))
         self.assertGreater(max(values.data), 20.0)
 
+    def test_radio_maps_come_for_those_who_look(self) -> None:
+        picture, values = Topic("/robot_0/radio_map", OccupancyGrid), Topic("/robot_0/radio_map/values", FloatMap)
+        levels = values.next()
+        self.assertEqual(
+            (levels.quantity, levels.unit, len(levels.data)), ("rssi", "dBm", levels.width * levels.height)
+        )
+        self.assertLess(max(levels.data), -20.0)
+        self.assertGreaterEqual(min(picture.next().data), 0)
+
     def test_network_tells_of_two_robots_side_by_side(self) -> None:
         state = self.network.messages[-1]
         self.assertEqual(state.num_robots, 2)

@@ -157,6 +157,11 @@ def field_map_picture(make: Make, time_ns: int, field: FieldMap) -> Any:
     return _grid(make, time_ns, field.origin_m, field.resolution_m, levels)
 
 
+def radio_map_picture(make: Make, time_ns: int, field: FieldMap) -> Any:
+    """nav_msgs/OccupancyGrid of a map of signals, for rviz: 0 at -100 dBm and below, 100 at 0 dBm."""
+    return field_map_picture(make, time_ns, FieldMap(field.origin_m, field.resolution_m, field.values + 100.0))
+
+
 def field_map(make: Make, time_ns: int, field: FieldMap, quantity: str, unit: str) -> Any:
     """robotteamsim/FloatMap, such as quantity "voice_level" in unit "dB"."""
     rows, columns = field.values.shape

@@ -15,6 +15,7 @@ from robotteamsim.msg import FloatMap, MissionStatus, NetworkMessages, NetworkSt
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.inbox import Channel, Step
+from robotteamsim.ros.msg_conversion import RosTypes
 from robotteamsim.ros.node import Input, Output, Settings, make_inbox, read_settings, run
 from robotteamsim.scenario.placement import check_places
 from robotteamsim.scenario.problems import problems
@@ -35,6 +36,8 @@ from robotteamsim.srv import (
 )
 
 STATUS = "/mission/status"
+RADIO_MAP_RESOLUTION_M = 0.25
+RADIO_MAP_PERIOD_NS = 10**9
 NODE_PATIENCE_S = 2.0
 """A change waits this long for another node's service [s, wall]."""
 
@@ -44,12 +47,34 @@ def main() -> None:
     run("environment", lambda: EnvironmentNode(read_settings()).serve())
 
 
+class RadioMaps:
+    """The signal of one robot over the floor: costly, so only for those who look, and once a second."""
+
+    def __init__(self, robot_name: str) -> None:
+        self._picture = Output(f"/{robot_name}/radio_map", OccupancyGrid)
+        self._values = Output(f"/{robot_name}/radio_map/values", FloatMap)
+        self._due_ns = 0
+
+    def publish(self, make: RosTypes, time_ns: int, position_m: tuple[float, float], environment: Environment) -> None:
+        """Publish the maps, if they are due and somebody listens."""
+        if time_ns < self._due_ns or not (self._picture.wanted or self._values.wanted):
+            return
+        self._due_ns = time_ns + RADIO_MAP_PERIOD_NS
+        radio_map = environment.radio_map(position_m, RADIO_MAP_RESOLUTION_M)
+        self._picture.publish(fields.radio_map_picture(make, time_ns, radio_map))
+        self._values.publish(fields.field_map(make, time_ns, radio_map, "rssi", "dBm"))
+
+    def restart(self) -> None:
+        """Begin again with the first step."""
+        self._due_ns = 0
+
+
 class EnvironmentNode:
     """Steps voices and network by the robots' true places; takes changes of doors, noise and victims."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
-        self._make = conversion.RosTypes()
+        self._make = RosTypes()
         self._environment_lock = threading.Lock()
         names = [f"/{fields.robot_name(robot_id)}" for robot_id in range(settings.num_robots)]
         self._places = [f"{name}/base_pose_ground_truth" for name in names]
@@ -60,6 +85,7 @@ class EnvironmentNode:
         self._network = Output("/network/state", NetworkState, latched=latched)
         self._voice_picture = Output("/voice_map", OccupancyGrid, latched=True)
         self._voice_map = Output("/voice_map/values", FloatMap, latched=True)
+        self._radio_maps = [RadioMaps(fields.robot_name(robot_id)) for robot_id in range(settings.num_robots)]
         self._build()
         self._publish_voice_map(0)
         self._inbox = make_inbox(settings, self._inputs())
@@ -90,6 +116,8 @@ class EnvironmentNode:
         self._victims = [victim.name for victim in self._settings.scenario.mission.victims]
         self._saved: tuple[str, ...] = ()
         self._published_changes = -1
+        for radio_maps in self._radio_maps:
+            radio_maps.restart()
 
     def _step(self, step: Step) -> None:
         places = [conversion.pose_reading(step.latest(topic).pose.pose) for topic in self._places]
@@ -114,6 +142,9 @@ class EnvironmentNode:
         if self._network.wanted:
             self._network.publish(fields.network_state(make, time_ns, network))
         self._publish_voice_map(time_ns)
+        with self._environment_lock:
+            for radio_maps, place in zip(self._radio_maps, places, strict=True):
+                radio_maps.publish(make, time_ns, (place.x_m, place.y_m), self._environment)
 
     def _publish_voice_map(self, time_ns: int) -> None:
         with self._environment_lock:

@@ -20,6 +20,9 @@ from robotteamsim.scenario.sections import Team
 PARAMETERS = "/robotteamsim"
 """Namespace of the parameters that all nodes read."""
 
+NOT_SET = -1
+"""Number of robots, or id of the one driven by hand, where none is given."""
+
 
 class ParameterError(RobotTeamSimError):
     """A parameter of a node is missing or wrong."""
@@ -112,20 +115,22 @@ def read_settings() -> Settings:
         raise ParameterError(f"{PARAMETERS}/scenario: is not set; wanted the name or file of a scenario")
     overrides = parameter(f"{PARAMETERS}/set", "").split()
     scenario = load(name, overrides)
-    num_robots = parameter(f"{PARAMETERS}/robots", 0)
-    if num_robots and isinstance(scenario.robots, Team) and scenario.robots.count != num_robots:
+    num_robots = parameter(f"{PARAMETERS}/robots", NOT_SET)
+    if num_robots != NOT_SET and isinstance(scenario.robots, Team) and scenario.robots.count != num_robots:
         scenario = load(name, [*overrides, f"robots.count={num_robots}"])
     settings = Settings(
         scenario,
         lockstep=parameter(f"{PARAMETERS}/lockstep", False),
         controllers=parameter(f"{PARAMETERS}/controllers", True),
-        teleop=parameter(f"{PARAMETERS}/teleop", -1),
+        teleop=parameter(f"{PARAMETERS}/teleop", NOT_SET),
         silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
     )
-    if num_robots and settings.num_robots != num_robots:
+    if num_robots not in (NOT_SET, settings.num_robots):
         raise ParameterError(
             f"{PARAMETERS}/robots: {num_robots}; wanted {settings.num_robots}, the length of the robots' list in {name}"
         )
+    if settings.teleop not in range(NOT_SET, settings.num_robots):
+        raise ParameterError(f"{PARAMETERS}/teleop: {settings.teleop}; wanted 0 to {settings.num_robots - 1}")
     return settings
 
 

@@ -31,6 +31,10 @@ class Environment:
         """Return the voice level over the floor [dB]; 0 where no voice is above the noise."""
         return self._voice.map()
 
+    def radio_map(self, position_m: tuple[float, float], resolution_m: float) -> FieldMap:
+        """Return the signal of a robot at a position in `map` [m] over the floor [dBm]."""
+        return self._radio.rssi_map_dbm(position_m, resolution_m)
+
     def step(
         self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]], saved: Collection[str]
     ) -> tuple[tuple[VoiceReading, ...], NetworkState, tuple[tuple[Message, ...], ...]]:

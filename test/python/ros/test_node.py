@@ -52,6 +52,18 @@ def test_without_controllers_every_robot_is_driven_by_others(parameters):
     assert not settings.drives(0)
 
 
+def test_robot_driven_by_hand_must_be_one_of_the_team(parameters):
+    parameters["/robotteamsim/teleop"] = 3
+    with pytest.raises(ParameterError, match=r"/robotteamsim/teleop: 3; wanted 0 to 2"):
+        read_settings()
+
+
+def test_team_of_none_is_refused(parameters):
+    parameters["/robotteamsim/robots"] = 0
+    with pytest.raises(ScenarioError, match=r"--set: robots.count: 0 is below 1"):
+        read_settings()
+
+
 def test_missing_scenario_is_told(parameters):
     del parameters["/robotteamsim/scenario"]
     with pytest.raises(ParameterError, match=r"/robotteamsim/scenario: is not set; wanted the name or file of a"):
