@@ -45,7 +45,7 @@ build: $(VENV)/.ready ## build messages, C++ library and nodes into build/
 	@chmod +x $(VENV)/bin/robotteamsim
 
 garage_sar: build ## run the garage mission under roslaunch, with rviz where there is a display
-	@$(ENV) roslaunch robotteamsim garage_sar.launch speed:=$(SPEED) $(ARGS)
+	@$(ENV) roslaunch robotteamsim garage_sar.launch lockstep:=true speed:=$(SPEED) $(ARGS)
 
 run: build ## run the garage mission headless
 	@$(VENV)/bin/robotteamsim run garage_sar $(ARGS)

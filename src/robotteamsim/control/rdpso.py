@@ -43,6 +43,9 @@ LONGEST_DETOUR_M = 60.0
 SEARCHED_FOR_S = 30.0
 """A member that was not heard for longer no longer draws the robot to where it was."""
 
+PATIENCE = 0.5
+"""So much of an iteration a robot waits for the reports of those that it heard in the last one."""
+
 HURRY = 1.25
 """A robot drives this much faster than its swarm velocity, so that it is there when the next iteration begins."""
 
@@ -51,8 +54,9 @@ class RdpsoController:
     """One robot of the swarm.
 
     Every iteration has two phases. In its first step the robot evaluates its surroundings and reports to everybody.
-    In the step after, it takes the reports that arrived, finds the global best, and chooses its next point. All other
-    steps drive there. Robots that heard the same reports come to the same view of the swarm.
+    As soon as those that it heard in the last iteration have reported too (in the step after, unless messages are late
+    or a teammate is out of reach), it takes the reports that arrived, finds the global best, and chooses its next
+    point. All other steps drive there. Robots that heard the same reports come to the same view of the swarm.
     """
 
     def __init__(self, robot_id: int, scenario: Scenario) -> None:
@@ -62,6 +66,7 @@ class RdpsoController:
         self._scenario = scenario
         self._control = control
         self._iteration_ns = round(control.iteration_s * 1e9)
+        self._patience_ns = round(PATIENCE * control.iteration_s * 1e9)
         self._radius_m = body.radius_m
         self._localiser = Localiser(robot_id, scenario)
         self._doors = DoorBeliefs(scenario.plan, body.laser)
@@ -86,6 +91,7 @@ class RdpsoController:
         self._epoch = -1
         self._own: Report | None = None
         """The report of this iteration, until the next point is chosen."""
+        self._reported_ns = 0
         self._known_best: Best | None = None
         self._local_best: Best | None = None
         self._swarm = SwarmState()
@@ -111,17 +117,24 @@ class RdpsoController:
             return self._decision(Twist())
         robot = self._observation.robot
         pose = self._localiser.map_T_base_link(robot)
-        if self._own is not None:
+        if self._own is not None and self._has_waited_enough(self._own):
             self._choose_next_point(pose, robot.ranges_m, self._own)
             self._own = None
         outbox: tuple[Message, ...] = ()
         iteration = self._observation.sim_time_ns // self._iteration_ns
         if iteration != self._iteration:
-            self._iteration = iteration
+            self._iteration, self._reported_ns = iteration, self._observation.sim_time_ns
             self._own = self._evaluate(pose, robot.ranges_m)
             outbox = (Message(self._robot_id, EVERYBODY, self._own.to_json()),)
         twist, goal = self._drive(pose, robot.ranges_m)
         return self._decision(twist, goal, outbox)
+
+    def _has_waited_enough(self, own: Report) -> bool:
+        """Whether all that reported in the last iteration have reported in this one, or patience is at its end."""
+        assert self._observation is not None
+        if self._observation.sim_time_ns - self._reported_ns >= self._patience_ns:
+            return True
+        return all(report.iteration != own.iteration - 1 for report in self._team.values())
 
     def _evaluate(self, pose: Pose, ranges_m: np.ndarray) -> Report:
         """Phase 1: return the report on what the robot knows at the start of an iteration."""
