@@ -110,7 +110,8 @@ def test_launch_ends_and_names_the_node_that_died(tmp_path: Path) -> None:
 def test_wrong_argument_ends_the_launch_with_one_line_and_status_2(argument: str, line: str, tmp_path: Path) -> None:
     with running((*GARAGE, argument), tmp_path) as program:
         program.wait()
-    assert line in program.output
+    assert program.output.count(line) == 1
+    assert "REQUIRED process [world-2] has died!" in program.output
     assert "exit code 2" in program.output
     assert "Traceback" not in program.output
 

@@ -30,7 +30,7 @@ from robotteamsim.recording import message_fields as fields
 from robotteamsim.recording.table import print_result
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.inbox import Channel, Step
-from robotteamsim.ros.node import Input, Output, Settings, make_inbox, parameter, read_settings, run
+from robotteamsim.ros.node import Input, Output, Settings, make_inbox, parameter, read_settings, run, wait_for_shutdown
 from robotteamsim.ros.trial import Trial
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.simulation import Observer
@@ -125,7 +125,7 @@ class MissionNode:
                 if running and self._trial.result is not None:
                     self._report()
                     if not self._stays:
-                        _say_farewell()
+                        wait_for_shutdown(FAREWELL_S)
                         return
         finally:
             self._trial.abandon()
@@ -202,9 +202,3 @@ class MissionNode:
         with self._trial_lock:
             self._trial.mission.set_victim(request.name, (request.position.x, request.position.y))
         return SetVictimResponse(success=True, message="")
-
-
-def _say_farewell() -> None:
-    told_to_stop = threading.Event()
-    rospy.on_shutdown(told_to_stop.set)
-    told_to_stop.wait(FAREWELL_S)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import sys
+import threading
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -20,6 +21,8 @@ from robotteamsim.scenario.sections import Team
 PARAMETERS = "/robotteamsim"
 """Namespace of the parameters that all nodes read."""
 
+WORLD_TELLS_S = 5.0
+"""How long other nodes leave it to the world to tell of a mistake in the settings [s, wall]."""
 NOT_SET = -1
 """Number of robots, or id of the one driven by hand, where none is given."""
 
@@ -101,7 +104,8 @@ def run(name: str, serve: Callable[[], None]) -> None:
     try:
         serve()
     except RobotTeamSimError as error:
-        rospy.logfatal(str(error))
+        if not rospy.is_shutdown():
+            rospy.logfatal(str(error))
         sys.exit(2)
     finally:
         # rospy's threads would keep a failed node alive, and its launch with it.
@@ -109,7 +113,27 @@ def run(name: str, serve: Callable[[], None]) -> None:
 
 
 def read_settings() -> Settings:
-    """Return the settings from the parameter server. Raises: ParameterError, ScenarioError."""
+    """Return the settings from the parameter server.
+
+    Raises: ParameterError, ScenarioError. All nodes of a launch find the same mistake: the world tells of it at once,
+    which ends the launch, and the others only if they are still there after a while.
+    """
+    try:
+        return _read_settings()
+    except RobotTeamSimError:
+        if rospy.get_name() != "/world":
+            wait_for_shutdown(WORLD_TELLS_S)
+        raise
+
+
+def wait_for_shutdown(timeout_s: float) -> None:
+    """Wait until the node is told to stop, but not longer than a time [s, wall]."""
+    told = threading.Event()
+    rospy.on_shutdown(told.set)
+    told.wait(timeout_s)
+
+
+def _read_settings() -> Settings:
     name = parameter(f"{PARAMETERS}/scenario", "")
     if not name:
         raise ParameterError(f"{PARAMETERS}/scenario: is not set; wanted the name or file of a scenario")

@@ -15,6 +15,7 @@ def parameters(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     values: dict[str, Any] = {"/robotteamsim/scenario": "garage_sar"}
     monkeypatch.setattr(node.rospy, "get_param", lambda name, default: values.get(name, default))
     monkeypatch.setattr(node.rospy, "resolve_name", lambda name: name.replace("~", "/node/"))
+    monkeypatch.setattr(node.rospy, "get_name", lambda: "/world")
     return values
 
 
@@ -74,6 +75,16 @@ def test_wrong_override_is_told(parameters):
     parameters["/robotteamsim/set"] = "voice.noise_bd=20"
     with pytest.raises(ScenarioError, match=r"--set: voice.noise_bd: unknown key; did you mean 'noise_db'"):
         read_settings()
+
+
+def test_other_nodes_leave_a_mistake_to_the_world(parameters, monkeypatch):
+    waited_s: list[float] = []
+    monkeypatch.setattr(node, "wait_for_shutdown", waited_s.append)
+    monkeypatch.setattr(node.rospy, "get_name", lambda: "/robot_0/controller")
+    parameters["/robotteamsim/set"] = "voice.noise_db=99"
+    with pytest.raises(ScenarioError, match="99 is above 80"):
+        read_settings()
+    assert waited_s == [node.WORLD_TELLS_S]
 
 
 def test_number_of_robots_must_fit_a_list_of_robots(parameters, tmp_path):
