@@ -20,7 +20,8 @@ struct LaserModel {
   double no_return = 5.0;  ///< what it reports where nothing is within range_max [m]
 };
 
-/// Scans a world: walls, blocks, closed doors and other robots return a beam, its own robot does not.
+/// Scans a world: walls, blocks, closed doors and other robots return a beam, its own robot does not. A laser that
+/// sticks into one of them, as one at the very front of a robot that is pressed to a wall, measures 0.
 ///
 /// Each segment and robot finds the beams that can meet it and shortens them, which costs less than asking each beam
 /// for what it meets.
@@ -42,6 +43,7 @@ class Laser {
     double y;
   };
 
+  bool CrossesMount(const Segment& segment) const;
   void MeetSegment(const Segment& segment, std::vector<double>& ranges) const;
   void MeetDisc(const Point& center, double radius, std::vector<double>& ranges) const;
   template <typename Meet>

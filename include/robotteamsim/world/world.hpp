@@ -41,7 +41,8 @@ struct Robot {
 /// double precision, exactly as their drives say. Equal worlds with equal calls are equal to the bit.
 class World {
  public:
-  /// Args: step: length of a step [s]; substeps: the parts of a step in which drives change speed.
+  /// Args: step: length of a step [s]; substeps: the parts of a step in which drives change speed; more are taken where
+  /// a robot could move by more than half its radius in one.
   /// Throws std::invalid_argument on a piece that is not convex, counter-clockwise and of 3 to 8 corners, and on sizes
   /// that are not above 0.
   World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps);
@@ -80,6 +81,7 @@ class World {
 
   void CheckCommands(const std::vector<Twist>& commands) const;
   void AddRobot(const Robot& robot);
+  Point BodyPosition(int robot) const;
   void StartDrive(int robot, const Twist& command);
   void FinishDrive(int robot);
 
@@ -89,6 +91,8 @@ class World {
   const double step_;
   const int substeps_;
   const double dt_;
+  // Where Box2D counts from, in the map frame: its floats keep half a millimetre for 4 km only.
+  const Point origin_;
 
   std::unique_ptr<b2World> box_;
   std::vector<b2Body*> door_bodies_;

@@ -102,7 +102,19 @@ std::vector<float> Laser::Report(const std::vector<double>& ranges, const std::v
   return report;
 }
 
+// Whether a segment, in the laser's frame, runs between base_link, which is never in a solid, and the laser.
+bool Laser::CrossesMount(const Segment& segment) const {
+  const double ay = segment.a.y, by = segment.b.y;
+  if ((ay > 0.0) == (by > 0.0)) return false;
+  const double x = segment.a.x - ay * (segment.b.x - segment.a.x) / (by - ay);
+  return std::min(-model_.forward, 0.0) <= x && x <= std::max(-model_.forward, 0.0);
+}
+
 void Laser::MeetSegment(const Segment& segment, std::vector<double>& ranges) const {
+  if (CrossesMount(segment)) {
+    std::fill(ranges.begin(), ranges.end(), 0.0);
+    return;
+  }
   const double nearest = DistanceToSegment({0.0, 0.0}, segment);
   if (nearest > model_.range_max) return;
   const double cross = segment.a.x * segment.b.y - segment.a.y * segment.b.x;

@@ -18,10 +18,10 @@ constexpr int kPositionIterations = 3;
 // at most a slop (5 mm) apart.
 constexpr float kSkin = 0.5F * b2_linearSlop;
 
-b2Vec2 ToBox(double x, double y) { return {static_cast<float>(x), static_cast<float>(y)}; }
-
 // A drive that reaches less than this part of its speed is stalled.
 constexpr double kStalled = 0.05;
+
+b2Vec2 ToBox(double x, double y) { return {static_cast<float>(x), static_cast<float>(y)}; }
 
 double Cross(const Point& a, const Point& b, const Point& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -29,7 +29,7 @@ double Cross(const Point& a, const Point& b, const Point& c) {
 
 // Fills the shape by hand: b2PolygonShape::Set welds corners nearer than 2.5 mm and turns what then is no polygon into
 // a box of two metres, so thin solids would not be what the plan says.
-b2PolygonShape ConvexShape(const Polygon& piece) {
+b2PolygonShape ConvexShape(const Polygon& piece, const Point& origin) {
   const int count = static_cast<int>(piece.size());
   if (count < 3 || count > b2_maxPolygonVertices) {
     throw std::invalid_argument("a convex piece needs 3 to 8 corners, got " + std::to_string(count));
@@ -44,16 +44,16 @@ b2PolygonShape ConvexShape(const Polygon& piece) {
     if (!(length > 0.0) || !(Cross(corner, next, piece[(i + 2) % count]) >= 0.0)) {
       throw std::invalid_argument("a piece must be convex and counter-clockwise, without equal corners");
     }
-    shape.m_vertices[i] = ToBox(corner.x, corner.y);
+    shape.m_vertices[i] = ToBox(corner.x - origin.x, corner.y - origin.y);
     shape.m_normals[i] = ToBox(dy / length, -dx / length);
     shape.m_centroid += 1.0F / static_cast<float>(count) * shape.m_vertices[i];
   }
   return shape;
 }
 
-void AddPieces(b2Body* body, const Solid& solid) {
+void AddPieces(b2Body* body, const Solid& solid, const Point& origin) {
   for (const Polygon& piece : solid.pieces) {
-    const b2PolygonShape shape = ConvexShape(piece);
+    const b2PolygonShape shape = ConvexShape(piece, origin);
     b2FixtureDef fixture;
     fixture.shape = &shape;
     fixture.friction = 0.0F;
@@ -98,7 +98,8 @@ World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Rob
       robots_(std::move(robots)),
       step_(step),
       substeps_(CheckedSubsteps(robots_, step, substeps)),
-      dt_(step_ / substeps_) {
+      dt_(step_ / substeps_),
+      origin_(robots_.empty() ? Point{} : Point{robots_[0].start.x, robots_[0].start.y}) {
   Reset();
 }
 
@@ -109,13 +110,13 @@ void World::Reset() {
   box_ = std::make_unique<b2World>(b2Vec2(0.0F, 0.0F));
   b2BodyDef still;
   b2Body* building = box_->CreateBody(&still);
-  for (const Solid& solid : solids_) AddPieces(building, solid);
+  for (const Solid& solid : solids_) AddPieces(building, solid, origin_);
   doors_ = initial_doors_;
   door_bodies_.clear();
   for (const Door& door : doors_) {
     still.enabled = door.closed;
     door_bodies_.push_back(box_->CreateBody(&still));
-    AddPieces(door_bodies_.back(), door.leaf);
+    AddPieces(door_bodies_.back(), door.leaf, origin_);
   }
   robot_bodies_.clear();
   poses_.clear();
@@ -129,7 +130,7 @@ void World::Reset() {
 void World::AddRobot(const Robot& robot) {
   b2BodyDef def;
   def.type = b2_dynamicBody;
-  def.position = ToBox(robot.start.x, robot.start.y);
+  def.position = ToBox(robot.start.x - origin_.x, robot.start.y - origin_.y);
   def.fixedRotation = true;  // nothing turns a round body without friction: its drive alone does
   def.allowSleep = false;
   def.bullet = true;  // robots stop at each other as exactly as at walls
@@ -174,12 +175,17 @@ void World::Step(const std::vector<Twist>& commands) {
   for (int i = 0; i < num_robots; ++i) motions_[i] = RelativePose(before[i], poses_[i]);
 }
 
+Point World::BodyPosition(int robot) const {
+  const b2Vec2& at = robot_bodies_[robot]->GetPosition();
+  return {origin_.x + at.x, origin_.y + at.y};
+}
+
 void World::StartDrive(int robot, const Twist& command) {
   Drive& drive = drives_[robot];
   drive.speed = ReachedSpeed(drive.speed, command, robots_[robot].drive, dt_);
   drive.target = AdvancedPose(poses_[robot], drive.speed, dt_);
   b2Body* body = robot_bodies_[robot];
-  const b2Vec2& at = body->GetPosition();
+  const Point at = BodyPosition(robot);
   body->SetLinearVelocity(ToBox((drive.target.x - at.x) / dt_, (drive.target.y - at.y) / dt_));
 }
 
@@ -189,7 +195,7 @@ void World::FinishDrive(int robot) {
   double forward = drive.speed.forward;
   double left = 0.0;
   if (IsTouching(robot_bodies_[robot])) {
-    const b2Vec2& at = robot_bodies_[robot]->GetPosition();
+    const Point at = BodyPosition(robot);
     const double heading = pose.yaw + 0.5 * drive.speed.turn * dt_;
     const double cos = std::cos(heading), sin = std::sin(heading);
     const double dx = at.x - pose.x, dy = at.y - pose.y;
@@ -210,7 +216,7 @@ void World::FinishDrive(int robot) {
 void World::SetPose(int robot, const Pose& pose) {
   Pose& stored = poses_.at(robot);
   stored = {pose.x, pose.y, NormaliseAngle(pose.yaw)};
-  robot_bodies_[robot]->SetTransform(ToBox(pose.x, pose.y), 0.0F);
+  robot_bodies_[robot]->SetTransform(ToBox(pose.x - origin_.x, pose.y - origin_.y), 0.0F);
   drives_[robot] = {};
   twists_[robot] = {};
   motions_[robot] = {};

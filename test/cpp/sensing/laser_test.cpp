@@ -118,6 +118,16 @@ TEST(Laser, InsideAnotherRobotMeasuresZero) {
   EXPECT_EQ(Laser(Model(1, 0.0, 0.0, 0.3), world).Scan(world, 0)[0], 0.0);
 }
 
+TEST(Laser, InsideAWallMeasuresZero) {
+  const World world = WorldOf({Rectangle(2.0, -1.0, 2.2, 1.0)}, {RobotAt(1.8, 0.0, 0.0), RobotAt(2.4, 0.5, 0.0)});
+  for (const double forward : {0.2 + 1e-6, 0.3}) {
+    for (const double range : Laser(Model(5, -kPi, kPi, forward), world).Scan(world, 0)) EXPECT_EQ(range, 0.0);
+  }
+  EXPECT_EQ(Laser(Model(1, 0.0, 0.0, -0.3), world).Scan(world, 1)[0], 0.0);
+  EXPECT_NEAR(Laser(Model(1, 0.0, 0.0, 0.2 - 1e-6), world).Scan(world, 0)[0], 1e-6, 1e-12);
+  EXPECT_EQ(Laser(Model(1, 0.0, 0.0, 0.2), world).Scan(world, 1)[0], kInfinity);
+}
+
 TEST(Laser, ReportsWhatItCannotMeasureAsItsModelSays) {
   const World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0)});
   LaserModel model = Model(4, 0.0, 1.0, 0.0);

@@ -140,6 +140,15 @@ TEST(World, LetsABlockedRobotDriveAwayAtOnce) {
   EXPECT_NEAR(world.twists()[0].linear_x, -0.12, 0.05);
 }
 
+TEST(World, IsAsExactInCoordinatesOfANationalGrid) {
+  const double east = 500000.0, north = 4600000.0;
+  World world({Rectangle(east + 5.0, north, east + 5.1, north + 4.0)}, {}, {RobotAt(east + 3.0, north + 2.0, 0.0)},
+              kStep, kSubsteps);
+  Drive(world, {kForward}, 60);
+  EXPECT_NEAR(world.poses()[0].x - east, 4.8, kTouch);
+  EXPECT_NEAR(world.poses()[0].y - north, 2.0, 1e-6);
+}
+
 TEST(World, StopsRobotsThatMeetHeadOn) {
   World world(Room(), {}, {RobotAt(2.0, 2.0, 0.0), RobotAt(4.0, 2.0, kPi)}, kStep, kSubsteps);
   Drive(world, {kForward, kForward}, 60);
