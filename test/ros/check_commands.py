@@ -110,6 +110,7 @@ class CommandsTest(unittest.TestCase):
         self.truth.wait_for(lambda message: speed_mps(message) > 0.4, "a robot that moves")
         begin = len(self.status.messages)
         self.assertTrue(call("/reset", Trigger).success)
+        self.assertTrue(call("/reset", Trigger).success)
         fresh = self.truth.wait_for(lambda message: stamp_s(message) < 1.0, "a stamp near zero")
         self.assertEqual(place_m(fresh), place_m(self.first))
         self.status.wait_for_after(begin, lambda message: message.header.stamp.to_sec() < 1.0, "a stamp near zero")

@@ -42,12 +42,16 @@ class Gate:
             self._steps = max(0, self._steps - 1)
             self._changed.notify_all()
 
-    def take_reset(self) -> bool:
-        """Return whether a reset was asked for, once."""
+    @property
+    def reset_wanted(self) -> bool:
+        """Whether a reset was asked for."""
+        return self._reset_wanted
+
+    def reset_done(self) -> None:
+        """Note that the reset has happened."""
         with self._changed:
-            wanted, self._reset_wanted = self._reset_wanted, False
+            self._reset_wanted = False
             self._changed.notify_all()
-            return wanted
 
     def pause(self, timeout_s: float) -> bool:
         """Let no more steps through; return whether the one under way ended in time [s, wall]."""

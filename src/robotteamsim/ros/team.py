@@ -18,7 +18,9 @@ from robotteamsim.ros.node import Input, Settings, make_inbox, subscribe
 from robotteamsim.scenario.sections import PlacedRobot
 
 FOLLOW_PATIENCE_S = 0.02
-"""Flat out, the world waits this long for the controllers to follow [s, wall]."""
+"""Flat out, the world waits this long for controllers and mission to follow [s, wall]."""
+RESTART_PATIENCE_S = 3.0
+"""A reset waits this long for all to have answered the last step [s, wall]."""
 START_PATIENCE_S = 60.0
 """Out of lockstep, the world starts without controllers that are not there after this long [s, wall]."""
 
@@ -84,34 +86,34 @@ class LockstepTeam(_Team):
             twists.append(self._commands.at(robot_id, sim_time_ns))
         return twists
 
-    def restart(self) -> None:
-        """Begin again with the first step."""
+    def restart(self, sim_time_ns: int) -> None:
+        """Begin again with the first step; all have answered the last one."""
         self._inbox.restart()
         self._commands.clear()
 
 
 class FreeTeam(_Team):
-    """Takes the commands that have come. With `follow` it gives the controllers a moment to answer each step."""
+    """Takes the commands that have come. With `follow` it gives controllers and mission a moment for each step."""
 
     def __init__(self, settings: Settings, robots: Sequence[PlacedRobot], *, follow: bool) -> None:
         super().__init__(robots)
         self._follow = follow
         controllers = {f"/{robot_name(robot_id)}/controller": robot_id for robot_id in settings.controlled}
-        self._answers = Answers(controllers)
-        self._others = Answers(("/environment", "/mission"))
+        self._answers = Answers((*controllers, "/mission"))
+        self._environment = Answers(("/environment",))
         rospy.on_shutdown(self._answers.close)
-        rospy.on_shutdown(self._others.close)
+        rospy.on_shutdown(self._environment.close)
         for robot_id in self._ids:
             self._listen(robot_id)
         for name, robot_id in controllers.items():
-            self._listen_to_answers(name, robot_id)
-        # Latched topics tell that a node is there; what they say does not matter here.
-        subscribe("/voice_map/values", rospy.AnyMsg, lambda _: self._others.put("/environment", 0))
-        subscribe("/mission/areas", rospy.AnyMsg, lambda _: self._others.put("/mission", 0))
+            self._listen_to_answers(name, f"/{robot_name(robot_id)}/cmd_vel_stamped", TwistStamped)
+        self._listen_to_answers("/mission", "/mission/status", MissionStatus)
+        # Latched: it tells that the environment is there; what it says does not matter here.
+        subscribe("/voice_map/values", rospy.AnyMsg, lambda _: self._environment.put("/environment", 0))
 
     def assemble(self) -> None:
         """Wait until all nodes are there, with patience."""
-        for name in self._others.wait_for(0, START_PATIENCE_S) + self._answers.wait_for(0, START_PATIENCE_S):
+        for name in self._environment.wait_for(0, START_PATIENCE_S) + self._answers.wait_for(0, START_PATIENCE_S):
             rospy.logwarn(f"starting without {name}")
 
     def twists(self, step_index: int, sim_time_ns: int) -> list[Twist] | None:
@@ -121,14 +123,11 @@ class FreeTeam(_Team):
             self._answers.wait_for(sim_time_ns, FOLLOW_PATIENCE_S)
         return None if rospy.is_shutdown() else [self._commands.at(robot_id, sim_time_ns) for robot_id in self._ids]
 
-    def restart(self) -> None:
-        """Begin again with the first step."""
+    def restart(self, sim_time_ns: int) -> None:
+        """Begin again with the first step, once all have answered the last one: only then do all see time jump back."""
+        self._answers.wait_for(sim_time_ns, RESTART_PATIENCE_S)
         self._answers.clear()
         self._commands.clear()
 
-    def _listen_to_answers(self, name: str, robot_id: int) -> None:
-        subscribe(
-            f"/{robot_name(robot_id)}/cmd_vel_stamped",
-            TwistStamped,
-            lambda message: self._answers.put(name, conversion.stamp_ns(message)),
-        )
+    def _listen_to_answers(self, name: str, topic: str, message_class: type) -> None:
+        subscribe(topic, message_class, lambda message: self._answers.put(name, conversion.stamp_ns(message)))

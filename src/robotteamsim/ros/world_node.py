@@ -81,8 +81,9 @@ class WorldNode:
             twists = self._team.twists(self._world.step_index, self._world.sim_time_ns)
             if twists is None:
                 return
-            if self._world.step_index >= FIRST_STEPS and self._gate.take_reset():
+            if self._world.step_index >= FIRST_STEPS and self._gate.reset_wanted:
                 self._reset()
+                self._gate.reset_done()
                 continue
             with self._world_lock:
                 self._world.step(twists)
@@ -103,9 +104,9 @@ class WorldNode:
         self._sensors = RobotSensors(self._world, self._robots, seed)
 
     def _reset(self) -> None:
+        self._team.restart(self._world.sim_time_ns)
         with self._world_lock:
             self._build()
-        self._team.restart()
         self._publish_clock(START_NS)
         rospy.loginfo("the world begins anew")
 

@@ -20,8 +20,9 @@ class World:
 
     def _run(self) -> None:
         while self._gate.wait():
-            if self._gate.take_reset():
+            if self._gate.reset_wanted:
                 self.resets += 1
+                self._gate.reset_done()
                 continue
             if not self._permits.acquire(timeout=5.0):
                 return

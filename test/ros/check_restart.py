@@ -1,0 +1,34 @@
+#!/usr/bin/env python3
+"""Resets a running mission again and again."""
+# ruff: noqa: PT009 - rostest runs this by unittest, whose assertions tell the values
+
+from __future__ import annotations
+
+import unittest
+
+import rospy
+import rostest
+from listening import Topic, call, speed_mps
+from nav_msgs.msg import Odometry
+from robotteamsim.msg import MissionStatus
+from std_srvs.srv import Trigger
+
+
+class RestartTest(unittest.TestCase):
+    def test_every_node_begins_anew_however_often_one_asks(self) -> None:
+        rospy.init_node("restart_test", disable_rostime=True)
+        truth = Topic("/robot_1/base_pose_ground_truth", Odometry)
+        status = Topic("/mission/status", MissionStatus)
+        status.wait_for_after(0, lambda message: message.time_s > 10.0, "a mission under way")
+        for _ in range(3):
+            begin = len(status.messages)
+            for _ in range(3):
+                self.assertEqual(call("/reset", Trigger).message, "begun anew")
+            fresh = status.wait_for_after(begin, lambda message: message.time_s < 1.0, "a fresh mission")
+            self.assertLess(fresh.header.stamp.to_sec(), 5.0)
+            truth.wait_for(lambda message: speed_mps(message) > 0.3, "a robot that drives")
+            status.wait_for(lambda message: message.time_s > 5.0, "a mission that goes on")
+
+
+if __name__ == "__main__":
+    rostest.rosrun("robotteamsim", "restart", RestartTest)
