@@ -1,1 +1,0 @@
-#include "robotteamsim/plan/types.hpp"
