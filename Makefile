@@ -62,7 +62,7 @@ test_python: build ## pytest
 test_ros: build ## rostest, each test on a master of its own
 	@$(ENV) $(PYTHON) -m pytest test/ros $(ARGS)
 
-lint: build ## ruff, mypy, clang-format, catkin_lint, roslaunch-check
+lint: build ## ruff, mypy, clang-format
 	@$(PYTHON) -m ruff check --quiet .
 	@$(PYTHON) -m ruff format --quiet --check .
 	@$(PYTHON) -m mypy --no-error-summary

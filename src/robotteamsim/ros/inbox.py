@@ -151,6 +151,7 @@ class LatestInbox(Inbox):
     def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
         if queue.channel.needed and stamp_ns < queue.last_ns:
             queue.life += 1
+            queue.waiting.clear()
             if queue.life > self._life:
                 self._life, self._restarted = queue.life, True
                 for other in self._queues.values():
