@@ -146,21 +146,24 @@ class Inbox(ABC):
 
 
 class LatestInbox(Inbox):
-    """A step is there when every needed channel has brought something new; it gets all that came meanwhile."""
+    """A step is there when every needed channel has brought something new; it gets all that came meanwhile.
+
+    When the stamps of a needed channel jump back, time has been reset: what waits with later stamps is of the time
+    before and is dropped. A channel that lags behind may still bring something of that time; the step that it gets into
+    is followed by another restart as soon as that channel, too, jumps back.
+    """
 
     def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
         if queue.channel.needed and stamp_ns < queue.last_ns:
-            queue.life += 1
+            self._restarted = True
             queue.waiting.clear()
-            if queue.life > self._life:
-                self._life, self._restarted = queue.life, True
-                for other in self._queues.values():
-                    other.waiting.clear()
+            for other in self._queues.values():
+                other.waiting = [waiting for waiting in other.waiting if waiting[0] <= stamp_ns]
         queue.last_ns = stamp_ns
         queue.waiting.append((stamp_ns, message))
 
     def _ready(self, queue: _Queue) -> bool:
-        return not queue.channel.needed or (queue.life == self._life and bool(queue.waiting))
+        return not queue.channel.needed or bool(queue.waiting)
 
     def _hand_out(self) -> Step:
         stamp_ns = max(queue.last_ns for queue in self._queues.values() if queue.channel.needed)

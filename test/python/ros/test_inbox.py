@@ -206,3 +206,17 @@ def test_latest_restarts_once_when_needed_stamps_jump_back():
     inbox.put("scan", 200, "scan")
     inbox.put("odom", 200, "odom")
     assert not inbox.take().restarted
+
+
+def test_latest_goes_on_after_two_resets_of_which_a_slow_channel_saw_one():
+    inbox = LatestInbox((Channel("scan", needed=True), Channel("voice", needed=True)), print)
+    inbox.put("scan", 900, "old scan")
+    inbox.put("voice", 900, "old voice")
+    inbox.take()
+    for stamp_ns in (100, 200, 100, 200):
+        inbox.put("scan", stamp_ns, f"scan {stamp_ns}")
+    inbox.put("voice", 200, "voice 200")
+    assert inbox.take() == Step(200, True, {"scan": ("scan 100", "scan 200"), "voice": ("voice 200",)})
+    inbox.put("scan", 300, "scan 300")
+    inbox.put("voice", 300, "voice 300")
+    assert inbox.take() == Step(300, False, {"scan": ("scan 300",), "voice": ("voice 300",)})
