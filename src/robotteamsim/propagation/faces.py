@@ -57,9 +57,9 @@ def radio_faces(plan: FloorPlan, radio: Radio) -> Faces:
     """Return the faces that fade the radio, in units of 0.05 dB [dissertation, eq. 4 and Table 3].
 
     A wall costs what its class says, whatever the angle: half on the way in, half on the way out. The class comes from
-    the thickness of a wall, or the smaller width of a block or pillar, in whole mm; over 80 cm it is ]60,80]. A
-    material takes the place of the class. What lies inside the union of all solids is no face. Where the outlines of
-    several solids coincide, or run within 5 mm of each other, the highest loss counts.
+    the thickness of a wall, or the smaller width of a block or pillar that states none, in whole mm; over 80 cm it is
+    ]60,80]. A material takes the place of the class. What lies inside the union of all solids is no face. Where the
+    outlines of several solids coincide, or run within 5 mm of each other, the highest loss counts.
 
     Raises: ScenarioError: a material that `radio.materials` does not have.
     """
@@ -127,7 +127,11 @@ def _wall_units(plan: FloorPlan, radio: Radio, element: Wall | Block | Door) -> 
                 f"{plan.name}: {element.name}.material: '{element.material}' is not in radio.materials ({known})"
             )
         return _units(radio.materials[element.material])
-    width_mm = round((element.thickness_m if isinstance(element, Wall) else _smaller_width_m(element)) * MM_PER_M)
+    thickness_m = element.thickness_m
+    if thickness_m is None:
+        assert isinstance(element, Block)
+        thickness_m = _smaller_width_m(element)
+    width_mm = round(thickness_m * MM_PER_M)
     loss_class = sum(width_mm > limit_mm for limit_mm in _CLASS_LIMITS_MM)
     return _units(radio.wall_loss_db[loss_class])
 

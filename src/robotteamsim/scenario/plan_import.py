@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 from typing import Literal
@@ -13,13 +14,22 @@ from pydantic import ConfigDict, Field, ValidationError, model_validator
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.base import Model, PlanarPose, wrong
+from robotteamsim.scenario.convex_pieces import convex_pieces
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
-from robotteamsim.scenario.outlines import convex_pieces, outlines
+from robotteamsim.scenario.inner_corners import cut_at_inner_corners
+from robotteamsim.scenario.outlines import outlines
 from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.thickness import piece_thickness
 from robotteamsim.scenario.yaml_text import read_mapping
 
 MAX_WALL_THICKNESS_M = 0.8
 """The loss table ends here: a thicker rectangle is a block."""
+
+THICKEST_M = 1.0
+"""What is thicker counts as this: the loss table knows no difference."""
+
+MIN_PIECE_M2 = 1e-6
+"""Smaller pieces are left out."""
 
 WIDE_UNKNOWN_M = 1.0
 """An unknown region as wide as this both ways is taken for a void behind a wall, not for a wall."""
@@ -61,8 +71,9 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     - Unknown cells are solid where their region is narrower than 1 m; a wider one is a void behind a wall one cell
       thick wherever it meets free cells.
     - The image's outermost cells are solid, so that nobody leaves the map.
-    Edges along the axes stay on the cells' borders; staircases become straight lines, at most one cell beside. The
-    solid area is cut into convex pieces: upright rectangles up to 0.8 m thick are walls, all others blocks.
+    Edges along the axes stay on the cells' borders; staircases become the straight lines that would be drawn so. The
+    solid area is cut where walls meet, then into convex pieces: upright rectangles up to 0.8 m thick are walls, all
+    others blocks. What a piece weighs is decided by the thickness of the wall that it is part of, in whole cells.
 
     Raises: ScenarioError: one line with file, key, value and what was wanted.
     """
@@ -79,13 +90,16 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     walls: list[Wall] = []
     blocks: list[Block] = []
     for polygon in outlines(solid):
-        for piece in convex_pieces(polygon):
+        parts = cut_at_inner_corners(polygon, MAX_WALL_THICKNESS_M / settings.resolution)
+        pieces = [piece for part in parts for piece in convex_pieces(part)]
+        cells = np.maximum(piece_thickness(polygon, pieces, THICKEST_M / settings.resolution).round(), 1.0)
+        for piece, thickness_m in zip(pieces, (cells * settings.resolution).round(6).tolist(), strict=True):
             corners = [(float(x), float(y)) for x, y in metres(piece)]
             wall = _as_wall(f"wall_{len(walls) + 1}", corners)
-            if wall:
+            if wall and (math.isnan(thickness_m) or wall.thickness_m == thickness_m):
                 walls.append(wall)
-            else:
-                blocks.append(Block(name=f"block_{len(blocks) + 1}", polygon=tuple(corners)))
+            elif _is_sound(corners):
+                blocks.append(_as_block(f"block_{len(blocks) + 1}", corners, thickness_m))
     low, high = metres(np.array([[0, 0], [columns, rows]])).tolist()
     return FloorPlan(
         name=path.stem, bounds=Bounds(min=tuple(low), max=tuple(high)), walls=tuple(walls), blocks=tuple(blocks)
@@ -145,6 +159,16 @@ def _without_corner_contacts(solid: np.ndarray) -> np.ndarray:
             return solid
         a |= rising
         b |= falling
+
+
+def _is_sound(corners: list[tuple[float, float]]) -> bool:
+    """Whether a piece is more than a sliver that rounding has left."""
+    polygon = shapely.Polygon(corners)
+    return bool(polygon.is_valid and polygon.area > MIN_PIECE_M2)
+
+
+def _as_block(name: str, corners: list[tuple[float, float]], thickness_m: float) -> Block:
+    return Block(name=name, polygon=tuple(corners), thickness_m=None if math.isnan(thickness_m) else thickness_m)
 
 
 def _as_wall(name: str, corners: list[tuple[float, float]]) -> Wall | None:

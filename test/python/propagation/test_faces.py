@@ -63,6 +63,13 @@ def test_class_of_a_block_is_its_smaller_width(make_plan, polygon, loss_db):
     assert set(radio_faces(plan, Radio()).weights) == {round(loss_db * 10)}
 
 
+def test_stated_thickness_of_a_block_takes_the_place_of_its_width(make_plan):
+    polygon = ((1.0, 1.0), (9.0, 1.0), (9.0, 1.3), (1.0, 1.3))
+    for thickness_m, loss_db in ((0.15, 3.8), (0.5, 5.7), (1.0, 12.4)):
+        block = Block(name="a", polygon=polygon, thickness_m=thickness_m)
+        assert set(radio_faces(make_plan(blocks=(block,)), Radio()).weights) == {round(loss_db * 10)}
+
+
 def test_faces_that_abutting_walls_share_vanish(make_plan):
     walls = (Wall(name="a", start=(1.0, 2.0), end=(5.0, 2.0)), Wall(name="b", start=(5.0, 2.0), end=(8.0, 2.0)))
     faces = radio_faces(make_plan(walls=walls), Radio())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import runpy
 from pathlib import Path
 
 import cv2
@@ -10,11 +12,17 @@ import pytest
 import shapely
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.propagation import RadioField
 from robotteamsim.scenario import load, load_floor_plan, occupancy_grid, solids, write_floor_plan
+from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.plan import FREE, OCCUPIED
+from robotteamsim.scenario.plan_export import export_map
 from robotteamsim.scenario.plan_import import import_map
+from robotteamsim.scenario.sections import Radio
 
-MAPS = Path(__file__).parents[2] / "data" / "maps"
+ROOT = Path(__file__).parents[3]
+MAPS = ROOT / "test" / "data" / "maps"
+BENCH = runpy.run_path(str(ROOT / "bench" / "import_accuracy_bench.py"))
 BUILDINGS = {"one_r5": (11.95, 12.45), "cumberland": (51.6, 37.425), "diag_labs": (50.0, 40.0)}
 
 WHITE, GREY, BLACK = 254, 205, 0
@@ -51,6 +59,79 @@ def test_real_building_is_imported_within_a_cell_of_its_image(name: str, size_m:
     assert np.count_nonzero(black & ~near) < 0.01 * np.count_nonzero(black)  # noise of one or two cells
     # Pockets too small for anybody are filled, all other free cells stay free.
     assert np.count_nonzero(deep & (image > 240)) * resolution_m**2 < 2.0
+
+
+@pytest.mark.parametrize(("angle_deg", "mean_db"), [(0.0, 0.1), (7.0, 0.15), (30.0, 0.15), (45.0, 0.15)])
+def test_import_of_a_turned_plan_has_its_wall_losses(angle_deg: float, mean_db: float) -> None:
+    result = BENCH["accuracy"](load_floor_plan("garage"), 0.05, angle_deg, num_points=60)
+    assert result.mean_db <= mean_db
+    assert result.differing_percent <= 3.0
+    assert result.max_db <= 12.4  # one wall of the heaviest class
+
+
+@pytest.mark.parametrize("resolution_m", [0.05, 0.1])
+def test_import_of_a_real_building_turned_has_its_wall_losses(resolution_m: float) -> None:
+    result = BENCH["accuracy"](import_map(MAPS / "one_r5.yaml"), resolution_m, 30.0, num_points=40)
+    assert result.mean_db <= 0.6
+    assert result.max_db <= 12.4
+
+
+def _slanted_wall(angle_deg: float, thickness_m: float) -> FloorPlan:
+    dx, dy = 4.0 * math.cos(math.radians(angle_deg)), 4.0 * math.sin(math.radians(angle_deg))
+    wall = Wall(name="wall", start=(5.0 - dx, 5.0 - dy), end=(5.0 + dx, 5.0 + dy), thickness_m=thickness_m)
+    return FloorPlan(name="plan", bounds=Bounds(max=(10.0, 10.0)), walls=(wall,))
+
+
+def _exported_and_imported(plan: FloorPlan, folder: Path, resolution_m: float = 0.05) -> FloorPlan:
+    export_map(plan, folder, resolution_m)
+    return import_map(folder / "map.yaml")
+
+
+def _wall_loss_db(plan: FloorPlan, a: tuple[float, float], b: tuple[float, float]) -> float:
+    empty = FloorPlan(name="empty", bounds=plan.bounds)
+    return round(RadioField(plan, Radio()).path_loss_db(a, b) - RadioField(empty, Radio()).path_loss_db(a, b), 6)
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 2.0, 7.0, 19.0, 45.0, 80.0])
+@pytest.mark.parametrize(("thickness_m", "loss_db"), [(0.1, 3.8), (0.2, 3.8), (0.3, 3.9), (0.5, 5.7), (0.7, 12.4)])
+def test_imported_wall_is_of_the_class_that_was_drawn(
+    tmp_path: Path, angle_deg: float, thickness_m: float, loss_db: float
+) -> None:
+    plan = _exported_and_imported(_slanted_wall(angle_deg, thickness_m), tmp_path)
+    across = math.radians(angle_deg + 90.0)
+    for slide_m in (-3.0, -0.7, 0.0, 1.3):
+        foot_m = complex(5.0, 5.0) + slide_m * complex(math.cos(across - math.pi / 2), math.sin(across - math.pi / 2))
+        way_m = 1.5 * complex(math.cos(across + 0.4), math.sin(across + 0.4))
+        a, b = foot_m - way_m, foot_m + way_m
+        assert _wall_loss_db(plan, (a.real, a.imag), (b.real, b.imag)) == loss_db
+
+
+@pytest.mark.parametrize("angle_deg", [1.0, 3.0, 7.0, 20.0, 45.0, 71.0])
+def test_way_along_an_imported_wall_pays_nothing(tmp_path: Path, angle_deg: float) -> None:
+    plan = _exported_and_imported(_slanted_wall(angle_deg, 0.2), tmp_path)
+    along = complex(math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg)))
+    for beside_m in (0.18, -0.18):  # 8 cm from the wall
+        a, b = (complex(5.0, 5.0) + slide_m * along + beside_m * 1j * along for slide_m in (-4.3, 4.3))
+        assert _wall_loss_db(plan, (a.real, a.imag), (b.real, b.imag)) == 0.0
+
+
+def test_wall_that_joins_a_thicker_one_keeps_its_own_class(tmp_path: Path) -> None:
+    walls = (
+        Wall(name="thick", start=(2.0, 5.0), end=(8.0, 5.0), thickness_m=0.7),
+        Wall(name="thin", start=(5.0, 5.3), end=(5.0, 9.0), thickness_m=0.1),
+    )
+    plan = _exported_and_imported(FloorPlan(name="tee", bounds=Bounds(max=(10.0, 10.0)), walls=walls), tmp_path)
+    assert _wall_loss_db(plan, (4.0, 7.0), (6.0, 7.0)) == 3.8
+    assert _wall_loss_db(plan, (4.0, 4.0), (4.0, 6.0)) == 12.4
+    assert _wall_loss_db(plan, (5.0, 4.0), (5.0, 9.5)) == 8.1  # in through the thick one, out of the end of the thin
+
+
+def test_import_drawn_again_is_the_image_that_it_came_from(tmp_path: Path) -> None:
+    plan = BENCH["turned"](load_floor_plan("garage"), 20.0)
+    drawn = occupancy_grid(plan, 0.05).cells == OCCUPIED
+    again = occupancy_grid(_exported_and_imported(plan, tmp_path), 0.05).cells == OCCUPIED
+    again[[0, -1]] = again[:, [0, -1]] = False  # the closed border of an image
+    assert np.count_nonzero(drawn != again) < 0.05 * np.count_nonzero(drawn)
 
 
 @pytest.mark.parametrize("name", BUILDINGS)
