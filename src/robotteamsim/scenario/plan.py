@@ -130,6 +130,19 @@ class OccupancyGrid:
         return self.contains(row, column) and int(self.cells[row, column]) == FREE
 
 
+def grid_shape(plan: FloorPlan, resolution_m: float) -> tuple[int, int]:
+    """Return (rows, columns) of the cells over a plan's bounds; the last ones may reach beyond.
+
+    Raises: ValueError: the resolution is not above 0.
+    """
+    if not resolution_m > 0.0:
+        raise ValueError(f"resolution_m must be > 0, got {resolution_m}")
+    (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
+    columns = math.ceil((max_x - min_x) / resolution_m - _EDGE_TOLERANCE_CELLS)
+    rows = math.ceil((max_y - min_y) / resolution_m - _EDGE_TOLERANCE_CELLS)
+    return rows, columns
+
+
 def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bool] | None = None) -> OccupancyGrid:
     """Return the occupancy grid of a plan over its bounds.
 
@@ -140,11 +153,8 @@ def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bo
             closed: door states by name that replace the plan's own.
     Raises: ValueError: the resolution is not above 0. ScenarioError: `closed` names no door of the plan.
     """
-    if not resolution_m > 0.0:
-        raise ValueError(f"resolution_m must be > 0, got {resolution_m}")
-    (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
-    columns = math.ceil((max_x - min_x) / resolution_m - _EDGE_TOLERANCE_CELLS)
-    rows = math.ceil((max_y - min_y) / resolution_m - _EDGE_TOLERANCE_CELLS)
+    rows, columns = grid_shape(plan, resolution_m)
+    min_x, min_y = plan.bounds.min
     cells = np.zeros((rows, columns), dtype=np.int8)
     outlines = [solid.corners for solid in solids(plan, closed)]
     if outlines:
