@@ -2,6 +2,7 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "bindings.hpp"
@@ -20,21 +21,58 @@ Point ToPoint(const XY& xy) { return {xy.first, xy.second}; }
 
 PointMm ToMm(const XY& xy, const char* name) { return RoundToMm(ToPoint(xy), name); }
 
+std::vector<FieldSource> RadioSources(const RadioModel& model, const std::vector<XY>& transmitters,
+                                      int floors_crossed) {
+  const Fading fading = RadioFading(model, floors_crossed);
+  std::vector<FieldSource> sources;
+  for (const XY& transmitter : transmitters) sources.push_back({ToMm(transmitter, "tx_m"), fading});
+  return sources;
+}
+
+/// Returns the grid of one of `count` maps of equal shape that lie one below the other in an array.
+GridShape GridOf(const XY& origin, double resolution_m, const MapView& maps, std::size_t count) {
+  return {ToPoint(origin), resolution_m,
+          static_cast<int>(maps.rows() / std::max<Eigen::Index>(static_cast<Eigen::Index>(count), 1)),
+          static_cast<int>(maps.cols())};
+}
+
 void BindRadio(py::module_& m) {
   py::class_<RadioModel>(m, "RadioModel")
-      .def(py::init([](double tx_power_dbm, double constant_loss_db, double slope_db, double min_distance_m) {
-             return RadioModel{tx_power_dbm, constant_loss_db, slope_db, min_distance_m};
+      .def(py::init([](double tx_power_dbm, double constant_loss_db, double slope_db, double min_distance_m,
+                       double floor_loss_db, double floor_exponent) {
+             return RadioModel{tx_power_dbm, constant_loss_db, slope_db, min_distance_m, floor_loss_db, floor_exponent};
            }),
            py::kw_only(), py::arg("tx_power_dbm"), py::arg("constant_loss_db"), py::arg("slope_db"),
-           py::arg("min_distance_m"));
-  m.def("path_loss_db", [](const FaceSet& faces, const RadioModel& model, const XY& a, const XY& b) {
-    return PathLossDb(faces, model, ToMm(a, "a_m"), ToMm(b, "b_m"));
-  });
+           py::arg("min_distance_m"), py::arg("floor_loss_db"), py::arg("floor_exponent"));
+  m.def("path_loss_db",
+        [](const FaceSet& faces, const RadioModel& model, const XY& a, const XY& b, int floors_crossed) {
+          return PathLossDb(faces, model, ToMm(a, "a_m"), ToMm(b, "b_m"), floors_crossed);
+        });
   m.def("rssi_matrix_dbm", &RssiMatrixDbm);
-  m.def("rssi_map_dbm", [](const FaceSet& faces, const RadioModel& model, const XY& tx, const XY& origin,
-                           double resolution_m, int rows, int cols) {
-    return RssiMapDbm(faces, model, ToMm(tx, "tx_m"), {ToPoint(origin), resolution_m, rows, cols});
-  });
+  // Maps are written into arrays of the caller; other Python threads run on meanwhile.
+  m.def("write_best_rssi_map_dbm",
+        [](const FaceSet& faces, const RadioModel& model, const std::vector<XY>& transmitters, int floors_crossed,
+           const XY& origin, double resolution_m, MapView map, int threads) {
+          const py::gil_scoped_release released;
+          WriteHighest(faces, RadioSources(model, transmitters, floors_crossed), GridOf(origin, resolution_m, map, 1),
+                       map, {threads});
+        });
+  m.def("write_rssi_maps_dbm",
+        [](const FaceSet& faces, const RadioModel& model, const std::vector<XY>& transmitters, int floors_crossed,
+           const XY& origin, double resolution_m, MapView maps, int threads) {
+          const py::gil_scoped_release released;
+          const GridShape grid = GridOf(origin, resolution_m, maps, transmitters.size());
+          WriteEach(faces, RadioSources(model, transmitters, floors_crossed), grid, maps, {threads});
+        });
+  py::class_<WeightMap>(m, "WeightMap")
+      .def(py::init(
+          [](const FaceSet& faces, const XY& source, const XY& origin, double resolution_m, int rows, int cols) {
+            return WeightMap(faces, ToMm(source, "tx_m"), {ToPoint(origin), resolution_m, rows, cols});
+          }))
+      .def("update", &WeightMap::Update)
+      .def("write_rssi_dbm", [](const WeightMap& weights, const RadioModel& model, int floors_crossed, MapView map) {
+        weights.WriteValues(RadioFading(model, floors_crossed), map);
+      });
 }
 
 void BindVoice(py::module_& m) {
@@ -49,13 +87,14 @@ void BindVoice(py::module_& m) {
   m.def("voice_level_db", [](const FaceSet& faces, const VoiceModel& model, const VoiceSource& source, const XY& at) {
     return VoiceLevelDb(faces, model, source, ToMm(at, "at_m"));
   });
-  m.def("voice_map_db", [](const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources,
-                           const XY& origin, double resolution_m, const Eigen::Ref<const SolidCells>& solid) {
-    const GridShape grid{ToPoint(origin), resolution_m, static_cast<int>(solid.rows()), static_cast<int>(solid.cols())};
-    return VoiceMapDb(faces, model, sources, grid, solid);
-  });
+  m.def("write_voice_map_db",
+        [](const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources, const XY& origin,
+           double resolution_m, const Eigen::Ref<const SolidCells>& solid, MapView map, int threads) {
+          const py::gil_scoped_release released;
+          WriteVoiceMap(faces, model, sources, GridOf(origin, resolution_m, map, 1), solid, map, {threads});
+        });
   m.def("loudest_cell",
-        [](const XY& origin, double resolution_m, const Eigen::Ref<const CellValues>& values, const XY& at,
+        [](const XY& origin, double resolution_m, const Eigen::Ref<const MapValues>& values, const XY& at,
            double radius_m) -> py::object {
           const GridShape grid{ToPoint(origin), resolution_m, static_cast<int>(values.rows()),
                                static_cast<int>(values.cols())};

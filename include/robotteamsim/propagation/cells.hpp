@@ -5,22 +5,46 @@
 #include <vector>
 
 #include "robotteamsim/plan/grid.hpp"
+#include "robotteamsim/propagation/face_set.hpp"
 
 namespace robotteamsim {
 
 /// Values of the cells of a grid, one matrix row per row of cells.
 using CellValues = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// Values of a map of the floor, one matrix row per row of cells.
+using MapValues = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// Returns the centre of a cell [m].
 Point CellCenter(const GridShape& grid, int row, int col);
 
-/// The centres of a grid's cells in whole millimetres, ascending.
+/// Indices from first to before last.
+struct IndexRange {
+  int first = 0;
+  int last = 0;
+};
+
+/// The centres of a grid's cells along one axis [mm], ascending.
+struct CentersMm {
+  std::vector<std::int64_t> at;
+  std::int64_t pitch = 0;  ///< from each to the next; 0 where that differs
+
+  int Count() const { return static_cast<int>(at.size()); }
+
+  /// Returns the first index whose centre is >= position; Count() where there is none.
+  int FirstFrom(std::int64_t position) const;
+};
+
+/// The centres of a grid's cells in whole millimetres. Where the resolution is a whole number of them, so is the
+/// pitch: the first centre is rounded and the others follow. Else each centre is rounded.
 struct CellCentersMm {
-  std::vector<std::int64_t> x;  ///< of each column
-  std::vector<std::int64_t> y;  ///< of each row
+  CentersMm x;  ///< of the columns
+  CentersMm y;  ///< of the rows
 
   /// Throws std::invalid_argument where the grid has no cell or no size, or lies beyond 1000 km.
   explicit CellCentersMm(const GridShape& grid);
+
+  PointMm At(int row, int col) const { return {x.at[col], y.at[row]}; }
 };
 
 }  // namespace robotteamsim

@@ -26,6 +26,18 @@ PointMm RoundToMm(const Point& point, std::string_view place);
 /// Returns the distance between two points [m].
 double DistanceM(PointMm a, PointMm b);
 
+/// A segment that weighs on whatever passes through it.
+struct Face {
+  PointMm start;
+  PointMm end;
+  std::int32_t weight = 0;       ///< 0 where it is not active
+  std::size_t start_vertex = 0;  ///< index in FaceSet::Vertices()
+  std::size_t end_vertex = 0;
+};
+
+/// Returns whether a point lies to the left of a face from its start to its end, ties decided as FaceSet does.
+bool IsLeftOf(const Face& face, PointMm point);
+
 /// The faces of a floor plan: segments that weigh on whatever passes through them. Weights are integers, so their sums
 /// are exact in any order; what a unit means (0.05 dB, half a wall) is the business of whoever made the faces.
 ///
@@ -39,6 +51,16 @@ class FaceSet {
   FaceSet(const std::vector<std::array<std::int64_t, 4>>& ends, const std::vector<std::int32_t>& weights);
 
   std::size_t Size() const { return weight_.size(); }
+  Face At(std::size_t face) const;
+
+  /// The weight of each face as it is now, 0 where it is not active.
+  const std::vector<std::int32_t>& Weights() const { return weight_; }
+
+  /// The different points at which faces end.
+  const std::vector<PointMm>& Vertices() const { return vertices_; }
+
+  /// Sum of the weights of all faces, active or not: no ray weighs more.
+  std::int64_t TotalWeight() const { return total_weight_; }
 
   /// Lets a face weigh (a closed door) or not (an open one). Throws std::invalid_argument where there is no such face.
   void SetActive(std::size_t face, bool active);
@@ -46,12 +68,9 @@ class FaceSet {
   /// Returns the sum of the weights of the faces that the segment from a to b crosses.
   std::int64_t WeightBetween(PointMm a, PointMm b) const;
 
-  /// Returns the weights between a source and the points (columns_x[i], row_y); equal to WeightBetween for each.
-  /// Args: columns_x: ascending [mm].
-  std::vector<std::int64_t> WeightsAlongRow(PointMm source, std::int64_t row_y,
-                                            const std::vector<std::int64_t>& columns_x) const;
-
  private:
+  void NumberVertices();
+
   // One list per quantity: the loop over all faces reads them in order.
   std::vector<std::int64_t> start_x_;
   std::vector<std::int64_t> start_y_;
@@ -59,6 +78,9 @@ class FaceSet {
   std::vector<std::int64_t> end_y_;
   std::vector<std::int32_t> weight_;       // 0 where the face is not active
   std::vector<std::int32_t> full_weight_;  // where it is
+  std::vector<PointMm> vertices_;
+  std::vector<std::array<std::size_t, 2>> vertices_of_face_;  // start, end
+  std::int64_t total_weight_ = 0;
 };
 
 }  // namespace robotteamsim

@@ -7,6 +7,7 @@
 #include "robotteamsim/plan/types.hpp"
 #include "robotteamsim/propagation/cells.hpp"
 #include "robotteamsim/propagation/face_set.hpp"
+#include "robotteamsim/propagation/field_maps.hpp"
 
 namespace robotteamsim {
 
@@ -34,10 +35,11 @@ using SolidCells = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 /// way lies in a wall.
 double VoiceLevelDb(const FaceSet& faces, const VoiceModel& model, const VoiceSource& source, PointMm at);
 
-/// Returns the highest level of all sources at the centre of every cell [dB]; 0 where it is below the noise, and in
-/// solid cells. Throws std::invalid_argument where `solid` does not fit the grid.
-CellValues VoiceMapDb(const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources,
-                      const GridShape& grid, const Eigen::Ref<const SolidCells>& solid);
+/// Writes the highest level of all sources at the centre of every cell [dB]; 0 where it is below the noise, and in
+/// solid cells. Throws std::invalid_argument where `solid` or `map` does not fit the grid.
+void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources,
+                   const GridShape& grid, const Eigen::Ref<const SolidCells>& solid, MapView map,
+                   const MapWork& work = {});
 
 /// A cell and its value.
 struct Cell {
@@ -48,7 +50,7 @@ struct Cell {
 
 /// Returns the cell with the highest value above 0 of those whose centre is within a radius [m] of a point; of equal
 /// ones the lowest row, then the lowest column. Nothing where no such cell is above 0.
-std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const CellValues>& values, const Point& at,
+std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const MapValues>& values, const Point& at,
                                 double radius_m);
 
 }  // namespace robotteamsim

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace robotteamsim {
 namespace {
@@ -15,39 +17,6 @@ bool MovedPointIsLeft(std::int64_t dx, std::int64_t dy) { return dy < 0 || (dy =
 
 /// The same for a point that stays while the line from p to q is moved.
 bool PointIsLeftOfMoved(std::int64_t dx, std::int64_t dy) { return dy > 0 || (dy == 0 && dx < 0); }
-
-/// Whole numbers from low to high; empty where low > high.
-struct Range {
-  std::int64_t low;
-  std::int64_t high;
-};
-
-std::int64_t FloorDivide(std::int64_t numerator, std::int64_t positive) {
-  const std::int64_t quotient = numerator / positive;
-  return quotient - (numerator % positive < 0 ? 1 : 0);
-}
-
-/// Keeps of the range the u with slope * u + offset >= 0.
-void KeepNotNegative(std::int64_t slope, std::int64_t offset, Range* u) {
-  if (slope > 0) {
-    u->low = std::max(u->low, -FloorDivide(offset, slope));
-  } else if (slope < 0) {
-    u->high = std::min(u->high, FloorDivide(offset, -slope));
-  } else if (offset < 0) {
-    u->high = u->low - 1;
-  }
-}
-
-/// Keeps of the range the u where the orientation slope * u + offset is left, or right, of a line; zero counts as left
-/// when `tie_is_left`.
-void KeepSide(std::int64_t slope, std::int64_t offset, bool tie_is_left, bool left, Range* u) {
-  const std::int64_t shifted = tie_is_left ? offset : offset - 1;  // left is shifted >= 0, right is shifted < 0
-  if (left) {
-    KeepNotNegative(slope, shifted, u);
-  } else {
-    KeepNotNegative(-slope, -shifted - 1, u);
-  }
-}
 
 }  // namespace
 
@@ -67,6 +36,12 @@ double DistanceM(PointMm a, PointMm b) {
   const std::int64_t dx = b.x - a.x;
   const std::int64_t dy = b.y - a.y;
   return std::sqrt(static_cast<double>(dx * dx + dy * dy)) / 1000.0;
+}
+
+bool IsLeftOf(const Face& face, PointMm point) {
+  const std::int64_t dx = face.end.x - face.start.x;
+  const std::int64_t dy = face.end.y - face.start.y;
+  return dx * (point.y - face.start.y) - dy * (point.x - face.start.x) >= (PointIsLeftOfMoved(dx, dy) ? 0 : 1);
 }
 
 FaceSet::FaceSet(const std::vector<std::array<std::int64_t, 4>>& ends, const std::vector<std::int32_t>& weights)
@@ -92,7 +67,27 @@ FaceSet::FaceSet(const std::vector<std::array<std::int64_t, 4>>& ends, const std
     start_y_.push_back(y1);
     end_x_.push_back(x2);
     end_y_.push_back(y2);
+    total_weight_ += weights[i];
   }
+  NumberVertices();
+}
+
+void FaceSet::NumberVertices() {
+  std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> numbers;
+  const auto number = [&](std::int64_t x, std::int64_t y) {
+    const auto [entry, is_new] = numbers.try_emplace({x, y}, vertices_.size());
+    if (is_new) vertices_.push_back({x, y});
+    return entry->second;
+  };
+  for (std::size_t i = 0; i < Size(); ++i) {
+    const std::size_t start = number(start_x_[i], start_y_[i]);
+    vertices_of_face_.push_back({start, number(end_x_[i], end_y_[i])});
+  }
+}
+
+Face FaceSet::At(std::size_t face) const {
+  const auto& [start_vertex, end_vertex] = vertices_of_face_[face];
+  return {vertices_[start_vertex], vertices_[end_vertex], weight_[face], start_vertex, end_vertex};
 }
 
 void FaceSet::SetActive(std::size_t face, bool active) {
@@ -119,45 +114,6 @@ std::int64_t FaceSet::WeightBetween(PointMm a, PointMm b) const {
     if (a_left != b_left) sum += weight_[i];
   }
   return sum;
-}
-
-std::vector<std::int64_t> FaceSet::WeightsAlongRow(PointMm source, std::int64_t row_y,
-                                                   const std::vector<std::int64_t>& columns_x) const {
-  std::vector<std::int64_t> sums(columns_x.size(), 0);
-  const std::int64_t dy = row_y - source.y;
-  if (columns_x.empty()) return sums;
-  if (dy == 0) {  // all rays run along the row
-    for (std::size_t i = 0; i < columns_x.size(); ++i) sums[i] = WeightBetween(source, {columns_x[i], row_y});
-    return sums;
-  }
-  // A face shades one run of the row: the points beyond its line and between the rays through its two ends. Each of
-  // the three conditions is linear in the point's x, so the run's ends follow by division, exactly.
-  std::vector<std::int64_t> steps(columns_x.size() + 1, 0);
-  const bool end_tie_is_left = dy < 0;  // MovedPointIsLeft of every ray to this row
-  for (std::size_t i = 0; i < Size(); ++i) {
-    if (weight_[i] == 0 || std::max(start_y_[i], end_y_[i]) < std::min(source.y, row_y) ||
-        std::min(start_y_[i], end_y_[i]) > std::max(source.y, row_y)) {
-      continue;
-    }
-    const std::int64_t ex = end_x_[i] - start_x_[i];
-    const std::int64_t ey = end_y_[i] - start_y_[i];
-    const std::int64_t px = start_x_[i] - source.x;
-    const std::int64_t py = start_y_[i] - source.y;
-    const bool tie_is_left = PointIsLeftOfMoved(ex, ey);
-    const bool source_left = ey * px - ex * py >= (tie_is_left ? 0 : 1);
-    Range u{columns_x.front() - source.x, columns_x.back() - source.x};  // x of the point, from the source's x
-    KeepSide(-ey, ex * (dy - py) + ey * px, tie_is_left, !source_left, &u);
-    KeepSide(py, -dy * px, end_tie_is_left, !source_left, &u);
-    KeepSide(end_y_[i] - source.y, -dy * (end_x_[i] - source.x), end_tie_is_left, source_left, &u);
-    if (u.low > u.high) continue;
-    const auto first = std::lower_bound(columns_x.begin(), columns_x.end(), u.low + source.x);
-    const auto last = std::upper_bound(first, columns_x.end(), u.high + source.x);
-    steps[first - columns_x.begin()] += weight_[i];
-    steps[last - columns_x.begin()] -= weight_[i];
-  }
-  std::int64_t sum = 0;
-  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] = sum += steps[i];
-  return sums;
 }
 
 }  // namespace robotteamsim

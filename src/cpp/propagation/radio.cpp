@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,16 @@ double LossDb(const RadioModel& model, PointMm a, PointMm b, std::int64_t wall_u
 
 }  // namespace
 
-double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, PointMm b) {
-  return LossDb(model, a, b, faces.WeightBetween(a, b));
+double FloorLossDb(const RadioModel& model, int floors_crossed) {
+  if (floors_crossed < 0) {
+    throw std::invalid_argument("floors_crossed must be >= 0, got " + std::to_string(floors_crossed));
+  }
+  const double k = floors_crossed;
+  return k == 0.0 ? 0.0 : std::pow(k, (k + 2.0) / (k + 1.0) - model.floor_exponent) * model.floor_loss_db;
+}
+
+double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, PointMm b, int floors_crossed) {
+  return LossDb(model, a, b, faces.WeightBetween(a, b)) + FloorLossDb(model, floors_crossed);
 }
 
 CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions) {
@@ -35,17 +44,9 @@ CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Ei
   return rssi_dbm;
 }
 
-CellValues RssiMapDbm(const FaceSet& faces, const RadioModel& model, PointMm transmitter, const GridShape& grid) {
-  const CellCentersMm centers(grid);
-  CellValues rssi_dbm(grid.rows, grid.cols);
-  for (int row = 0; row < grid.rows; ++row) {
-    const std::vector<std::int64_t> units = faces.WeightsAlongRow(transmitter, centers.y[row], centers.x);
-    for (int col = 0; col < grid.cols; ++col) {
-      const PointMm cell{centers.x[col], centers.y[row]};
-      rssi_dbm(row, col) = model.tx_power_dbm - LossDb(model, transmitter, cell, units[col]);
-    }
-  }
-  return rssi_dbm;
+Fading RadioFading(const RadioModel& model, int floors_crossed) {
+  const double constant_db = model.tx_power_dbm - model.constant_loss_db - FloorLossDb(model, floors_crossed);
+  return {constant_db, model.slope_db, 1.0 / kRadioUnitsPerDb, model.min_distance_m};
 }
 
 }  // namespace robotteamsim

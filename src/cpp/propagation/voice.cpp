@@ -14,6 +14,10 @@ double LevelDb(const VoiceModel& model, const VoiceSource& source, PointMm from,
   return -source.constant_db - 10.0 * source.exponent * std::log10(distance_m) - walls * model.wall_loss_db;  // (7)
 }
 
+Fading FadingOf(const VoiceModel& model, const VoiceSource& source) {
+  return {-source.constant_db, 10.0 * source.exponent, model.wall_loss_db / kHalfWallsPerWall, model.min_distance_m};
+}
+
 }  // namespace
 
 double VoiceLevelDb(const FaceSet& faces, const VoiceModel& model, const VoiceSource& source, PointMm at) {
@@ -21,29 +25,28 @@ double VoiceLevelDb(const FaceSet& faces, const VoiceModel& model, const VoiceSo
   return LevelDb(model, source, from, at, faces.WeightBetween(from, at));
 }
 
-CellValues VoiceMapDb(const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources,
-                      const GridShape& grid, const Eigen::Ref<const SolidCells>& solid) {
-  const CellCentersMm centers(grid);
+void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources,
+                   const GridShape& grid, const Eigen::Ref<const SolidCells>& solid, MapView map, const MapWork& work) {
   if (solid.rows() != grid.rows || solid.cols() != grid.cols) {
     throw std::invalid_argument("solid must have shape (" + std::to_string(grid.rows) + ", " +
                                 std::to_string(grid.cols) + "), got (" + std::to_string(solid.rows()) + ", " +
                                 std::to_string(solid.cols()) + ")");
   }
-  CellValues level_db = CellValues::Zero(grid.rows, grid.cols);
-  for (const VoiceSource& source : sources) {
-    const PointMm from = RoundToMm(source.position, "position of a voice");
-    for (int row = 0; row < grid.rows; ++row) {
-      const std::vector<std::int64_t> half_walls = faces.WeightsAlongRow(from, centers.y[row], centers.x);
-      for (int col = 0; col < grid.cols; ++col) {
-        const double level = LevelDb(model, source, from, {centers.x[col], centers.y[row]}, half_walls[col]);
-        if (level >= model.noise_db) level_db(row, col) = std::max(level_db(row, col), level);
-      }
-    }
+  CheckShape(map, grid.rows, grid.cols);
+  if (sources.empty()) {
+    map.setZero();
+    return;
   }
-  return solid.select(0.0, level_db);
+  std::vector<FieldSource> field_sources;
+  for (const VoiceSource& source : sources) {
+    field_sources.push_back({RoundToMm(source.position, "position of a voice"), FadingOf(model, source)});
+  }
+  WriteHighest(faces, field_sources, grid, map, work);
+  const auto noise_db = static_cast<float>(model.noise_db);
+  map = (map.array() >= noise_db && !solid.array()).select(map, 0.0F);
 }
 
-std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const CellValues>& values, const Point& at,
+std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const MapValues>& values, const Point& at,
                                 double radius_m) {
   // Cells from `from` to before `to`, one more than needed on each side; the distance decides.
   const auto clamped = [](double cell, int count) { return static_cast<int>(std::clamp(cell, 0.0, 1.0 * count)); };

@@ -15,7 +15,7 @@ class FieldMap:
     """One value per cell, valid at the cell's centre.
 
     origin_m: lower left corner of cell (0, 0) in `map` [m].
-    values:   float64, shape (rows, cols), row 0 at the lowest y.
+    values:   float32, shape (rows, cols), row 0 at the lowest y.
     """
 
     origin_m: tuple[float, float]
@@ -50,3 +50,19 @@ class FieldMap:
             math.floor((y_m - self.origin_m[1]) / self.resolution_m),
             math.floor((x_m - self.origin_m[0]) / self.resolution_m),
         )
+
+
+def map_array(shape: tuple[int, ...], out: np.ndarray | None) -> np.ndarray:
+    """Return the array that a map is written into: `out`, or a new one.
+
+    Args:   out: float32, C-contiguous, writeable, of that shape; nothing is copied.
+    Raises: ValueError: it is not.
+    """
+    if out is None:
+        return np.empty(shape, dtype=np.float32)
+    if out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous or not out.flags.writeable:
+        kind = "C-contiguous, writeable" if out.flags.c_contiguous and out.flags.writeable else "strided or read-only"
+        raise ValueError(
+            f"out must be float32, C-contiguous, writeable, of shape {shape}, got {out.dtype}, {kind}, {out.shape}"
+        )
+    return out

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from robotteamsim import _core
 from robotteamsim.propagation.faces import voice_faces
-from robotteamsim.propagation.field_map import FieldMap
+from robotteamsim.propagation.field_map import FieldMap, map_array
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, occupancy_grid
 from robotteamsim.scenario.sections import Voice
@@ -54,14 +56,24 @@ class VoiceField:
         """
         return _core.voice_level_db(self._core_faces, self._model, source.core(), at_m)
 
-    def map_db(self, sources: Sequence[VoiceSource]) -> FieldMap:
+    def map_db(self, sources: Sequence[VoiceSource], *, out: np.ndarray | None = None, threads: int = 1) -> FieldMap:
         """Return the highest level of all sources in each cell [dB]; 0 below the noise and in the cells of walls.
 
-        Raises: ValueError: a source's position is not finite.
+        Levels are within 5e-5 dB of `level_db`, and the same to the bit on every machine.
+        Args:   out: float32, shape (rows, cols), C-contiguous: the map is written here, and no memory is taken.
+                threads: that share the work, 0 for one per core; they do not change a value.
+        Raises: ValueError: a source's position is not finite, or `out` is of another shape or type.
         """
-        core_sources = [source.core() for source in sources]
-        values = _core.voice_map_db(
-            self._core_faces, self._model, core_sources, self._grid.origin_m, self._grid.resolution_m, self._solid
+        values = map_array(self._solid.shape, out)
+        _core.write_voice_map_db(
+            self._core_faces,
+            self._model,
+            [source.core() for source in sources],
+            self._grid.origin_m,
+            self._grid.resolution_m,
+            self._solid,
+            values,
+            threads,
         )
         return FieldMap.over(self._grid, values)
 

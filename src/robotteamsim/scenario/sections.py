@@ -26,6 +26,10 @@ class Radio(Model):
     materials: dict[str, LossDb] = Field(default={}, description="loss of a whole wall by material name [dB]")
     pillars: bool = Field(default=True, description="whether pillars fade the radio")
     min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="distances below count as this [m]")
+    floor_loss_db: float = Field(default=18.3, ge=0.0, le=120.0, description="L_f: the first floor crossed [dB]")
+    floor_exponent: float = Field(
+        default=0.46, ge=0.0, le=2.0, description="b: k floors cost k^((k+2)/(k+1) - b) times L_f"
+    )
 
 
 class Voice(Model):

@@ -106,32 +106,11 @@ TEST(FaceSet, WeightNeverFallsAlongARay) {
   }
 }
 
-TEST(FaceSet, ARowEqualsItsPoints) {
-  std::mt19937 generator(3);
-  std::vector<std::int64_t> columns;
-  for (std::int64_t x = -2; x <= 15; ++x) columns.push_back(x);
-  for (int plan = 0; plan < 5; ++plan) {
-    const FaceSet faces = LatticeTriangles(&generator);
-    for (std::int64_t source = 0; source < 225; ++source) {
-      const PointMm from{source % 15 - 1, source / 15 - 1};
-      for (std::int64_t y = -2; y <= 15; ++y) {
-        const std::vector<std::int64_t> row = faces.WeightsAlongRow(from, y, columns);
-        for (std::size_t i = 0; i < columns.size(); ++i) {
-          ASSERT_EQ(row[i], faces.WeightBetween(from, {columns[i], y})) << source << " " << columns[i] << " " << y;
-        }
-      }
-    }
-  }
-}
-
-TEST(FaceSet, ARowWithoutPointsIsEmpty) { EXPECT_TRUE(SquareWall().WeightsAlongRow({0, 0}, 5, {}).empty()); }
-
 TEST(FaceSet, StaysExactAtTheLimitOfCoordinates) {
   const std::int64_t far = kMaxCoordinateMm;
   const FaceSet faces({{-far, -far, far, far}}, {1});
   EXPECT_EQ(faces.WeightBetween({far - 1, far}, {far, far - 1}), 1);
   EXPECT_EQ(faces.WeightBetween({far - 2, far}, {far - 1, far}), 0);
-  EXPECT_EQ(faces.WeightsAlongRow({-far, far}, -far, {-far + 1, far}), (std::vector<std::int64_t>{1, 1}));
 }
 
 TEST(FaceSet, AnInactiveFaceWeighsNothing) {
@@ -141,6 +120,33 @@ TEST(FaceSet, AnInactiveFaceWeighsNothing) {
   faces.SetActive(1, true);
   EXPECT_EQ(faces.WeightBetween({-1000, 0}, {1000, 0}), 2);
   EXPECT_THROW(faces.SetActive(4, true), std::invalid_argument);
+}
+
+TEST(FaceSet, NumbersEachVertexOnce) {
+  const FaceSet faces = SquareWall();
+  EXPECT_EQ(faces.Vertices().size(), 4u);
+  for (std::size_t i = 0; i < faces.Size(); ++i) {
+    EXPECT_EQ(faces.At(i).end_vertex, faces.At((i + 1) % 4).start_vertex);
+    EXPECT_EQ(faces.Vertices()[faces.At(i).start_vertex].x, faces.At(i).start.x);
+    EXPECT_EQ(faces.Vertices()[faces.At(i).start_vertex].y, faces.At(i).start.y);
+  }
+}
+
+TEST(FaceSet, TotalWeightCountsInactiveFacesToo) {
+  FaceSet faces = SquareWall();
+  faces.SetActive(1, false);
+  EXPECT_EQ(faces.TotalWeight(), 4);
+  EXPECT_EQ(faces.Weights(), (std::vector<std::int32_t>{1, 0, 1, 1}));
+  EXPECT_EQ(faces.At(1).weight, 0);
+}
+
+TEST(IsLeftOf, DecidesPointsOnTheFaceAsIfItHadMovedRightAndUp) {
+  EXPECT_TRUE(IsLeftOf({{0, 0}, {0, 10}}, {0, 5}));   // upward: moved to the right of the point
+  EXPECT_FALSE(IsLeftOf({{0, 10}, {0, 0}}, {0, 5}));  // downward
+  EXPECT_FALSE(IsLeftOf({{0, 0}, {10, 0}}, {5, 0}));  // to the right: moved above the point
+  EXPECT_TRUE(IsLeftOf({{10, 0}, {0, 0}}, {5, 0}));
+  EXPECT_TRUE(IsLeftOf({{0, 0}, {10, 10}}, {5, 6}));
+  EXPECT_FALSE(IsLeftOf({{0, 0}, {10, 10}}, {5, 4}));
 }
 
 TEST(FaceSet, RefusesFacesThatAreNone) {

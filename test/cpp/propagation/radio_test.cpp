@@ -8,7 +8,7 @@
 namespace robotteamsim {
 namespace {
 
-const RadioModel kModel{0.0, 47.4, 23.2, 0.1};
+const RadioModel kModel{0.0, 47.4, 23.2, 0.1, 18.3, 0.46};
 
 /// A wall across x = 5 m of 3.8 dB: 38 units of 0.05 dB per face.
 FaceSet Wall() { return FaceSet({{4900, -9000, 4900, 9000}, {5100, -9000, 5100, 9000}}, {38, 38}); }
@@ -46,20 +46,30 @@ TEST(RssiMatrix, NamesTheRobotWhosePositionIsNotFinite) {
   }
 }
 
-TEST(RssiMap, EqualsPathLossAtEveryCell) {
-  const GridShape grid{{-1.0, -2.0}, 0.25, 16, 40};
-  const CellValues rssi_dbm = RssiMapDbm(Wall(), kModel, {125, 125}, grid);
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int col = 0; col < grid.cols; ++col) {
-      const PointMm cell = RoundToMm(CellCenter(grid, row, col), "cell");
-      ASSERT_EQ(rssi_dbm(row, col), -PathLossDb(Wall(), kModel, {125, 125}, cell)) << row << " " << col;
-    }
-  }
+TEST(FloorLoss, IsTheLastTermOfEquation4) {
+  // COST 231: b = 0.46, 18.3 dB for the first floor; then 2^(4/3 - 0.46) = 1.832 and 3^(5/4 - 0.46) = 2.382 times that.
+  EXPECT_EQ(FloorLossDb(kModel, 0), 0.0);
+  EXPECT_DOUBLE_EQ(FloorLossDb(kModel, 1), 18.3);
+  EXPECT_NEAR(FloorLossDb(kModel, 2), 1.832 * 18.3, 0.01);
+  EXPECT_NEAR(FloorLossDb(kModel, 3), 2.382 * 18.3, 0.01);
+  EXPECT_DOUBLE_EQ(PathLossDb(Wall(), kModel, {0, 0}, {10000, 0}, 1), 47.4 + 23.2 + 3.8 + 18.3);
+  EXPECT_THROW(FloorLossDb(kModel, -1), std::invalid_argument);
 }
 
-TEST(RssiMap, RefusesAGridWithoutCells) {
-  EXPECT_THROW(RssiMapDbm(Wall(), kModel, {0, 0}, {{0.0, 0.0}, 0.0, 4, 4}), std::invalid_argument);
-  EXPECT_THROW(RssiMapDbm(Wall(), kModel, {0, 0}, {{0.0, 0.0}, 0.1, 0, 4}), std::invalid_argument);
+TEST(RadioFading, IsTheSignalOfPathLoss) {
+  RadioModel model = kModel;
+  model.tx_power_dbm = 12.0;
+  const GridShape grid{{-1.0, -2.0}, 0.25, 16, 40};
+  for (const int floors_crossed : {0, 2}) {
+    MapValues rssi_dbm(grid.rows, grid.cols);
+    WriteHighest(Wall(), {{{125, 125}, RadioFading(model, floors_crossed)}}, grid, rssi_dbm);
+    for (int row = 0; row < grid.rows; ++row) {
+      for (int col = 0; col < grid.cols; ++col) {
+        const PointMm cell = RoundToMm(CellCenter(grid, row, col), "cell");
+        ASSERT_NEAR(rssi_dbm(row, col), 12.0 - PathLossDb(Wall(), model, {125, 125}, cell, floors_crossed), 4e-5);
+      }
+    }
+  }
 }
 
 }  // namespace

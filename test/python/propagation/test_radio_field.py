@@ -182,13 +182,90 @@ def test_rssi_matrix_is_transmit_power_minus_path_loss(flat):
     assert rssi_dbm[3, 8] == 12.0 - field.path_loss_db(tuple(positions_m[3]), tuple(positions_m[8]))
 
 
+MAP_ERROR_DB = 4e-5
+
+
 def test_rssi_map_is_the_signal_at_every_cell_centre(flat):
     field = RadioField(flat, Radio(tx_power_dbm=12.0))
     tx_m = (4.5, 7.25)
-    rssi_map = field.rssi_map_dbm(tx_m, 0.5)
-    assert rssi_map.values.shape == (40, 40)
-    for row, column in np.ndindex(40, 40):
-        assert rssi_map.values[row, column] == 12.0 - field.path_loss_db(tx_m, rssi_map.cell_center(row, column))
+    for floors_crossed in (0, 2):
+        rssi_map = field.rssi_map_dbm(tx_m, 0.5, floors_crossed=floors_crossed)
+        assert rssi_map.values.shape == (40, 40)
+        assert rssi_map.values.dtype == np.float32
+        for row, column in np.ndindex(40, 40):
+            rssi_dbm = 12.0 - field.path_loss_db(tx_m, rssi_map.cell_center(row, column), floors_crossed)
+            assert rssi_map.values[row, column] == pytest.approx(rssi_dbm, abs=MAP_ERROR_DB)
+
+
+def test_map_of_several_transmitters_is_the_best_of_their_maps(flat):
+    field = RadioField(flat, Radio())
+    transmitters_m = [(4.5, 7.25), (18.0, 2.0), (10.0, 19.0)]
+    maps = field.rssi_maps_dbm(transmitters_m, 0.25, threads=2)
+    assert [part.values.tobytes() for part in maps] == [
+        field.rssi_map_dbm(tx_m, 0.25).values.tobytes() for tx_m in transmitters_m
+    ]
+    best = field.best_rssi_map_dbm(transmitters_m, 0.25)
+    assert np.array_equal(best.values, np.max([part.values for part in maps], axis=0))
+
+
+def test_maps_are_written_into_the_arrays_given(flat):
+    field = RadioField(flat, Radio())
+    out = np.empty((40, 40), dtype=np.float32)
+    assert field.rssi_map_dbm((4.5, 7.25), 0.5, out=out).values is out
+    assert out.tobytes() == field.rssi_map_dbm((4.5, 7.25), 0.5).values.tobytes()
+    several = np.empty((2, 40, 40), dtype=np.float32)
+    maps = field.rssi_maps_dbm([(4.5, 7.25), (1.0, 1.0)], 0.5, out=several)
+    assert all(np.shares_memory(part.values, several) for part in maps)
+    assert several[0].tobytes() == out.tobytes()
+
+
+@pytest.mark.parametrize(
+    "out",
+    [
+        np.empty((40, 41), dtype=np.float32),
+        np.empty((40, 40), dtype=np.float64),
+        np.empty((80, 80), dtype=np.float32)[::2, ::2],
+        np.broadcast_to(np.float32(0.0), (40, 40)),
+    ],
+    ids=["shape", "dtype", "strided", "read-only"],
+)
+def test_array_that_a_map_does_not_fit_is_refused(flat, out):
+    with pytest.raises(ValueError, match=r"^out must be float32, C-contiguous, writeable, of shape \(40, 40\), got "):
+        RadioField(flat, Radio()).rssi_map_dbm((4.5, 7.25), 0.5, out=out)
+
+
+def test_no_transmitter_is_refused(flat):
+    field = RadioField(flat, Radio())
+    with pytest.raises(ValueError, match="a map needs at least one source"):
+        field.best_rssi_map_dbm([], 0.5)
+    with pytest.raises(ValueError, match="a map needs at least one source"):
+        field.rssi_maps_dbm([], 0.5)
+
+
+def test_floors_crossed_cost_what_equation_4_says(flat):
+    field = RadioField(flat, Radio(floor_loss_db=18.3, floor_exponent=0.46))
+    a_m, b_m = (4.5, 7.25), (12.0, 8.0)
+    same_floor_db = field.path_loss_db(a_m, b_m)
+    for floors_crossed in (1, 2, 3):
+        k = floors_crossed
+        expected_db = same_floor_db + k ** ((k + 2) / (k + 1) - 0.46) * 18.3
+        assert field.path_loss_db(a_m, b_m, floors_crossed) == pytest.approx(expected_db)
+    with pytest.raises(ValueError, match="floors_crossed must be >= 0, got -1"):
+        field.path_loss_db(a_m, b_m, -1)
+
+
+def test_kept_map_follows_the_doors_to_the_bit(flat):
+    field = RadioField(flat, Radio())
+    tx_m = (9.4, 14.0)
+    kept = field.keep_map(tx_m, 0.25)
+    out = np.empty((80, 80), dtype=np.float32)
+    seen = set()
+    for glass, fire in ((False, True), (True, True), (True, False), (False, False), (False, True)):
+        field.set_door("glass", glass)
+        field.set_door("fire", fire)
+        assert kept.rssi_map_dbm(out=out).values.tobytes() == field.rssi_map_dbm(tx_m, 0.25).values.tobytes()
+        seen.add(out.tobytes())
+    assert len(seen) == 4
 
 
 def test_door_opened_and_closed_restores_the_map_to_the_bit(flat):
