@@ -15,7 +15,7 @@ ARGS ?=
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint bench wheel pictures clean
+.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint bench exactness wheel pictures clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -69,8 +69,14 @@ lint: build ## ruff, mypy, clang-format
 	@clang-format --dry-run -Werror $(CPP_FILES)
 	@echo "-- linters: clean"
 
-bench: build ## measure the speed of the parts
+bench: build ## measure the speed of the parts, as ratios, into bench/results/speed.csv
+	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_bench > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
+	@$(ENV) $(PYTHON) bench/run.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_bench --csv bench/results/speed.csv $(ARGS)
 	@$(ENV) for script in bench/*_bench.py; do $(PYTHON) $$script || exit 1; done
+
+exactness: build ## compare fast maps with one ray per cell, on 50 million cells
+	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_exactness > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
+	@$(BUILD)/devel/lib/robotteamsim/robotteamsim_exactness $(ARGS)
 
 wheel: $(VENV)/.ready ## build dist/*.whl that carries Box2D inside and needs no compiler
 	@rm -rf dist && mkdir -p dist/raw

@@ -28,6 +28,7 @@ struct IndexRange {
 struct CentersMm {
   std::vector<std::int64_t> at;
   std::int64_t pitch = 0;  ///< from each to the next; 0 where that differs
+  double per_mm = 0.0;     ///< 1 / mean pitch
 
   int Count() const { return static_cast<int>(at.size()); }
 

@@ -5,8 +5,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "robotteamsim/propagation/whole_numbers.hpp"
-
 namespace robotteamsim {
 namespace {
 
@@ -28,9 +26,14 @@ Point CellCenter(const GridShape& grid, int row, int col) {
 }
 
 int CentersMm::FirstFrom(std::int64_t position) const {
-  if (pitch == 0) return static_cast<int>(std::lower_bound(at.begin(), at.end(), position) - at.begin());
-  const std::int64_t index = -FloorDivide(at.front() - position, pitch);
-  return static_cast<int>(std::clamp<std::int64_t>(index, 0, Count()));
+  const int last = Count() - 1;
+  if (position > at[last]) return Count();
+  // A guess that is off by one at most, then the centres themselves decide.
+  const double guess = static_cast<double>(position - at[0]) * per_mm;
+  int index = guess > 0.0 ? std::min(static_cast<int>(guess), last) : 0;
+  while (at[index] < position) ++index;
+  while (index > 0 && at[index - 1] >= position) --index;
+  return index;
 }
 
 CellCentersMm::CellCentersMm(const GridShape& grid) {
@@ -44,6 +47,7 @@ CellCentersMm::CellCentersMm(const GridShape& grid) {
   const PointMm first = RoundedCenter(grid, 0, 0);
   RoundedCenter(grid, grid.rows - 1, grid.cols - 1);  // throws where the grid reaches beyond the limit
   x.pitch = y.pitch = PitchMm(grid.resolution);
+  x.per_mm = y.per_mm = 1.0 / (grid.resolution * 1000.0);
   x.at.resize(grid.cols);
   y.at.resize(grid.rows);
   for (int col = 0; col < grid.cols; ++col) {

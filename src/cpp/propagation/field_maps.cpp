@@ -41,14 +41,15 @@ void WriteColumns(const std::vector<const PreparedSource*>& sources, Simd simd, 
   const auto num_rows = static_cast<int>(map.rows());
   const int band_rows = RowsInBand<Weight>(width);
   std::vector<Weight> changes(static_cast<std::size_t>(band_rows) * width);
-  for (const PreparedSource* source : sources) {
-    ShadowSweep sweep(source->shadows, cols);
-    std::vector<Weight> running(width);
-    for (int row = 0; row < num_rows; row += band_rows) {
-      const IndexRange rows{row, std::min(row + band_rows, num_rows)};
-      sweep.AddChanges(rows, changes.data(), width);
-      source->rows.Write(kernels, rows, cols, {changes.data(), width, running.data()}, &map(row, cols.first),
-                         map.outerStride(), source != sources.front());
+  std::vector<Weight> running(sources.size() * width);
+  std::vector<ShadowSweep> sweeps;
+  for (const PreparedSource* source : sources) sweeps.emplace_back(source->shadows, cols);
+  for (int row = 0; row < num_rows; row += band_rows) {
+    const IndexRange rows{row, std::min(row + band_rows, num_rows)};
+    for (std::size_t i = 0; i < sources.size(); ++i) {  // all sources while the band's values are near
+      sweeps[i].AddChanges(rows, changes.data(), width);
+      const WeightRows<Weight> weights{changes.data(), width, &running[i * width]};
+      sources[i]->rows.Write(kernels, rows, cols, weights, &map(row, cols.first), map.outerStride(), i > 0);
     }
   }
 }

@@ -43,7 +43,13 @@ void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vec
   }
   WriteHighest(faces, field_sources, grid, map, work);
   const auto noise_db = static_cast<float>(model.noise_db);
-  map = (map.array() >= noise_db && !solid.array()).select(map, 0.0F);
+  for (int row = 0; row < grid.rows; ++row) {
+    float* const values = &map(row, 0);
+    const bool* const is_solid = solid.data() + row * solid.outerStride();
+    for (int col = 0; col < grid.cols; ++col) {
+      values[col] = values[col] >= noise_db && !is_solid[col] ? values[col] : 0.0F;
+    }
+  }
 }
 
 std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const MapValues>& values, const Point& at,
