@@ -1,50 +1,198 @@
 #include "robotteamsim/network/hop_count.hpp"
 
-#include <stdexcept>
-#include <string>
+#include <algorithm>
+#include <array>
+#include <cstring>
 #include <vector>
+
+#include "robotteamsim/propagation/mirror.hpp"
 
 namespace robotteamsim {
 namespace {
 
-std::vector<std::vector<int>> Neighbors(const Eigen::Ref<const Adjacency>& adjacency) {
-  const auto pair = [](int i, int j) { return "(" + std::to_string(i) + ", " + std::to_string(j) + ")"; };
-  const int n = static_cast<int>(adjacency.rows());
-  if (adjacency.cols() != n) {
-    throw std::invalid_argument("adjacency must be square, got shape " + pair(n, static_cast<int>(adjacency.cols())));
+constexpr int kBits = LinkBits::kBitsPerWord;
+constexpr int kWords = LinkBits::kWordsPerBlock;
+constexpr int kSources = kBits * kWords;
+
+/// Where robots are further apart than this, one search after the other is faster: all at once, each hop costs the
+/// same, however few robots it finds.
+constexpr int kManyHops = 100;
+
+/// Hops that are kept before they are counted; below 256, so that a count fits a byte.
+constexpr int kKeptHops = 32;
+
+/// Neighbours between two looks at whether a robot is reached from everywhere.
+constexpr int kNeighborsPerLook = 8;
+
+/// One bit per source of a block.
+struct SourceSet {
+  std::uint64_t words[kWords];
+};
+
+/// For each value of a byte, its eight bits as eight bytes.
+std::array<std::uint64_t, 256> MakeBitsAsBytes() {
+  std::array<std::uint64_t, 256> table{};
+  for (int value = 0; value < 256; ++value) {
+    std::uint8_t bytes[8];
+    for (int bit = 0; bit < 8; ++bit) bytes[bit] = value >> bit & 1;
+    std::memcpy(&table[value], bytes, sizeof bytes);
   }
-  std::vector<std::vector<int>> neighbors(n);
-  for (int i = 0; i < n; ++i) {
-    if (adjacency(i, i)) throw std::invalid_argument("adjacency must be 0 on the diagonal, is 1 at " + pair(i, i));
-    for (int j = 0; j < n; ++j) {
-      if (adjacency(i, j) != adjacency(j, i)) {
-        throw std::invalid_argument("adjacency must be symmetric, is not at " + pair(i, j));
-      }
-      if (adjacency(i, j)) neighbors[i].push_back(j);
+  return table;
+}
+
+/// Adds the hops of which a source was still under way, to a row that is empty before the first ones are counted.
+void AddHops(const std::uint8_t* __restrict times_reached, int hops, int num_sources, int counted_before,
+             std::int32_t* __restrict row) {
+  if (counted_before == 0) {
+    for (int i = 0; i < num_sources; ++i) row[i] = 1 + hops - times_reached[i];
+  } else {
+    for (int i = 0; i < num_sources; ++i) row[i] += hops - times_reached[i];
+  }
+}
+
+/// Breadth-first search from the robots of one block, all at once.
+class BlockSearch {
+ public:
+  BlockSearch(const LinkBits& links, const Neighbors& neighbors)
+      : links_(links),
+        neighbors_(neighbors),
+        num_robots_(links.NumRobots()),
+        bits_as_bytes_(MakeBitsAsBytes()),
+        reached_(static_cast<std::size_t>(num_robots_) * (kKeptHops + 1)) {}
+
+  /// Fills the columns of the block that begins with first_source, from the diagonal upward.
+  void Run(int first_source, HopCount* hops) {
+    Start(first_source);
+    counted_ = 0;
+    int kept = 0;
+    while (Hop(Reached(kept), Reached(kept + 1))) {
+      if (++kept < kKeptHops) continue;
+      Count(kept, hops);
+      std::copy_n(Reached(kept), num_robots_, Reached(0));
+      kept = 0;
+    }
+    Count(kept, hops);
+    Finish(Reached(kept), hops);
+  }
+
+ private:
+  /// Who has reached each robot after the k-th of the hops that are kept.
+  SourceSet* Reached(int k) { return &reached_[static_cast<std::size_t>(k) * num_robots_]; }
+
+  void Start(int first_source) {
+    first_source_ = first_source;
+    num_sources_ = std::min(kSources, num_robots_ - first_source);
+    all_ = SourceSet{};
+    for (int i = 0; i < num_sources_; ++i) all_.words[i / kBits] |= std::uint64_t{1} << (i % kBits);
+    for (int robot = 0; robot < num_robots_; ++robot) {
+      std::copy_n(links_.Row(robot) + first_source / kBits, kWords, Reached(0)[robot].words);
+    }
+    for (int i = 0; i < num_sources_; ++i) {
+      Reached(0)[first_source + i].words[i / kBits] |= std::uint64_t{1} << (i % kBits);
     }
   }
-  return neighbors;
+
+  /// Returns whether a source has reached a robot more by one hop.
+  bool Hop(const SourceSet* __restrict before, SourceSet* __restrict after) const {
+    const SourceSet all = all_;
+    const std::int32_t* const start = neighbors_.start.data();
+    const std::int32_t* const robots = neighbors_.robots.data();
+    std::uint64_t new_bits = 0;
+    for (int robot = 0; robot < num_robots_; ++robot) {
+      std::uint64_t found[kWords];
+      std::copy_n(before[robot].words, kWords, found);
+      const auto is_complete = [&] {
+        std::uint64_t missing = 0;
+        for (int w = 0; w < kWords; ++w) missing |= all.words[w] & ~found[w];
+        return missing == 0;
+      };
+      const std::int32_t end = start[robot + 1];
+      for (std::int32_t e = start[robot]; e < end && !is_complete();) {
+        for (const std::int32_t look = std::min(e + kNeighborsPerLook, end); e < look; ++e) {
+          const SourceSet& neighbor = before[robots[e]];
+          for (int w = 0; w < kWords; ++w) found[w] |= neighbor.words[w];
+        }
+      }
+      for (int w = 0; w < kWords; ++w) {
+        new_bits |= found[w] ^ before[robot].words[w];
+        after[robot].words[w] = found[w];
+      }
+    }
+    return new_bits != 0;
+  }
+
+  /// Counts for every pair the kept hops after which the source had not reached the robot.
+  void Count(int kept, HopCount* hops) {
+    for (int robot = 0; robot < first_source_ + num_sources_; ++robot) {
+      std::uint8_t times_reached[kSources];
+      for (int w = 0; w < kWords; ++w) {
+        std::uint64_t counts[8] = {};  // of eight sources each
+        for (int k = 0; k < kept; ++k) {
+          const std::uint64_t word = Reached(k)[robot].words[w];
+          for (int byte = 0; byte < 8; ++byte) counts[byte] += bits_as_bytes_[word >> 8 * byte & 0xFF];
+        }
+        std::memcpy(times_reached + w * kBits, counts, sizeof counts);
+      }
+      AddHops(times_reached, kept, num_sources_, counted_, &(*hops)(robot, first_source_));
+    }
+    counted_ += kept;
+  }
+
+  void Finish(const SourceSet* reached, HopCount* hops) const {
+    for (int robot = 0; robot < first_source_ + num_sources_; ++robot) {
+      for (int w = 0; w < kWords; ++w) {
+        for (std::uint64_t bits = all_.words[w] & ~reached[robot].words[w]; bits != 0; bits &= bits - 1) {
+          (*hops)(robot, first_source_ + w * kBits + __builtin_ctzll(bits)) = -1;
+        }
+      }
+    }
+    for (int i = first_source_; i < first_source_ + num_sources_; ++i) (*hops)(i, i) = 0;
+  }
+
+  const LinkBits& links_;
+  const Neighbors& neighbors_;
+  const int num_robots_;
+  const std::array<std::uint64_t, 256> bits_as_bytes_;
+  std::vector<SourceSet> reached_;
+  int first_source_ = 0;
+  int num_sources_ = 0;
+  int counted_ = 0;  // hops of the search
+  SourceSet all_{};
+};
+
+/// Returns the most hops from the first robot of a part of the network to another one of it; at least half of the
+/// longest way there is.
+std::int32_t HopsAcross(const Neighbors& neighbors, int num_robots) {
+  std::vector<std::int32_t> hops(num_robots, -1);
+  for (int robot = 0; robot < num_robots; ++robot) {
+    if (hops[robot] < 0) SearchFrom(neighbors, robot, &hops);
+  }
+  return *std::max_element(hops.begin(), hops.end());
+}
+
+void SearchOneByOne(const Neighbors& neighbors, HopCount* hops) {
+  for (Eigen::Index robot = 0; robot < hops->rows(); ++robot) {
+    std::vector<std::int32_t> row(hops->cols(), -1);
+    SearchFrom(neighbors, static_cast<int>(robot), &row);
+    std::copy(row.begin(), row.end(), &(*hops)(robot, 0));
+  }
 }
 
 }  // namespace
 
 HopCount CountHops(const Eigen::Ref<const Adjacency>& adjacency) {
-  const std::vector<std::vector<int>> neighbors = Neighbors(adjacency);
-  const int n = static_cast<int>(neighbors.size());
-  HopCount hops = HopCount::Constant(n, n, -1);
-  std::vector<int> reached;  // by the search from one robot, nearest first
-  for (int source = 0; source < n; ++source) {
-    hops(source, source) = 0;
-    reached.assign(1, source);
-    for (std::size_t k = 0; k < reached.size(); ++k) {
-      const int robot = reached[k];
-      for (const int neighbor : neighbors[robot]) {
-        if (hops(source, neighbor) >= 0) continue;
-        hops(source, neighbor) = hops(source, robot) + 1;
-        reached.push_back(neighbor);
-      }
-    }
+  const LinkBits links(adjacency);
+  const Neighbors neighbors(links);
+  const int n = links.NumRobots();
+  HopCount hops(n, n);
+  if (n == 0) return hops;
+  if (HopsAcross(neighbors, n) > kManyHops) {
+    SearchOneByOne(neighbors, &hops);
+    return hops;
   }
+  BlockSearch search(links, neighbors);
+  for (int first_source = 0; first_source < n; first_source += kSources) search.Run(first_source, &hops);
+  for (int top = 0; top < n; top += kMirroredRows) MirrorRows(top, top + kMirroredRows, &hops);
   return hops;
 }
 

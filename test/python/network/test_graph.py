@@ -74,6 +74,21 @@ def test_search_recurrence_and_networkx_agree(adjacency):
     assert [[lengths[i].get(j, -1) for j in range(n)] for i in range(n)] == hops.tolist()
 
 
+@pytest.mark.parametrize("n", [0, 1, 65, 130, 257])
+@pytest.mark.parametrize("degree", [1.0, 3.0, 20.0])
+def test_hops_of_larger_teams_are_those_of_networkx(n, degree):
+    upper = np.triu(np.random.default_rng(12).random((n, n)) < degree / max(n, 1), 1)
+    adjacency = upper | upper.T
+    lengths = dict(networkx.all_pairs_shortest_path_length(networkx.from_numpy_array(adjacency)))
+    assert [[lengths[i].get(j, -1) for j in range(n)] for i in range(n)] == hop_count(adjacency).tolist()
+
+
+def test_hops_along_a_row_of_150_robots_are_those_of_the_recurrence():
+    path = np.eye(150, k=1, dtype=bool) | np.eye(150, k=-1, dtype=bool)
+    assert np.array_equal(hop_count(path), connectivity_matrix(path))
+    assert hop_count(path)[0, 149] == 149
+
+
 @pytest.mark.parametrize("adjacency", [g for g in _random_graphs() if len(g) > 2])
 def test_fiedler_value_agrees_with_networkx(adjacency):
     graph = networkx.from_numpy_array(adjacency)

@@ -1,0 +1,113 @@
+#include "robotteamsim/network/link_bits.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+namespace robotteamsim {
+namespace {
+
+constexpr int kBits = LinkBits::kBitsPerWord;
+using Tile = std::array<std::uint64_t, kBits>;
+
+std::string Pair(int i, int j) { return "(" + std::to_string(i) + ", " + std::to_string(j) + ")"; }
+
+/// Swaps rows and columns of 64 x 64 bits: halves first, then halves of halves [warren2013].
+void Transpose(Tile* tile) {
+  std::uint64_t low_half = 0x00000000FFFFFFFF;
+  for (int size = kBits / 2; size > 0; size /= 2, low_half ^= low_half << size) {
+    for (int i = 0; i < kBits; ++i) {
+      if (i & size) continue;
+      const std::uint64_t swapped = (((*tile)[i] >> size) ^ (*tile)[i + size]) & low_half;
+      (*tile)[i] ^= swapped << size;
+      (*tile)[i + size] ^= swapped;
+    }
+  }
+}
+
+}  // namespace
+
+LinkBits::LinkBits(const Eigen::Ref<const Adjacency>& adjacency) : num_robots_(static_cast<int>(adjacency.rows())) {
+  if (adjacency.cols() != num_robots_) {
+    throw std::invalid_argument("adjacency must be square, got shape " +
+                                Pair(num_robots_, static_cast<int>(adjacency.cols())));
+  }
+  constexpr int kBitsPerBlock = kBits * kWordsPerBlock;
+  num_words_ = (num_robots_ + kBitsPerBlock - 1) / kBitsPerBlock * kWordsPerBlock;
+  words_.assign(static_cast<std::size_t>(num_robots_) * num_words_, 0);
+  for (int i = 0; i < num_robots_; ++i) SetRow(i, adjacency.data() + i * adjacency.outerStride());
+  CheckDiagonal();
+  CheckSymmetry();
+}
+
+void LinkBits::SetRow(int robot, const bool* links) {
+  std::uint64_t* const row = &words_[static_cast<std::size_t>(robot) * num_words_];
+  int j = 0;
+  for (; j + 8 <= num_robots_; j += 8) {
+    std::uint64_t bytes;  // of value 0 or 1; the product gathers them in its highest byte
+    std::memcpy(&bytes, links + j, sizeof bytes);
+    row[j / kBits] |= (bytes * 0x0102040810204080 >> 56) << (j % kBits);
+  }
+  for (; j < num_robots_; ++j) row[j / kBits] |= static_cast<std::uint64_t>(links[j]) << (j % kBits);
+}
+
+void LinkBits::CheckDiagonal() const {
+  for (int i = 0; i < num_robots_; ++i) {
+    if (Row(i)[i / kBits] >> (i % kBits) & 1) {
+      throw std::invalid_argument("adjacency must be 0 on the diagonal, is 1 at " + Pair(i, i));
+    }
+  }
+}
+
+void LinkBits::CheckSymmetry() const {
+  for (int top = 0; top < num_robots_; top += kBits) {
+    for (int left = 0; left <= top; left += kBits) {
+      Tile tile{};
+      for (int i = top; i < std::min(top + kBits, num_robots_); ++i) tile[i - top] = Row(i)[left / kBits];
+      Transpose(&tile);
+      for (int j = left; j < std::min(left + kBits, num_robots_); ++j) {
+        const std::uint64_t different = tile[j - left] ^ Row(j)[top / kBits];
+        if (different == 0) continue;
+        const int i = top + __builtin_ctzll(different);
+        throw std::invalid_argument("adjacency must be symmetric, is not at " + Pair(std::min(i, j), std::max(i, j)));
+      }
+    }
+  }
+}
+
+Neighbors::Neighbors(const LinkBits& links) {
+  const int n = links.NumRobots();
+  start.push_back(0);
+  for (int i = 0; i < n; ++i) {
+    std::int32_t count = 0;
+    for (int w = 0; w < links.NumWords(); ++w) count += __builtin_popcountll(links.Row(i)[w]);
+    start.push_back(start.back() + count);
+  }
+  robots.resize(start.back());
+  std::int32_t* next = robots.data();
+  for (int i = 0; i < n; ++i) {
+    for (int w = 0; w < links.NumWords(); ++w) {
+      for (std::uint64_t bits = links.Row(i)[w]; bits != 0; bits &= bits - 1) {
+        *next++ = w * kBits + __builtin_ctzll(bits);
+      }
+    }
+  }
+}
+
+void SearchFrom(const Neighbors& neighbors, int first, std::vector<std::int32_t>* hops) {
+  (*hops)[first] = 0;
+  std::vector<int> reached{first};  // nearest first
+  for (std::size_t k = 0; k < reached.size(); ++k) {
+    const int robot = reached[k];
+    for (std::int32_t e = neighbors.start[robot]; e < neighbors.start[robot + 1]; ++e) {
+      const int neighbor = neighbors.robots[e];
+      if ((*hops)[neighbor] >= 0) continue;
+      (*hops)[neighbor] = (*hops)[robot] + 1;
+      reached.push_back(neighbor);
+    }
+  }
+}
+
+}  // namespace robotteamsim
