@@ -1,33 +1,68 @@
-"""A picture of a radio or voice map over its floor plan."""
+"""Pictures of radio and voice maps over their floor plans, one or several side by side."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import matplotlib
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.colorbar import Colorbar
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from matplotlib.path import Path
+from matplotlib.patheffects import withStroke
+from scipy import ndimage
 
+from robotteamsim.analysis.plan_picture import FLOOR, ROBOT, VICTIM, draw_doors, draw_solids
 from robotteamsim.propagation import FieldMap
-from robotteamsim.scenario import FloorPlan, Solid, solids
+from robotteamsim.scenario import FloorPlan, occupancy_grid
+from robotteamsim.scenario.plan import OCCUPIED, obstacles
 
-_WALL = "#22262e"
-_DOOR = "#8a6d3b"
-_SILENT = "#f4f4f2"
-_SOURCE = "#ffffff"
+_PAGE_INCHES = (12.0, 6.6)
+"""A slide, less what bar and titles take."""
+
+_AROUND_INCHES = (0.7, 0.8)
+"""What labels take around each map."""
+
+_SLIVER_CELLS = 3
+"""Rays between pieces of furniture get no contour where they are under half of this wide."""
+
+_MIN_DRAWN = 0.03
+"""A contour shorter than this share of the plan's longer side is left out."""
+
+_MIN_LABELLED = 0.15
+"""A contour shorter than this share of the plan's longer side gets no label."""
+
+_MAX_LABELS = 3
+"""Per level."""
+
+_LINE = "#16202e"
+_HALO = (withStroke(linewidth=2.4, foreground="white"),)
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """A line at one value of the map, and what the value means."""
+
+    value: float
+    meaning: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.value:g}".replace("-", "\N{MINUS SIGN}")
 
 
 @dataclass(frozen=True, slots=True)
 class FieldStyle:
     """How a kind of map is drawn.
 
-    low, high:    ends of the colour bar.
-    silent_below: values below this are left white.
-    silence:      what white means.
-    contours:     levels of the lines drawn into the map, each with its label.
+    low, high: ends of the colour bar.
+    silence:   what it means where a map is blank.
     """
 
     quantity: str
@@ -35,9 +70,8 @@ class FieldStyle:
     colours: str
     low: float
     high: float
-    silent_below: float
-    silence: str
-    contours: tuple[tuple[float, str], ...] = ()
+    silence: str = ""
+    levels: tuple[Level, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,62 +80,180 @@ class Spot:
 
     name: str
     position_m: tuple[float, float]
+    kind: Literal["robot", "victim"]
 
 
-def draw_field(field: FieldMap, plan: FloorPlan, style: FieldStyle, title: str, sources: Sequence[Spot]) -> Figure:
-    """Return the map as a figure: colours with a bar, contours, walls on top, the sources marked."""
-    (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
-    width, height = max_x - min_x, max_y - min_y
-    figure = Figure(figsize=_size_inches(width, height), dpi=130, layout="constrained")
-    axes = figure.subplots()
-    values = np.ma.masked_less(field.values, style.silent_below)
-    rows, columns = values.shape
-    x0, y0 = field.origin_m
-    extent = (x0, x0 + columns * field.resolution_m, y0, y0 + rows * field.resolution_m)
-    colours = matplotlib.colormaps[style.colours].with_extremes(bad=_SILENT)
-    image = axes.imshow(values, origin="lower", extent=extent, cmap=colours, vmin=style.low, vmax=style.high)
-    _draw_contours(axes, values, extent, style)
-    _draw_solids(axes, solids(plan))
-    for spot in sources:
-        _draw_source(axes, spot)
-    axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), xlabel="x [m]", ylabel="y [m]", aspect="equal")
-    axes.set_title(title, loc="left", fontsize=11)
-    axes.set_title(f"white: {style.silence}", loc="right", fontsize=8)
-    bar = figure.colorbar(image, ax=axes, shrink=0.9, pad=0.02)
-    bar.set_label(f"{style.quantity} [{style.unit}]")
+@dataclass(frozen=True, slots=True, eq=False)
+class Panel:
+    """One map with its plan, and where its sources are; blank where its values are below `silent_below`."""
+
+    title: str
+    field: FieldMap
+    plan: FloorPlan
+    spots: tuple[Spot, ...] = ()
+    silent_below: float = -math.inf
+
+
+def draw_fields(panels: Sequence[Panel], style: FieldStyle, title: str) -> Figure:
+    """Return the maps as one figure with one colour scale: contours, walls and doors on top, the sources marked.
+
+    Args: title: of the figure; what a panel is stands over each, or after the title where there is one only.
+    """
+    rows, columns, scale = _layout(panels)
+    width_m, height_m = _largest_size(panels)
+    size = columns * (width_m * scale + _AROUND_INCHES[0]) + 1.5, rows * (height_m * scale + _AROUND_INCHES[1]) + 0.4
+    figure = Figure(figsize=size, dpi=120, layout="compressed")
+    all_axes = figure.subplots(rows, columns, squeeze=False)
+    for axes in all_axes.flat[len(panels) :]:
+        axes.remove()
+    used = list(all_axes.flat[: len(panels)])
+    images = [_draw_panel(axes, panel, style) for axes, panel in zip(used, panels, strict=True)]
+    bar = figure.colorbar(images[0], ax=used, shrink=0.92, pad=0.02, aspect=30)
+    _mark_levels(bar, style)
+    if len(panels) == 1:
+        used[0].set_title(f"{title}, {panels[0].title}", loc="left", fontsize=11)
+    else:
+        figure.suptitle(title, x=0.01, ha="left", fontsize=11)
     return figure
 
 
-def _size_inches(width_m: float, height_m: float) -> tuple[float, float]:
-    """Return a size of the plan's shape, with room for bar and labels, that fits a page."""
-    scale = min(8.5 / width_m, 7.0 / height_m)
-    return scale * width_m + 1.8, scale * height_m + 0.9
+def _layout(panels: Sequence[Panel]) -> tuple[int, int, float]:
+    """Return rows, columns and inches per metre that show the panels largest on a page."""
+    width_m, height_m = _largest_size(panels)
+    layouts = []
+    for columns in range(1, len(panels) + 1):
+        rows = math.ceil(len(panels) / columns)
+        room = np.divide(_PAGE_INCHES, (columns, rows)) - _AROUND_INCHES
+        scale = float(np.min(room / (width_m, height_m)))
+        holes = rows * columns - len(panels)
+        layouts.append((scale * (0.8 if holes else 1.0), rows, columns, scale))
+    _, rows, columns, scale = max(layouts)
+    return rows, columns, scale
 
 
-def _draw_contours(axes: Axes, values: np.ma.MaskedArray, extent: tuple[float, ...], style: FieldStyle) -> None:
-    levels = {level: text for level, text in style.contours if values.min() < level < values.max()}
-    if not levels:
+def _largest_size(panels: Sequence[Panel]) -> tuple[float, float]:
+    sizes = np.array([np.subtract(panel.plan.bounds.max, panel.plan.bounds.min) for panel in panels])
+    width_m, height_m = sizes.max(axis=0).tolist()
+    return width_m, height_m
+
+
+def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle) -> AxesImage:
+    field, (min_x, min_y), (max_x, max_y) = panel.field, panel.plan.bounds.min, panel.plan.bounds.max
+    values = np.ma.masked_less(field.values, panel.silent_below)
+    rows, columns = values.shape
+    x0, y0 = field.origin_m
+    extent = (x0, x0 + columns * field.resolution_m, y0, y0 + rows * field.resolution_m)
+    colours = matplotlib.colormaps[style.colours].with_extremes(bad=FLOOR)
+    image = axes.imshow(
+        values, origin="lower", extent=extent, cmap=colours, vmin=style.low, vmax=style.high, interpolation="nearest"
+    )
+    _draw_levels(axes, panel, style.levels)
+    draw_solids(axes, panel.plan)
+    draw_doors(axes, panel.plan)
+    for spot in panel.spots:
+        _draw_spot(axes, spot, _is_named_to_the_left(spot, panel.plan))
+    axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), xlabel="x [m]", ylabel="y [m]", aspect="equal")
+    axes.spines[:].set_visible(False)
+    axes.set_title(panel.title, loc="left", fontsize=10)
+    return image
+
+
+def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level]) -> None:
+    """Draw the contours in free space; a level that the map does not reach is left out."""
+    field = panel.field
+    # A contour ends at a wall: what the map holds inside walls is not what it holds beside them.
+    grid = occupancy_grid(panel.plan.model_copy(update={"doors": ()}), field.resolution_m)
+    solid = grid.cells == OCCUPIED
+    if solid.all():
+        return
+    nearest_free = ndimage.distance_transform_edt(solid, return_distances=False, return_indices=True)
+    values = np.ma.masked_array(ndimage.median_filter(field.values[tuple(nearest_free)], _SLIVER_CELLS), solid)
+    present = sorted(
+        (level for level in levels if max(values.min(), panel.silent_below) <= level.value < values.max()),
+        key=lambda level: level.value,
+    )
+    if not present:
         return
     rows, columns = values.shape
-    x = extent[0] + (np.arange(columns) + 0.5) * (extent[1] - extent[0]) / columns
-    y = extent[2] + (np.arange(rows) + 0.5) * (extent[3] - extent[2]) / rows
-    lines = axes.contour(x, y, values, levels=sorted(levels), colors="white", linewidths=0.9, linestyles="solid")
-    axes.clabel(lines, fmt=levels, fontsize=7)
+    x = field.origin_m[0] + (np.arange(columns) + 0.5) * field.resolution_m
+    y = field.origin_m[1] + (np.arange(rows) + 0.5) * field.resolution_m
+    lines = axes.contour(
+        x, y, values, levels=[level.value for level in present], colors=_LINE, linewidths=0.9, linestyles="solid"
+    )
+    lines.set(path_effects=[withStroke(linewidth=1.9, foreground="white")])
+    _leave_out_short(lines, _MIN_DRAWN * max(np.ptp(x), np.ptp(y)))
+    texts = {level.value: str(level) for level in present}
+    for label in lines.clabel(fmt=texts, fontsize=8, manual=_label_places(lines, panel)):
+        label.set(path_effects=_HALO, color=_LINE)
 
 
-def _draw_solids(axes: Axes, all_solids: Sequence[Solid]) -> None:
-    corners = [np.asarray(solid.corners) for solid in all_solids]
-    tints = [_DOOR if solid.kind == "door" else _WALL for solid in all_solids]
-    axes.add_collection(PolyCollection(corners, facecolors=tints, edgecolors="none"))
+def _leave_out_short(lines: ContourSet, min_length_m: float) -> None:
+    kept = []
+    for stretches in lines.allsegs:
+        lengths_m = [np.hypot(*np.diff(stretch, axis=0).T).sum() for stretch in stretches]
+        paths = [Path(points) for points, length_m in zip(stretches, lengths_m, strict=True) if length_m > min_length_m]
+        kept.append(Path.make_compound_path(*paths))
+    lines.set_paths(kept)
 
 
-def _draw_source(axes: Axes, spot: Spot) -> None:
-    axes.plot(*spot.position_m, "o", markersize=6, markerfacecolor=_SOURCE, markeredgecolor=_WALL)
+def _label_places(lines: ContourSet, panel: Panel) -> list[tuple[float, float]]:
+    """Return where labels go: on the longest stretches of each contour, far from walls, sources and each other."""
+    (min_x, min_y), (max_x, max_y) = panel.plan.bounds.min, panel.plan.bounds.max
+    longer_side = max(max_x - min_x, max_y - min_y)
+    walls = shapely.union(obstacles(panel.plan), shapely.box(min_x, min_y, max_x, max_y).boundary)
+    shapely.prepare(walls)
+    taken = [shapely.Point(spot.position_m) for spot in panel.spots]
+    for spot in panel.spots:
+        side = -1.0 if _is_named_to_the_left(spot, panel.plan) else 1.0
+        taken.append(shapely.Point(np.add(spot.position_m, (side * 0.06 * longer_side, 0.012 * longer_side))))
+    places = []
+    for stretches in lines.allsegs:
+        long = [line for line in map(shapely.LineString, stretches) if line.length > _MIN_LABELLED * longer_side]
+        for line in sorted(long, key=lambda line: -line.length)[:_MAX_LABELS]:
+            points = shapely.points(shapely.get_coordinates(line)[::5])
+            room = np.minimum(shapely.distance(walls, points), 0.04 * longer_side)
+            if taken:
+                room = np.minimum(room, 0.5 * shapely.distance(shapely.union_all(taken), points))
+            best = points[int(np.argmax(room))]
+            taken.append(best)
+            places.append((best.x, best.y))
+    return places
+
+
+def _mark_levels(bar: Colorbar, style: FieldStyle) -> None:
+    """Mark the levels on the bar, with what they mean, between the ends of the scale."""
+    bar.outline.set_visible(False)
+    levels = [level for level in style.levels if style.low <= level.value <= style.high]
+    marks = list(levels)
+    tens = np.arange(math.ceil(style.low / 10.0), math.floor(style.high / 10.0) + 1) * 10.0
+    for value in (style.low, style.high, *tens.tolist()):
+        if all(abs(value - mark.value) > 0.06 * (style.high - style.low) for mark in marks):
+            marks.append(Level(value))
+    bar.set_ticks([mark.value for mark in marks], labels=[f"{mark} {mark.meaning}".rstrip() for mark in marks])
+    for level in levels:
+        bar.ax.axhline(level.value, color=_LINE, linewidth=0.9)
+    bar.ax.set_title(style.unit, fontsize=10)
+    if style.silence:
+        bar.ax.set_xlabel(f"blank:\n{style.silence}", fontsize=8)
+
+
+def _is_named_to_the_left(spot: Spot, plan: FloorPlan) -> bool:
+    """Whether a name to the right of a spot would leave the picture."""
+    (min_x, _), (max_x, _) = plan.bounds.min, plan.bounds.max
+    return spot.position_m[0] > min_x + 0.85 * (max_x - min_x)
+
+
+def _draw_spot(axes: Axes, spot: Spot, to_the_left: bool) -> None:
+    marker, colour = {"robot": ("o", ROBOT), "victim": ("X", VICTIM)}[spot.kind]
+    axes.plot(*spot.position_m, marker, color=colour, markersize=8, markeredgecolor="white", zorder=6)
     axes.annotate(
         spot.name,
         spot.position_m,
-        xytext=(6, 5),
+        xytext=(-7 if to_the_left else 7, 5),
         textcoords="offset points",
+        ha="right" if to_the_left else "left",
         fontsize=8,
-        bbox={"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.75},
+        color=_LINE,
+        path_effects=_HALO,
+        zorder=6,
     )

@@ -13,13 +13,13 @@ from matplotlib.patches import Arc, Circle, Polygon
 from robotteamsim.scenario import Door, FloorPlan, Scenario, solids
 from robotteamsim.scenario.plan import bay_lines
 
-_FLOOR = "#f6f5f2"
+FLOOR = "#f6f5f2"
 _SOLID = {"wall": "#3b4252", "block": "#5a6275", "pillar": "#767f92"}
 _BAY = "#c9c6bd"
 _DOOR = {"normal": "#b07a2a", "fireproof": "#c0392b"}
 _AREA = "#2a7f62"
-_VICTIM = "#d1495b"
-_ROBOT = "#1f6feb"
+VICTIM = "#d1495b"
+ROBOT = "#1f6feb"
 _PLAN_INCHES = 11.0
 
 
@@ -38,10 +38,10 @@ def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
     scale = _PLAN_INCHES / max(width_m, height_m)
     figure = Figure(figsize=(width_m * scale + 1.0, height_m * scale + 1.4), dpi=120, layout="constrained")
     axes = figure.subplots()
-    axes.add_patch(Polygon([(min_x, min_y), (max_x, min_y), (max_x, max_y), (min_x, max_y)], color=_FLOOR, zorder=0))
-    _draw_solids(axes, plan)
-    for door in plan.doors:
-        _draw_door(axes, door)
+    axes.add_patch(Polygon([(min_x, min_y), (max_x, min_y), (max_x, max_y), (min_x, max_y)], color=FLOOR, zorder=0))
+    axes.add_collection(LineCollection(bay_lines(plan), colors=_BAY, linewidths=0.8, zorder=1))
+    draw_solids(axes, plan)
+    draw_doors(axes, plan)
     if scenario is not None:
         _draw_mission(axes, scenario, unit_m=max(width_m, height_m) / 60.0)
         _draw_robots(axes, scenario)
@@ -63,16 +63,21 @@ def _title(plan: FloorPlan, scenario: Scenario | None) -> str:
     return f"{name}, {max_x - min_x:g} x {max_y - min_y:g} m"
 
 
-def _draw_solids(axes: Axes, plan: FloorPlan) -> None:
-    axes.add_collection(LineCollection(bay_lines(plan), colors=_BAY, linewidths=0.8, zorder=1))
+def draw_solids(axes: Axes, plan: FloorPlan) -> None:
+    """Draw walls, blocks and pillars."""
     for solid in solids(plan, {door.name: False for door in plan.doors}):
         colour = _SOLID[solid.kind]
         # The thin edge closes the hairlines that anti-aliasing leaves between neighbours.
         axes.add_patch(Polygon(solid.corners, facecolor=colour, edgecolor=colour, linewidth=0.4, zorder=3))
 
 
+def draw_doors(axes: Axes, plan: FloorPlan) -> None:
+    """Draw closed leaves across their gaps, open ones swung out by 90 degrees with the arc that they sweep."""
+    for door in plan.doors:
+        _draw_door(axes, door)
+
+
 def _draw_door(axes: Axes, door: Door) -> None:
-    """Draw a closed leaf across its gap, an open one swung out by 90 degrees, with the arc that it sweeps."""
     (x0, y0), (x1, y1) = door.start, door.end
     colour = _DOOR[door.kind]
     if door.closed:
@@ -95,20 +100,20 @@ def _draw_mission(axes: Axes, scenario: Scenario, unit_m: float) -> None:
     if areas:
         axes.plot([], [], "o", color=_AREA, alpha=0.4, markersize=9, label="area, in this order")
     for i, victim in enumerate(victims):
-        axes.plot(*victim.position, "X", color=_VICTIM, markersize=9, label=None if i else "victim", zorder=6)
+        axes.plot(*victim.position, "X", color=VICTIM, markersize=9, label=None if i else "victim", zorder=6)
         x, y = victim.position
-        axes.text(x, y + 0.5 * unit_m, victim.name, color=_VICTIM, fontsize=8, ha="center", va="bottom", zorder=6)
+        axes.text(x, y + 0.5 * unit_m, victim.name, color=VICTIM, fontsize=8, ha="center", va="bottom", zorder=6)
 
 
 def _draw_robots(axes: Axes, scenario: Scenario) -> None:
     robots = scenario.placed_robots()
     circles = [Circle(robot.start_pose[:2], robot.radius_m) for robot in robots]
-    axes.add_collection(PatchCollection(circles, facecolor=_ROBOT, edgecolor="white", linewidth=0.4, zorder=6))
+    axes.add_collection(PatchCollection(circles, facecolor=ROBOT, edgecolor="white", linewidth=0.4, zorder=6))
     headings = []
     for robot in robots:
         x, y, yaw = robot.start_pose
         reach_m = 2.0 * robot.radius_m
         headings.append([(x, y), (x + reach_m * math.cos(yaw), y + reach_m * math.sin(yaw))])
-    axes.add_collection(LineCollection(headings, colors=_ROBOT, linewidths=1.0, zorder=6))
+    axes.add_collection(LineCollection(headings, colors=ROBOT, linewidths=1.0, zorder=6))
     count = f"{len(robots)} robots" if len(robots) > 1 else "robot"
-    axes.plot([], [], "o", color=_ROBOT, markersize=6, label=f"{count} at the start")
+    axes.plot([], [], "o", color=ROBOT, markersize=6, label=f"{count} at the start")

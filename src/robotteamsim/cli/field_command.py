@@ -1,99 +1,224 @@
-"""`robotteamsim field`: pictures of radio and voice maps."""
+"""`robotteamsim field`: pictures of radio and voice maps, and the maps as files."""
 
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
 
 from robotteamsim import scenario
 from robotteamsim.cli.parser import UsageError, number, point
-from robotteamsim.cli.pictures import add_png_option, save
+from robotteamsim.cli.pictures import save
 from robotteamsim.cli.run_command import add_set_option
+from robotteamsim.recording.files import atomically, write_atomically
 
-RADIO_RESOLUTION_M = 0.1
+if TYPE_CHECKING:
+    from robotteamsim.analysis.field_picture import FieldStyle, Panel
+    from robotteamsim.analysis.fields import VoiceRange
 
-_EPILOG = """\
+MAX_PANELS = 9
+SHOWN_KEYS = ("voice.noise_db", "radio.tx_power_dbm")
+"""The titles of the maps say these anyway."""
+
+MAX_CELLS = 50_000_000
+
+_RADIO_TEXT = """\
+Draw how strong a radio is received everywhere: walls and closed doors fade it. Lines stand
+at -60 and -70 dBm, where a link is endangered (-80) and where it is lost (-94). Of several
+transmitters each cell shows the strongest."""
+
+_RADIO_EPILOG = """\
 examples:
-  robotteamsim field radio garage_sar --at 4,5 --png radio.png
-  robotteamsim field voice garage_sar --set voice.noise_db=30 --png voice.png"""
+  robotteamsim field radio garage_sar --png radio.png
+  robotteamsim field radio garage_sar --at 4,5 --at 30,36 --at 50,18 --png team.png
+  robotteamsim field radio garage_sar --loss --compare at=4,5 --compare at=40,30 --png two.png
+  robotteamsim field radio garage_sar --compare radio.pillars=true --compare radio.pillars=false --png pillars.png
+  robotteamsim field radio garage_sar --out radio.npz       the numbers, and radio.yaml for map_server"""
+
+_VOICE_TEXT = """\
+Draw how loud the victims are heard everywhere. Lines stand at 10, 20 and 30 dB: within one,
+a victim is heard over so much noise. l_c and gamma are drawn per victim with the scenario's
+seed; --range takes the quiet or the loud ends of their ranges for all."""
+
+_VOICE_EPILOG = """\
+examples:
+  robotteamsim field voice garage_sar --png voice.png
+  robotteamsim field voice garage_sar --range lowest --png lowest.png
+  robotteamsim field voice garage_sar --compare range=lowest --compare range=highest --png ranges.png
+  robotteamsim field voice garage_sar --range highest --compare voice.noise_db=10 --compare voice.noise_db=30 \\
+      --png noise.png
+  robotteamsim field voice garage_sar --at 29,4.5 --set voice.wall_loss_db=6 --png one.png --out one.npz"""
 
 
 def add_to(commands: Any) -> None:
     """Add the command to the parser."""
-    parser = commands.add_parser("field", help="draw a radio or voice map", description=__doc__, epilog=_EPILOG)
+    parser = commands.add_parser("field", help="draw a radio or voice map", description=__doc__)
     kinds = parser.add_subparsers(title="maps", metavar="radio|voice", required=True)
 
-    radio = kinds.add_parser("radio", help="what a robot's radio is received with, everywhere")
-    radio.add_argument("--at", type=point, metavar="X,Y", help="the transmitter [m]; robot 0 at its start if not given")
-    radio.add_argument(
-        "--resolution", type=number, default=RADIO_RESOLUTION_M, metavar="M", help="cell [m]; default %(default)s"
+    radio = kinds.add_parser(
+        "radio", help="what radios are received with, everywhere", description=_RADIO_TEXT, epilog=_RADIO_EPILOG
     )
-    radio.set_defaults(command=draw_radio)
+    _add_at(radio, "a transmitter [m], repeatable; robot 0 at its start if none is given")
+    radio.add_argument("--loss", action="store_true", help="draw the path loss [dB] instead of the signal strength")
+    radio.set_defaults(command=draw_radio, range="drawn")
 
-    voice = kinds.add_parser("voice", help="what is heard of the victims, everywhere")
-    voice.add_argument("--at", type=point, metavar="X,Y", help="one victim here [m] instead of the scenario's")
+    voice = kinds.add_parser(
+        "voice", help="what is heard of the victims, everywhere", description=_VOICE_TEXT, epilog=_VOICE_EPILOG
+    )
+    _add_at(voice, "a victim [m] instead of the scenario's, repeatable")
+    voice.add_argument(
+        "--range", choices=("drawn", "lowest", "highest"), default="drawn", help="l_c and gamma; default drawn"
+    )
     voice.set_defaults(command=draw_voice)
 
     for kind in (radio, voice):
         kind.add_argument("scenario", metavar="SCENARIO", help="a file or a shipped name")
         add_set_option(kind)
-        add_png_option(kind)
+        kind.add_argument("--resolution", type=number, metavar="M", help="cell [m]; default: 600 along the longer side")
+        kind.add_argument("--level", type=number, action="append", metavar="DB", help="a line here, repeatable")
+        kind.add_argument(
+            "--compare",
+            action="append",
+            default=[],
+            metavar="'K=V ...'",
+            help="one of several maps side by side on one scale: as --set, or at=X,Y, or range=...; repeatable",
+        )
+        kind.add_argument("--png", type=Path, metavar="FILE", help="the picture to write")
+        kind.add_argument("--out", type=Path, metavar="FILE.npz", help="write numbers, and FILE.yaml for map_server")
+
+
+def _add_at(parser: argparse.ArgumentParser, text: str) -> None:
+    parser.add_argument("--at", type=point, action="append", default=[], metavar="X,Y", help=text)
+
+
+@dataclass(frozen=True, slots=True)
+class _Variant:
+    """One map to draw: what the command line says for all, and what one --compare says of its own."""
+
+    name: str
+    overrides: list[str]
+    at_m: list[tuple[float, float]]
+    voice_range: VoiceRange
+
+    def load(self, options: argparse.Namespace) -> scenario.Scenario:
+        """Load the scenario of this map."""
+        loaded = scenario.load(options.scenario, self.overrides)
+        for x, y in self.at_m:
+            if not loaded.plan.bounds.contains((x, y)):
+                raise UsageError(f"--at {x:g},{y:g} lies outside the plan, {loaded.plan.bounds}")
+        return loaded
 
 
 def draw_radio(options: argparse.Namespace) -> None:
-    """Draw the signal strength of one transmitter."""
+    """Draw or write the radio maps."""
     # Imported late: Matplotlib takes longer to start than a short mission.
-    from robotteamsim.analysis.field_picture import FieldStyle, Spot, draw_field
-    from robotteamsim.propagation import RadioField
+    from robotteamsim.analysis.fields import radio_panel, radio_style
 
-    loaded = scenario.load(options.scenario, options.overrides)
-    if not 0.01 <= options.resolution <= 10.0:
-        raise UsageError(f"--resolution {options.resolution:g} is not within 0.01 .. 10 m")
-    at_m = _inside(loaded, options.at) if options.at else loaded.placed_robots()[0].start_pose[:2]
-    field = RadioField(loaded.plan, loaded.radio).rssi_map_dbm(at_m, options.resolution)
-    network = loaded.network
-    style = FieldStyle(
-        quantity="signal strength",
-        unit="dBm",
-        colours="viridis",
-        low=network.lost_below_dbm,
-        high=loaded.radio.tx_power_dbm - loaded.radio.constant_loss_db,
-        silent_below=network.lost_below_dbm,
-        silence=f"below {network.lost_below_dbm:g} dBm, no link",
-        contours=((network.endangered_below_dbm, f"endangered {network.endangered_below_dbm:g} dBm"),),
-    )
-    title = f"{loaded.plan.name}: radio of a robot at ({at_m[0]:g}, {at_m[1]:g}), {loaded.radio.tx_power_dbm:g} dBm"
-    save(draw_field(field, loaded.plan, style, title, [Spot("transmitter", at_m)]), options.png)
+    variants = _variants(options)
+    scenarios = [variant.load(options) for variant in variants]
+    panels = [
+        radio_panel(loaded, variant.at_m, _resolution_m(options, loaded), options.loss)
+        for variant, loaded in zip(variants, scenarios, strict=True)
+    ]
+    _finish(options, variants, panels, radio_style(scenarios, options.level or (), options.loss))
 
 
 def draw_voice(options: argparse.Namespace) -> None:
-    """Draw the voice map."""
-    from robotteamsim.analysis.field_picture import FieldStyle, Spot, draw_field
-    from robotteamsim.scenario.sections import Victim
-    from robotteamsim.sensing.voice import VoiceSensor
+    """Draw or write the voice maps."""
+    from robotteamsim.analysis.fields import voice_panel, voice_style
 
-    loaded = scenario.load(options.scenario, options.overrides)
-    victims = loaded.mission.victims
-    if options.at:
-        victims = (Victim(name="victim", position=_inside(loaded, options.at)),)
-    field = VoiceSensor(loaded.plan, loaded.voice, victims, loaded.run.seed).map()
-    noise_db = loaded.voice.noise_db
-    style = FieldStyle(
-        quantity="voice level",
-        unit="dB",
-        colours="magma",
-        low=noise_db,
-        high=-loaded.voice.constant_db[0],
-        silent_below=max(noise_db, 1e-9),
-        silence="below the noise",
-        contours=tuple((level, f"{level:g} dB") for level in (20.0, 30.0, 40.0) if level > noise_db),
+    variants = _variants(options)
+    scenarios = [variant.load(options) for variant in variants]
+    panels = [
+        voice_panel(loaded, variant.at_m, _resolution_m(options, loaded), variant.voice_range)
+        for variant, loaded in zip(variants, scenarios, strict=True)
+    ]
+    _finish(options, variants, panels, voice_style(scenarios, options.level or ()))
+
+
+def _variants(options: argparse.Namespace) -> list[_Variant]:
+    """Return the maps that a command line asks for. Raises: UsageError."""
+    if not (options.png or options.out):
+        raise UsageError("say where to write: --png FILE for a picture, --out FILE.npz for the numbers, or both")
+    if options.out and options.out.suffix != ".npz":
+        raise UsageError(f"--out {options.out}: wanted a name that ends in .npz")
+    if len(options.compare) == 1 or len(options.compare) > MAX_PANELS:
+        raise UsageError(f"--compare is given {len(options.compare)} times; wanted once per map, 2 to {MAX_PANELS}")
+    common = _Variant("", options.overrides, options.at, options.range)
+    return [_variant(common, text) for text in options.compare] or [common]
+
+
+def _variant(common: _Variant, text: str) -> _Variant:
+    overrides, at_m, voice_range = list(common.overrides), [], common.voice_range
+    names = []
+    for part in text.split():
+        key, equals, value = part.partition("=")
+        if not equals:
+            raise UsageError(f"--compare: '{part}' is not of the form KEY=VALUE, such as voice.noise_db=20 or at=4,5")
+        if key == "at":
+            try:
+                at_m.append(point(value))
+            except argparse.ArgumentTypeError as error:
+                raise UsageError(f"--compare: at: {error}") from None
+        elif key == "range":
+            if value not in ("drawn", "lowest", "highest"):
+                raise UsageError(f"--compare: range: '{value}' is not one of drawn, lowest, highest")
+            voice_range = cast("VoiceRange", value)
+        else:
+            overrides.append(part)
+            names += [] if key in SHOWN_KEYS else [part]
+    return replace(
+        common, name=", ".join(names), overrides=overrides, at_m=at_m or common.at_m, voice_range=voice_range
     )
-    title = f"{loaded.plan.name}: voices above {noise_db:g} dB of noise, seed {loaded.run.seed}"
-    spots = [Spot(victim.name, victim.position) for victim in victims]
-    save(draw_field(field, loaded.plan, style, title, spots), options.png)
 
 
-def _inside(loaded: scenario.Scenario, point_m: tuple[float, float]) -> tuple[float, float]:
-    if not loaded.plan.bounds.contains(point_m):
-        raise UsageError(f"--at {point_m[0]:g},{point_m[1]:g} lies outside the plan, {loaded.plan.bounds}")
-    return point_m
+def _resolution_m(options: argparse.Namespace, loaded: scenario.Scenario) -> float:
+    from robotteamsim.analysis.fields import default_resolution_m
+
+    if options.resolution is None:
+        return default_resolution_m(loaded.plan)
+    if not 0.01 <= options.resolution <= 10.0:
+        raise UsageError(f"--resolution {options.resolution:g} is not within 0.01 .. 10 m")
+    (min_x, min_y), (max_x, max_y) = loaded.plan.bounds.min, loaded.plan.bounds.max
+    cells = (max_x - min_x) * (max_y - min_y) / options.resolution**2
+    if cells > MAX_CELLS:
+        raise UsageError(f"--resolution {options.resolution:g} makes {cells:.0f} cells; wanted at most {MAX_CELLS}")
+    return float(options.resolution)
+
+
+def _finish(
+    options: argparse.Namespace, variants: Sequence[_Variant], panels: Sequence[Panel], style: FieldStyle
+) -> None:
+    """Draw and write what was asked for; nothing where the maps do not fit into one file."""
+    from robotteamsim.analysis.field_file import numbers
+
+    panels = [
+        replace(panel, title=f"{variant.name}: {panel.title}") if variant.name else panel
+        for panel, variant in zip(panels, variants, strict=True)
+    ]
+    arrays = numbers(panels, style) if options.out else {}
+    if options.png:
+        from robotteamsim.analysis.field_picture import draw_fields
+
+        save(draw_fields(panels, style, f"{panels[0].plan.name}: {style.quantity}"), options.png)
+    if options.out:
+        _write(options.out, arrays, panels, style)
+
+
+def _write(path: Path, arrays: dict[str, np.ndarray], panels: Sequence[Panel], style: FieldStyle) -> None:
+    """Write the numbers, and per map an image with its yaml; tell their names."""
+    from robotteamsim.analysis.field_file import grid_pgm, grid_yaml
+
+    with atomically(path) as part, part.open("wb") as file:
+        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]  # NumPy's stub has no keywords but its own
+    print(path)
+    for i, panel in enumerate(panels, 1):
+        stem = path.stem if len(panels) == 1 else f"{path.stem}_{i}"
+        with atomically(path.with_name(f"{stem}.pgm")) as part:
+            part.write_bytes(grid_pgm(panel, style))
+        write_atomically(path.with_name(f"{stem}.yaml"), grid_yaml(panel, style, f"{stem}.pgm"))
+        print(path.with_name(f"{stem}.yaml"))

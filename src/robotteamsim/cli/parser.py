@@ -20,12 +20,16 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **settings: object) -> None:
         super().__init__(allow_abbrev=False, formatter_class=argparse.RawDescriptionHelpFormatter, **settings)  # type: ignore[arg-type]
+        # argparse takes -1 for a number, but -1,5 for an option; no option here starts with a digit.
+        self._negative_number_matcher = re.compile(r"-[\d.]")
 
     def error(self, message: str) -> NoReturn:
         """Raise the mistake. Raises: UsageError."""
-        wrong = re.match(r"argument \S+: invalid choice: '(.*)' \(choose from (.*)\)", message)
+        wrong = re.match(r"argument (\S+): invalid choice: '(.*)' \(choose from (.*)\)", message)
         if wrong:
-            value, choices = wrong[1], [choice.strip("'") for choice in wrong[2].split(", ")]
+            name, value, choices = wrong[1], wrong[2], [choice.strip("'") for choice in wrong[3].split(", ")]
+            if name.startswith("-"):
+                raise UsageError(f"{name}: '{value}' is not one of {', '.join(choices)} (see `{self.prog} --help`)")
             near = difflib.get_close_matches(value, choices, n=1)
             hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(choices)}"
             message = f"no such command '{value}'; {hint}"

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from rosbags.rosbag1 import Reader
@@ -165,7 +166,44 @@ def test_broken_pipe_is_silent():
         (["run", "no/such.yaml"], "no/such.yaml: there is no such file"),
         (["run", "garage_sar", "--set", "control.algorithm=rdpos"], "control.algorithm: 'rdpos' is not"),
         (["plan", "import", "no.yaml", "--out", "x.yaml"], "no.yaml: there is no such file"),
-        (["field", "radio", "garage_sar"], "the following arguments are required: --png"),
+        (["field", "radio", "garage_sar"], "say where to write: --png FILE for a picture, --out FILE.npz for the"),
+        (["field", "radio", "garage_sar", "--out", "x.csv"], "--out x.csv: wanted a name that ends in .npz"),
+        (
+            ["field", "voice", "garage_sar", "--range", "wide", "--png", "x.png"],
+            "--range: 'wide' is not one of drawn",
+        ),
+        (["field", "radio", "garage_sar", "--resolution", "0", "--png", "x.png"], "--resolution 0 is not within 0.01"),
+        (["field", "radio", "garage_sar", "--compare", "at=4,5", "--png", "x.png"], "--compare is given 1 times"),
+        (
+            ["field", "radio", "garage_sar", "--compare", "at=4,5", "--compare", "at=4", "--png", "x.png"],
+            "--compare: at: '4' is not of the form X,Y",
+        ),
+        (
+            ["field", "radio", "garage_sar", "--compare", "at=4,5", "--compare", "at=99,4", "--png", "x.png"],
+            "--at 99,4 lies outside the plan, [0, 0] .. [60, 40]",
+        ),
+        (
+            ["field", "voice", "garage_sar", "--compare", "range=lowest", "--compare", "range=low", "--png", "x.png"],
+            "--compare: range: 'low' is not one of drawn, lowest, highest",
+        ),
+        (
+            ["field", "voice", "garage_sar", "--compare", "lowest", "--compare", "highest", "--png", "x.png"],
+            "--compare: 'lowest' is not of the form KEY=VALUE, such as voice.noise_db=20 or at=4,5",
+        ),
+        (
+            [
+                "field",
+                "voice",
+                "garage_sar",
+                "--compare",
+                "voice.noise=1",
+                "--compare",
+                "voice.noise=2",
+                "--png",
+                "x.png",
+            ],
+            "--set: voice.noise: unknown key; did you mean 'noise_db'?",
+        ),
         (["field", "radio", "garage_sar", "--at", "1", "--png", "x.png"], "argument --at: '1' is not of the form X,Y"),
         (["field", "voice", "garage_sar", "--at", "99,1", "--png", "x.png"], "--at 99,1 lies outside the plan"),
     ],
@@ -262,6 +300,31 @@ def test_field_picture_is_written(capsys, tmp_path, kind):
     assert main(["field", kind, "tutorial_arena", "--at", "5,2", "--png", str(picture)]) == 0
     assert capsys.readouterr().out == f"{picture}\n"
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["radio", "--at", "-1,1", "--at", "5,5"],
+        ["radio", "--loss", "--compare", "at=1,1", "--compare", "at=5,5"],
+        ["voice", "--range", "lowest"],
+        ["voice", "--compare", "range=lowest", "--compare", "range=highest voice.noise_db=30"],
+    ],
+)
+def test_field_maps_are_compared_in_one_picture_and_written_as_numbers(capsys, tmp_path, arguments):
+    picture, archive = tmp_path / "field.png", tmp_path / "field.npz"
+    kind, *rest = arguments
+    assert main(["field", kind, "tutorial_arena", *rest, "--png", str(picture), "--out", str(archive)]) == 0
+    names = capsys.readouterr().out.splitlines()
+    count = max(1, rest.count("--compare"))
+    stems = ["field"] if count == 1 else ["field_1", "field_2"]
+    assert names == [str(picture), str(archive), *(str(tmp_path / f"{stem}.yaml") for stem in stems)]
+    with np.load(archive) as arrays:
+        assert arrays["values"].shape[-2:] == (500, 500)
+        assert arrays["values"].ndim == (2 if count == 1 else 3)
+    for stem in stems:
+        settings = yaml.safe_load((tmp_path / f"{stem}.yaml").read_text())
+        assert (tmp_path / settings["image"]).read_bytes().startswith(b"P5\n500 500\n255\n")
 
 
 @pytest.mark.parametrize("arguments", [["plan", "render", "garage"], ["scenario", "render", "garage_sar"]])
