@@ -74,9 +74,9 @@ bench: build ## measure the speed of the parts, as ratios, into bench/results/sp
 	@$(ENV) $(PYTHON) bench/run.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_bench --csv bench/results/speed.csv $(ARGS)
 	@$(ENV) for script in bench/*_bench.py; do $(PYTHON) $$script || exit 1; done
 
-exactness: build ## compare fast maps with one ray per cell, on 50 million cells
+exactness: build ## compare fast maps with one ray per cell, on 50 million cells; links with their way back
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_exactness > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
-	@$(BUILD)/devel/lib/robotteamsim/robotteamsim_exactness $(ARGS)
+	@set -o pipefail; $(BUILD)/devel/lib/robotteamsim/robotteamsim_exactness $(ARGS) | tee bench/results/exactness.txt
 
 wheel: $(VENV)/.ready ## build dist/*.whl that carries Box2D inside and needs no compiler
 	@rm -rf dist && mkdir -p dist/raw

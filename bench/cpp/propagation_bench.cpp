@@ -130,7 +130,7 @@ std::vector<VoiceSource> Victims() {
 void VoiceMapOf5(benchmark::State& state) {
   MapValues map(kGrid.rows, kGrid.cols);
   const SolidCells solid = SolidCells::Constant(kGrid.rows, kGrid.cols, false);
-  const VoiceModel model{10.0, 2.0, 0.1};
+  const VoiceModel model{10.0, 1.0, 0.1};
   const std::vector<VoiceSource> victims = Victims();
   Run(state, &map, kCells, [&](int) { WriteVoiceMap(Garage(), model, victims, kGrid, solid, map); });
 }
@@ -138,7 +138,7 @@ void VoiceMapOf5(benchmark::State& state) {
 void VoiceMapOf5Plain(benchmark::State& state) {
   constexpr int kApart = 80;
   MapValues map(kGrid.rows, kGrid.cols);
-  const VoiceModel model{10.0, 2.0, 0.1};
+  const VoiceModel model{10.0, 1.0, 0.1};
   const std::vector<VoiceSource> victims = Victims();
   const CellCentersMm cells(kGrid);
   const auto some_rows = [&](int turn) {

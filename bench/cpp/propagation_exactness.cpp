@@ -1,5 +1,8 @@
-// Compares the weights of fast maps with one ray per cell, on as many cells as asked for; 0 may differ.
-// Usage: robotteamsim_exactness [millions of cells, 50 if not given]
+// Compares fast maps with one ray per cell, on as many cells as asked for; the two ways of links; and rays made longer.
+// Nothing may differ. Usage: robotteamsim_exactness [millions of cells, 50 if not given]
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <random>
@@ -7,76 +10,150 @@
 #include "../../test/cpp/propagation/reference.hpp"
 #include "../../test/cpp/propagation/scenes.hpp"
 #include "robotteamsim/propagation/field_maps.hpp"
+#include "robotteamsim/propagation/radio.hpp"
 
 namespace robotteamsim {
 namespace {
 
+using scenes::Draw;
+
+const RadioModel kRadio{0.0, 47.4, 23.2, 0.1, 18.3, 0.46};
+
+/// Floats are this fine up to here [dB].
+constexpr double kFineBelowDb = 128.0;
+/// Half of the lightest weight: what is nearer to the plain value has the same walls [dB].
+constexpr double kSameWallsDb = 0.025;
+
 struct Count {
-  long long cells = 0;
+  long long compared = 0;
   long long differing = 0;
+  double worst_db = 0.0;  ///< of a value
 };
 
-void Compare(const FaceSet& faces, const WeightMap& map, const GridShape& grid, Count* count) {
+/// Compares kept weights, and the values of a map, with one ray and one logarithm per cell.
+void Compare(const FaceSet& faces, const WeightMap& kept, const GridShape& grid, Simd simd, Count* count) {
+  const Fading fading = RadioFading(kRadio);
+  MapValues map(grid.rows, grid.cols);
+  WriteHighest(faces, {{kept.Source(), fading}}, grid, map, {1, simd});
   for (int row = 0; row < grid.rows; ++row) {
     for (int col = 0; col < grid.cols; ++col) {
-      ++count->cells;
-      if (map.At(row, col) != reference::Weight(faces, map.Source(), map.Cells(), row, col)) ++count->differing;
+      const std::int64_t weight = reference::Weight(faces, kept.Source(), kept.Cells(), row, col);
+      const double value_db = reference::ValueBehind(weight, kept.Source(), fading, kept.Cells().At(row, col));
+      const double error_db = std::abs(map(row, col) - value_db);
+      ++count->compared;
+      if (kept.At(row, col) != weight || error_db > kSameWallsDb) ++count->differing;
+      if (std::abs(value_db) < kFineBelowDb) count->worst_db = std::max(count->worst_db, error_db);
     }
   }
 }
 
-/// A map of one plan, then of the same with some faces switched off, kept up to date.
+/// A map of one plan, then of the same with some faces switched off, kept up to date; another instruction set each
+/// time.
 void CompareOne(FaceSet faces, PointMm source, const GridShape& grid, std::mt19937* generator, Count* count) {
-  WeightMap map(faces, source, grid);
-  Compare(faces, map, grid, count);
+  constexpr std::array<Simd, 3> kAll = {Simd::kPortable, Simd::kAvx2, Simd::kAvx512};
+  const Simd drawn = kAll[Draw(generator, 0, 2)];
+  const Simd simd = IsSupported(drawn) ? drawn : Simd::kPortable;
+  WeightMap kept(faces, source, grid, {1, simd});
+  Compare(faces, kept, grid, simd, count);
   for (int i = 0; i < 5; ++i) {
-    faces.SetActive(scenes::Draw(generator, 0, static_cast<std::int64_t>(faces.Size()) - 1), false);
+    faces.SetActive(Draw(generator, 0, static_cast<std::int64_t>(faces.Size()) - 1), false);
   }
-  map.Update(faces);
-  Compare(faces, map, grid, count);
+  kept.Update(faces);
+  Compare(faces, kept, grid, simd, count);
 }
 
 /// Lattice points: sources on vertices, rays through vertices and along faces, cells on the lattice or between.
 void CompareLattice(std::mt19937* generator, Count* count) {
-  const FaceSet faces = scenes::Lattice(generator, static_cast<int>(scenes::Draw(generator, 1, 40)), 30, 9);
-  PointMm source{scenes::Draw(generator, -5, 35), scenes::Draw(generator, -5, 35)};
-  if (scenes::Draw(generator, 0, 1) == 0) source = faces.Vertices().front();
-  const double resolution = scenes::Draw(generator, 0, 3) == 0 ? 0.0017 : 0.001;
+  const FaceSet faces = scenes::Lattice(generator, static_cast<int>(Draw(generator, 1, 40)), 30, 9);
+  PointMm source{Draw(generator, -5, 35), Draw(generator, -5, 35)};
+  if (Draw(generator, 0, 1) == 0) source = faces.Vertices().front();
+  const double resolution = Draw(generator, 0, 3) == 0 ? 0.0017 : 0.001;
   CompareOne(faces, source, {{-0.004, -0.005}, resolution, 50, 120}, generator, count);
 }
 
 /// Buildings: oblique walls, sources in walls and outside, any resolution in whole millimetres and some that are not.
 void CompareBuilding(std::mt19937* generator, Count* count) {
-  const auto walls = static_cast<int>(scenes::Draw(generator, 1, 110));
-  const FaceSet faces = scenes::Walls(generator, walls, static_cast<int>(scenes::Draw(generator, 0, 100)));
-  PointMm source{scenes::Draw(generator, -10'000, 70'000), scenes::Draw(generator, -10'000, 50'000)};
-  if (scenes::Draw(generator, 0, 3) == 0) {
-    source = {faces.At(0).start.x + scenes::Draw(generator, -40, 40), faces.At(0).start.y + 20};
+  const auto walls = static_cast<int>(Draw(generator, 1, 110));
+  const FaceSet faces = scenes::Walls(generator, walls, static_cast<int>(Draw(generator, 0, 100)));
+  PointMm source{Draw(generator, -10'000, 70'000), Draw(generator, -10'000, 50'000)};
+  if (Draw(generator, 0, 3) == 0) {
+    source = {faces.At(0).start.x + Draw(generator, -40, 40), faces.At(0).start.y + 20};
   }
-  const double finer = scenes::Draw(generator, 0, 9) == 0 ? 0.001 / 3.0 : 0.0;
-  const double resolution = static_cast<double>(scenes::Draw(generator, 20, 300)) / 1000.0 + finer;
-  const GridShape grid{{static_cast<double>(scenes::Draw(generator, -5000, 20'000)) / 1000.0, -1.0},
+  const double finer = Draw(generator, 0, 9) == 0 ? 0.001 / 3.0 : 0.0;
+  const double resolution = static_cast<double>(Draw(generator, 20, 300)) / 1000.0 + finer;
+  const GridShape grid{{static_cast<double>(Draw(generator, -5000, 20'000)) / 1000.0, -1.0},
                        resolution,
-                       static_cast<int>(scenes::Draw(generator, 1, 200)),
-                       static_cast<int>(scenes::Draw(generator, 1, 300))};
+                       static_cast<int>(Draw(generator, 1, 200)),
+                       static_cast<int>(Draw(generator, 1, 300))};
   CompareOne(faces, source, grid, generator, count);
+}
+
+PointMm Anywhere(std::mt19937* generator) { return {Draw(generator, 0, 60'000), Draw(generator, 0, 40'000)}; }
+
+/// Losses of both ways between two points, to the bit.
+void CompareWays(const FaceSet& faces, PointMm a, PointMm b, Count* count) {
+  ++count->compared;
+  if (PathLossDb(faces, kRadio, a, b) != PathLossDb(faces, kRadio, b, a)) ++count->differing;
+}
+
+/// The walls of a ray that is made longer in equal steps; its ends lie exactly on one line.
+void CompareAlong(const FaceSet& faces, PointMm from, PointMm step, Count* count) {
+  std::int64_t before = 0;
+  for (int k = 1; k <= 40; ++k) {
+    const std::int64_t weight = faces.WeightBetween(from, {from.x + k * step.x, from.y + k * step.y});
+    ++count->compared;
+    if (weight < before) ++count->differing;
+    before = weight;
+  }
+}
+
+void CompareMaps(long long wanted, std::mt19937* generator, Count* lattice, Count* building, Count* many) {
+  const FaceSet twenty_thousand = scenes::Walls(generator, 5000, 50, 600);
+  while (many->compared < wanted / 500) {
+    CompareOne(twenty_thousand, Anywhere(generator), {{0.0, 0.0}, 1.0, 40, 60}, generator, many);
+  }
+  while (lattice->compared < wanted / 2) CompareLattice(generator, lattice);
+  while (lattice->compared + building->compared + many->compared < wanted) CompareBuilding(generator, building);
+}
+
+void CompareRays(long long wanted, std::mt19937* generator, Count* ways, Count* lattice_ways, Count* along) {
+  FaceSet walls({}, {});
+  FaceSet triangles({}, {});
+  const auto on_lattice = [&] { return PointMm{Draw(generator, -1, 9), Draw(generator, -1, 9)}; };
+  for (long long i = 0; i < wanted; ++i) {
+    if (i % 5000 == 0) walls = scenes::Walls(generator, 60, 50);
+    if (i % 200 == 0) triangles = scenes::Lattice(generator, 12, 9, 9);
+    const PointMm a = Anywhere(generator);
+    CompareWays(walls, a, Anywhere(generator), ways);
+    const PointMm corner = on_lattice();
+    CompareWays(triangles, corner, on_lattice(), lattice_ways);
+    if (i % 20 != 0) continue;
+    CompareAlong(walls, a, {Draw(generator, -900, 900), Draw(generator, -900, 900)}, along);
+    CompareAlong(triangles, corner, {Draw(generator, -2, 2), Draw(generator, -2, 2)}, along);
+  }
+}
+
+void Print(const char* what, const Count& count) {
+  std::printf("%-42s %11lld compared, %lld differ\n", what, count.compared, count.differing);
 }
 
 int Main(int argc, char** argv) {
   const long long wanted = 1'000'000LL * (argc > 1 ? std::atoll(argv[1]) : 50);
   std::mt19937 generator(20);
-  Count lattice, building, many;
-  const FaceSet twenty_thousand = scenes::Walls(&generator, 5000, 50, 600);
-  while (many.cells < wanted / 500) {
-    const PointMm source{scenes::Draw(&generator, 0, 60'000), scenes::Draw(&generator, 0, 40'000)};
-    CompareOne(twenty_thousand, source, {{0.0, 0.0}, 1.0, 40, 60}, &generator, &many);
-  }
-  while (lattice.cells < wanted / 2) CompareLattice(&generator, &lattice);
-  while (lattice.cells + building.cells + many.cells < wanted) CompareBuilding(&generator, &building);
-  std::printf("plans on a lattice     %9lld cells, %lld differ\n", lattice.cells, lattice.differing);
-  std::printf("random buildings       %9lld cells, %lld differ\n", building.cells, building.differing);
-  std::printf("20,000 faces           %9lld cells, %lld differ\n", many.cells, many.differing);
-  return lattice.differing + building.differing + many.differing == 0 ? 0 : 1;
+  Count lattice, building, many, ways, lattice_ways, along;
+  CompareMaps(wanted, &generator, &lattice, &building, &many);
+  CompareRays(wanted / 50, &generator, &ways, &lattice_ways, &along);
+  Print("cells, plans on a lattice", lattice);
+  Print("cells, random buildings", building);
+  Print("cells, 20,000 faces", many);
+  Print("both ways of a link, random buildings", ways);
+  Print("both ways of a link, on a lattice", lattice_ways);
+  Print("steps along a ray, walls that grow fewer", along);
+  const double worst_db = std::max({lattice.worst_db, building.worst_db, many.worst_db});
+  std::printf("largest error of a value above -128 dB: %.2g dB\n", worst_db);
+  const long long differing = lattice.differing + building.differing + many.differing + ways.differing +
+                              lattice_ways.differing + along.differing;
+  return differing == 0 ? 0 : 1;
 }
 
 }  // namespace

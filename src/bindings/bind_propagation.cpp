@@ -77,10 +77,10 @@ void BindRadio(py::module_& m) {
 
 void BindVoice(py::module_& m) {
   py::class_<VoiceModel>(m, "VoiceModel")
-      .def(py::init([](double noise_db, double wall_loss_db, double min_distance_m) {
-             return VoiceModel{noise_db, wall_loss_db, min_distance_m};
+      .def(py::init([](double noise_db, double unit_db, double min_distance_m) {
+             return VoiceModel{noise_db, unit_db, min_distance_m};
            }),
-           py::kw_only(), py::arg("noise_db"), py::arg("wall_loss_db"), py::arg("min_distance_m"));
+           py::kw_only(), py::arg("noise_db"), py::arg("unit_db"), py::arg("min_distance_m"));
   py::class_<VoiceSource>(m, "VoiceSource").def(py::init([](const XY& position, double constant_db, double exponent) {
     return VoiceSource{ToPoint(position), constant_db, exponent};
   }));

@@ -11,13 +11,11 @@
 
 namespace robotteamsim {
 
-/// Faces for voice weigh in half walls: 1 for a face of a wall, 2 for a closed door.
-constexpr double kHalfWallsPerWall = 2.0;
-
-/// How a call for help fades [dissertation, eq. 7]; the walls are in the faces.
+/// How a call for help fades [dissertation, eq. 7]; the walls are in the faces, in units that they share with the
+/// model: half walls of eq. (6), or halves of a millimetre of thickness for eq. (5).
 struct VoiceModel {
   double noise_db = 0.0;        ///< background noise: a weaker voice is not heard
-  double wall_loss_db = 0.0;    ///< l_w, any wall or closed door
+  double unit_db = 0.0;         ///< what one unit of weight of the faces costs
   double min_distance_m = 0.0;  ///< distances below count as this
 };
 
@@ -31,8 +29,7 @@ struct VoiceSource {
 /// Whether a cell is solid, one matrix row per row of cells.
 using SolidCells = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Returns -l_c - 10 gamma log10(d) - K l_w of eq. (7) [dB], whatever the noise. K is half-integer where one end of the
-/// way lies in a wall.
+/// Returns -l_c - 10 gamma log10(d) - walls of eq. (7) [dB], whatever the noise.
 double VoiceLevelDb(const FaceSet& faces, const VoiceModel& model, const VoiceSource& source, PointMm at);
 
 /// Writes the highest level of all sources at the centre of every cell [dB]; 0 where it is below the noise, and in

@@ -8,14 +8,14 @@
 namespace robotteamsim {
 namespace {
 
-double LevelDb(const VoiceModel& model, const VoiceSource& source, PointMm from, PointMm to, std::int64_t half_walls) {
+double LevelDb(const VoiceModel& model, const VoiceSource& source, PointMm from, PointMm to, std::int64_t wall_units) {
   const double distance_m = std::max(DistanceM(from, to), model.min_distance_m);
-  const double walls = static_cast<double>(half_walls) / kHalfWallsPerWall;
-  return -source.constant_db - 10.0 * source.exponent * std::log10(distance_m) - walls * model.wall_loss_db;  // (7)
+  const double walls_db = static_cast<double>(wall_units) * model.unit_db;
+  return -source.constant_db - 10.0 * source.exponent * std::log10(distance_m) - walls_db;  // (7)
 }
 
 Fading FadingOf(const VoiceModel& model, const VoiceSource& source) {
-  return {-source.constant_db, 10.0 * source.exponent, model.wall_loss_db / kHalfWallsPerWall, model.min_distance_m};
+  return {-source.constant_db, 10.0 * source.exponent, model.unit_db, model.min_distance_m};
 }
 
 }  // namespace

@@ -74,6 +74,20 @@ def voice_faces(plan: FloorPlan) -> Faces:
     return _faces(plan, fading, [1] * len(fading), [2] * len(plan.doors))
 
 
+def thickness_faces(plan: FloorPlan) -> Faces:
+    """Return the faces that fade a voice by the thickness d of what it passes [dissertation, eq. 5], in halves of a mm.
+
+    The thickness is that which decides the class for radio, whatever the angle; of a closed door, that of its leaf.
+    """
+    fading = _static_solids(plan)
+    return _faces(
+        plan,
+        fading,
+        [_thickness_mm(solid.element) for solid in fading],
+        [2 * _thickness_mm(door) for door in plan.doors],
+    )
+
+
 def _static_solids(plan: FloorPlan) -> list[Solid]:
     return [solid for solid in solids(plan) if solid.kind != "door"]
 
@@ -127,13 +141,17 @@ def _wall_units(plan: FloorPlan, radio: Radio, element: Wall | Block | Door) -> 
                 f"{plan.name}: {element.name}.material: '{element.material}' is not in radio.materials ({known})"
             )
         return _units(radio.materials[element.material])
+    thickness_mm = _thickness_mm(element)
+    loss_class = sum(thickness_mm > limit_mm for limit_mm in _CLASS_LIMITS_MM)
+    return _units(radio.wall_loss_db[loss_class])
+
+
+def _thickness_mm(element: Wall | Block | Door) -> int:
     thickness_m = element.thickness_m
     if thickness_m is None:
         assert isinstance(element, Block)
         thickness_m = _smaller_width_m(element)
-    width_mm = round(thickness_m * MM_PER_M)
-    loss_class = sum(width_mm > limit_mm for limit_mm in _CLASS_LIMITS_MM)
-    return _units(radio.wall_loss_db[loss_class])
+    return round(thickness_m * MM_PER_M)
 
 
 def _door_units(radio: Radio, door: Door) -> int:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.propagation.faces import voice_faces
+from robotteamsim.propagation.faces import thickness_faces, voice_faces
 from robotteamsim.propagation.field_map import FieldMap, map_array
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, occupancy_grid
 from robotteamsim.scenario.sections import Voice
+
+_HALF_MM_DB = 20.0 * math.log10(math.e) * 0.05
+"""20 log10(A0 / A) of eq. (5) for mu = 1/cm and the unit of `thickness_faces`, half a millimetre."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +40,15 @@ class VoiceSource:
 class VoiceField:
     """Voice levels on one floor [dissertation, eq. 7]; docs/propagation.md has the definition.
 
-    level(d) = -l_c - 10 gamma log10(d) - K l_w, where K counts the walls, blocks, pillars and closed doors on the
-    straight way. Positions are rounded to whole millimetres.
+    level(d) = -l_c - 10 gamma log10(d) - walls. With `voice.wall_model: count` the walls, blocks, pillars and closed
+    doors on the straight way cost K l_w (6); with `thickness`, 20 log10(e) mu d, d being their thicknesses (5).
+    Positions are rounded to whole millimetres.
     """
 
     def __init__(self, plan: FloorPlan, voice: Voice) -> None:
-        self._faces = voice_faces(plan)
+        by_thickness = voice.wall_model == "thickness"
+        self._faces = thickness_faces(plan) if by_thickness else voice_faces(plan)
+        self._unit_db = _HALF_MM_DB * voice.attenuation_per_cm if by_thickness else voice.wall_loss_db / 2.0
         self._core_faces = self._faces.core()
         # A door's leaf is thinner than a cell: doors make no cell solid.
         self._grid = occupancy_grid(plan.model_copy(update={"doors": ()}), voice.map_resolution_m)
@@ -86,5 +93,5 @@ class VoiceField:
         if not 0.0 <= noise_db < float("inf"):
             raise ValueError(f"noise_db must be finite and >= 0, got {noise_db}")
         self._model = _core.VoiceModel(
-            noise_db=noise_db, wall_loss_db=self._voice.wall_loss_db, min_distance_m=self._voice.min_distance_m
+            noise_db=noise_db, unit_db=self._unit_db, min_distance_m=self._voice.min_distance_m
         )

@@ -40,7 +40,13 @@ class Voice(Model):
     exponent: Interval = Field(
         default=(5.0, 6.0), description="gamma is drawn from this range per victim; 2 in free field"
     )
-    wall_loss_db: LossDb = Field(default=2.0, description="l_w, any wall or closed door [dB]")
+    wall_model: Literal["count", "thickness"] = Field(
+        default="count", description="every wall costs the same (eq. 6), or by its thickness (eq. 5)"
+    )
+    wall_loss_db: LossDb = Field(default=2.0, description="l_w, any wall or closed door, for `count` [dB]")
+    attenuation_per_cm: float = Field(
+        default=0.0115, ge=0.0, le=1.0, description="mu, for `thickness`; concrete has 0.01 .. 0.035 [1/cm]"
+    )
     min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="distances below count as this [m]")
     map_resolution_m: float = Field(default=0.25, ge=0.05, le=2.0, description="cell of the voice map [m]")
     local_best_radius_m: float = Field(

@@ -7,6 +7,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "scenes.hpp"
+
 namespace robotteamsim {
 namespace {
 
@@ -100,6 +102,21 @@ TEST(FaceSet, WeightNeverFallsAlongARay) {
     std::int64_t before = 0;
     for (std::int64_t k = 0; k < 10; ++k) {
       const std::int64_t now = faces.WeightBetween(from, {from.x + k * direction.x, from.y + k * direction.y});
+      ASSERT_GE(now, before) << "ray " << ray << ", step " << k;
+      before = now;
+    }
+  }
+}
+
+TEST(FaceSet, WeightNeverFallsAlongARayThroughABuilding) {
+  std::mt19937 generator(3);
+  for (int ray = 0; ray < 2000; ++ray) {
+    const FaceSet faces = scenes::Walls(&generator, 10, 50);
+    const PointMm from{scenes::Draw(&generator, 0, 60'000), scenes::Draw(&generator, 0, 40'000)};
+    const PointMm step{scenes::Draw(&generator, -900, 900), scenes::Draw(&generator, -900, 900)};
+    std::int64_t before = 0;
+    for (std::int64_t k = 1; k <= 40; ++k) {
+      const std::int64_t now = faces.WeightBetween(from, {from.x + k * step.x, from.y + k * step.y});
       ASSERT_GE(now, before) << "ray " << ray << ", step " << k;
       before = now;
     }

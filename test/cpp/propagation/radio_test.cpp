@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <stdexcept>
+
+#include "scenes.hpp"
 
 namespace robotteamsim {
 namespace {
@@ -24,6 +27,22 @@ TEST(PathLoss, AddsTheWall) { EXPECT_DOUBLE_EQ(PathLossDb(Wall(), kModel, {0, 0}
 TEST(PathLoss, CountsDistancesBelowTheLimitAsTheLimit) {
   EXPECT_DOUBLE_EQ(PathLossDb(Wall(), kModel, {0, 0}, {0, 0}), 47.4 - 23.2);
   EXPECT_DOUBLE_EQ(PathLossDb(Wall(), kModel, {0, 0}, {99, 0}), 47.4 - 23.2);
+}
+
+TEST(PathLoss, IsTheSameBothWaysToTheBitInRandomBuildingsAndOnALattice) {
+  std::mt19937 generator(1);
+  for (int plan = 0; plan < 20; ++plan) {
+    const FaceSet walls = scenes::Walls(&generator, 40, 50);
+    const FaceSet triangles = scenes::Lattice(&generator, 12, 9, 9);
+    for (int pair = 0; pair < 1000; ++pair) {
+      const PointMm a{scenes::Draw(&generator, 0, 60'000), scenes::Draw(&generator, 0, 40'000)};
+      const PointMm b{scenes::Draw(&generator, 0, 60'000), scenes::Draw(&generator, 0, 40'000)};
+      ASSERT_EQ(PathLossDb(walls, kModel, a, b), PathLossDb(walls, kModel, b, a));
+      const PointMm c{a.x % 10, a.y % 10};
+      const PointMm d{b.x % 10, b.y % 10};
+      ASSERT_EQ(PathLossDb(triangles, kModel, c, d), PathLossDb(triangles, kModel, d, c));
+    }
+  }
 }
 
 TEST(RssiMatrix, IsSymmetricWithZeroDiagonal) {

@@ -17,12 +17,16 @@ inline std::int64_t Weight(const FaceSet& faces, PointMm source, const CellCente
   return faces.WeightBetween(source, cells.At(row, col));
 }
 
+/// Returns the value of a signal at a point, behind walls of some weight.
+inline double ValueBehind(std::int64_t weight, PointMm source, const Fading& fading, PointMm at) {
+  const double distance_m = std::max(DistanceM(source, at), fading.min_distance_m);
+  return fading.constant_db - fading.slope_db * std::log10(distance_m) - fading.unit_db * static_cast<double>(weight);
+}
+
 /// Returns the value of a signal at the centre of a cell.
 inline double Value(const FaceSet& faces, PointMm source, const Fading& fading, const CellCentersMm& cells, int row,
                     int col) {
-  const double distance_m = std::max(DistanceM(source, cells.At(row, col)), fading.min_distance_m);
-  return fading.constant_db - fading.slope_db * std::log10(distance_m) -
-         fading.unit_db * static_cast<double>(Weight(faces, source, cells, row, col));
+  return ValueBehind(Weight(faces, source, cells, row, col), source, fading, cells.At(row, col));
 }
 
 /// Returns the map of one source.

@@ -7,7 +7,7 @@
 namespace robotteamsim {
 namespace {
 
-const VoiceModel kModel{10.0, 2.0, 0.1};
+const VoiceModel kModel{10.0, 1.0, 0.1};
 
 /// A wall across x = 5 m, 1 half wall per face.
 FaceSet Wall() { return FaceSet({{4900, -9000, 4900, 9000}, {5100, -9000, 5100, 9000}}, {1, 1}); }

@@ -48,6 +48,53 @@ def test_every_wall_and_closed_door_costs_the_same(make_plan, thickness_m):
     assert in_the_wall == pytest.approx(78.0 - 50.0 * math.log10(3.0) - 1.5)
 
 
+@pytest.mark.parametrize(("thickness_m", "loss_db"), [(0.1, 0.9989), (0.2, 1.9978), (0.4, 3.9955), (0.8, 7.9910)])
+@pytest.mark.parametrize("angle_deg", [0, 60])
+def test_wall_by_thickness_costs_what_equation_5_says_at_any_angle(make_plan, thickness_m, loss_db, angle_deg):
+    # A = A0 exp(-mu d): 20 cm at mu = 0.0115 per cm leave exp(-0.23) of the amplitude, 1.998 dB.
+    wall = Wall(name="a", start=(10.0, 0.0), end=(10.0, 20.0), thickness_m=thickness_m)
+    dx, dy = 4.0 * math.cos(math.radians(angle_deg)), 4.0 * math.sin(math.radians(angle_deg))
+    source, at = VoiceSource((10.0 - dx, 10.0 - dy), -78.0, 5.0), (10.0 + dx, 10.0 + dy)
+    voice = Voice(wall_model="thickness")
+    behind = VoiceField(make_plan(walls=(wall,)), voice).level_db(source, at)
+    assert VoiceField(make_plan(), voice).level_db(source, at) - behind == pytest.approx(loss_db, abs=1e-4)
+
+
+def test_concrete_of_20_cm_costs_between_1_7_and_6_1_db(make_plan):
+    plan = make_plan(walls=(Wall(name="a", start=(5.0, 1.0), end=(5.0, 9.0)),))
+    source = VoiceSource((2.0, 5.0), -78.0, 5.0)
+    for attenuation_per_cm, loss_db in ((0.01, 1.737), (0.035, 6.080)):
+        voice = Voice(wall_model="thickness", attenuation_per_cm=attenuation_per_cm)
+        assert VoiceField(plan, voice).level_db(source, (12.0, 5.0)) == pytest.approx(28.0 - loss_db, abs=5e-4)
+
+
+def test_half_a_wall_and_a_closed_door_cost_their_thickness(make_plan):
+    plan = make_plan(
+        walls=(Wall(name="a", start=(5.0, 1.0), end=(5.0, 9.0), thickness_m=0.8),),
+        doors=(Door(name="d", start=(8.0, 1.0), end=(8.0, 9.0), closed=True, thickness_m=0.06),),
+    )
+    voice = Voice(wall_model="thickness", attenuation_per_cm=0.02)
+    per_cm_db = 0.02 * 8.685889638
+    field = VoiceField(plan, voice)
+    assert field.level_db(VoiceSource((5.0, 5.0), -78.0, 2.0), (6.0, 5.0)) == pytest.approx(78.0 - 40.0 * per_cm_db)
+    source = VoiceSource((7.5, 5.0), -78.0, 2.0)
+    assert field.level_db(source, (8.5, 5.0)) == pytest.approx(78.0 - 6.0 * per_cm_db)
+    field.set_door("d", False)
+    assert field.level_db(source, (8.5, 5.0)) == pytest.approx(78.0)
+
+
+def test_voice_map_by_thickness_is_the_level_of_each_cell(flat):
+    voice = Voice(wall_model="thickness", attenuation_per_cm=0.035, noise_db=15.0, map_resolution_m=0.5)
+    field = VoiceField(flat, voice)
+    source = VoiceSource((2.1, 3.3), -78.0, 2.0)
+    voice_map = field.map_db([source])
+    heard = voice_map.values > 0.0
+    assert 100 < np.count_nonzero(heard) < heard.size
+    for row, column in zip(*np.nonzero(heard), strict=True):
+        level_db = field.level_db(source, voice_map.cell_center(row, column))
+        assert voice_map.values[row, column] == pytest.approx(level_db, abs=5e-5)
+
+
 def test_map_is_the_highest_level_above_the_noise_in_every_free_cell(flat):
     voice = Voice(noise_db=30.0, map_resolution_m=0.5)
     field = VoiceField(flat, voice)
