@@ -16,7 +16,6 @@ import time
 import numpy as np
 import shapely
 
-from robotteamsim.geometry import Twist
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.sections import PlacedRobot, Run
@@ -55,8 +54,8 @@ def free_robots(plan: FloorPlan, count: int, generator: np.random.Generator) -> 
     return robots
 
 
-def random_twists(count: int, generator: np.random.Generator) -> list[Twist]:
-    return [Twist(generator.uniform(-0.2, 0.7), 0.0, generator.uniform(-1.0, 1.0)) for _ in range(count)]
+def random_twists(count: int, generator: np.random.Generator) -> np.ndarray:
+    return generator.uniform((-0.2, 0.0, -1.0), (0.7, 0.0, 1.0), (count, 3))
 
 
 def times_real_time(plan: FloorPlan, count: int, *, with_sensors: bool, seconds: float) -> float:
@@ -83,8 +82,7 @@ def scan_us(plan: FloorPlan, count: int, seconds: float) -> float:
     world = World(plan, robots, RUN)
     laser, scans, start_s = Laser(robots[0].laser, world), 0, time.process_time()
     while time.process_time() - start_s < seconds:
-        for robot_id in range(count):
-            laser.scan(robot_id, generator)
+        laser.scan(range(count), [generator] * count)
         scans += count
     return (time.process_time() - start_s) / scans * 1e6
 
@@ -99,7 +97,7 @@ def sorting_s() -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--robots", type=int, nargs="+", default=[3, 30, 100])
+    parser.add_argument("--robots", type=int, nargs="+", default=[3, 30, 100, 1000])
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--seconds", type=float, default=1.0, help="of each run")
     options = parser.parse_args()

@@ -2,24 +2,73 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
 #include <vector>
 
+#include "arrays.hpp"
 #include "bindings.hpp"
 #include "robotteamsim/sensing/laser.hpp"
+#include "robotteamsim/sensing/odometry.hpp"
 
 namespace py = pybind11;
 
 namespace robotteamsim::bindings {
 namespace {
 
-using Noise = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-py::array_t<float> Scan(const Laser& laser, const World& world, int robot_id, const Noise& noise_m) {
-  const std::vector<float> ranges =
-      laser.Report(laser.Scan(world, robot_id), {noise_m.data(), noise_m.data() + noise_m.size()});
-  return py::array_t<float>(static_cast<py::ssize_t>(ranges.size()), ranges.data());
+// One scan per robot: float32 of shape (robots, beams); noise has the same shape, or no element at all.
+py::array_t<float> Scan(const Laser& laser, const World& world, const std::vector<int>& robot_ids,
+                        const Doubles& noise_m) {
+  const auto count = static_cast<py::ssize_t>(robot_ids.size()), beams = static_cast<py::ssize_t>(laser.NumBeams());
+  if (noise_m.size() != 0 && noise_m.size() != count * beams) {
+    throw std::invalid_argument("noise must have one value per beam");
+  }
+  py::array_t<float> scans({count, beams});
+  for (py::ssize_t i = 0; i < count; ++i) {
+    const double* const noise = noise_m.size() == 0 ? nullptr : noise_m.data() + i * beams;
+    laser.Report(laser.Scan(world, robot_ids[i]), noise, scans.mutable_data(i, 0));
+  }
+  return scans;
 }
+
+std::vector<Odometry> ToTeam(const std::vector<std::array<double, 4>>& alphas, double step_s) {
+  std::vector<Odometry> team;
+  for (const auto& [alpha1, alpha2, alpha3, alpha4] : alphas) {
+    team.emplace_back(OdometryModel{alpha1, alpha2, alpha3, alpha4}, step_s);
+  }
+  return team;
+}
+
+/// The odometry of all robots of a team.
+class TeamOdometry {
+ public:
+  TeamOdometry(const std::vector<std::array<double, 4>>& alphas, double step_s) : team_(ToTeam(alphas, step_s)) {}
+
+  // Rows of motions, twists and noise are those of the robots; returns x, y, qz, qw, vx, vy, turn of each.
+  py::array_t<double> Step(const Doubles& motions, const Doubles& twists, const Doubles& noise) {
+    const auto count = static_cast<py::ssize_t>(team_.size());
+    for (const Doubles* rows : {&motions, &twists, &noise}) {
+      if (rows->size() != 3 * count) throw std::invalid_argument("motions, twists and noise must be three per robot");
+    }
+    py::array_t<double> readings({count, py::ssize_t{7}});
+    for (py::ssize_t i = 0; i < count; ++i) {
+      const double *const motion = motions.data() + 3 * i, *const twist = twists.data() + 3 * i;
+      const double* const normal = noise.data() + 3 * i;
+      team_[i].Step({motion[0], motion[1], motion[2]}, {twist[0], twist[1], twist[2]},
+                    {normal[0], normal[1], normal[2]});
+      double* const row = readings.mutable_data(i, 0);
+      WritePoseReading(team_[i].pose(), row);
+      row[4] = team_[i].twist().linear_x;
+      row[5] = team_[i].twist().linear_y;
+      row[6] = team_[i].twist().angular_z;
+    }
+    return readings;
+  }
+
+ private:
+  std::vector<Odometry> team_;
+};
 
 }  // namespace
 
@@ -34,7 +83,10 @@ void BindSensing(py::module_& m) {
            py::arg("world"), py::kw_only(), py::arg("beams"), py::arg("angle_min_rad"), py::arg("angle_max_rad"),
            py::arg("forward_m"), py::arg("range_min_m"), py::arg("range_max_m"), py::arg("too_near_m"),
            py::arg("no_return_m"))
-      .def("scan", &Scan, py::arg("world"), py::arg("robot_id"), py::arg("noise_m"));
+      .def("scan", &Scan, py::arg("world"), py::arg("robot_ids"), py::arg("noise_m"));
+  py::class_<TeamOdometry>(m, "TeamOdometry")
+      .def(py::init<const std::vector<std::array<double, 4>>&, double>(), py::arg("alphas"), py::arg("step_s"))
+      .def("step", &TeamOdometry::Step, py::arg("motions"), py::arg("twists"), py::arg("noise"));
 }
 
 }  // namespace robotteamsim::bindings

@@ -3,9 +3,12 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "arrays.hpp"
 #include "bindings.hpp"
 #include "robotteamsim/world/world.hpp"
 
@@ -33,10 +36,13 @@ Robot ToRobot(double radius_m, double mass_kg, const std::array<double, 4>& driv
   return {radius_m, mass_kg, {drive[0], drive[1], drive[2], drive[3]}, {start[0], start[1], start[2]}};
 }
 
-void Step(World& world, const std::vector<Triple>& twists) {
-  std::vector<Twist> commands;
-  commands.reserve(twists.size());
-  for (const auto& [x, y, turn] : twists) commands.push_back({x, y, turn});
+void Step(World& world, const Doubles& twists) {
+  if (twists.ndim() != 2 || twists.shape(1) != 3) throw std::invalid_argument("twists must be three numbers per robot");
+  std::vector<Twist> commands(static_cast<std::size_t>(twists.shape(0)));
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const double* const row = twists.data() + 3 * i;
+    commands[i] = {row[0], row[1], row[2]};
+  }
   world.Step(commands);
 }
 
@@ -46,6 +52,23 @@ py::array_t<double> ToArray(const std::vector<Row>& rows) {
   static_assert(sizeof(Row) == 3 * sizeof(double));
   return py::array_t<double>({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}},
                              reinterpret_cast<const double*>(rows.data()));
+}
+
+// One row per robot: x, y, qz, qw.
+py::array_t<double> PoseReadings(const World& world) {
+  py::array_t<double> rows({static_cast<py::ssize_t>(world.poses().size()), py::ssize_t{4}});
+  for (std::size_t i = 0; i < world.poses().size(); ++i) {
+    WritePoseReading(world.poses()[i], rows.mutable_data(static_cast<py::ssize_t>(i), 0));
+  }
+  return rows;
+}
+
+py::array_t<bool> InContact(const World& world) {
+  py::array_t<bool> flags(static_cast<py::ssize_t>(world.in_contact().size()));
+  for (std::size_t i = 0; i < world.in_contact().size(); ++i) {
+    flags.mutable_at(static_cast<py::ssize_t>(i)) = world.in_contact()[i];
+  }
+  return flags;
 }
 
 }  // namespace
@@ -60,9 +83,10 @@ void BindWorld(py::module_& m) {
            py::arg("doors"), py::arg("robots"), py::arg("step_s"), py::arg("substeps"))
       .def("step", &Step, py::arg("twists"))
       .def("poses", [](const World& world) { return ToArray(world.poses()); })
+      .def("pose_readings", &PoseReadings)
       .def("twists", [](const World& world) { return ToArray(world.twists()); })
       .def("motions", [](const World& world) { return ToArray(world.motions()); })
-      .def("in_contact", &World::in_contact)
+      .def("in_contact", &InContact)
       .def(
           "set_pose",
           [](World& world, int robot_id, const Triple& pose) {

@@ -3,7 +3,8 @@
 #include <vector>
 
 #include "robotteamsim/plan/types.hpp"
-#include "robotteamsim/sensing/nearby_segments.hpp"
+#include "robotteamsim/sensing/beam_fan.hpp"
+#include "robotteamsim/world/nearby_edges.hpp"
 #include "robotteamsim/world/world.hpp"
 
 namespace robotteamsim {
@@ -23,36 +24,29 @@ struct LaserModel {
 /// Scans a world: walls, blocks, closed doors and other robots return a beam, its own robot does not. A laser that
 /// sticks into one of them, as one at the very front of a robot that is pressed to a wall, measures 0.
 ///
-/// Each segment and robot finds the beams that can meet it and shortens them, which costs less than asking each beam
-/// for what it meets.
+/// Each near edge and robot is projected onto the beams and shortens those that meet it, which costs less than asking
+/// each beam for what it meets.
 class Laser {
  public:
-  /// Looks at the solids that the world has now; they never change. Doors are looked at in each scan.
+  /// Looks at the solids and door leaves that the world has now; of the doors, at those that are closed then.
   /// Throws std::invalid_argument on no beams, ranges that are not above 0, angles that are not finite.
   Laser(const LaserModel& model, const World& world);
+
+  int NumBeams() const { return model_.beams; }
 
   /// Returns the range of each beam of a robot's laser [m]; infinity where nothing is within range_max.
   std::vector<double> Scan(const World& world, int robot) const;
 
-  /// Returns what the laser reports [m] of the ranges of a scan. Args: noise: added to each [m], or empty.
-  std::vector<float> Report(const std::vector<double>& ranges, const std::vector<double>& noise = {}) const;
+  /// Writes what the laser reports [m] of the ranges of a scan. Args: noise: added to each [m], or null.
+  void Report(const std::vector<double>& ranges, const double* noise, float* report) const;
 
  private:
-  struct Direction {
-    double x;
-    double y;
-  };
-
-  bool CrossesMount(const Segment& segment) const;
-  void MeetSegment(const Segment& segment, std::vector<double>& ranges) const;
-  void MeetDisc(const Point& center, double radius, std::vector<double>& ranges) const;
-  template <typename Meet>
-  void ForBeamsBetween(double from, double width, const Meet& meet) const;
+  /// The ranges so far, in the order of the fan.
+  class View;
 
   LaserModel model_;
-  double increment_;
-  std::vector<Direction> directions_;  // of the beams, in the laser's frame
-  NearbySegments walls_;
+  BeamFan fan_;
+  NearbyEdges edges_;
 };
 
 }  // namespace robotteamsim

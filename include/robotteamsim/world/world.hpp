@@ -4,27 +4,15 @@
 #include <vector>
 
 #include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/world/disc_grid.hpp"
 #include "robotteamsim/world/drive.hpp"
+#include "robotteamsim/world/nearby_edges.hpp"
+#include "robotteamsim/world/solid.hpp"
 
 class b2Body;
 class b2World;
 
 namespace robotteamsim {
-
-/// A polygon in the map frame: corners counter-clockwise, not closed [m].
-using Polygon = std::vector<Point>;
-
-/// Something that robots cannot enter. Box2D needs it in convex pieces; sensors look at the outline.
-struct Solid {
-  Polygon outline;
-  std::vector<Polygon> pieces;  ///< convex, 3 to 8 corners each, together the outline's inside
-};
-
-/// A door leaf; it is there only while the door is closed.
-struct Door {
-  Solid leaf;
-  bool closed = false;
-};
 
 /// A round robot with a differential drive.
 struct Robot {
@@ -38,7 +26,8 @@ struct Robot {
 ///
 /// Box2D solves the contacts. They are without friction and take from a robot only the velocity that would press it
 /// into something, so a robot that drives at a wall at an angle slides along it. Robots that touch nothing move in
-/// double precision, exactly as their drives say. Equal worlds with equal calls are equal to the bit.
+/// double precision, exactly as their drives say; Box2D is asked only about those that could reach something within a
+/// step. Equal worlds with equal calls are equal to the bit.
 class World {
  public:
   /// Args: step: length of a step [s]; substeps: the parts of a step in which drives change speed; more are taken where
@@ -55,6 +44,11 @@ class World {
   const std::vector<Solid>& solids() const { return solids_; }
   const std::vector<Door>& doors() const { return doors_; }
   const std::vector<Robot>& robots() const { return robots_; }
+
+  /// Which robots are near a point.
+  const DiscGrid& grid() const { return grid_; }
+  /// Radius of the largest robot [m].
+  double max_radius() const { return max_radius_; }
 
   /// Where the robots are.
   const std::vector<Pose>& poses() const { return poses_; }
@@ -76,12 +70,16 @@ class World {
  private:
   struct Drive {
     DriveSpeed speed;
-    Pose target;  // where the substep ends if nothing is in the way
+    Pose target;          // where the substep ends if nothing is in the way
+    bool is_busy = true;  // whether the robot could touch something in this step, so that Box2D has its body
   };
 
   void CheckCommands(const std::vector<Twist>& commands) const;
   void AddRobot(const Robot& robot);
   Point BodyPosition(int robot) const;
+  double MaxTravel(const std::vector<Twist>& commands) const;
+  bool CouldTouch(int robot, double travel) const;
+  void SetBusy(int robot, bool is_busy);
   void StartDrive(int robot, const Twist& command);
   void FinishDrive(int robot);
 
@@ -93,11 +91,14 @@ class World {
   const double dt_;
   // Where Box2D counts from, in the map frame: its floats keep half a millimetre for 4 km only.
   const Point origin_;
+  const double max_radius_;
+  const NearbyEdges edges_;
 
   std::unique_ptr<b2World> box_;
   std::vector<b2Body*> door_bodies_;
   std::vector<b2Body*> robot_bodies_;
   std::vector<Door> doors_;
+  DiscGrid grid_;
   std::vector<Drive> drives_;
   std::vector<Pose> poses_;
   std::vector<Twist> twists_;

@@ -18,6 +18,10 @@ constexpr int kPositionIterations = 3;
 // at most a slop (5 mm) apart.
 constexpr float kSkin = 0.5F * b2_linearSlop;
 
+// How much farther than it drives a robot is looked at: contacts count from a slop (5 mm) on, and rounding is no
+// matter.
+constexpr double kMargin = 0.02;
+
 // A drive that reaches less than this part of its speed is stalled.
 constexpr double kStalled = 0.05;
 
@@ -90,6 +94,19 @@ int CheckedSubsteps(const std::vector<Robot>& robots, double step, int substeps)
   return substeps * static_cast<int>(parts);
 }
 
+double MaxRadius(const std::vector<Robot>& robots) {
+  double radius = 0.0;
+  for (const Robot& robot : robots) radius = std::max(radius, robot.radius);
+  return radius;
+}
+
+// How far a robot reaches that drives as fast as it can for a whole step [m].
+double MaxReach(const std::vector<Robot>& robots, double step) {
+  double reach = kMargin;
+  for (const Robot& robot : robots) reach = std::max(reach, robot.drive.max_speed * step + kMargin);
+  return MaxRadius(robots) + reach;
+}
+
 }  // namespace
 
 World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps)
@@ -99,7 +116,9 @@ World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Rob
       step_(step),
       substeps_(CheckedSubsteps(robots_, step, substeps)),
       dt_(step_ / substeps_),
-      origin_(robots_.empty() ? Point{} : Point{robots_[0].start.x, robots_[0].start.y}) {
+      origin_(robots_.empty() ? Point{} : Point{robots_[0].start.x, robots_[0].start.y}),
+      max_radius_(MaxRadius(robots_)),
+      edges_(EdgesOf(solids_, initial_doors_), MaxReach(robots_, step_)) {
   Reset();
 }
 
@@ -125,6 +144,7 @@ void World::Reset() {
   twists_.assign(robots_.size(), {});
   motions_.assign(robots_.size(), {});
   in_contact_.assign(robots_.size(), false);
+  grid_.Rebuild(poses_);
 }
 
 void World::AddRobot(const Robot& robot) {
@@ -167,12 +187,53 @@ void World::Step(const std::vector<Twist>& commands) {
   const std::vector<Pose> before = poses_;
   twists_.assign(robots_.size(), {});
   in_contact_.assign(robots_.size(), false);
+  const double travel = MaxTravel(commands);
+  bool any_busy = false;
+  for (int i = 0; i < num_robots; ++i) {
+    SetBusy(i, CouldTouch(i, travel));
+    any_busy = any_busy || drives_[i].is_busy;
+  }
   for (int substep = 0; substep < substeps_; ++substep) {
     for (int i = 0; i < num_robots; ++i) StartDrive(i, commands[i]);
-    box_->Step(static_cast<float>(dt_), kVelocityIterations, kPositionIterations);
+    if (any_busy) box_->Step(static_cast<float>(dt_), kVelocityIterations, kPositionIterations);
     for (int i = 0; i < num_robots; ++i) FinishDrive(i);
   }
   for (int i = 0; i < num_robots; ++i) motions_[i] = RelativePose(before[i], poses_[i]);
+  grid_.Rebuild(poses_);
+}
+
+// The longest way that any robot drives in a step, and so the longest that any is pushed.
+double World::MaxTravel(const std::vector<Twist>& commands) const {
+  double speed = 0.0;
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const double wanted = std::min(std::abs(commands[i].linear_x), robots_[i].drive.max_speed);
+    speed = std::max({speed, wanted, std::abs(drives_[i].speed.forward)});
+  }
+  return speed * step_;
+}
+
+bool World::CouldTouch(int robot, double travel) const {
+  const Point at{poses_[robot].x, poses_[robot].y};
+  const double reach = robots_[robot].radius + travel + kMargin;
+  for (const Edge& edge : edges_.Near(at)) {
+    const bool is_there = edge.door == Edge::kNoDoor || doors_[edge.door].closed;
+    if (is_there && DistanceToSegment(at, edge.segment) <= reach) return true;
+  }
+  bool found = false;
+  grid_.ForEachNear(at, reach + travel + max_radius_, [&](int other, const Pose& pose) {
+    const double dx = pose.x - at.x, dy = pose.y - at.y, apart = reach + travel + robots_[other].radius;
+    found = found || (other != robot && dx * dx + dy * dy <= apart * apart);
+  });
+  return found;
+}
+
+void World::SetBusy(int robot, bool is_busy) {
+  Drive& drive = drives_[robot];
+  if (drive.is_busy == is_busy) return;
+  drive.is_busy = is_busy;
+  b2Body* body = robot_bodies_[robot];
+  if (is_busy) body->SetTransform(ToBox(poses_[robot].x - origin_.x, poses_[robot].y - origin_.y), 0.0F);
+  body->SetEnabled(is_busy);
 }
 
 Point World::BodyPosition(int robot) const {
@@ -184,6 +245,7 @@ void World::StartDrive(int robot, const Twist& command) {
   Drive& drive = drives_[robot];
   drive.speed = ReachedSpeed(drive.speed, command, robots_[robot].drive, dt_);
   drive.target = AdvancedPose(poses_[robot], drive.speed, dt_);
+  if (!drive.is_busy) return;
   b2Body* body = robot_bodies_[robot];
   const Point at = BodyPosition(robot);
   body->SetLinearVelocity(ToBox((drive.target.x - at.x) / dt_, (drive.target.y - at.y) / dt_));
@@ -194,7 +256,7 @@ void World::FinishDrive(int robot) {
   Pose& pose = poses_[robot];
   double forward = drive.speed.forward;
   double left = 0.0;
-  if (IsTouching(robot_bodies_[robot])) {
+  if (drive.is_busy && IsTouching(robot_bodies_[robot])) {
     const Point at = BodyPosition(robot);
     const double heading = pose.yaw + 0.5 * drive.speed.turn * dt_;
     const double cos = std::cos(heading), sin = std::sin(heading);
@@ -217,10 +279,11 @@ void World::SetPose(int robot, const Pose& pose) {
   Pose& stored = poses_.at(robot);
   stored = {pose.x, pose.y, NormaliseAngle(pose.yaw)};
   robot_bodies_[robot]->SetTransform(ToBox(pose.x - origin_.x, pose.y - origin_.y), 0.0F);
-  drives_[robot] = {};
+  drives_[robot].speed = {};
   twists_[robot] = {};
   motions_[robot] = {};
   in_contact_[robot] = false;
+  grid_.Rebuild(poses_);
 }
 
 void World::SetDoorClosed(int door, bool closed) {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 
 import rospy
 from nav_msgs.msg import OccupancyGrid, Odometry
@@ -121,7 +122,7 @@ class WorldNode:
             if tick < ticks:
                 self._publish_clock(time_ns)
 
-    def _publish(self, readings: list[RobotReading]) -> None:
+    def _publish(self, readings: Sequence[RobotReading]) -> None:
         time_ns = self._world.sim_time_ns
         for outputs, reading in zip(self._outputs, readings, strict=True):
             outputs.publish(self._make, time_ns, reading)

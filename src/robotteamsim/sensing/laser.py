@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -36,12 +37,12 @@ class Laser:
             no_return_m=math.inf if as_rep_117 else model.range_max_m,
         )
 
-    def scan(self, robot_id: int, generator: np.random.Generator) -> np.ndarray:
-        """Return the ranges that a robot measures now, float32, shape (beams,), the first at angle_min [m].
+    def scan(self, robot_ids: Sequence[int], generators: Sequence[np.random.Generator]) -> np.ndarray:
+        """Return the ranges that robots measure now, float32, shape (robots, beams), the first at angle_min [m].
 
-        Args: generator: of the noise; left alone where the model has none.
+        Args: generators: of each robot's noise; left alone where the model has none.
         """
         noise_m = _NO_NOISE
         if self._model.noise_m > 0.0:
-            noise_m = generator.normal(0.0, self._model.noise_m, self._model.beams)
-        return self._core.scan(self._world.core, robot_id, noise_m)
+            noise_m = np.stack([each.normal(0.0, self._model.noise_m, self._model.beams) for each in generators])
+        return self._core.scan(self._world.core, robot_ids, noise_m)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import overload
 
 import numpy as np
 
@@ -45,6 +48,55 @@ class RobotReading:
     odometry: OdometryReading
     ranges_m: np.ndarray
     in_contact: bool
+
+
+@dataclass(frozen=True, eq=False)
+class TeamReadings(Sequence[RobotReading]):
+    """The readings of all robots in one step, in id order: as arrays, or one by one.
+
+    ground_truth: float64, shape (n, 4): x, y [m], qz, qw in `map`.
+    twists:       float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s] in `base_link`.
+    odometry:     float64, shape (n, 7): x, y [m], qz, qw in `odom`, then the twist that the wheels measured.
+    ranges_m:     float32 per robot, shape (beams,) [m].
+    in_contact:   bool, shape (n,).
+    """
+
+    ground_truth: np.ndarray
+    twists: np.ndarray
+    odometry: np.ndarray
+    ranges_m: Sequence[np.ndarray]
+    in_contact: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.ranges_m)
+
+    @overload
+    def __getitem__(self, index: int) -> RobotReading: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[RobotReading]: ...
+    def __getitem__(self, index: int | slice) -> RobotReading | Sequence[RobotReading]:
+        return self._one_by_one[index]
+
+    @cached_property
+    def _one_by_one(self) -> tuple[RobotReading, ...]:
+        rows = zip(
+            self.ground_truth.tolist(),
+            self.twists.tolist(),
+            self.odometry.tolist(),
+            self.ranges_m,
+            self.in_contact.tolist(),
+            strict=True,
+        )
+        return tuple(
+            RobotReading(
+                ground_truth=PoseReading(*truth),
+                twist=Twist(*twist),
+                odometry=OdometryReading(PoseReading(*believed[:4]), Twist(*believed[4:])),
+                ranges_m=ranges_m,
+                in_contact=in_contact,
+            )
+            for truth, twist, believed, ranges_m, in_contact in rows
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from robotteamsim.geometry import PoseReading
+import numpy as np
+
 from robotteamsim.rng import stream
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.sensing.laser import Laser
-from robotteamsim.sensing.odometry import Odometry
-from robotteamsim.sensing.readings import RobotReading
+from robotteamsim.sensing.odometry import TeamOdometry
+from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.world import World
 
 
@@ -21,33 +22,39 @@ class RobotSensors:
         self._world = world
         self._robots = tuple(robots)
         self._seed = seed
-        lasers = {model: Laser(model, world) for model in dict.fromkeys(robot.laser for robot in self._robots)}
-        self._lasers = [lasers[robot.laser] for robot in self._robots]
+        models = dict.fromkeys(robot.laser for robot in self._robots)
+        self._lasers = [
+            (Laser(model, world), [robot_id for robot_id, robot in enumerate(self._robots) if robot.laser == model])
+            for model in models
+        ]
         self.reset()
 
-    def read(self) -> list[RobotReading]:
+    def read(self) -> TeamReadings:
         """Return every robot's reading after the step that the world made last, in id order.
 
         Odometry adds that step's motion, so this is called once after each step.
         """
-        world = self._world
-        state = zip(world.poses(), world.twists(), world.motions(), world.in_contact(), strict=True)
-        return [
-            RobotReading(
-                ground_truth=PoseReading.from_pose(pose),
-                twist=twist,
-                odometry=self._odometries[robot_id].step(motion, twist),
-                ranges_m=self._lasers[robot_id].scan(robot_id, self._laser_streams[robot_id]),
-                in_contact=in_contact,
-            )
-            for robot_id, (pose, twist, motion, in_contact) in enumerate(state)
-        ]
+        core = self._world.core
+        twists = core.twists()
+        ranges_m: list[np.ndarray] = [np.empty(0)] * len(self._robots)
+        for laser, robot_ids in self._lasers:
+            scans = laser.scan(robot_ids, [self._laser_streams[robot_id] for robot_id in robot_ids])
+            for robot_id, scan in zip(robot_ids, scans, strict=True):
+                ranges_m[robot_id] = scan
+        return TeamReadings(
+            ground_truth=core.pose_readings(),
+            twists=twists,
+            odometry=self._odometry.step(core.motions(), twists),
+            ranges_m=ranges_m,
+            in_contact=core.in_contact(),
+        )
 
     def reset(self) -> None:
         """Begin again as new, after `World.reset`: odometry at its origin, all random streams from their start."""
-        step_s = self._world.step_ns * 1e-9
-        self._laser_streams = [stream(self._seed, "laser", robot_id) for robot_id in range(len(self._robots))]
-        self._odometries = [
-            Odometry(robot.odometry, step_s, stream(self._seed, "odometry", robot_id))
-            for robot_id, robot in enumerate(self._robots)
-        ]
+        ids = range(len(self._robots))
+        self._laser_streams = [stream(self._seed, "laser", robot_id) for robot_id in ids]
+        self._odometry = TeamOdometry(
+            [robot.odometry for robot in self._robots],
+            self._world.step_ns * 1e-9,
+            [stream(self._seed, "odometry", robot_id) for robot_id in ids],
+        )

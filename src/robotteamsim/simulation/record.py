@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -27,7 +28,7 @@ class StepRecord:
 
     step_index: int
     sim_time_ns: int
-    readings: tuple[RobotReading, ...]
+    readings: Sequence[RobotReading]
     voices: tuple[VoiceReading, ...]
     network: NetworkState
     inboxes: tuple[tuple[Message, ...], ...]

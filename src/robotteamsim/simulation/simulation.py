@@ -47,7 +47,7 @@ class Simulation:
         self.world.step([decision.twist for decision in self._decisions])
         sim_time_ns = self.world.sim_time_ns
         # The robots sense; the network delivers.
-        readings = tuple(self.sensors.read())
+        readings = self.sensors.read()
         positions_m = true_positions_m(readings)
         outboxes = [decision.outbox for decision in self._decisions]
         voices, network, inboxes = self.environment.step(positions_m, outboxes, self._saved)

@@ -50,7 +50,7 @@ class World:
         self._check_start_poses()
         self.core = self._build(run)
         """The C++ world, for the sensors that look at it."""
-        self._begin()
+        self._step_index = 0
 
     @property
     def num_robots(self) -> int:
@@ -72,22 +72,25 @@ class World:
         """Length of a step [ns]."""
         return self._step_ns
 
-    def step(self, twists: Sequence[Twist]) -> None:
+    def step(self, twists: Sequence[Twist] | np.ndarray) -> None:
         """Advance by one step with one command per robot, in id order.
 
+        Args:   twists: as an array float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s].
         Raises: ValueError: the number of twists is wrong, or one is not finite; nothing has moved then.
         """
-        self.core.step([(twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps) for twist in twists])
+        if not isinstance(twists, np.ndarray):
+            rows = [(twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps) for twist in twists]
+            twists = np.array(rows).reshape(-1, 3)
+        self.core.step(twists)
         self._step_index += 1
-        self._read_poses()
 
     def poses(self) -> list[Pose]:
         """Return `map_T_base_link` of every robot."""
-        return list(self._poses)
+        return [Pose(*row) for row in self.core.poses().tolist()]
 
     def positions_m(self) -> np.ndarray:
         """Return the robots' positions in `map`, float64, shape (n, 2) [m]."""
-        return self._pose_rows[:, :2].copy()
+        return self.core.poses()[:, :2]
 
     def twists(self) -> list[Twist]:
         """Return every robot's mean velocity in the last step as its body really moved, in `base_link`.
@@ -105,7 +108,7 @@ class World:
 
     def in_contact(self) -> list[bool]:
         """Return whether each robot touched something in the last step (came within 5 mm)."""
-        return self.core.in_contact()
+        return self.core.in_contact().tolist()
 
     def doors(self) -> dict[str, bool]:
         """Return whether each door is closed, by name, in the plan's order."""
@@ -122,7 +125,6 @@ class World:
         others_m[robot_id] = math.nan
         self._check_pose(robot_id, pose, others_m, "pose")
         self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
-        self._read_poses()
 
     def set_door(self, name: str, closed: bool) -> None:
         """Close or open a door; a robot in the way of a closing leaf is pushed aside.
@@ -138,21 +140,12 @@ class World:
         """Put all robots back to their start poses, standing still; time and doors stay as they are."""
         for robot_id, pose in enumerate(self._start_poses):
             self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
-        self._read_poses()
 
     def reset(self) -> None:
         """Begin again as new: time, poses and doors as at the start."""
         self.core.reset()
         self._closed = {door.name: door.closed for door in self._plan.doors}
-        self._begin()
-
-    def _begin(self) -> None:
         self._step_index = 0
-        self._read_poses()
-
-    def _read_poses(self) -> None:
-        self._pose_rows = self.core.poses()
-        self._poses = [Pose(*row) for row in self._pose_rows.tolist()]
 
     def _build(self, run: Run) -> _core.World:
         shapes = [_core.Solid(solid.corners, convex_pieces(solid.corners)) for solid in self._solids]

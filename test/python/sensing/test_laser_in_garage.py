@@ -61,7 +61,7 @@ def test_ranges_in_the_garage_are_those_of_exact_intersections(scattered_robots,
         angles_rad = pose.yaw_rad + np.linspace(model.angle_min_rad, model.angle_max_rad, model.beams)
         # Just beside an edge ranges jump, so a beam may see either side of its angle.
         seen_m = [scene.ranges_m(origin, angles_rad + shift, model.range_max_m) for shift in (-1e-7, 0.0, 1e-7)]
-        ranges_m = laser.scan(robot_id, generator)
+        ranges_m = laser.scan([robot_id], [generator])[0]
         assert (ranges_m >= np.min(seen_m, axis=0) - 1e-4).all()
         assert (ranges_m <= np.max(seen_m, axis=0) + 1e-4).all()
         returns += np.count_nonzero(ranges_m < model.range_max_m)
@@ -73,7 +73,7 @@ def test_robots_see_each_other_at_hand_worked_ranges():
     robots = [PlacedRobot(start_pose=(1.0, 5.0, 0.0)), PlacedRobot(start_pose=(4.0, 5.0, math.pi))]
     world = World(WALL_AHEAD, robots, Run())
     laser, generator = Laser(LaserModel(), world), np.random.default_rng(1)
-    first, second = laser.scan(0, generator), laser.scan(1, generator)
+    first, second = laser.scan([0, 1], [generator, generator])
     assert first[90] == second[90] == np.float32(2.7)
     np.testing.assert_allclose(first[87:94], second[87:94][::-1], atol=1e-5)
     # The disc spans asin(0.2 / 2.9) = 3.96 degrees to either side.
@@ -82,7 +82,7 @@ def test_robots_see_each_other_at_hand_worked_ranges():
 
 def test_wall_ahead_returns_its_distance_over_the_cosine_until_range_max():
     world = World(WALL_AHEAD, [PlacedRobot(start_pose=(3.3, 10.0, 0.0))], Run())
-    ranges_m = Laser(LaserModel(), world).scan(0, np.random.default_rng(1))
+    ranges_m = Laser(LaserModel(), world).scan([0], [np.random.default_rng(1)])[0]
     assert ranges_m[90] == np.float32(2.5)
     assert ranges_m[[30, 150]] == pytest.approx(5.0)  # 60 degrees
     assert ranges_m[135] == pytest.approx(2.5 * math.sqrt(2.0))
@@ -93,17 +93,17 @@ def test_wall_ahead_returns_its_distance_over_the_cosine_until_range_max():
 def test_robot_that_moves_on_sees_what_is_there_now():
     world = World(WALL_AHEAD, [PlacedRobot(start_pose=(3.3, 10.0, 0.0))], Run())
     laser, generator = Laser(LaserModel(), world), np.random.default_rng(1)
-    laser.scan(0, generator)
+    laser.scan([0], [generator])
     world.set_pose(0, Pose(4.3, 10.0, 0.0))
-    assert laser.scan(0, generator)[90] == np.float32(1.5)
+    assert laser.scan([0], [generator])[0, 90] == np.float32(1.5)
 
 
 def test_scan_draws_one_number_per_beam_and_none_without_noise():
     world = World(WALL_AHEAD, [PlacedRobot(start_pose=(3.3, 10.0, 0.0))], Run())
     generator, expected = np.random.default_rng(3), np.random.default_rng(3)
-    Laser(LaserModel(), world).scan(0, generator)
+    Laser(LaserModel(), world).scan([0], [generator])
     assert generator.bit_generator.state == expected.bit_generator.state
-    Laser(LaserModel(beams=7, noise_m=0.1), world).scan(0, generator)
+    Laser(LaserModel(beams=7, noise_m=0.1), world).scan([0], [generator])
     expected.normal(size=7)
     assert generator.bit_generator.state == expected.bit_generator.state
 

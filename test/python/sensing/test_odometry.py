@@ -3,17 +3,27 @@ import math
 import numpy as np
 import pytest
 
-from robotteamsim.geometry import Pose, Twist
+from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.scenario.sections import Odometry as OdometryModel
-from robotteamsim.sensing.odometry import Odometry
+from robotteamsim.sensing.odometry import TeamOdometry
+from robotteamsim.sensing.readings import OdometryReading
 
 STEP_S = 0.1
 EXACT = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0)
 MODEL = OdometryModel(alpha1=0.04, alpha2=0.01, alpha3=0.02, alpha4=0.03)
 
 
-def odometry(model: OdometryModel = MODEL, seed: int = 1) -> Odometry:
-    return Odometry(model, STEP_S, np.random.default_rng(seed))
+class Odometry:
+    """That of a team of one."""
+
+    def __init__(self, model: OdometryModel = MODEL, seed: int = 1) -> None:
+        self._team = TeamOdometry([model], STEP_S, [np.random.default_rng(seed)])
+
+    def step(self, motion: Pose, twist: Twist) -> OdometryReading:
+        motions = np.array([[motion.x_m, motion.y_m, motion.yaw_rad]])
+        twists = np.array([[twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps]])
+        row = self._team.step(motions, twists)[0].tolist()
+        return OdometryReading(PoseReading(*row[:4]), Twist(*row[4:]))
 
 
 def arc(speed_mps: float, turn_radps: float) -> tuple[Pose, Twist]:
@@ -25,7 +35,7 @@ def arc(speed_mps: float, turn_radps: float) -> tuple[Pose, Twist]:
 
 
 def last_pose(motion: Pose, twist: Twist, steps: int, model: OdometryModel = MODEL, seed: int = 1) -> Pose:
-    robot = odometry(model, seed)
+    robot = Odometry(model, seed)
     for _ in range(steps):
         reading = robot.step(motion, twist)
     return reading.pose.pose
@@ -35,7 +45,7 @@ def last_pose(motion: Pose, twist: Twist, steps: int, model: OdometryModel = MOD
 def test_odometry_without_noise_is_the_true_way(speed_mps):
     motion, twist = arc(speed_mps, 0.8)
     true = Pose(0.0, 0.0, 0.0)
-    robot = odometry(EXACT)
+    robot = Odometry(EXACT)
     for _ in range(200):
         true = true @ motion
         reading = robot.step(motion, twist)
@@ -45,7 +55,7 @@ def test_odometry_without_noise_is_the_true_way(speed_mps):
 
 
 def test_odometry_without_noise_follows_a_robot_that_slides_sideways():
-    robot = odometry(EXACT)
+    robot = Odometry(EXACT)
     pose = robot.step(Pose(0.01, -0.03, 0.1), Twist(0.1, -0.3, 1.0)).pose.pose
     assert (pose.x_m, pose.y_m, pose.yaw_rad) == pytest.approx((0.01, -0.03, 0.1), abs=1e-12)
 
@@ -92,7 +102,7 @@ def test_robot_that_is_pushed_aside_turns_no_more_than_its_body():
 
 def test_twist_carries_the_noise_of_the_pose():
     motion, twist = arc(0.5, 0.0)
-    reading = odometry().step(motion, twist)
+    reading = Odometry().step(motion, twist)
     pose = reading.pose.pose
     assert reading.twist.linear_x_mps == pytest.approx(math.hypot(pose.x_m, pose.y_m) / STEP_S)
     assert reading.twist.angular_z_radps == pytest.approx(pose.yaw_rad / STEP_S)

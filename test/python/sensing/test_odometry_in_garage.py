@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from robotteamsim.geometry import Pose, Twist
+from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.scenario import Bounds, FloorPlan, Wall, load
 from robotteamsim.scenario.sections import Odometry as OdometryModel
 from robotteamsim.scenario.sections import PlacedRobot, Run
-from robotteamsim.sensing.odometry import Odometry
+from robotteamsim.sensing.odometry import TeamOdometry
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 
@@ -85,8 +85,10 @@ def test_drift_along_an_arc_has_the_variances_of_the_formula(speed_mps):
     half_rad, samples = 0.06, 5000
     chord_m = speed_mps * 0.1 * math.sin(half_rad) / half_rad
     way = Pose(chord_m * math.cos(half_rad), chord_m * math.sin(half_rad), 2.0 * half_rad)
-    odometry = (Odometry(MODEL, 0.1, np.random.default_rng(seed)) for seed in range(samples))
-    ends = [one.step(way, Twist(speed_mps, 0.0, 20.0 * half_rad)).pose.pose for one in odometry]
+    team = TeamOdometry([MODEL] * samples, 0.1, [np.random.default_rng(seed) for seed in range(samples)])
+    motions = np.tile([way.x_m, way.y_m, way.yaw_rad], (samples, 1))
+    twists = np.tile([speed_mps, 0.0, 20.0 * half_rad], (samples, 1))
+    ends = [PoseReading(*row[:4]).pose for row in team.step(motions, twists).tolist()]
     expected = {
         "length": MODEL.alpha3 * chord_m**2 + MODEL.alpha4 * 2.0 * half_rad**2,
         "yaw": 2.0 * (MODEL.alpha1 * half_rad**2 + MODEL.alpha2 * chord_m**2),

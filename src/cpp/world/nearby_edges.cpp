@@ -1,4 +1,4 @@
-#include "robotteamsim/sensing/nearby_segments.hpp"
+#include "robotteamsim/world/nearby_edges.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,12 +16,24 @@ double DistanceToSegment(const Point& point, const Segment& segment) {
   return std::hypot(px - along * dx, py - along * dy);
 }
 
-NearbySegments::NearbySegments(std::vector<Segment> segments, double reach) : all_(std::move(segments)) {
+std::vector<Edge> EdgesOf(const std::vector<Solid>& solids, const std::vector<Door>& doors) {
+  std::vector<Edge> edges;
+  const auto add = [&](const Polygon& outline, int door) {
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      edges.push_back({{outline[i], outline[(i + 1) % outline.size()]}, door});
+    }
+  };
+  for (const Solid& solid : solids) add(solid.outline, Edge::kNoDoor);
+  for (std::size_t door = 0; door < doors.size(); ++door) add(doors[door].leaf.outline, static_cast<int>(door));
+  return edges;
+}
+
+NearbyEdges::NearbyEdges(std::vector<Edge> edges, double reach) : all_(std::move(edges)) {
   if (!(reach > 0.0)) throw std::invalid_argument("reach must be > 0");
   if (all_.empty()) return;
   const double infinity = std::numeric_limits<double>::infinity();
   Point low{infinity, infinity}, high{-infinity, -infinity};
-  for (const Segment& segment : all_) {
+  for (const auto& [segment, door] : all_) {
     low = {std::min({low.x, segment.a.x, segment.b.x}), std::min({low.y, segment.a.y, segment.b.y})};
     high = {std::max({high.x, segment.a.x, segment.b.x}), std::max({high.y, segment.a.y, segment.b.y})};
   }
@@ -31,20 +43,21 @@ NearbySegments::NearbySegments(std::vector<Segment> segments, double reach) : al
   columns_ = static_cast<int>((high.x - low.x) / cell_) + 1;
   rows_ = static_cast<int>((high.y - low.y) / cell_) + 1;
   cells_.resize(static_cast<std::size_t>(columns_) * rows_);
-  for (const Segment& segment : all_) AddToCells(segment, reach);
+  for (const Edge& edge : all_) AddToCells(edge, reach);
 }
 
-const std::vector<Segment>& NearbySegments::Near(const Point& point) const {
+const std::vector<Edge>& NearbyEdges::Near(const Point& point) const {
   const int column = Column(point.x), row = Row(point.y);
   const bool inside = column >= 0 && column < columns_ && row >= 0 && row < rows_;
   return inside ? cells_[static_cast<std::size_t>(row) * columns_ + column] : all_;
 }
 
-int NearbySegments::Column(double x) const { return static_cast<int>(std::floor((x - origin_.x) / cell_)); }
+int NearbyEdges::Column(double x) const { return static_cast<int>(std::floor((x - origin_.x) / cell_)); }
 
-int NearbySegments::Row(double y) const { return static_cast<int>(std::floor((y - origin_.y) / cell_)); }
+int NearbyEdges::Row(double y) const { return static_cast<int>(std::floor((y - origin_.y) / cell_)); }
 
-void NearbySegments::AddToCells(const Segment& segment, double reach) {
+void NearbyEdges::AddToCells(const Edge& edge, double reach) {
+  const Segment& segment = edge.segment;
   const double far = reach + 0.7072 * cell_;  // from a cell's centre: its half diagonal is cell * sqrt(1/2)
   const int first_column = std::max(Column(std::min(segment.a.x, segment.b.x) - far), 0);
   const int last_column = std::min(Column(std::max(segment.a.x, segment.b.x) + far), columns_ - 1);
@@ -54,7 +67,7 @@ void NearbySegments::AddToCells(const Segment& segment, double reach) {
     for (int column = first_column; column <= last_column; ++column) {
       const Point center{origin_.x + (column + 0.5) * cell_, origin_.y + (row + 0.5) * cell_};
       if (DistanceToSegment(center, segment) <= far) {
-        cells_[static_cast<std::size_t>(row) * columns_ + column].push_back(segment);
+        cells_[static_cast<std::size_t>(row) * columns_ + column].push_back(edge);
       }
     }
   }

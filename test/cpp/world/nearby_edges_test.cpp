@@ -1,4 +1,4 @@
-#include "robotteamsim/sensing/nearby_segments.hpp"
+#include "robotteamsim/world/nearby_edges.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,9 @@
 namespace robotteamsim {
 namespace {
 
-bool Holds(const std::vector<Segment>& segments, const Segment& wanted) {
-  return std::any_of(segments.begin(), segments.end(), [&](const Segment& segment) {
+bool Holds(const std::vector<Edge>& edges, const Segment& wanted) {
+  return std::any_of(edges.begin(), edges.end(), [&](const Edge& edge) {
+    const Segment& segment = edge.segment;
     return segment.a.x == wanted.a.x && segment.a.y == wanted.a.y && segment.b.x == wanted.b.x &&
            segment.b.y == wanted.b.y;
   });
@@ -24,33 +25,33 @@ TEST(DistanceToSegment, IsThatToTheNearestOfSideAndEnds) {
   EXPECT_DOUBLE_EQ(DistanceToSegment({4.0, 5.0}, {{1.0, 1.0}, {1.0, 1.0}}), 5.0);
 }
 
-TEST(NearbySegments, MissesNoSegmentWithinReach) {
+TEST(NearbyEdges, MissesNoEdgeWithinReach) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> coordinate(0.0, 30.0), offset(-4.0, 4.0);
-  std::vector<Segment> segments;
+  std::vector<Edge> edges;
   for (int i = 0; i < 200; ++i) {
     const Point a{coordinate(random), coordinate(random)};
-    segments.push_back({a, {a.x + offset(random), a.y + offset(random)}});
+    edges.push_back({{a, {a.x + offset(random), a.y + offset(random)}}});
   }
-  const NearbySegments nearby(segments, 3.0);
+  const NearbyEdges nearby(edges, 3.0);
   std::size_t listed = 0;
   for (int i = 0; i < 500; ++i) {
     const Point point{coordinate(random) - 1.0, coordinate(random) - 1.0};
-    const std::vector<Segment>& near = nearby.Near(point);
+    const std::vector<Edge>& near = nearby.Near(point);
     listed += near.size();
-    for (const Segment& segment : segments) {
-      EXPECT_TRUE(DistanceToSegment(point, segment) > 3.0 || Holds(near, segment));
+    for (const Edge& edge : edges) {
+      EXPECT_TRUE(DistanceToSegment(point, edge.segment) > 3.0 || Holds(near, edge.segment));
     }
   }
   EXPECT_LT(listed, 500U * 40U);  // and it does leave far ones out
 }
 
-TEST(NearbySegments, OfNothingAreNone) {
-  const NearbySegments nearby({}, 3.0);
+TEST(NearbyEdges, OfNothingAreNone) {
+  const NearbyEdges nearby({}, 3.0);
   EXPECT_TRUE(nearby.Near({1.0, 2.0}).empty());
 }
 
-TEST(NearbySegments, RefusesAReachOfZero) { EXPECT_THROW(NearbySegments({}, 0.0), std::invalid_argument); }
+TEST(NearbyEdges, RefusesAReachOfZero) { EXPECT_THROW(NearbyEdges({}, 0.0), std::invalid_argument); }
 
 }  // namespace
 }  // namespace robotteamsim

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <vector>
+
+namespace robotteamsim {
+
+/// Returns a number in [0, 4] that grows with the angle of (x, y), counter-clockwise from the x axis, as atan2 does,
+/// but costs one division.
+double PseudoAngle(double x, double y);
+
+/// The beams of a laser in order of direction, in a frame whose x axis is the beam with the smallest angle.
+class BeamFan {
+ public:
+  /// Beams are spread evenly from angle_min to angle_max, in either direction [rad].
+  BeamFan(int beams, double angle_min, double angle_max);
+
+  int Count() const { return static_cast<int>(x_.size()); }
+
+  /// Angle of the frame's x axis in base_link [rad].
+  double Zero() const { return zero_; }
+
+  /// Whether no beam points below the x axis.
+  bool IsHalf() const { return is_half_; }
+
+  /// Unit vectors of the beams.
+  const double* X() const { return x_.data(); }
+  const double* Y() const { return y_.data(); }
+
+  /// The place in this order of a beam as the laser counts them.
+  int PlaceOf(int beam) const { return place_[beam]; }
+
+  /// Whether this order is that in which the laser counts.
+  bool IsInOrder() const { return is_in_order_; }
+
+  /// Calls meet(first, end) for the beams within [right, left], pseudo-angles of an angle below half a turn. Beams at
+  /// the ends are within.
+  template <typename Meet>
+  void ForBeamsBetween(double right, double left, const Meet& meet) const {
+    const int first = FirstFrom(right - kSlack);
+    const int end = FirstFrom(left + kSlack);
+    if (right <= left) {
+      meet(first, end);
+    } else {
+      meet(first, Count());
+      meet(0, end);
+    }
+  }
+
+ private:
+  // Rounding must let no beam through a corner where walls meet.
+  static constexpr double kSlack = 1e-12;
+
+  int FirstFrom(double pseudo_angle) const;
+
+  double zero_;
+  bool is_half_;
+  bool is_in_order_ = true;
+  std::vector<double> x_;
+  std::vector<double> y_;
+  std::vector<double> pseudo_angle_;  // ascending
+  std::vector<int> place_;
+  double bins_per_unit_;
+  std::vector<int> first_in_bin_;  // of pseudo-angles: the first beam that is in it or beyond
+};
+
+}  // namespace robotteamsim

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <vector>
+
+#include "robotteamsim/world/drive.hpp"
+
+namespace robotteamsim {
+
+/// Variances of the odometry motion model [thrun2005, Table 5.6].
+struct OdometryModel {
+  double alpha1 = 0.0;  ///< of a turn per turn [rad^2/rad^2]
+  double alpha2 = 0.0;  ///< of a turn per distance [rad^2/m^2]
+  double alpha3 = 0.0;  ///< of a distance per distance [m^2/m^2]
+  double alpha4 = 0.0;  ///< of a distance per turn [m^2/rad^2]
+};
+
+/// A robot's odometry: its true motion plus drift, in a frame `odom` that begins where the robot does.
+///
+/// A motion is a turn, a distance and a second turn, each with Gaussian noise of the variances
+///
+///     turns:    alpha1 turn^2 + alpha2 distance^2
+///     distance: alpha3 distance^2 + alpha4 (first turn^2 + second turn^2)
+///
+/// so a robot that stands still, blocked or not, does not drift. Two cases that the model leaves open: a distance is
+/// negative when the robot drives backwards, as turning round was no part of that; and a robot that is pushed aside or
+/// slides has turned no more than its body did, whatever the direction it went.
+class Odometry {
+ public:
+  /// Three numbers of the standard normal distribution: of the first turn, the distance and the second turn.
+  struct Noise {
+    double first_turn = 0.0;
+    double distance = 0.0;
+    double second_turn = 0.0;
+  };
+
+  /// Args: step: length of a step [s].
+  Odometry(const OdometryModel& model, double step) : model_(model), step_(step) {}
+
+  /// Adds one step. Args: motion: its way, seen from its beginning; twist: its mean velocity, in base_link.
+  void Step(const Pose& motion, const Twist& twist, const Noise& noise);
+
+  /// Where the robot believes to be, in `odom`.
+  const Pose& pose() const { return pose_; }
+  /// What its wheels measured in the last step, in base_link.
+  const Twist& twist() const { return twist_; }
+
+ private:
+  OdometryModel model_;
+  double step_;
+  Pose pose_;
+  Twist twist_;
+};
+
+}  // namespace robotteamsim

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/world/drive.hpp"
+
+namespace robotteamsim {
+
+/// Which robots are near a point: those of each square cell of the floor stand together.
+class DiscGrid {
+ public:
+  /// Looks at where the robots are now.
+  void Rebuild(const std::vector<Pose>& poses);
+
+  /// Calls meet(robot, pose) for all robots whose centre is within reach of the point, and for some farther ones.
+  template <typename Meet>
+  void ForEachNear(const Point& point, double reach, const Meet& meet) const {
+    const int first_column = Column(point.x - reach), last_column = Column(point.x + reach);
+    const int first_row = Row(point.y - reach), last_row = Row(point.y + reach);
+    for (int row = first_row; row <= last_row; ++row) {
+      const int* const start = &start_[row * columns_];
+      for (int k = start[first_column]; k < start[last_column + 1]; ++k) meet(robots_[k], poses_[k]);
+    }
+  }
+
+ private:
+  // Clamped to the grid: cells at its border stand for all beyond, too.
+  int Column(double x) const;
+  int Row(double y) const;
+  int Cell(const Pose& pose) const { return Row(pose.y) * columns_ + Column(pose.x); }
+
+  Point origin_;
+  double cells_per_metre_ = 1.0;
+  int columns_ = 1;
+  int rows_ = 1;
+  std::vector<int> start_{0, 0};  // of each cell in the lists below, row by row, and one after the last
+  std::vector<int> robots_;
+  std::vector<Pose> poses_;
+};
+
+}  // namespace robotteamsim

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/world/solid.hpp"
+
+namespace robotteamsim {
+
+/// A side of an outline: what is solid lies left of the way from a to b.
+struct Edge {
+  static constexpr int kNoDoor = -1;
+
+  Segment segment;
+  int door = kNoDoor;  ///< whose leaf it is a side of; it is there only while that door is closed
+};
+
+/// Returns the distance between a point and the nearest point of a segment [m].
+double DistanceToSegment(const Point& point, const Segment& segment);
+
+/// Returns the sides of all solids and door leaves.
+std::vector<Edge> EdgesOf(const std::vector<Solid>& solids, const std::vector<Door>& doors);
+
+/// Which edges are near a point: each square cell of the floor keeps the list for all points in it.
+class NearbyEdges {
+ public:
+  /// Args: reach: how far `Near` looks [m]. Throws std::invalid_argument unless it is above 0.
+  NearbyEdges(std::vector<Edge> edges, double reach);
+
+  /// Returns all edges within reach of the point, and some that are a little farther, in no particular order.
+  const std::vector<Edge>& Near(const Point& point) const;
+
+ private:
+  int Column(double x) const;
+  int Row(double y) const;
+  void AddToCells(const Edge& edge, double reach);
+
+  Point origin_;
+  double cell_ = 1.0;
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<std::vector<Edge>> cells_;
+  std::vector<Edge> all_;  // for points beside the cells
+};
+
+}  // namespace robotteamsim
