@@ -45,8 +45,9 @@ IndexRange InsideGrid(const GridLine& line, const CentersMm& along, const Center
     const auto place = static_cast<std::int64_t>(std::floor(std::clamp(from_point, -kFar, kFar)));
     return along.FirstFrom(line.along + place);
   };
-  const int first = std::max(range.first, index(std::min(below * slope, above * slope)) - 1);
-  const int last = std::min(range.last, index(std::max(below * slope, above * slope)) + 1);
+  // 2 mm for the rounding, not one index: on a grid finer than 1 mm several centres have the same place.
+  const int first = std::max(range.first, index(std::min(below * slope, above * slope) - 2.0));
+  const int last = std::min(range.last, index(std::max(below * slope, above * slope) + 2.0));
   return {first, std::max(first, last)};
 }
 

@@ -12,6 +12,9 @@ from robotteamsim.scenario.base import Many, Model, Point, first_repeated, wrong
 MAX_SIDE_M = 1000.0
 """Grids of larger plans would not fit into memory."""
 
+MAX_COORDINATE_M = 999_000.0
+"""The exact sums of propagation reach to 1000 km; walls and cells stick out of the bounds a little."""
+
 
 class Bounds(Model):
     """The rectangle that the plan fills; beyond it nothing exists."""
@@ -26,6 +29,9 @@ class Bounds(Model):
                 raise wrong("max", f"{axis} {high:g} is not above that of min, {low:g}")
             if high - low > MAX_SIDE_M:
                 raise wrong("max", f"{axis} {high:g} is more than {MAX_SIDE_M:g} m from that of min, {low:g}")
+            for key, value in (("min", low), ("max", high)):
+                if abs(value) > MAX_COORDINATE_M:
+                    raise wrong(key, f"{axis} {value:g} is more than {MAX_COORDINATE_M / 1000:g} km from 0")
         return self
 
     def contains(self, point: Point) -> bool:

@@ -17,7 +17,7 @@ from robotteamsim.scenario.placement import check_places
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.shipped import is_bare_name, shipped_plan, shipped_scenario
-from robotteamsim.scenario.yaml_text import parse, read_mapping, shown
+from robotteamsim.scenario.yaml_text import is_file, parse, read_mapping, shown
 
 M = TypeVar("M", bound=Model)
 
@@ -60,7 +60,7 @@ def load_floor_plan(path_or_name: str | os.PathLike[str]) -> FloorPlan:
     Raises: ScenarioError: one line with file, key, value and what was wanted.
     """
     name = os.fspath(path_or_name)
-    if is_bare_name(name) and not Path(name).is_file():
+    if is_bare_name(name) and not is_file(Path(name)):
         return _read_plan(shipped_plan(name), f"{name}/plan.yaml")
     return _read_plan(Path(name), name)
 
@@ -104,21 +104,21 @@ class _Override:
 
 def _scenario_file(name: str) -> tuple[Path, str]:
     """Return the file and what messages call it."""
-    if is_bare_name(name) and not Path(name).is_file():
+    if is_bare_name(name) and not is_file(Path(name)):
         path = shipped_scenario(name)
         return path, path.name
     return Path(name), name
 
 
 def _plan_file(name: str, folder: Path, place: str) -> tuple[Path, str]:
-    if is_bare_name(name) and not (folder / name).is_file():
+    if is_bare_name(name) and not is_file(folder / name):
         try:
             return shipped_plan(name), f"{name}/plan.yaml"
         except ScenarioError as error:
             raise ScenarioError(f"{place}: plan: {error}") from None
     path = folder / name
-    if not path.is_file():
-        raise ScenarioError(f"{place}: plan: there is no file '{name}'")
+    if not is_file(path):
+        raise ScenarioError(f"{place}: plan: there is no file {shown(name)}")
     return path, name
 
 

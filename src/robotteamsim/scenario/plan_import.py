@@ -20,7 +20,7 @@ from robotteamsim.scenario.inner_corners import cut_at_inner_corners
 from robotteamsim.scenario.outlines import outlines
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.thickness import piece_thickness
-from robotteamsim.scenario.yaml_text import read_mapping
+from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown
 
 MAX_WALL_THICKNESS_M = 0.8
 """The loss table ends here: a thicker rectangle is a block."""
@@ -47,7 +47,7 @@ class MapFile(Model):
     model_config = ConfigDict(extra="ignore")
 
     image: str = Field(min_length=1, description="image file, relative to this file")
-    resolution: float = Field(gt=0.0, le=10.0, description="edge of a pixel [m]")
+    resolution: float = Field(ge=0.001, le=10.0, description="edge of a pixel [m]")
     origin: PlanarPose = Field(description="[x, y, yaw] of the lower left pixel's corner; yaw must be 0")
     negate: Literal[0, 1, False, True] = Field(default=0, description="1: white is occupied")
     occupied_thresh: float = Field(default=0.65, gt=0.0, lt=1.0, description="darker than this share is occupied")
@@ -79,14 +79,9 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     """
     path = Path(map_yaml)
     settings = _read_settings(path)
-    solid = _solid_cells(*_read_cells(path, settings), settings.resolution)
-    rows, columns = solid.shape
-    origin = np.array(settings.origin[:2])
-
-    def metres(cells: np.ndarray) -> np.ndarray:
-        # Whole micrometres: no digits from rounding in the plan file.
-        return np.round(origin + cells * settings.resolution, 6)
-
+    occupied, free = _read_cells(path, settings)
+    bounds = _bounds(path, settings, *free.shape)
+    solid = _solid_cells(occupied, free, settings.resolution)
     walls: list[Wall] = []
     blocks: list[Block] = []
     for polygon in outlines(solid):
@@ -94,16 +89,13 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
         pieces = [piece for part in parts for piece in convex_pieces(part)]
         cells = np.maximum(piece_thickness(polygon, pieces, THICKEST_M / settings.resolution).round(), 1.0)
         for piece, thickness_m in zip(pieces, (cells * settings.resolution).round(6).tolist(), strict=True):
-            corners = [(float(x), float(y)) for x, y in metres(piece)]
+            corners = [(float(x), float(y)) for x, y in _metres(settings, piece).tolist()]
             wall = _as_wall(f"wall_{len(walls) + 1}", corners)
             if wall and (math.isnan(thickness_m) or wall.thickness_m == thickness_m):
                 walls.append(wall)
             elif _is_sound(corners):
                 blocks.append(_as_block(f"block_{len(blocks) + 1}", corners, thickness_m))
-    low, high = metres(np.array([[0, 0], [columns, rows]])).tolist()
-    return FloorPlan(
-        name=path.stem, bounds=Bounds(min=tuple(low), max=tuple(high)), walls=tuple(walls), blocks=tuple(blocks)
-    )
+    return FloorPlan(name=path.stem, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
 
 
 def _read_settings(path: Path) -> MapFile:
@@ -114,12 +106,28 @@ def _read_settings(path: Path) -> MapFile:
         raise ScenarioError(f"{path}: {problems(error, MapFile)[0]}") from None
 
 
+def _metres(settings: MapFile, cells: np.ndarray) -> np.ndarray:
+    """Return places in cells as such in `map` [m], in whole micrometres: no digits from rounding in the plan file."""
+    return np.round(np.array(settings.origin[:2]) + cells * settings.resolution, 6)
+
+
+def _bounds(path: Path, settings: MapFile, rows: int, columns: int) -> Bounds:
+    low, high = _metres(settings, np.array([[0, 0], [columns, rows]])).tolist()
+    try:
+        return Bounds(min=tuple(low), max=tuple(high))
+    except ValidationError as error:
+        raise ScenarioError(f"{path}: image: bounds.{problems(error, Bounds)[0]}") from None
+
+
 def _read_cells(path: Path, settings: MapFile) -> tuple[np.ndarray, np.ndarray]:
     """Return which cells are occupied and which are free; bool, shape (rows, cols), row 0 at the lowest y."""
     image_path = path.parent / settings.image
-    if not image_path.is_file():
-        raise ScenarioError(f"{path}: image: there is no file '{settings.image}'")
-    image = cv2.imread(str(image_path), cv2.IMREAD_UNCHANGED)
+    if not is_file(image_path):
+        raise ScenarioError(f"{path}: image: there is no file {shown(settings.image)}")
+    try:
+        image = cv2.imread(str(image_path), cv2.IMREAD_UNCHANGED)
+    except cv2.error:  # a header that promises billions of pixels
+        image = None
     if image is None or min(image.shape[:2]) < 3:
         raise ScenarioError(f"{path}: image: '{settings.image}' cannot be read as an image")
     if image.dtype not in (np.uint8, np.uint16):

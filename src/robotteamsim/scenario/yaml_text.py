@@ -65,6 +65,14 @@ def parse(text: str, place: str) -> Any:
         raise ScenarioError(f"{place}: nested too deeply") from None
 
 
+def is_file(path: Path) -> bool:
+    """Whether there is a file of that name; a name that the system refuses, such as one too long, is that of none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def read_mapping(path: Path, place: str, what: str) -> dict[str, Any]:
     """Return the keys and values of a YAML file.
 

@@ -246,7 +246,7 @@ def test_plain_text_image_and_comments_are_read(tmp_path: Path) -> None:
         ("image: room.yaml", "image: 'room.yaml' cannot be read as an image"),
         ("origin: [0, 0, 0.5]", "origin: yaw 0.5 is not 0; turn the image instead"),
         ("origin: [0, 0]", "origin: [0, 0] is not [x, y, yaw]"),
-        ("resolution: 0", "resolution: 0 is not above 0"),
+        ("resolution: 0", "resolution: 0 is below 0.001"),
         ("negate: 2", "negate: 2 is not one of 0, 1, False, True"),
         ("mode: raw", "mode: 'raw' is not one of trinary, scale"),
         ("free_thresh: 0.7", "free_thresh: 0.7 is not below occupied_thresh, 0.65"),

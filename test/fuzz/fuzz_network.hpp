@@ -1,0 +1,64 @@
+// Any graph of robots: hops against a plain search.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <stdexcept>
+
+#include "fuzz_bytes.hpp"
+#include "robotteamsim/network/hop_count.hpp"
+
+namespace robotteamsim::fuzz {
+
+/// Returns the shortest ways by Floyd and Warshall; -1 where there is none.
+inline HopCount PlainHops(const Adjacency& adjacency) {
+  const auto n = static_cast<int>(adjacency.rows());
+  const int never = n + 1;
+  HopCount hops = HopCount::Constant(n, n, never);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      if (i == j || adjacency(i, j)) hops(i, j) = i == j ? 0 : 1;
+    }
+  }
+  for (int k = 0; k < n; ++k) {
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) hops(i, j) = std::min(hops(i, j), hops(i, k) + hops(k, j));
+    }
+  }
+  return (hops.array() >= never).select(-1, hops);
+}
+
+/// Draws a graph: mostly of a few bytes' pattern, at times not square, not symmetric, or with a link to oneself.
+inline Adjacency DrawAdjacency(Bytes* bytes) {
+  const auto n = bytes->Draw(0, 30);
+  const bool odd_shape = bytes->Draw(0, 63) == 0;
+  Adjacency adjacency = Adjacency::Constant(n, odd_shape ? bytes->Draw(0, 30) : n, false);
+  if (adjacency.rows() == 0 || adjacency.cols() == 0) return adjacency;
+  const auto links = bytes->Draw(0, 150);
+  const bool mirror = bytes->Draw(0, 31) != 0;
+  for (std::int64_t link = 0; link < links && bytes->Left() > 0; ++link) {
+    const auto i = bytes->Draw(0, adjacency.rows() - 1);
+    const auto j = bytes->Draw(0, adjacency.cols() - 1);
+    if (i == j && mirror) continue;
+    adjacency(i, j) = true;
+    if (mirror && !odd_shape) adjacency(j, i) = true;
+  }
+  return adjacency;
+}
+
+/// Throws Disagreement where two ways of computing disagree; anything else that escapes is a mistake as well.
+inline void FuzzNetwork(const std::uint8_t* data, std::size_t size) {
+  Bytes bytes(data, size);
+  const Adjacency adjacency = DrawAdjacency(&bytes);
+  const bool sound =
+      adjacency.rows() == adjacency.cols() && adjacency == adjacency.transpose() && !adjacency.diagonal().any();
+  try {
+    const HopCount hops = CountHops(adjacency);
+    Check(sound, "what is no graph is refused");
+    Check(hops == PlainHops(adjacency), "hops are the shortest ways");
+  } catch (const std::invalid_argument&) {
+    Check(!sound, "only what is no graph is refused");
+  }
+}
+
+}  // namespace robotteamsim::fuzz

@@ -1,0 +1,199 @@
+"""Any floor plan and any map image: what is read can be used, all else is refused in one line of errors.py.
+
+The inputs are Hypothesis' own: arbitrary bytes, valid files with bytes changed, and valid keys with odd values.
+Usage: python test/fuzz/import_fuzz.py [--seconds 60] [--seed 0] [--core FILE]; with --core, that build of the C++ is
+used instead of the installed one, such as the one under AddressSanitizer that `make fuzz` makes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import yaml
+from hypothesis import HealthCheck, given, seed, settings
+from hypothesis import strategies as st
+
+PLAN = b"""\
+name: room
+bounds: {min: [0, 0], max: [10, 8]}
+walls: [{name: divider, from: [6, 0], to: [6, 5]}, {name: slant, from: [1, 1], to: [3.5, 2.25], thickness_m: 0.35}]
+blocks:
+- {name: shelf, polygon: [[1, 6], [3, 6], [3, 7], [1, 7]]}
+- {name: pillar, kind: pillar, polygon: [[8, 3], [9, 3], [8.5, 4]]}
+doors: [{name: gate, from: [6, 5], to: [6, 6]}, {name: fire, kind: fireproof, closed: true, from: [6, 7], to: [6, 8]}]
+bays: [{from: [8, 2], to: [9, 2], count: 2}]
+"""
+MAP = (
+    b"image: map.png\nresolution: 0.1\norigin: [-1.0, 2.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+)
+KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode")
+MAX_SIDE_PIXELS = 24
+
+
+def check(path: Path) -> None:
+    """Read a plan file or the yaml of a map, and use what was read; only one-line errors of errors.py may come."""
+    # Imported late, so that --core comes first.
+    from robotteamsim.errors import RobotTeamSimError
+    from robotteamsim.scenario import load_floor_plan
+
+    try:
+        use(load_floor_plan(path))
+    except RobotTeamSimError as error:
+        text = str(error)
+        assert text, "an error says nothing"
+        assert "\n" not in text, f"an error of several lines: {text!r}"
+        assert len(text) < len(str(path)) * 2 + 500, f"an error of {len(text)} characters: {text[:600]!r}"
+
+
+def use(plan: Any) -> None:
+    """Do with a plan what a mission does: draw it, build its world, send radio through it, open and close its doors."""
+    from robotteamsim.propagation import RadioField
+    from robotteamsim.scenario import occupancy_grid, solids
+    from robotteamsim.scenario.sections import Radio, Run
+    from robotteamsim.world import World
+
+    (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
+    resolution_m = max(max_x - min_x, max_y - min_y) / 40.0
+    grid = occupancy_grid(plan, resolution_m)
+    assert max(grid.cells.shape) <= 41
+    assert all(solid.polygon.area > 0.0 for solid in solids(plan))
+    radio = RadioField(plan, Radio())
+    corners = np.array([[min_x, min_y], [max_x, max_y], [min_x, max_y]])
+    links = radio.rssi_matrix_dbm(corners)
+    assert np.array_equal(links, links.T)
+    assert np.isfinite(links).all()
+    kept = radio.keep_map((min_x, min_y), resolution_m)
+    before = kept.rssi_map_dbm().values
+    assert np.isfinite(before).all()
+    for closed in (True, False, None):
+        for door in plan.doors:
+            radio.set_door(door.name, door.closed if closed is None else closed)
+        anew = radio.rssi_map_dbm((min_x, min_y), resolution_m).values
+        assert np.array_equal(kept.rssi_map_dbm().values, anew)
+    assert np.array_equal(anew, before)
+    world = World(plan, (), Run())
+    for door in plan.doors:
+        world.set_door(door.name, not door.closed)
+    world.step(())
+
+
+def changed(valid: bytes) -> st.SearchStrategy[bytes]:
+    """Return a strategy of a valid file with some stretches of bytes put in place of others."""
+    stretch = st.binary(max_size=6) | st.sampled_from(
+        [b"\n", b": ", b"[", b"]", b"-1", b"1e9", b".nan", b"&a", b"*a", b"\x00"]
+    )
+    change = st.tuples(st.integers(0, len(valid)), st.integers(0, 8), stretch)
+
+    def apply(changes: list[tuple[int, int, bytes]]) -> bytes:
+        data = valid
+        for start, length, new in changes:
+            data = data[:start] + new + data[start + length :]
+        return data
+
+    return st.lists(change, max_size=4).map(apply)
+
+
+def odd_values() -> st.SearchStrategy[Any]:
+    """Return a strategy of values that a key may be given by mistake."""
+    number = (
+        st.floats(width=32)
+        | st.integers(-(10**6), 10**6)
+        | st.sampled_from([1e-300, 1e-9, 1e-4, 0.001, 0.5, 10.0, 1e6, 1e300])
+    )
+    text = st.sampled_from(
+        ["map.png", "map.pgm", "", ".", "..", "/", "map.yaml", "x" * 300, "a\x00b", "scale", "trinary"]
+    )
+    plain = st.none() | st.booleans() | number | text
+    return plain | st.lists(plain | st.just(0.0), max_size=4) | st.just([0.0, 0.0, 0.0])
+
+
+def maps() -> st.SearchStrategy[bytes]:
+    """Return a strategy of the yaml of a map: valid keys, some with odd values."""
+    keys = {**yaml.safe_load(MAP), "mode": "trinary"}
+    odd = st.dictionaries(st.sampled_from(KEYS), odd_values(), max_size=2)
+    return odd.map(lambda some: yaml.safe_dump(keys | some).encode())
+
+
+@st.composite
+def images(draw: st.DrawFn) -> bytes:
+    """Return an image of few pixels in one of the formats that map_server reads, all kinds of depth and channels."""
+    rows, columns = draw(st.integers(1, MAX_SIDE_PIXELS)), draw(st.integers(1, MAX_SIDE_PIXELS))
+    shades = draw(st.lists(st.sampled_from([0, 100, 205, 254, 255]), min_size=1, max_size=3))
+    suffix = draw(st.sampled_from([".png", ".pgm"]))
+    channels = draw(st.sampled_from([1, 3, 4])) if suffix == ".png" else 1
+    picks = np.frombuffer(draw(st.binary(min_size=rows * columns, max_size=rows * columns)), np.uint8)
+    pixels = np.array(shades, np.uint8)[picks % len(shades)].reshape(rows, columns)
+    if draw(st.booleans()):
+        pixels = pixels.astype(np.uint16) * 257
+    image = pixels if channels == 1 else np.repeat(pixels[:, :, None], channels, axis=2)
+    return cv2.imencode(suffix, image)[1].tobytes()
+
+
+ROOM_IMAGE = cv2.imencode(".png", cv2.rectangle(np.full((20, 24), 254, np.uint8), (3, 4), (9, 15), 0, 2))[1].tobytes()
+ROOM_TEXT_IMAGE = b"P2\n# by hand\n6 4\n255\n" + b"0 254 254 254 205 0\n" * 4
+HUGE_IMAGES = st.tuples(
+    st.sampled_from([3, 10**5, 10**6, 2**31 - 1, 2**32]), st.sampled_from([3, 4, 10**5, 2**31 - 1])
+).map(lambda size: b"P5\n%d %d\n255\n" % size + b"\xfe" * 64)
+IMAGES = st.binary(max_size=64) | images() | changed(ROOM_IMAGE) | changed(ROOM_TEXT_IMAGE) | HUGE_IMAGES
+FILES = st.tuples(st.binary(max_size=64) | changed(PLAN), st.just(b"")) | st.tuples(maps() | changed(MAP), IMAGES)
+
+
+def check_bytes(folder: Path, text: bytes, image: bytes) -> None:
+    """Check a yaml whose image, if it has one, has these bytes."""
+    path = folder / "map.yaml"
+    path.write_bytes(text)
+    for name in ("map.png", "map.pgm"):
+        (folder / name).write_bytes(image)
+    check(path)
+
+
+def fuzz(folder: Path, number: int, examples: int) -> None:
+    """Check that many inputs; those of one seed are always the same."""
+
+    @seed(number)
+    @settings(max_examples=examples, deadline=None, database=None, suppress_health_check=list(HealthCheck))
+    @given(files=FILES)
+    def run(files: tuple[bytes, bytes]) -> None:
+        check_bytes(folder, *files)
+
+    run()
+
+
+def use_core(path: Path) -> None:
+    """Make a build of the C++ the one that the package imports."""
+    spec = importlib.util.spec_from_file_location("robotteamsim._core", path)
+    assert spec, f"{path} is no module"
+    assert spec.loader
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["robotteamsim._core"] = module
+    spec.loader.exec_module(module)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--core", type=Path)
+    options = parser.parse_args()
+    if options.core:
+        use_core(options.core)
+    examples, rounds, end_s = 500, 0, time.monotonic() + options.seconds
+    with tempfile.TemporaryDirectory() as folder:
+        while time.monotonic() < end_s:
+            fuzz(Path(folder), options.seed + rounds, examples)
+            rounds += 1
+    print(
+        f"import_fuzz: {rounds * examples} inputs, seeds {options.seed} to {options.seed + rounds - 1}: nothing found"
+    )
+
+
+if __name__ == "__main__":
+    main()
