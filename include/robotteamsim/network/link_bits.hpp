@@ -26,6 +26,12 @@ class LinkBits {
   /// Number of words in a row: whole blocks.
   int NumWords() const { return num_words_; }
 
+  /// Number of links of a robot.
+  int Degree(int robot) const;
+
+  /// Returns whether every robot has a way to every other one.
+  bool IsConnected() const;
+
   const std::uint64_t* Row(int robot) const { return &words_[static_cast<std::size_t>(robot) * num_words_]; }
 
  private:

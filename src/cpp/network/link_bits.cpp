@@ -42,6 +42,32 @@ LinkBits::LinkBits(const Eigen::Ref<const Adjacency>& adjacency) : num_robots_(s
   CheckSymmetry();
 }
 
+int LinkBits::Degree(int robot) const {
+  int degree = 0;
+  for (int w = 0; w < num_words_; ++w) degree += __builtin_popcountll(Row(robot)[w]);
+  return degree;
+}
+
+bool LinkBits::IsConnected() const {
+  if (num_robots_ == 0) return true;
+  std::vector<std::uint64_t> reached(num_words_, 0);
+  std::vector<std::uint64_t> visited(num_words_, 0);
+  reached[0] = 1;
+  int num_visited = 0;
+  for (bool found = true; found;) {
+    found = false;
+    for (int w = 0; w < num_words_; ++w) {
+      for (std::uint64_t bits; (bits = reached[w] & ~visited[w]) != 0; found = true) {
+        visited[w] |= bits & -bits;
+        ++num_visited;
+        const std::uint64_t* const row = Row(w * kBits + __builtin_ctzll(bits));
+        for (int v = 0; v < num_words_; ++v) reached[v] |= row[v];
+      }
+    }
+  }
+  return num_visited == num_robots_;
+}
+
 void LinkBits::SetRow(int robot, const bool* links) {
   std::uint64_t* const row = &words_[static_cast<std::size_t>(robot) * num_words_];
   int j = 0;
@@ -81,9 +107,7 @@ Neighbors::Neighbors(const LinkBits& links) {
   const int n = links.NumRobots();
   start.push_back(0);
   for (int i = 0; i < n; ++i) {
-    std::int32_t count = 0;
-    for (int w = 0; w < links.NumWords(); ++w) count += __builtin_popcountll(links.Row(i)[w]);
-    start.push_back(start.back() + count);
+    start.push_back(start.back() + links.Degree(i));
   }
   robots.resize(start.back());
   std::int32_t* next = robots.data();

@@ -55,6 +55,27 @@ TEST(LinkBits, NamesThePlaceOfWhatIsNoUndirectedGraph) {
   }
 }
 
+TEST(LinkBits, CountsTheLinksOfARobot) {
+  const LinkBits star(graphs::Star(300));
+  EXPECT_EQ(star.Degree(0), 299);
+  EXPECT_EQ(star.Degree(299), 1);
+}
+
+TEST(LinkBits, TellsWhetherEveryRobotHasAWayToEveryOtherOne) {
+  for (const int n : {1, 2, 64, 65, 300}) {
+    EXPECT_TRUE(LinkBits(graphs::Path(n)).IsConnected());
+    EXPECT_TRUE(LinkBits(graphs::Complete(n)).IsConnected());
+    EXPECT_EQ(LinkBits(graphs::Empty(n)).IsConnected(), n == 1);
+    if (n == 1) continue;
+    for (const int cut : {0, n / 2 - 1, n - 2}) {
+      Adjacency split = graphs::Path(n);
+      split(cut, cut + 1) = split(cut + 1, cut) = false;
+      EXPECT_FALSE(LinkBits(split).IsConnected()) << n << " " << cut;
+    }
+  }
+  EXPECT_TRUE(LinkBits(graphs::Empty(0)).IsConnected());
+}
+
 TEST(Neighbors, AreTheLinksInAscendingOrder) {
   const Adjacency adjacency = graphs::Scattered(130, 0.2, 4);
   const Neighbors neighbors{LinkBits(adjacency)};

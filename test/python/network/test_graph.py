@@ -96,6 +96,14 @@ def test_fiedler_value_agrees_with_networkx(adjacency):
     assert (fiedler_value(adjacency) > 0.0) == networkx.is_connected(graph)
 
 
+@pytest.mark.parametrize(("n", "degree"), [(60, 6.0), (200, 8.0), (200, 60.0), (500, 12.0), (500, 250.0)])
+def test_fiedler_value_of_larger_teams_is_that_of_all_eigenvalues(n, degree):
+    upper = np.triu(np.random.default_rng(13).random((n, n)) < degree / n, 1)
+    adjacency = upper | upper.T | np.eye(n, k=1, dtype=bool) | np.eye(n, k=-1, dtype=bool)
+    laplacian = np.diag(adjacency.sum(axis=1).astype(float)) - adjacency
+    assert fiedler_value(adjacency) == pytest.approx(np.linalg.eigvalsh(laplacian)[1], rel=1e-9)
+
+
 def test_fiedler_value_of_three_robots_in_a_row_is_one():
     assert fiedler_value(PATH_3) == pytest.approx(1.0)
     assert fiedler_value(PATH_3) / 3 == pytest.approx(0.333, abs=5e-4)
