@@ -174,7 +174,7 @@ inline void CheckVoices(Bytes* bytes, const FaceSet& faces, const GridShape& gri
         const PointMm at = RoundToMm(source.position, "source");
         expected = std::max(expected, VoiceLevelDb(faces, model, source, cells.At(row, col)));
         const auto weight = static_cast<double>(faces.WeightBetween(at, cells.At(row, col)));
-        wall_db = std::max(wall_db, weight * model.wall_loss_db);
+        wall_db = std::max(wall_db, weight * model.unit_db);
       }
       if (solid(row, col)) {
         Check(map(row, col) == 0.0F, "no voice is heard in a wall");
