@@ -1,17 +1,23 @@
-"""How much faster than real time the world runs, with and without sensors at 10 Hz.
+"""How much faster than real time the world runs with a laser on every robot, beside its peers.
 
-A plan of 60 x 40 m with 80 rectangles; robots of the default kind (181 beams, 5 m) drive at random. One
-core; its busy time is what counts, which is wall time on an idle machine. To compare machines, the last column says
-how many steps with sensors take as long as sorting a million numbers in NumPy does in the same run.
-Usage: python bench/world_bench.py [--robots 3 30 100] [--runs 5] [--seconds 1.0]
+A plan of 60 x 40 m with 80 rectangles; robots of the default kind (a disc of 0.2 m; 181 beams over 180 degrees, 5 m)
+draw new speeds every 2 s. A step of 0.1 s has five physics steps of 20 ms, a scan and the odometry of every robot. One
+core; its busy time is what counts, which is wall time on an idle machine. To compare machines, the last column says how
+many such steps take as long as sorting a million numbers in NumPy does in the same run.
+Usage: python bench/world_bench.py [--robots 3 30 100 1000] [--runs 5] [--seconds 1.0] [--csv FILE]
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
+import datetime
 import math
+import resource
 import statistics
 import time
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import shapely
@@ -19,13 +25,21 @@ import shapely
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.sections import PlacedRobot, Run
-from robotteamsim.sensing.laser import Laser
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 
 RUN = Run()
-BATCH_STEPS = 20
-BEAMS = 181
+REDRAW_STEPS = 20
+"""2 s: as long a robot keeps its speeds."""
+
+TEAMS = (3, 30, 100, 1000)
+GOALS = {3: 5000.0, 30: 700.0, 100: 200.0, 1000: 12.0}
+PEERS = {
+    "ARGoS": {3: 890.0, 30: 72.0, 100: 19.4, 1000: 1.16},
+    "Stage": {3: 453.0, 30: 52.0, 100: 13.5, 1000: 0.41},
+    "Flatland": {3: 84.0, 30: 5.3, 100: 1.1, 1000: 0.01},
+}
+"""Simulated over wall seconds on the same work, once, on two cores of such a machine; not measured here."""
 
 
 def plan_of_rectangles(generator: np.random.Generator) -> FloorPlan:
@@ -58,6 +72,22 @@ def random_twists(count: int, generator: np.random.Generator) -> np.ndarray:
     return generator.uniform((-0.2, 0.0, -1.0), (0.7, 0.0, 1.0), (count, 3))
 
 
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What was measured of a team; the first two in simulated over busy seconds."""
+
+    robots: int
+    with_lasers: float
+    without: float
+    steps_per_sorting: float
+    memory_mb: float
+
+    @property
+    def is_met(self) -> bool | None:
+        """Whether the goal is met, where there is one."""
+        return self.with_lasers >= GOALS[self.robots] if self.robots in GOALS else None
+
+
 def times_real_time(plan: FloorPlan, count: int, *, with_sensors: bool, seconds: float) -> float:
     generator = np.random.default_rng(1)
     robots = free_robots(plan, count, generator)
@@ -67,24 +97,12 @@ def times_real_time(plan: FloorPlan, count: int, *, with_sensors: bool, seconds:
     while spent_s < seconds:
         twists = random_twists(count, generator)
         start_s = time.process_time()
-        for _ in range(BATCH_STEPS):
+        for _ in range(REDRAW_STEPS):
             world.step(twists)
             if with_sensors:
                 sensors.read()
         spent_s += time.process_time() - start_s
     return world.sim_time_ns * 1e-9 / spent_s
-
-
-def scan_us(plan: FloorPlan, count: int, seconds: float) -> float:
-    """Return the time of one laser scan, the call from Python included [us]."""
-    generator = np.random.default_rng(1)
-    robots = free_robots(plan, count, generator)
-    world = World(plan, robots, RUN)
-    laser, scans, start_s = Laser(robots[0].laser, world), 0, time.process_time()
-    while time.process_time() - start_s < seconds:
-        laser.scan(range(count), [generator] * count)
-        scans += count
-    return (time.process_time() - start_s) / scans * 1e6
 
 
 def sorting_s() -> float:
@@ -95,29 +113,69 @@ def sorting_s() -> float:
     return time.process_time() - start_s
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--robots", type=int, nargs="+", default=[3, 30, 100, 1000])
-    parser.add_argument("--runs", type=int, default=5)
-    parser.add_argument("--seconds", type=float, default=1.0, help="of each run")
-    options = parser.parse_args()
-    plan = plan_of_rectangles(np.random.default_rng(7))
-    print(f"medians of {options.runs} runs")
-    print(
-        "robots  world [x real time]  with sensors [x real time]  laser [us/scan]  laser [ns/beam]  steps per sorting"
+def measure(plan: FloorPlan, count: int, runs: int, seconds: float) -> Row:
+    """Return medians over runs."""
+    sensing, bare, sorting = (
+        statistics.median(once() for _ in range(runs))
+        for once in (
+            lambda: times_real_time(plan, count, with_sensors=True, seconds=seconds),
+            lambda: times_real_time(plan, count, with_sensors=False, seconds=seconds),
+            sorting_s,
+        )
     )
-    for count in options.robots:
-        bare, sensing, scans, sorting = (
-            statistics.median(measure() for _ in range(options.runs))
-            for measure in (
-                lambda: times_real_time(plan, count, with_sensors=False, seconds=options.seconds),  # noqa: B023
-                lambda: times_real_time(plan, count, with_sensors=True, seconds=options.seconds),  # noqa: B023
-                lambda: scan_us(plan, count, options.seconds),  # noqa: B023
-                sorting_s,
+    memory_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024e-6
+    return Row(count, sensing, bare, sensing / RUN.step_s * sorting, memory_mb)
+
+
+def table(rows: list[Row]) -> str:
+    """Return rows as text, peers beside."""
+    lines = [("robots", "this [x real time]", "goal", "", *PEERS, "this / best peer", "no lasers", "steps per sorting")]
+    for row in rows:
+        goal = GOALS.get(row.robots)
+        peers = [speeds.get(row.robots) for speeds in PEERS.values()]
+        best = max((speed for speed in peers if speed), default=None)
+        verdict = {None: "", True: "met", False: "MISSED"}[row.is_met]
+        lines.append(
+            (
+                str(row.robots),
+                f"{row.with_lasers:,.0f}",
+                f"{goal:,.0f}" if goal else "",
+                verdict,
+                *(f"{speed:g}" if speed else "" for speed in peers),
+                f"{row.with_lasers / best:.1f}" if best else "",
+                f"{row.without:,.0f}",
+                f"{row.steps_per_sorting:.1f}",
             )
         )
-        steps = sensing / RUN.step_s * sorting
-        print(f"{count:6d}  {bare:19.0f}  {sensing:26.0f}  {scans:15.2f}  {scans / BEAMS * 1e3:15.1f}  {steps:17.1f}")
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    return "\n".join("  ".join(text.rjust(width) for text, width in zip(line, widths, strict=True)) for line in lines)
+
+
+def write_csv(path: Path, rows: list[Row]) -> None:
+    """Write rows, each with the date."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("date", "robots", "with_lasers", "goal", "without", "steps_per_sorting", "peak_memory_mb"))
+        for row in rows:
+            figures = (row.with_lasers, GOALS.get(row.robots, math.nan), row.without, row.steps_per_sorting)
+            numbers = (f"{figure:.4g}" for figure in (*figures, row.memory_mb))
+            writer.writerow((datetime.date.today().isoformat(), row.robots, *numbers))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--robots", type=int, nargs="+", default=list(TEAMS))
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--seconds", type=float, default=1.0, help="of each run")
+    parser.add_argument("--csv", type=Path, help="write the table into this file too")
+    options = parser.parse_args()
+    plan = plan_of_rectangles(np.random.default_rng(7))
+    rows = [measure(plan, count, options.runs, options.seconds) for count in options.robots]
+    print(f"simulated over wall seconds, medians of {options.runs} runs; {RUN.physics_substeps} physics steps per step")
+    print(table(rows))
+    print(f"peak memory, Python included: {rows[-1].memory_mb:.0f} MB")
+    if options.csv:
+        write_csv(options.csv, rows)
 
 
 if __name__ == "__main__":
