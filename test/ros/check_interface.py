@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import unittest
 from collections.abc import Iterable
 from typing import Any
@@ -17,6 +18,7 @@ from listening import Topic, call, place_m
 from nav_msgs.msg import OccupancyGrid, Odometry
 from nav_msgs.srv import GetMap
 from robotteamsim.msg import Areas, FloatMap, MissionStatus, NetworkMessages, NetworkState, Victims, Voice
+from robotteamsim.srv import GetRadioMap
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
@@ -34,6 +36,7 @@ SERVICES = {
     "/resume": "std_srvs/Trigger",
     "/reset": "std_srvs/Trigger",
     "/step": "robotteamsim/Step",
+    "/get_radio_map": "robotteamsim/GetRadioMap",
     "/set_door": "robotteamsim/SetDoor",
     "/set_noise": "robotteamsim/SetNoise",
     "/set_victim": "robotteamsim/SetVictim",
@@ -157,6 +160,7 @@ class InterfaceTest(unittest.TestCase):
         self.assertEqual((picture.info.width, picture.info.height), (values.width, values.height))
         self.assertEqual(len(values.data), values.width * values.height)
         self.assertEqual((values.quantity, values.unit), ("voice_level", "dB"))
+        self.assertEqual(picture.header.stamp, values.header.stamp)
         self.assertGreater(max(values.data), 20.0)
 
     def test_radio_maps_come_for_those_who_look(self) -> None:
@@ -168,9 +172,38 @@ class InterfaceTest(unittest.TestCase):
         self.assertLess(max(levels.data), -20.0)
         self.assertGreaterEqual(min(picture.next().data), 0)
 
+    def test_radio_map_of_a_chosen_robot_comes_once_a_second(self) -> None:
+        stamps = stamps_ns(Topic("/robot_1/radio_map/values", FloatMap).wait_for_count(4))
+        for earlier, later in itertools.pairwise(stamps):
+            self.assertGreaterEqual(later - earlier, 10**9)
+            self.assertLess(later - earlier, 2 * 10**9)
+
+    def test_radio_map_is_made_on_demand_at_any_resolution(self) -> None:
+        coarse, usual = (call("/get_radio_map", GetRadioMap, robot_id=1, resolution_m=side) for side in (1.0, 0.0))
+        self.assertEqual((coarse.success, usual.success), (True, True))
+        self.assertEqual((coarse.map.resolution_m, usual.map.resolution_m), (1.0, 0.25))
+        for made in (coarse.map, usual.map):
+            self.assertEqual((made.quantity, made.unit, made.header.frame_id), ("rssi", "dBm", "map"))
+            self.assertEqual(len(made.data), made.width * made.height)
+            self.assertEqual(made.header.stamp.to_nsec() % STEP_NS, 0)
+            self.assertLess(max(made.data), -20.0)
+        self.assertGreater(usual.map.width, coarse.map.width)
+
+    def test_radio_map_that_cannot_be_is_refused_with_the_reason(self) -> None:
+        for robot_id, resolution_m, reason in (
+            (2, 0.0, "robot_id: 2; wanted 0 to 1"),
+            (-1, 0.0, "robot_id: -1; wanted 0 to 1"),
+            (0, 0.01, "resolution_m: 0.01; wanted 0.05 to 10, or 0"),
+            (0, math.nan, "resolution_m: nan; wanted 0.05 to 10, or 0"),
+        ):
+            refused = call("/get_radio_map", GetRadioMap, robot_id=robot_id, resolution_m=resolution_m)
+            self.assertEqual((refused.success, refused.message), (False, reason))
+
     def test_network_tells_of_two_robots_side_by_side(self) -> None:
         state = self.network.messages[-1]
         self.assertEqual(state.num_robots, 2)
+        matrices = (state.rssi_dbm, state.link, state.adjacency, state.hop_count, state.break_matrix, state.endangered)
+        self.assertEqual([len(matrix) for matrix in matrices], 6 * [4])
         self.assertEqual(list(state.adjacency), [0, 1, 1, 0])
         self.assertAlmostEqual(state.fiedler_value, 2.0)
 

@@ -24,6 +24,9 @@ from robotteamsim.scenario.sections import Victim
 from robotteamsim.scenario.sections import Voice as VoiceSection
 from robotteamsim.simulation.environment import Environment
 from robotteamsim.srv import (
+    GetRadioMap,
+    GetRadioMapRequest,
+    GetRadioMapResponse,
     SetDoor,
     SetDoorRequest,
     SetDoorResponse,
@@ -37,6 +40,8 @@ from robotteamsim.srv import (
 
 STATUS = "/mission/status"
 RADIO_MAP_RESOLUTION_M = 0.25
+FINEST_M, COARSEST_M = 0.05, 10.0
+"""Range of the resolution of a map made on demand: a finer one would be a message of many megabytes."""
 RADIO_MAP_PERIOD_NS = 10**9
 NODE_PATIENCE_S = 2.0
 """A change waits this long for another node's service [s, wall]."""
@@ -89,6 +94,7 @@ class EnvironmentNode:
         self._build()
         self._publish_voice_map(0)
         self._inbox = make_inbox(settings, self._inputs())
+        rospy.Service("/get_radio_map", GetRadioMap, self._serve_get_radio_map)
         rospy.Service("/set_door", SetDoor, self._serve_set_door)
         rospy.Service("/set_noise", SetNoise, self._serve_set_noise)
         rospy.Service("/set_victim", SetVictim, self._serve_set_victim)
@@ -116,6 +122,7 @@ class EnvironmentNode:
         self._victims = [victim.name for victim in self._settings.scenario.mission.victims]
         self._saved: tuple[str, ...] = ()
         self._published_changes = -1
+        self._last_step: tuple[int, list[tuple[float, float]]] | None = None
         for radio_maps in self._radio_maps:
             radio_maps.restart()
 
@@ -143,6 +150,7 @@ class EnvironmentNode:
             self._network.publish(fields.network_state(make, time_ns, network))
         self._publish_voice_map(time_ns)
         with self._environment_lock:
+            self._last_step = time_ns, [(place.x_m, place.y_m) for place in places]
             for radio_maps, place in zip(self._radio_maps, places, strict=True):
                 radio_maps.publish(make, time_ns, (place.x_m, place.y_m), self._environment)
 
@@ -155,6 +163,24 @@ class EnvironmentNode:
             voice_map = self._environment.voice_map()
         self._voice_picture.publish(fields.field_map_picture(self._make, time_ns, voice_map))
         self._voice_map.publish(fields.field_map(self._make, time_ns, voice_map, "voice_level", "dB"))
+
+    def _serve_get_radio_map(self, request: GetRadioMapRequest) -> GetRadioMapResponse:
+        resolution_m = request.resolution_m or RADIO_MAP_RESOLUTION_M
+        with self._environment_lock:
+            problem = self._problem_of(request.robot_id, resolution_m)
+            if problem or self._last_step is None:
+                return GetRadioMapResponse(success=False, message=problem)
+            time_ns, positions_m = self._last_step
+            radio_map = self._environment.radio_map(positions_m[request.robot_id], resolution_m)
+        return GetRadioMapResponse(success=True, map=fields.field_map(self._make, time_ns, radio_map, "rssi", "dBm"))
+
+    def _problem_of(self, robot_id: int, resolution_m: float) -> str:
+        """Return why there is no such radio map; empty: there is one."""
+        if not 0 <= robot_id < self._settings.num_robots:
+            return f"robot_id: {robot_id}; wanted 0 to {self._settings.num_robots - 1}"
+        if not FINEST_M <= resolution_m <= COARSEST_M:
+            return f"resolution_m: {resolution_m:g}; wanted {FINEST_M:g} to {COARSEST_M:g}, or 0"
+        return "" if self._last_step else "no step has been taken so far"
 
     def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
         try:
