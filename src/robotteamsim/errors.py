@@ -10,7 +10,7 @@ class ScenarioError(RobotTeamSimError):
 
 
 class PlacementError(ScenarioError):
-    """A robot, area or victim stands where it cannot stand."""
+    """A robot, area, victim or door stands where it cannot stand."""
 
 
 class RecordingError(RobotTeamSimError):

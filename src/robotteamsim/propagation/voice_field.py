@@ -25,12 +25,19 @@ class VoiceSource:
 
     position_m:  where she is, in `map` [m].
     constant_db: l_c of eq. (7), negative [dB]: -78 is a shout of 78 dB at 1 m.
-    exponent:    gamma of eq. (7).
+    exponent:    gamma of eq. (7), above 0.
+    Raises: ValueError: constant_db or exponent is not finite, or exponent is not above 0.
     """
 
     position_m: tuple[float, float]
     constant_db: float
     exponent: float
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.constant_db):
+            raise ValueError(f"constant_db must be finite, got {self.constant_db}")
+        if not (self.exponent > 0.0 and math.isfinite(self.exponent)):
+            raise ValueError(f"exponent must be finite and > 0, got {self.exponent}")
 
     def core(self) -> _core.VoiceSource:
         """Return this source for the C++ core."""

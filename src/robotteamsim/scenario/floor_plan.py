@@ -78,12 +78,12 @@ class Block(Model):
         if outline.area < 1e-6:
             raise wrong("polygon", "encloses no area")
         if not outline.is_valid:
-            raise wrong("polygon", "crosses or touches itself")
+            raise wrong("polygon", f"crosses or touches itself at {_where_invalid(outline)}")
         return self
 
 
 class Door(Model):
-    """A door leaf: one segment across a gap between walls."""
+    """A door leaf: one segment across a gap between walls; in a file it must hang there, see `door_places`."""
 
     name: str = Field(description="a name, unique among the plan's elements")
     start: Point = Field(validation_alias="from", serialization_alias="from", description="hinge side of the leaf [m]")
@@ -142,6 +142,12 @@ class FloorPlan(Model):
                 if not self.bounds.contains(point):
                     raise wrong(place, f"[{point[0]:g}, {point[1]:g}] lies outside the bounds {self.bounds}")
         return self
+
+
+def _where_invalid(outline: shapely.Polygon) -> str:
+    """Return the point that GEOS says last: "Self-intersection[2 6.5]" gives "[2, 6.5]"."""
+    x, y = shapely.is_valid_reason(outline).rpartition("[")[2].rstrip("]").split()
+    return f"[{float(x):g}, {float(y):g}]"
 
 
 def _check_segment(start: Point, end: Point) -> None:

@@ -10,8 +10,9 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from robotteamsim.errors import ScenarioError
+from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.scenario.base import Model
+from robotteamsim.scenario.door_places import misplaced_doors
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.placement import check_places
 from robotteamsim.scenario.problems import problems
@@ -29,7 +30,7 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
             overrides: "key=value" each: the key dotted, list items by index (`mission.victims.0.position=[1, 2]`),
                 the value as in YAML. A `plan` given so is relative to the current folder.
     Raises: ScenarioError: one line with file (or --set), key, value and what was wanted; further mistakes of the
-                same file stand in the exception's notes. PlacementError: a robot, area or victim stands badly.
+                same file stand in the exception's notes. PlacementError: a robot, area, victim or door stands badly.
     """
     path, place = _scenario_file(os.fspath(path_or_name))
     data = read_mapping(path, place, "a scenario")
@@ -50,6 +51,8 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     scenario = _validated(Scenario, data, place, set_keys)
     if plan_path is not None:
         scenario = scenario.with_plan_file(str(plan_path.resolve()))
+    else:
+        _check_doors(scenario.plan, "plan.", place, set_keys)
     check_places(scenario.plan, scenario.robots, scenario.mission, place)
     return scenario
 
@@ -129,14 +132,22 @@ def _read_plan(path: Path, place: str) -> FloorPlan:
         from robotteamsim.scenario.plan_import import import_map
 
         return import_map(path)
-    return _validated(FloorPlan, data, place)
+    plan = _validated(FloorPlan, data, place)
+    _check_doors(plan, "", place)
+    return plan
+
+
+def _check_doors(plan: FloorPlan, prefix: str, place: str, set_keys: Sequence[tuple[str | int, ...]] = ()) -> None:
+    for index, text in misplaced_doors(plan):
+        key = f"{prefix}doors.{index}"
+        raise PlacementError(_line(f"{key}: {text} (in '{plan.doors[index].name}')", key, place, set_keys))
 
 
 def _validated(model: type[M], data: Any, place: str, set_keys: Sequence[tuple[str | int, ...]] = ()) -> M:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        lines = [_line(str(problem), problem.key, place, set_keys) for problem in problems(error, model)]
+        lines = [_line(str(problem), problem.key, place, set_keys) for problem in problems(error, model, data)]
     raised = ScenarioError(lines[0])
     for line in lines[1:]:
         raised.add_note(line)

@@ -25,10 +25,13 @@ class Problem:
         return f"{self.key}: {self.text}" if self.key else self.text
 
 
-def problems(error: ValidationError, root: type[Model]) -> list[Problem]:
-    """Return the mistakes of one validation, unknown keys first: they often explain the missing ones."""
+def problems(error: ValidationError, root: type[Model], data: Any = None) -> list[Problem]:
+    """Return the mistakes of one validation, unknown keys first: they often explain the missing ones.
+
+    Args: data: what was validated; items of its lists that have a name are called by it.
+    """
     details = sorted(map(dict, error.errors(include_url=False)), key=lambda detail: detail["type"] != "extra_forbidden")
-    return [_problem(detail, root) for detail in details]
+    return [_problem(detail, root, data) for detail in details]
 
 
 def suggestion(name: str, known: Sequence[str]) -> str:
@@ -61,7 +64,7 @@ _TEXTS: dict[str, Callable[[_Detail, _Detail], str]] = {
 }
 
 
-def _problem(detail: _Detail, root: type[Model]) -> Problem:
+def _problem(detail: _Detail, root: type[Model], data: Any) -> Problem:
     # Tags of unions stand in angle brackets in the location and are no keys.
     path = [part for part in detail["loc"] if not (isinstance(part, str) and part.startswith("<"))]
     kind, context = detail["type"], detail.get("ctx", {})
@@ -76,7 +79,21 @@ def _problem(detail: _Detail, root: type[Model]) -> Problem:
         text = _TEXTS[kind](detail, context)
     else:
         text = f"{shown(detail['input'])}: {' '.join(str(detail['msg']).split())}"
-    return Problem(".".join(map(str, path)), text)
+    key = ".".join(map(str, path))
+    return Problem(key, f"{text}{_item_name(key, data)}")
+
+
+def _item_name(key: str, data: Any) -> str:
+    """Return " (in 'x')" for the innermost list item on the way to a key that has the name x, else ""."""
+    name = None
+    for part in key.split("."):
+        try:
+            data = data[int(part)] if isinstance(data, (list, tuple)) else data[part]
+        except (ValueError, IndexError, KeyError, TypeError):
+            break
+        if part.isdecimal() and isinstance(data, dict):
+            name = data.get("name", name)
+    return f" (in {shown(name)})" if isinstance(name, str) and not key.endswith(".name") else ""
 
 
 def _wrong_choice(value: Any, expected: str) -> str:

@@ -104,6 +104,59 @@ def test_where_outlines_coincide_the_highest_loss_counts(make_plan):
         assert faces.weight_between((8.0, 1.0), (8.0, 3.0)) == 76
 
 
+def test_way_through_overlapping_walls_pays_half_of_each_wall_whose_outline_it_crosses(make_plan):
+    walls = (
+        Wall(name="thin", start=(2.0, 5.0), end=(8.0, 5.0), thickness_m=0.2),  # 3.8 dB
+        Wall(name="thick", start=(2.0, 5.2), end=(8.0, 5.2), thickness_m=0.7),  # 12.4 dB, from 4.85 to 5.55
+    )
+    overlapping = (walls[0].model_copy(update={"start": (2.0, 4.8), "end": (8.0, 4.8)}), walls[1])
+    for order in (overlapping, overlapping[::-1]):
+        faces = radio_faces(make_plan(walls=order), Radio()).core()
+        assert faces.weight_between((5.0, 4.0), (5.0, 6.0)) == 38 + 124  # in by the thin, out of the thick
+        assert faces.weight_between((5.0, 6.0), (5.0, 4.0)) == 38 + 124
+
+
+def test_solid_wholly_inside_another_adds_nothing(make_plan):
+    outer = Wall(name="outer", start=(2.0, 5.0), end=(8.0, 5.0), thickness_m=0.7, material="glass")
+    inner = Wall(name="inner", start=(3.0, 5.0), end=(7.0, 5.0), thickness_m=0.5)
+    radio = Radio(materials={"glass": 2.0})
+    assert _rows(radio_faces(make_plan(walls=(inner, outer)), radio)) == _rows(
+        radio_faces(make_plan(walls=(outer,)), radio)
+    )
+
+
+def test_crossing_walls_of_two_classes_cost_each_its_own_beside_the_crossing(make_plan):
+    walls = (
+        Wall(name="thin", start=(2.0, 5.0), end=(8.0, 5.0), thickness_m=0.2),
+        Wall(name="thick", start=(5.0, 2.0), end=(5.0, 8.0), thickness_m=0.7),
+    )
+    faces = radio_faces(make_plan(walls=walls), Radio()).core()
+    assert faces.weight_between((3.0, 4.0), (3.0, 6.0)) == 2 * 38
+    assert faces.weight_between((4.0, 7.0), (6.0, 7.0)) == 2 * 124
+    assert faces.weight_between((1.0, 5.0), (9.0, 5.0)) == 2 * 38  # along the thin one, through the crossing
+    assert faces.weight_between((4.4, 5.6), (5.0, 5.0)) == 124  # by the thick one into the crossing
+
+
+@pytest.mark.parametrize(
+    "elements",
+    [
+        {"walls": (Wall(name="a", start=(5.0, 1.0), end=(5.0, 1.0001)),)},
+        {"walls": (Wall(name="a", start=(5.0, 1.0), end=(5.0, 9.0), thickness_m=0.0001),)},
+        {"blocks": (Block(name="a", polygon=((1.0, 1.0), (9.0, 1.0), (9.0, 1.0004))),)},
+    ],
+)
+def test_solid_that_whole_millimetres_leave_without_area_fades_nothing(make_plan, elements):
+    assert len(radio_faces(make_plan(**elements), Radio()).weights) == 0
+
+
+def test_corner_that_stands_twice_changes_nothing(make_plan):
+    corners = ((1.0, 1.0), (3.0, 1.0), (3.0, 2.0), (1.0, 2.0))
+    once, twice = (
+        make_plan(blocks=(Block(name="a", polygon=polygon),)) for polygon in (corners, (*corners, corners[0]))
+    )
+    assert _rows(radio_faces(once, Radio())) == _rows(radio_faces(twice, Radio()))
+
+
 def test_crossings_of_diagonal_walls_are_whole_millimetres_and_rings_stay_closed(flat):
     faces = radio_faces(flat, Radio())
     assert faces.ends_mm.dtype == np.int64

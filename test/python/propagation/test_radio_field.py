@@ -297,3 +297,15 @@ def test_positions_of_another_shape_are_refused(flat):
 def test_unknown_door_is_refused_by_name(flat):
     with pytest.raises(ValueError, match="there is no door 'back'"):
         RadioField(flat, Radio()).set_door("back", True)
+
+
+def test_beyond_the_bounds_of_a_plan_is_free_space(make_plan):
+    plan = make_plan(walls=(Wall(name="a", start=(2.0, 1.0), end=(2.0, 9.0)),))
+    wider = plan.model_copy(update={"bounds": Bounds(min=(-50.0, -50.0), max=(50.0, 50.0))})
+    outside, inside = (-7.5, 3.25), (6.0, 4.0)
+    field, wide_field = RadioField(plan, Radio()), RadioField(wider, Radio())
+    assert field.path_loss_db(outside, inside) == wide_field.path_loss_db(outside, inside)
+    part = field.rssi_map_dbm(outside, 0.5)
+    assert part.values.shape == (40, 40)
+    whole = wide_field.rssi_map_dbm(outside, 0.5).values
+    np.testing.assert_array_equal(part.values, whole[100:140, 100:140])

@@ -153,3 +153,18 @@ def test_position_that_is_not_finite_is_refused(flat):
 def test_noise_must_be_finite_and_not_negative(flat, noise_db):
     with pytest.raises(ValueError, match="noise_db must be finite and >= 0"):
         VoiceField(flat, Voice()).set_noise_db(noise_db)
+
+
+@pytest.mark.parametrize(
+    ("constant_db", "exponent", "message"),
+    [
+        (math.nan, 5.0, "constant_db must be finite, got nan"),
+        (-math.inf, 5.0, "constant_db must be finite, got -inf"),
+        (-78.0, math.nan, "exponent must be finite and > 0, got nan"),
+        (-78.0, math.inf, "exponent must be finite and > 0, got inf"),
+        (-78.0, 0.0, "exponent must be finite and > 0, got 0.0"),
+    ],
+)
+def test_voice_of_no_finite_level_is_refused(constant_db, exponent, message):
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        VoiceSource((1.0, 1.0), constant_db, exponent)

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robotteamsim.scenario import FloorPlan, Scenario, dump, load, load_floor_plan, write_floor_plan
+from robotteamsim.scenario.door_places import misplaced_doors
 from robotteamsim.scenario.floor_plan import BayRow, Block, Bounds, Door, Wall
 from robotteamsim.scenario.sections import (
     Area,
@@ -45,16 +46,18 @@ def plans(draw: st.DrawFn) -> FloorPlan:
     ]
     doors = [
         Door(name=next(names), start=a, end=b, kind=draw(DOOR_KIND), closed=draw(st.booleans()))
-        for a, b in draw(st.lists(ends, max_size=3))
+        for a, b in [((0.0, a[1]), (1.0 + b[0] / 2.0, b[1])) for a, b in draw(st.lists(ends, max_size=3))]
     ]
     blocks = [
         Block(name=next(names), kind="pillar", polygon=((x, y), (x + 1.0, y), (x + 1.0, y + 0.5)))
         for x, y in draw(st.lists(st.tuples(st.floats(0.0, 99.0), st.floats(0.0, 99.0)), max_size=2))
     ]
     bays = [BayRow(start=a, end=b, count=3) for a, b in draw(st.lists(ends, max_size=1))]
-    return FloorPlan(
+    plan = FloorPlan(
         name=draw(TEXT), bounds=Bounds(max=(100.0, 100.0)), walls=walls, doors=doors, blocks=blocks, bays=bays
     )
+    in_walls = {index for index, _ in misplaced_doors(plan)}
+    return plan.model_copy(update={"doors": tuple(door for i, door in enumerate(plan.doors) if i not in in_walls)})
 
 
 @st.composite
