@@ -24,6 +24,7 @@ examples:
   robotteamsim scenario show garage_sar              every key with its value
   robotteamsim field voice garage_sar --png voice.png
   robotteamsim plan import map.yaml --out plan.yaml  a map_server image as walls
+  robotteamsim plan import-stage office.world        a Stage world as a scenario
 
 `robotteamsim COMMAND --help` says more about a command."""
 

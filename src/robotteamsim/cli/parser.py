@@ -58,6 +58,14 @@ def number(text: str) -> float:
     return value
 
 
+def positive_number(text: str) -> float:
+    """Return a finite number above 0. Raises: ArgumentTypeError."""
+    value = number(text)
+    if value <= 0.0:
+        raise argparse.ArgumentTypeError(f"{value:g} is not above 0")
+    return value
+
+
 def whole_number(text: str) -> int:
     """Return a whole number. Raises: ArgumentTypeError."""
     try:

@@ -1,4 +1,4 @@
-"""`robotteamsim plan`: floor plans from map_server images, and pictures of plans."""
+"""`robotteamsim plan`: floor plans from map_server images, Stage worlds, and pictures of plans."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
+from robotteamsim.cli import stage_commands
 from robotteamsim.cli.parser import UsageError
 from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.recording.files import atomically
@@ -18,7 +19,7 @@ walls and blocks. A scenario can also name the image's yaml as its plan directly
 
 def add_to(commands: Any) -> None:
     """Add the command to the parser."""
-    parser = commands.add_parser("plan", help="import or draw floor plans", description=__doc__)
+    parser = commands.add_parser("plan", help="import, export or draw floor plans", description=__doc__)
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
 
     bring = actions.add_parser("import", help="turn a map_server image into a floor plan", description=_IMPORT_TEXT)
@@ -27,6 +28,8 @@ def add_to(commands: Any) -> None:
         "--out", type=Path, metavar="FILE", help="the plan to write; default plan.yaml, if there is none"
     )
     bring.set_defaults(command=import_plan)
+
+    stage_commands.add_to(actions)
 
     render = actions.add_parser("render", help="draw a floor plan")
     render.add_argument("plan", metavar="PLAN", help="a plan file, a map_server yaml, or a shipped map: garage")

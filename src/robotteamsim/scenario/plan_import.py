@@ -82,20 +82,33 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     occupied, free = _read_cells(path, settings)
     bounds = _bounds(path, settings, *free.shape)
     solid = _solid_cells(occupied, free, settings.resolution)
+    walls, blocks = solid_pieces(solid, settings.origin[:2], (settings.resolution, settings.resolution))
+    return FloorPlan(name=path.stem, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
+
+
+def solid_pieces(
+    solid: np.ndarray, low_m: tuple[float, float], cell_m: tuple[float, float]
+) -> tuple[list[Wall], list[Block]]:
+    """Return solid cells as walls and blocks, by the rules of `import_map`.
+
+    Args:   solid: bool, shape (rows, cols), row 0 at the lowest y; no two cells touch by a corner alone.
+            low_m: lower left corner of cell (0, 0). cell_m: width and height of a cell, about equal.
+    """
+    edge_m = math.sqrt(cell_m[0] * cell_m[1])
     walls: list[Wall] = []
     blocks: list[Block] = []
     for polygon in outlines(solid):
-        parts = cut_at_inner_corners(polygon, MAX_WALL_THICKNESS_M / settings.resolution)
+        parts = cut_at_inner_corners(polygon, MAX_WALL_THICKNESS_M / edge_m)
         pieces = [piece for part in parts for piece in convex_pieces(part)]
-        cells = np.maximum(piece_thickness(polygon, pieces, THICKEST_M / settings.resolution).round(), 1.0)
-        for piece, thickness_m in zip(pieces, (cells * settings.resolution).round(6).tolist(), strict=True):
-            corners = [(float(x), float(y)) for x, y in _metres(settings, piece).tolist()]
+        cells = np.maximum(piece_thickness(polygon, pieces, THICKEST_M / edge_m).round(), 1.0)
+        for piece, thickness_m in zip(pieces, (cells * edge_m).round(6).tolist(), strict=True):
+            corners = [(float(x), float(y)) for x, y in _metres(low_m, cell_m, piece).tolist()]
             wall = _as_wall(f"wall_{len(walls) + 1}", corners)
             if wall and (math.isnan(thickness_m) or wall.thickness_m == thickness_m):
                 walls.append(wall)
             elif _is_sound(corners):
                 blocks.append(_as_block(f"block_{len(blocks) + 1}", corners, thickness_m))
-    return FloorPlan(name=path.stem, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
+    return walls, blocks
 
 
 def _read_settings(path: Path) -> MapFile:
@@ -106,13 +119,14 @@ def _read_settings(path: Path) -> MapFile:
         raise ScenarioError(f"{path}: {problems(error, MapFile)[0]}") from None
 
 
-def _metres(settings: MapFile, cells: np.ndarray) -> np.ndarray:
+def _metres(low_m: tuple[float, float], cell_m: tuple[float, float], cells: np.ndarray) -> np.ndarray:
     """Return places in cells as such in `map` [m], in whole micrometres: no digits from rounding in the plan file."""
-    return np.round(np.array(settings.origin[:2]) + cells * settings.resolution, 6)
+    return np.round(np.array(low_m) + cells * np.array(cell_m), 6)
 
 
 def _bounds(path: Path, settings: MapFile, rows: int, columns: int) -> Bounds:
-    low, high = _metres(settings, np.array([[0, 0], [columns, rows]])).tolist()
+    cell = (settings.resolution, settings.resolution)
+    low, high = _metres(settings.origin[:2], cell, np.array([[0, 0], [columns, rows]])).tolist()
     try:
         return Bounds(min=tuple(low), max=tuple(high))
     except ValidationError as error:
@@ -154,10 +168,10 @@ def _solid_cells(occupied: np.ndarray, free: np.ndarray, resolution_m: float) ->
     solid &= statistics[labels, cv2.CC_STAT_AREA] >= SPECK_CELLS
     _, labels, statistics, _ = cv2.connectedComponentsWithStats((~solid).astype(np.uint8), connectivity=4)
     solid |= statistics[labels, cv2.CC_STAT_AREA] * resolution_m**2 < POCKET_M2
-    return _without_corner_contacts(solid)
+    return without_corner_contacts(solid)
 
 
-def _without_corner_contacts(solid: np.ndarray) -> np.ndarray:
+def without_corner_contacts(solid: np.ndarray) -> np.ndarray:
     """Return the cells with one more wherever two touch by a corner alone: a wall drawn as such has no gaps."""
     solid = solid.copy()
     while True:

@@ -1,0 +1,107 @@
+"""`robotteamsim plan import-stage` and `plan export-stage`: worlds of the Stage simulator."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from robotteamsim import scenario
+from robotteamsim.cli.parser import UsageError, positive_number
+from robotteamsim.recording.files import atomically, prepare_folder
+from robotteamsim.scenario.plan_export import RESOLUTION_M
+from robotteamsim.scenario.yaml_text import write
+
+_IMPORT_TEXT = """\
+Turn a Stage world into a scenario and its floor plan: models with a bitmap, blocks or a
+boundary become walls and blocks, position models with a ranger become robots. What is
+taken differently is said line by line; docs/stage.md lists what is taken."""
+
+_IMPORT_EXAMPLES = """\
+examples:
+  robotteamsim plan import-stage office.world                office/office.yaml, office/plan.yaml
+  robotteamsim plan import-stage office.world --out DIR && robotteamsim run DIR/office.yaml"""
+
+_EXPORT_TEXT = """\
+Write a scenario as a Stage world and the bitmap of its walls and closed doors, for
+stage_ros: the same controllers then drive the same robots there."""
+
+_EXPORT_EXAMPLES = """\
+examples:
+  robotteamsim plan export-stage garage_sar --out DIR        DIR/garage_sar.world, DIR/garage_sar.png
+  rosrun stage_ros stageros DIR/garage_sar.world"""
+
+
+def add_to(actions: Any) -> None:
+    """Add the commands to the parser of `plan`."""
+    bring = actions.add_parser(
+        "import-stage",
+        help="turn a Stage world into a scenario",
+        description=_IMPORT_TEXT,
+        epilog=_IMPORT_EXAMPLES,
+    )
+    bring.add_argument("world", type=Path, metavar="FILE.world", help="the world file")
+    bring.add_argument("--out", type=Path, metavar="DIR", help="where to write; default a new folder named so")
+    bring.set_defaults(command=import_stage)
+
+    send = actions.add_parser(
+        "export-stage", help="write a scenario as a Stage world", description=_EXPORT_TEXT, epilog=_EXPORT_EXAMPLES
+    )
+    send.add_argument("scenario", metavar="SCENARIO", help="a file, or a shipped scenario: garage_sar")
+    send.add_argument("--set", dest="settings", action="append", default=[], metavar="KEY=VALUE", help="change a value")
+    send.add_argument("--out", type=Path, required=True, metavar="DIR", help="where to write the world and its bitmap")
+    send.add_argument(
+        "--resolution",
+        type=positive_number,
+        default=RESOLUTION_M,
+        metavar="M",
+        help="edge of a pixel [m]; default %(default)s",
+    )
+    send.set_defaults(command=export_stage)
+
+
+def import_stage(options: argparse.Namespace) -> None:
+    """Import a Stage world."""
+    # Imported late: OpenCV takes longer to start than most commands to run.
+    from robotteamsim.scenario.stage import import_world
+
+    name = options.world.stem
+    folder = options.out or Path(name)
+    if options.out is None and folder.exists():
+        raise UsageError(f"{folder} exists already; name the folder to write to with --out")
+    found = import_world(options.world)
+    _warn(found.notes)
+    plan_file, scenario_file = folder / "plan.yaml", folder / f"{name}.yaml"
+    if scenario_file == plan_file:
+        scenario_file = folder / "scenario.yaml"
+    keys = {"name": found.keys["name"], "plan": plan_file.name, **found.keys}
+    prepare_folder(folder)
+    with atomically(plan_file) as plan_part, atomically(scenario_file) as scenario_part:
+        scenario.write_floor_plan(found.plan, plan_part)
+        scenario_part.write_text(write(keys), encoding="utf-8")
+    robots, walls, blocks = len(found.scenario.placed_robots()), len(found.plan.walls), len(found.plan.blocks)
+    print(f"{scenario_file}: {robots} robots; {plan_file}: {walls} walls, {blocks} blocks")
+
+
+def export_stage(options: argparse.Namespace) -> None:
+    """Export a scenario to Stage."""
+    from robotteamsim.scenario.stage import export_world
+
+    model = scenario.load(options.scenario, options.settings)
+    # The scenario's own name may be no file name.
+    name = Path(options.scenario).stem
+    export = export_world(model, f"{name}.png", options.resolution)
+    _warn(export.notes)
+    prepare_folder(options.out)
+    world, bitmap = options.out / f"{name}.world", options.out / f"{name}.png"
+    with atomically(bitmap) as bitmap_part, atomically(world) as world_part:
+        bitmap_part.write_bytes(export.bitmap)
+        world_part.write_text(export.world, encoding="utf-8")
+    print(f"{world}: {len(model.placed_robots())} robots; {bitmap}: walls and closed doors")
+
+
+def _warn(notes: Sequence[str]) -> None:
+    for note in notes:
+        print(f"robotteamsim: warning: {note}", file=sys.stderr)

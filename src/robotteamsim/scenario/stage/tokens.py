@@ -1,0 +1,118 @@
+"""The words, numbers, texts and brackets of a Stage world file, with the files that it includes."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.yaml_text import is_file, shown
+
+MAX_TOKENS = 1_000_000
+"""Included files may be included again and again; no world needs as many."""
+
+_PATTERN = re.compile(
+    r"""(?P<blank>[ \t\r\f\v]+|\#[^\n]*)
+    |(?P<line>\n)
+    |(?P<word>[A-Za-z][A-Za-z0-9._\-\[\]]*)   # brackets too: point[0] is one word
+    |(?P<number>[-+.0-9]+)
+    |"(?P<text>[^"\n]*)"
+    |(?P<mark>[()\[\]])""",
+    re.VERBOSE,
+)
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Place:
+    """A line of a file; `file` is what messages call it."""
+
+    file: str
+    line: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}"
+
+    def wrong(self, text: str) -> ScenarioError:
+        """Return the error that names this place."""
+        return ScenarioError(f"{self}: {text}")
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """One piece of a world file; `value` is without the quotes."""
+
+    kind: Literal["word", "number", "text", "mark"]
+    value: str
+    place: Place
+
+
+def read_tokens(path: Path, file: str) -> list[Token]:
+    """Return the tokens of a world file, those of included files in the place of the `include`.
+
+    As in Stage, paths are relative to the world file, also those in an included file.
+
+    Args:   file: what error messages call the world file.
+    Raises: ScenarioError: a file is missing or includes itself, or a character belongs to no token.
+    """
+    tokens: list[Token] = []
+    for token in _with_includes(path, file, path.parent, Path(file).parent, ()):
+        tokens.append(token)
+        if len(tokens) > MAX_TOKENS:
+            raise token.place.wrong(f"more than {MAX_TOKENS} words and numbers are no world")
+    return tokens
+
+
+def _with_includes(path: Path, file: str, folder: Path, called: Path, chain: tuple[Path, ...]) -> Iterator[Token]:
+    tokens = _of_text(_read(path, file), file)
+    for token in tokens:
+        if token.kind != "word" or token.value != "include":
+            yield token
+            continue
+        name = next(tokens, None)
+        if name is None or name.kind != "text":
+            raise token.place.wrong('include: wanted a file name in quotes, such as include "robots.inc"')
+        included = folder / name.value
+        if not is_file(included):
+            raise name.place.wrong(f"include: there is no file {shown(name.value)}")
+        if included.resolve() in (*chain, path.resolve()):
+            raise name.place.wrong(f"include: '{name.value}' includes itself")
+        place = os.path.normpath(called / name.value)
+        yield from _with_includes(included, place, folder, called, (*chain, path.resolve()))
+
+
+def _read(path: Path, file: str) -> str:
+    try:
+        # Comments come in any encoding; what Stage itself reads is ASCII.
+        return path.read_bytes().decode("utf-8-sig", errors="replace")
+    except FileNotFoundError:
+        raise ScenarioError(f"{file}: there is no such file") from None
+    except OSError as error:
+        raise ScenarioError(f"{file}: {error.strerror or error}") from None
+
+
+def _of_text(text: str, file: str) -> Iterator[Token]:
+    line, position = 1, 0
+    while position < len(text):
+        place = Place(file, line)
+        match = _PATTERN.match(text, position)
+        if match is None:
+            raise place.wrong("a text has no closing quote" if text[position] == '"' else _stray(text[position]))
+        position = match.end()
+        if match.lastgroup == "line":
+            line += 1
+        elif match.lastgroup == "number":
+            following = text[position : position + 1]
+            if following.isalpha():
+                raise place.wrong(f"'{match[0]}{following}' is no number to Stage: digits, a point and a sign only")
+            yield Token("number", match[0], place)
+        elif match.lastgroup in ("word", "text", "mark"):
+            yield Token(match.lastgroup, match[match.lastgroup], place)  # type: ignore[arg-type]
+
+
+def _stray(character: str) -> str:
+    quoted = f"'{character}'" if character.isprintable() else f"character {ord(character)}"
+    return f"{quoted} stands where Stage knows no such character"
