@@ -51,6 +51,8 @@ examples:
   robotteamsim field voice garage_sar --compare range=lowest --compare range=highest --png ranges.png
   robotteamsim field voice garage_sar --range highest --compare voice.noise_db=10 --compare voice.noise_db=30 \\
       --png noise.png
+  robotteamsim field voice garage_sar --compare voice.wall_model=count --compare voice.wall_model=thickness \\
+      --png models.png
   robotteamsim field voice garage_sar --at 29,4.5 --set voice.wall_loss_db=6 --png one.png --out one.npz"""
 
 
