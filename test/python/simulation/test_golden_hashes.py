@@ -1,7 +1,7 @@
 """Trajectories keep their bits from one version to the next, in new processes, whatever the number of processors.
 
 The C library rounds sine, logarithm and the like in one way on processors with fused multiply-add and in another on
-those without, so each hash is kept for both. A change that means to move robots otherwise writes new ones, and says why.
+those without, so each hash is kept for both. A change that means to move robots otherwise writes new ones and says why.
 """
 
 from __future__ import annotations
