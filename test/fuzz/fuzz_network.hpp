@@ -1,11 +1,14 @@
-// Any graph of robots: hops against a plain search.
+// Any graph of robots: hops against a plain search, the Fiedler value against all eigenvalues.
 #pragma once
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 
 #include "fuzz_bytes.hpp"
+#include "robotteamsim/network/fiedler.hpp"
 #include "robotteamsim/network/hop_count.hpp"
 
 namespace robotteamsim::fuzz {
@@ -30,10 +33,17 @@ inline HopCount PlainHops(const Adjacency& adjacency) {
 
 /// Draws a graph: mostly of a few bytes' pattern, at times not square, not symmetric, or with a link to oneself.
 inline Adjacency DrawAdjacency(Bytes* bytes) {
-  const auto n = bytes->Draw(0, 30);
+  const auto n = bytes->Draw(0, 63);
   const bool odd_shape = bytes->Draw(0, 63) == 0;
-  Adjacency adjacency = Adjacency::Constant(n, odd_shape ? bytes->Draw(0, 30) : n, false);
+  Adjacency adjacency = Adjacency::Constant(n, odd_shape ? bytes->Draw(0, 63) : n, false);
   if (adjacency.rows() == 0 || adjacency.cols() == 0) return adjacency;
+  const auto shape = bytes->Draw(0, 3);  // chains and rings have the closest eigenvalues
+  for (Eigen::Index i = 0; i + 1 < std::min(adjacency.rows(), adjacency.cols()) && shape > 1; ++i) {
+    adjacency(i, i + 1) = adjacency(i + 1, i) = true;
+  }
+  if (shape == 3 && adjacency.rows() == adjacency.cols() && adjacency.rows() > 2) {
+    adjacency(0, adjacency.cols() - 1) = adjacency(adjacency.rows() - 1, 0) = true;
+  }
   const auto links = bytes->Draw(0, 150);
   const bool mirror = bytes->Draw(0, 31) != 0;
   for (std::int64_t link = 0; link < links && bytes->Left() > 0; ++link) {
@@ -46,6 +56,25 @@ inline Adjacency DrawAdjacency(Bytes* bytes) {
   return adjacency;
 }
 
+/// Returns the second-smallest eigenvalue of the Laplacian, of all that there are; 1 for a single robot.
+inline double PlainFiedlerValue(const Adjacency& adjacency) {
+  if (adjacency.rows() == 1) return 1.0;
+  const Eigen::MatrixXd links = adjacency.cast<double>();
+  const Eigen::MatrixXd laplacian = Eigen::MatrixXd(links.rowwise().sum().asDiagonal()) - links;
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(laplacian, Eigen::EigenvaluesOnly).eigenvalues()(1);
+}
+
+inline void CheckFiedlerValue(const Adjacency& adjacency, const HopCount& hops) {
+  if (hops.rows() == 0) return;
+  const double value = FiedlerValue(adjacency);
+  Check((value == 0.0) == (hops.minCoeff() < 0), "the Fiedler value is 0 exactly where the team is split");
+  if (value == 0.0) return;
+  const double expected = PlainFiedlerValue(adjacency);
+  Check(std::abs(value - expected) <= 100.0 * kFiedlerTolerance * expected + 1e-12,
+        "the Fiedler value is the reference");
+  Check(FiedlerValue(adjacency) == value, "the same links give the same bits");
+}
+
 /// Throws Disagreement where two ways of computing disagree; anything else that escapes is a mistake as well.
 inline void FuzzNetwork(const std::uint8_t* data, std::size_t size) {
   Bytes bytes(data, size);
@@ -56,6 +85,7 @@ inline void FuzzNetwork(const std::uint8_t* data, std::size_t size) {
     const HopCount hops = CountHops(adjacency);
     Check(sound, "what is no graph is refused");
     Check(hops == PlainHops(adjacency), "hops are the shortest ways");
+    CheckFiedlerValue(adjacency, hops);
   } catch (const std::invalid_argument&) {
     Check(!sound, "only what is no graph is refused");
   }
