@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import overload
@@ -76,6 +76,9 @@ class TeamReadings(Sequence[RobotReading]):
     def __getitem__(self, index: slice) -> Sequence[RobotReading]: ...
     def __getitem__(self, index: int | slice) -> RobotReading | Sequence[RobotReading]:
         return self._one_by_one[index]
+
+    def __iter__(self) -> Iterator[RobotReading]:
+        return iter(self._one_by_one)
 
     @cached_property
     def _one_by_one(self) -> tuple[RobotReading, ...]:
