@@ -11,10 +11,13 @@ import numpy as np
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.floor_plan import Block, Door, Wall
-from robotteamsim.scenario.plan import OCCUPIED, occupancy_grid
+from robotteamsim.scenario.plan import OCCUPIED, grid_shape, occupancy_grid
 from robotteamsim.scenario.plan_export import RESOLUTION_M
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Drive, Laser, Odometry, PlacedRobot
+
+MAX_PIXELS = 100_000_000
+"""Of a bitmap: what Stage, which looks at every pixel of it, still loads in minutes."""
 
 _RAYTRACE_M = 0.02
 """Cell in which Stage traces rays: its own default."""
@@ -41,6 +44,11 @@ def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTI
     Args:   bitmap: the name of the PNG, relative to the world file. resolution_m: edge of a pixel.
     Raises: ScenarioError: the plan has no solid. PlacementError: a robot stands badly.
     """
+    pixels = math.prod(grid_shape(scenario.plan, resolution_m))
+    if pixels > MAX_PIXELS:
+        raise ScenarioError(
+            f"{scenario.name}: plan: at {resolution_m:g} m a pixel has {pixels} pixels; up to {MAX_PIXELS}"
+        )
     grid = occupancy_grid(scenario.plan, resolution_m)
     solid = grid.cells == OCCUPIED
     if not solid.any():
@@ -81,6 +89,8 @@ def _notes(scenario: Scenario, robots: Sequence[PlacedRobot]) -> tuple[str, ...]
         notes.append("doors stay as they are at the start: Stage has none that move, so closed ones are walls")
     if any(robot.laser.no_return == "inf" for robot in robots):
         notes.append("laser.no_return: Stage says range_max where nothing is hit, never inf")
+    if len(robots) == 1:
+        notes.append("stage_ros leaves out robot_0/ in the names of topics where there is one robot")
     return tuple(notes)
 
 

@@ -25,6 +25,9 @@ DEFAULT_SIZE_M = (0.4, 0.4, 1.0)
 BOUNDARY_M = 0.01
 """Thickness of the walls of `boundary 1`."""
 
+MIN_PIXEL_M, MAX_PIXEL_M = 0.001, 10.0
+"""Of a bitmap."""
+
 _FREE_ABOVE = 127
 """A lighter pixel of a bitmap is free."""
 
@@ -127,6 +130,9 @@ class SolidReader:
         solid = self._read_bitmap(entity)
         rows, columns = solid.shape
         cell = (size[0] / columns, size[1] / rows)
+        if not (min(cell) >= MIN_PIXEL_M and max(cell) <= MAX_PIXEL_M):
+            text = f"its pixels would be {cell[0]:.3g} x {cell[1]:.3g} m; wanted {MIN_PIXEL_M:g} to {MAX_PIXEL_M:g} m"
+            raise entity.place_of("size").wrong(f"size: {text}")
         walls, blocks = solid_pieces(solid, (-0.5 * size[0], -0.5 * size[1]), cell)
         body = compose(pose, self._values.pose(entity, "origin")[0])
         height = _height(size[2])

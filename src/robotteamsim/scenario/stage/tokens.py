@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.yaml_text import is_file, shown
 
 MAX_TOKENS = 1_000_000
+MAX_INCLUDES = 200
 """Included files may be included again and again; no world needs as many."""
 
 _PATTERN = re.compile(
@@ -59,14 +61,21 @@ def read_tokens(path: Path, file: str) -> list[Token]:
     Raises: ScenarioError: a file is missing or includes itself, or a character belongs to no token.
     """
     tokens: list[Token] = []
-    for token in _with_includes(path, file, path.parent, Path(file).parent, ()):
+    for token in _with_includes(path, file, path.parent, Path(file).parent, (), itertools.count(1)):
         tokens.append(token)
         if len(tokens) > MAX_TOKENS:
             raise token.place.wrong(f"more than {MAX_TOKENS} words and numbers are no world")
     return tokens
 
 
-def _with_includes(path: Path, file: str, folder: Path, called: Path, chain: tuple[Path, ...]) -> Iterator[Token]:
+def _with_includes(
+    path: Path, file: str, folder: Path, called: Path, chain: tuple[Path, ...], includes: Iterator[int]
+) -> Iterator[Token]:
+    """Yield the tokens of a file.
+
+    Args: folder, called: what paths are relative to, and what messages call it. chain: the files that led here.
+          includes: counts them.
+    """
     tokens = _of_text(_read(path, file), file)
     for token in tokens:
         if token.kind != "word" or token.value != "include":
@@ -80,8 +89,10 @@ def _with_includes(path: Path, file: str, folder: Path, called: Path, chain: tup
             raise name.place.wrong(f"include: there is no file {shown(name.value)}")
         if included.resolve() in (*chain, path.resolve()):
             raise name.place.wrong(f"include: '{name.value}' includes itself")
+        if next(includes) > MAX_INCLUDES:
+            raise name.place.wrong(f"include: more than {MAX_INCLUDES} files are included")
         place = os.path.normpath(called / name.value)
-        yield from _with_includes(included, place, folder, called, (*chain, path.resolve()))
+        yield from _with_includes(included, place, folder, called, (*chain, path.resolve()), includes)
 
 
 def _read(path: Path, file: str) -> str:

@@ -19,6 +19,9 @@ M = TypeVar("M", bound=Model)
 Pose2 = tuple[float, float, float]
 """x, y, yaw [m, m, rad]."""
 
+MAX_NUMBER = 1e6
+"""No length, angle, time or count of a world is larger."""
+
 _LENGTHS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 _ANGLES_RAD = {"degrees": math.pi / 180.0, "radians": 1.0}
 
@@ -52,6 +55,8 @@ class Values:
             form = f", {_FORMS[units]}" if units in _FORMS else ""
             wanted = f"{len(units)} numbers{form}" if len(units) > 1 else "a number"
             raise given.place.wrong(f"{key}: {_shown(given)} is not {wanted}")
+        if any(abs(value) > MAX_NUMBER for value in given.values if not isinstance(value, str)):
+            raise given.place.wrong(f"{key}: {_shown(given)} goes beyond {MAX_NUMBER:.0f}")
         scale = {"l": self._length_m, "a": self._angle_rad, "f": 1.0}
         return tuple(float(value) * scale[unit] for value, unit in zip(given.values, units, strict=True))
 

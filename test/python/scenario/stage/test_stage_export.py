@@ -122,7 +122,7 @@ def test_exact_odometry_is_gps():
     export = export_world(load("tutorial_arena", exact), "w.png")
     assert 'localization "gps"' in export.world
     assert "odom_error" not in export.world
-    assert export.notes == ()
+    assert export.notes == ("stage_ros leaves out robot_0/ in the names of topics where there is one robot",)
 
 
 def test_plan_without_solids_is_refused():
@@ -130,3 +130,8 @@ def test_plan_without_solids_is_refused():
     scenario = Scenario.model_validate({"name": "field", "plan": plan, "robots": {"count": 1, "start": [2, 2, 0]}})
     with pytest.raises(ScenarioError, match="has no wall, block or closed door to draw a bitmap of"):
         export_world(scenario, "w.png")
+
+
+def test_too_fine_a_bitmap_is_refused():
+    with pytest.raises(ScenarioError, match=r"^garage_sar: plan: at 0\.001 m a pixel has 2400000000 pixels; up to"):
+        export_world(load("garage_sar"), "w.png", 0.001)

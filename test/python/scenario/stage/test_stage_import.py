@@ -116,6 +116,12 @@ def test_model_without_blocks_is_a_box_of_its_size(world_of):
     assert [solid.polygon.bounds for solid in solids(plan)[4:]] == [(4.5, 4.0, 5.5, 6.0), (7.8, 4.8, 8.2, 5.2)]
 
 
+def test_kind_may_be_defined_by_the_name_of_a_part(world_of):
+    """As in the world that comes with stage_ros, where `block` is a model."""
+    text = "define block model( size [ 0.5 0.5 0.5 ] )\n" + ROOM + ROBOT + "block( pose [ 5 5 0 180 ] )"
+    assert [solid.polygon.bounds for solid in solids(world_of(text).plan)[4:]] == [(4.75, 4.75, 5.25, 5.25)]
+
+
 def test_model_on_a_model_stands_in_its_frame(world_of):
     text = "model( size [ 2 2 0.1 ] pose [ 6 4 0 90 ] stack_children 0 model( size [1 0.2 0.2] pose [ 1 0 0 0 ] ) )"
     plan = world_of(ROOM + ROBOT + text).plan

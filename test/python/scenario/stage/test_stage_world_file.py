@@ -113,6 +113,14 @@ def test_loop_of_included_files_is_refused(read, tmp_path):
         read('include "b.inc"')
 
 
+def test_included_files_that_multiply_are_refused(read, tmp_path):
+    for i in range(12):
+        (tmp_path / f"{i}.inc").write_text(f'include "{i + 1}.inc"\ninclude "{i + 1}.inc"\n')
+    (tmp_path / "12.inc").write_text("")
+    with pytest.raises(ScenarioError, match="include: more than 200 files are included"):
+        read('include "0.inc"')
+
+
 def test_definitions_that_multiply_are_refused(read):
     kinds = "".join(f"define k{i + 1} model( k{i}() k{i}() k{i}() k{i}() )\n" for i in range(12))
     with pytest.raises(ScenarioError, match="more than 100000 models and parts of models"):
