@@ -2,8 +2,10 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <vector>
 
@@ -45,13 +47,14 @@ class TeamOdometry {
  public:
   TeamOdometry(const std::vector<std::array<double, 4>>& alphas, double step_s) : team_(ToTeam(alphas, step_s)) {}
 
-  // Rows of motions, twists and noise are those of the robots; returns x, y, qz, qw, vx, vy, turn of each.
+  // Rows of motions, twists and noise are those of the robots; returns x, y, qz, qw, vx, vy, turn of each, then the
+  // covariance of x, y, yaw (upper triangle), then the variances of vx and turn.
   py::array_t<double> Step(const Doubles& motions, const Doubles& twists, const Doubles& noise) {
     const auto count = static_cast<py::ssize_t>(team_.size());
     for (const Doubles* rows : {&motions, &twists, &noise}) {
       if (rows->size() != 3 * count) throw std::invalid_argument("motions, twists and noise must be three per robot");
     }
-    py::array_t<double> readings({count, py::ssize_t{7}});
+    py::array_t<double> readings({count, py::ssize_t{15}});
     for (py::ssize_t i = 0; i < count; ++i) {
       const double *const motion = motions.data() + 3 * i, *const twist = twists.data() + 3 * i;
       const double* const normal = noise.data() + 3 * i;
@@ -62,6 +65,10 @@ class TeamOdometry {
       row[4] = team_[i].twist().linear_x;
       row[5] = team_[i].twist().linear_y;
       row[6] = team_[i].twist().angular_z;
+      const PoseCovariance& p = team_[i].covariance();
+      const double rest[] = {
+          p.xx, p.xy, p.x_yaw, p.yy, p.y_yaw, p.yaw_yaw, team_[i].speed_variance(), team_[i].turn_variance()};
+      std::copy(std::begin(rest), std::end(rest), row + 7);
     }
     return readings;
   }

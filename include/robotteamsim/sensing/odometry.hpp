@@ -14,6 +14,16 @@ struct OdometryModel {
   double alpha4 = 0.0;  ///< of a distance per turn [m^2/rad^2]
 };
 
+/// The covariance of the error of a pose (x, y, yaw): its upper triangle, row by row.
+struct PoseCovariance {
+  double xx = 0.0;       ///< [m^2]
+  double xy = 0.0;       ///< [m^2]
+  double x_yaw = 0.0;    ///< [m rad]
+  double yy = 0.0;       ///< [m^2]
+  double y_yaw = 0.0;    ///< [m rad]
+  double yaw_yaw = 0.0;  ///< [rad^2]
+};
+
 /// A robot's odometry: its true motion plus drift, in a frame `odom` that begins where the robot does.
 ///
 /// A motion is a turn, a distance and a second turn, each with Gaussian noise of the variances
@@ -24,6 +34,9 @@ struct OdometryModel {
 /// so a robot that stands still, blocked or not, does not drift. Two cases that the model leaves open: a distance is
 /// negative when the robot drives backwards, as turning round was no part of that; and a robot that is pushed aside or
 /// slides has turned no more than its body did, whatever the direction it went.
+///
+/// The covariance is that of these errors, carried on by the Jacobians of the model at the believed pose: to first
+/// order, so it holds while the error of yaw is small (sin about linear; 0.3 rad or so).
 class Odometry {
  public:
   /// Three numbers of the standard normal distribution: of the first turn, the distance and the second turn.
@@ -44,11 +57,21 @@ class Odometry {
   /// What its wheels measured in the last step, in base_link.
   const Twist& twist() const { return twist_; }
 
+  /// How far that pose may be from the true one.
+  const PoseCovariance& covariance() const { return covariance_; }
+  /// Variance of the forward speed of that twist [m^2/s^2]; sideways there is no noise.
+  double speed_variance() const { return speed_variance_; }
+  /// Variance of its turn [rad^2/s^2], independent of the speed's.
+  double turn_variance() const { return turn_variance_; }
+
  private:
   OdometryModel model_;
   double step_;
   Pose pose_;
   Twist twist_;
+  PoseCovariance covariance_;
+  double speed_variance_ = 0.0;
+  double turn_variance_ = 0.0;
 };
 
 }  // namespace robotteamsim

@@ -20,6 +20,22 @@ Way WayOf(const Pose& motion) {
   return {distance, std::atan2(motion.y, motion.x)};
 }
 
+// Carries a covariance over a turn, a distance in direction (cos, sin), and a second turn: G P G^T + V M V^T, with the
+// Jacobians G of the step by the pose before and V by its three errors. That of the first turn is one more error of the
+// yaw with which the distance is driven; that of the second comes after it.
+PoseCovariance Carried(PoseCovariance p, double first_variance, double distance, double distance_variance, double cos,
+                       double sin, double second_variance) {
+  p.yaw_yaw += first_variance;
+  const double x_by_yaw = -distance * sin, y_by_yaw = distance * cos;
+  p.xx += x_by_yaw * (2.0 * p.x_yaw + x_by_yaw * p.yaw_yaw) + cos * cos * distance_variance;
+  p.xy += x_by_yaw * p.y_yaw + y_by_yaw * (p.x_yaw + x_by_yaw * p.yaw_yaw) + cos * sin * distance_variance;
+  p.yy += y_by_yaw * (2.0 * p.y_yaw + y_by_yaw * p.yaw_yaw) + sin * sin * distance_variance;
+  p.x_yaw += x_by_yaw * p.yaw_yaw;
+  p.y_yaw += y_by_yaw * p.yaw_yaw;
+  p.yaw_yaw += second_variance;
+  return p;
+}
+
 }  // namespace
 
 void Odometry::Step(const Pose& motion, const Twist& twist, const Noise& noise) {
@@ -29,16 +45,22 @@ void Odometry::Step(const Pose& motion, const Twist& twist, const Noise& noise) 
   const double first2 = Square(std::min(std::abs(way.heading), std::abs(turn)));
   const double second2 = Square(std::min(std::abs(rest), std::abs(turn)));
   const double distance2 = Square(way.distance);
-  const double first_error = noise.first_turn * std::sqrt(model_.alpha1 * first2 + model_.alpha2 * distance2);
-  const double distance_error =
-      noise.distance * std::sqrt(model_.alpha3 * distance2 + model_.alpha4 * (first2 + second2));
-  const double second_error = noise.second_turn * std::sqrt(model_.alpha1 * second2 + model_.alpha2 * distance2);
+  const double first_variance = model_.alpha1 * first2 + model_.alpha2 * distance2;
+  const double distance_variance = model_.alpha3 * distance2 + model_.alpha4 * (first2 + second2);
+  const double second_variance = model_.alpha1 * second2 + model_.alpha2 * distance2;
+  const double first_error = noise.first_turn * std::sqrt(first_variance);
+  const double distance_error = noise.distance * std::sqrt(distance_variance);
+  const double second_error = noise.second_turn * std::sqrt(second_variance);
   const double course = pose_.yaw + way.heading + first_error;
-  pose_.x += (way.distance + distance_error) * std::cos(course);
-  pose_.y += (way.distance + distance_error) * std::sin(course);
+  const double distance = way.distance + distance_error, cos = std::cos(course), sin = std::sin(course);
+  pose_.x += distance * cos;
+  pose_.y += distance * sin;
   pose_.yaw = NormaliseAngle(course + rest + second_error);
+  covariance_ = Carried(covariance_, first_variance, distance, distance_variance, cos, sin, second_variance);
   twist_ = {twist.linear_x + distance_error / step_, twist.linear_y,
             twist.angular_z + (first_error + second_error) / step_};
+  speed_variance_ = distance_variance / Square(step_);
+  turn_variance_ = (first_variance + second_variance) / Square(step_);
 }
 
 }  // namespace robotteamsim

@@ -23,7 +23,10 @@ from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceRe
 
 MAP_FRAME = "map"
 
-_NO_COVARIANCE = np.zeros(36)
+# Where the nine covariances of x, y and yaw stand among the 36 of (x, y, z, roll, pitch, yaw), and which of a triangle
+# each is. All others are 0: the floor is level, so z, roll and pitch are known.
+_PLANE_OF_36 = np.array([0, 1, 5, 6, 7, 11, 30, 31, 35])
+_OF_TRIANGLE = np.array([0, 1, 2, 1, 3, 4, 2, 4, 5])
 _IDENTITY = PoseReading(0.0, 0.0, 0.0, 1.0)
 
 
@@ -89,12 +92,12 @@ def twist_stamped(make: Make, time_ns: int, robot_id: int, command: Twist) -> An
 
 def odometry(make: Make, time_ns: int, robot_id: int, reading: OdometryReading) -> Any:
     """nav_msgs/Odometry, of `odom`."""
-    return _odometry(make, time_ns, robot_frame(robot_id, "odom"), robot_id, reading.pose, reading.twist)
+    return _odometry(make, time_ns, robot_frame(robot_id, "odom"), robot_id, reading)
 
 
 def ground_truth(make: Make, time_ns: int, robot_id: int, reading: RobotReading) -> Any:
     """nav_msgs/Odometry, of `base_pose_ground_truth`."""
-    return _odometry(make, time_ns, MAP_FRAME, robot_id, reading.ground_truth, reading.twist)
+    return _odometry(make, time_ns, MAP_FRAME, robot_id, OdometryReading(reading.ground_truth, reading.twist))
 
 
 def scan(make: Make, time_ns: int, robot_id: int, laser: Laser, ranges_m: np.ndarray) -> Any:
@@ -305,13 +308,16 @@ def _quaternion(make: Make, reading: PoseReading) -> Any:
     return make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=reading.qz, w=reading.qw)
 
 
-def _odometry(make: Make, time_ns: int, frame: str, robot_id: int, place: PoseReading, velocity: Twist) -> Any:
+def _odometry(make: Make, time_ns: int, frame: str, robot_id: int, reading: OdometryReading) -> Any:
+    pose_covariance, twist_covariance = np.zeros(36), np.zeros(36)
+    pose_covariance[_PLANE_OF_36] = np.array(reading.pose_covariance)[_OF_TRIANGLE]
+    twist_covariance[[0, 35]] = reading.twist_variances
     return make(
         "nav_msgs/Odometry",
         header=header(make, time_ns, frame),
         child_frame_id=robot_frame(robot_id, "base_footprint"),
-        pose=make("geometry_msgs/PoseWithCovariance", pose=pose(make, place), covariance=_NO_COVARIANCE),
-        twist=make("geometry_msgs/TwistWithCovariance", twist=twist(make, velocity), covariance=_NO_COVARIANCE),
+        pose=make("geometry_msgs/PoseWithCovariance", pose=pose(make, reading.pose), covariance=pose_covariance),
+        twist=make("geometry_msgs/TwistWithCovariance", twist=twist(make, reading.twist), covariance=twist_covariance),
     )
 
 

@@ -72,7 +72,13 @@ def twist(message: geometry_msgs.msg.Twist) -> Twist:
 
 def odometry_reading(message: nav_msgs.msg.Odometry) -> OdometryReading:
     """Return pose and twist of `odom` or `base_pose_ground_truth`."""
-    return OdometryReading(pose_reading(message.pose.pose), twist(message.twist.twist))
+    of_pose, of_twist = message.pose.covariance, message.twist.covariance
+    return OdometryReading(
+        pose_reading(message.pose.pose),
+        twist(message.twist.twist),
+        pose_covariance=(of_pose[0], of_pose[1], of_pose[5], of_pose[7], of_pose[11], of_pose[35]),
+        twist_variances=(of_twist[0], of_twist[35]),
+    )
 
 
 def ranges_m(message: sensor_msgs.msg.LaserScan) -> np.ndarray:

@@ -24,6 +24,9 @@ class TeamOdometry:
     so a robot that stands still, blocked or not, does not drift. Two cases that the model leaves open: a distance is
     negative when the robot drives backwards, as turning round was no part of that; and a robot that is pushed aside
     or slides has turned no more than its body did, whatever the direction it went.
+
+    The covariance of the believed pose is carried on step by step by the Jacobians of this model at that pose:
+    to first order, so it holds while the error of yaw is small, up to 0.3 rad or so.
     """
 
     def __init__(
@@ -37,10 +40,10 @@ class TeamOdometry:
         self._steps_left = 0
 
     def step(self, motions: np.ndarray, twists: np.ndarray) -> np.ndarray:
-        """Return the readings after one more step, float64, shape (n, 7).
+        """Return the readings after one more step, float64, shape (n, 15).
 
         A row is the pose in `odom` as x, y [m], qz, qw, and the twist in `base_link` that the wheels measured: forward,
-        left [m/s], counter-clockwise [rad/s].
+        left [m/s], counter-clockwise [rad/s]; then the covariances of `OdometryReading`, six and two.
 
         Args: motions: the ways of the step, seen from where they began, shape (n, 3): x, y [m], yaw [rad].
               twists: their mean velocities, in `base_link`, shape (n, 3).

@@ -14,10 +14,16 @@ from robotteamsim.geometry import PoseReading, Twist
 
 @dataclass(frozen=True, slots=True)
 class OdometryReading:
-    """A pose in `odom` and the twist in `base_link` that the wheels measured."""
+    """A pose in `odom` and the twist in `base_link` that the wheels measured.
+
+    pose_covariance: of x, y [m] and yaw [rad], the upper triangle row by row: xx, xy, x yaw, yy, y yaw, yaw yaw.
+    twist_variances: of the forward speed [m^2/s^2] and of the turn [rad^2/s^2]; a sideways speed has no error.
+    """
 
     pose: PoseReading
     twist: Twist
+    pose_covariance: tuple[float, ...] = (0.0,) * 6
+    twist_variances: tuple[float, ...] = (0.0,) * 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +62,8 @@ class TeamReadings(Sequence[RobotReading]):
 
     ground_truth: float64, shape (n, 4): x, y [m], qz, qw in `map`.
     twists:       float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s] in `base_link`.
-    odometry:     float64, shape (n, 7): x, y [m], qz, qw in `odom`, then the twist that the wheels measured.
+    odometry:     float64, shape (n, 15): x, y [m], qz, qw in `odom`, the twist that the wheels measured, then the
+                  covariances of `OdometryReading`, six and two.
     ranges_m:     float32 per robot, shape (beams,) [m].
     in_contact:   bool, shape (n,).
     """
@@ -94,12 +101,16 @@ class TeamReadings(Sequence[RobotReading]):
             RobotReading(
                 ground_truth=PoseReading(*truth),
                 twist=Twist(*twist),
-                odometry=OdometryReading(PoseReading(*believed[:4]), Twist(*believed[4:])),
+                odometry=_odometry_reading(believed),
                 ranges_m=ranges_m,
                 in_contact=in_contact,
             )
             for truth, twist, believed, ranges_m, in_contact in rows
         )
+
+
+def _odometry_reading(row: list[float]) -> OdometryReading:
+    return OdometryReading(PoseReading(*row[:4]), Twist(*row[4:7]), tuple(row[7:13]), tuple(row[13:]))
 
 
 @dataclass(frozen=True, slots=True)

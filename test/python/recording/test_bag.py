@@ -92,6 +92,19 @@ def test_ground_truth_in_a_bag_has_the_bits_of_the_trial(trial, bag):
         assert (odometry.header.frame_id, odometry.child_frame_id) == ("map", "robot_1/base_footprint")
 
 
+def test_odometry_in_a_bag_has_the_covariances_of_the_trial_and_the_truth_has_none(trial, bag):
+    for record, (_, odometry) in zip(trial.records(5), messages(bag, "/robot_0/odom"), strict=True):
+        reading = record.readings[0].odometry
+        pose, twist = (part.covariance.reshape(6, 6) for part in (odometry.pose, odometry.twist))
+        in_plane = pose[np.ix_([0, 1, 5], [0, 1, 5])]
+        assert in_plane[np.triu_indices(3)].tolist() == list(reading.pose_covariance)
+        np.testing.assert_array_equal(pose, pose.T)
+        np.testing.assert_array_equal(twist, np.diag([0.01, 0.0, 0.0, 0.0, 0.0, 0.02]))
+    _, truth = messages(bag, "/robot_0/base_pose_ground_truth")[-1]
+    assert not truth.pose.covariance.any()
+    assert not truth.twist.covariance.any()
+
+
 def test_scan_in_a_bag_carries_the_ranges(trial, bag):
     _, scan = messages(bag, "/robot_0/base_scan")[0]
     np.testing.assert_array_equal(scan.ranges, trial.record(1).readings[0].ranges_m)

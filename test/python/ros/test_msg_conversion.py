@@ -22,7 +22,8 @@ TIME_NS = 12_300_000_000
 PLACE = PoseReading(0.1 + 0.2, -1.0 / 3.0, 0.6000000000000001, 0.7999999999999999)
 MOTION = Twist(0.1, -0.2, 1.0 / 7.0)
 RANGES_M = np.array([0.1, 5.0, np.inf], dtype=np.float32)
-READING = RobotReading(PLACE, MOTION, OdometryReading(PLACE, MOTION), RANGES_M, True)
+BELIEVED = OdometryReading(PLACE, MOTION, tuple((np.arange(1.0, 7.0) / 7.0).tolist()), (0.1 + 0.2, 1.0 / 3.0))
+READING = RobotReading(PLACE, MOTION, BELIEVED, RANGES_M, True)
 
 
 @pytest.fixture
@@ -47,6 +48,17 @@ def test_odometry_keeps_its_bits(make):
     message = sent(fields.odometry(make, TIME_NS, 1, READING.odometry))
     assert conversion.odometry_reading(message) == READING.odometry
     assert (message.header.frame_id, message.child_frame_id) == ("robot_1/odom", "robot_1/base_footprint")
+
+
+def test_covariances_stand_where_x_y_and_yaw_do(make):
+    message = sent(fields.odometry(make, TIME_NS, 1, READING.odometry))
+    pose, twist = (np.array(part.covariance).reshape(6, 6) for part in (message.pose, message.twist))
+    xx, xy, x_yaw, yy, y_yaw, yaw_yaw = BELIEVED.pose_covariance
+    in_plane = np.ix_([0, 1, 5], [0, 1, 5])
+    np.testing.assert_array_equal(pose[in_plane], [[xx, xy, x_yaw], [xy, yy, y_yaw], [x_yaw, y_yaw, yaw_yaw]])
+    np.testing.assert_array_equal(twist[in_plane], np.diag([BELIEVED.twist_variances[0], 0.0, 1.0 / 3.0]))
+    for covariance in (pose, twist):
+        assert np.count_nonzero(covariance) == np.count_nonzero(covariance[in_plane])
 
 
 def test_ground_truth_keeps_its_bits(make):
