@@ -32,8 +32,21 @@ Solid ToSolid(const Corners& outline, const std::vector<Corners>& pieces) {
   return solid;
 }
 
-Robot ToRobot(double radius_m, double mass_kg, const std::array<double, 4>& drive, const Triple& start) {
-  return {radius_m, mass_kg, {drive[0], drive[1], drive[2], drive[3]}, {start[0], start[1], start[2]}};
+Robot ToRobot(double radius_m, double mass_kg, const DriveLimits& drive, const Triple& start) {
+  return {radius_m, mass_kg, drive, {start[0], start[1], start[2]}};
+}
+
+DriveKind ToKind(const std::string& name) {
+  if (name == "differential") return DriveKind::kDifferential;
+  if (name == "omni") return DriveKind::kOmni;
+  if (name == "car") return DriveKind::kCar;
+  throw std::invalid_argument("a drive is differential, omni or car, not " + name);
+}
+
+DriveLimits ToDrive(const std::string& kind, double max_speed, double max_acceleration, double max_turn,
+                    double max_turn_acceleration, double wheelbase, double max_steering, double max_steering_rate) {
+  return {max_speed,    max_turn,  max_acceleration, max_turn_acceleration,
+          ToKind(kind), wheelbase, max_steering,     max_steering_rate};
 }
 
 void Step(World& world, const Doubles& twists) {
@@ -76,6 +89,11 @@ py::array_t<bool> InContact(const World& world) {
 void BindWorld(py::module_& m) {
   py::class_<Solid>(m, "Solid").def(py::init(&ToSolid), py::arg("outline_m"), py::arg("pieces_m"));
   py::class_<Door>(m, "Door").def(py::init<Solid, bool>(), py::arg("leaf"), py::arg("closed"));
+  py::class_<DriveLimits>(m, "Drive")
+      .def(py::init(&ToDrive), py::kw_only(), py::arg("kind"), py::arg("max_speed_mps"),
+           py::arg("max_acceleration_mps2"), py::arg("max_turn_radps") = 0.0,
+           py::arg("max_turn_acceleration_radps2") = 0.0, py::arg("wheelbase_m") = 0.0,
+           py::arg("max_steering_rad") = 0.0, py::arg("max_steering_rate_radps") = 0.0);
   py::class_<Robot>(m, "Robot")
       .def(py::init(&ToRobot), py::arg("radius_m"), py::arg("mass_kg"), py::arg("drive"), py::arg("start"));
   py::class_<World>(m, "World")

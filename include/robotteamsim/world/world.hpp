@@ -14,7 +14,7 @@ class b2World;
 
 namespace robotteamsim {
 
-/// A round robot with a differential drive.
+/// A round robot.
 struct Robot {
   double radius = 0.2;  ///< [m]
   double mass = 5.0;    ///< [kg]

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <stdexcept>
+#include <string>
 
 namespace robotteamsim {
 namespace {
@@ -12,6 +15,33 @@ double Approached(double now, double wanted, double max, double max_change) {
   const double reachable = std::clamp(wanted, -max, max);
   return std::clamp(reachable, now - max_change, now + max_change);
 }
+
+// A velocity in the plane approaches the wanted one on the straight line between them.
+DriveSpeed ReachedOmniSpeed(const DriveSpeed& now, const Twist& command, const DriveLimits& limits, double dt) {
+  const double wanted = std::hypot(command.linear_x, command.linear_y);
+  const double share = wanted > limits.max_speed ? limits.max_speed / wanted : 1.0;
+  const double forward = share * command.linear_x - now.forward, left = share * command.linear_y - now.left;
+  const double change = std::hypot(forward, left), max_change = limits.max_acceleration * dt;
+  const double part = change > max_change ? max_change / change : 1.0;
+  DriveSpeed speed = now;
+  speed.forward = now.forward + part * forward;
+  speed.left = now.left + part * left;
+  speed.turn = Approached(now.turn, command.angular_z, limits.max_turn, limits.max_turn_acceleration * dt);
+  return speed;
+}
+
+DriveSpeed ReachedCarSpeed(const DriveSpeed& now, const Twist& command, const DriveLimits& limits, double dt) {
+  DriveSpeed speed = now;
+  speed.forward = Approached(now.forward, command.linear_x, limits.max_speed, limits.max_acceleration * dt);
+  if (speed.forward != 0.0) {
+    const double wanted = std::atan(limits.wheelbase * command.angular_z / speed.forward);
+    speed.steering = Approached(now.steering, wanted, limits.max_steering, limits.max_steering_rate * dt);
+  }
+  speed.turn = CarTurn(speed.forward, speed.steering, limits);
+  return speed;
+}
+
+bool IsPositive(double value) { return value > 0.0 && std::isfinite(value); }
 
 }  // namespace
 
@@ -26,16 +56,45 @@ Pose RelativePose(const Pose& from, const Pose& to) {
   return {cos * dx + sin * dy, cos * dy - sin * dx, NormaliseAngle(to.yaw - from.yaw)};
 }
 
+void CheckDrive(const DriveLimits& limits) {
+  const bool is_car = limits.kind == DriveKind::kCar;
+  const double shared[] = {limits.max_speed, limits.max_acceleration};
+  const double turning[] = {limits.max_turn, limits.max_turn_acceleration};
+  const double steering[] = {limits.wheelbase, limits.max_steering, limits.max_steering_rate};
+  const bool fine = std::all_of(std::begin(shared), std::end(shared), IsPositive) &&
+                    (is_car ? std::all_of(std::begin(steering), std::end(steering), IsPositive)
+                            : std::all_of(std::begin(turning), std::end(turning), IsPositive));
+  if (!fine) throw std::invalid_argument("sizes and limits of a robot must be > 0");
+  if (is_car && !(limits.max_steering < 0.5 * kPi)) {
+    throw std::invalid_argument("max_steering must be below a right angle, got " + std::to_string(limits.max_steering));
+  }
+}
+
+double SpeedBound(const DriveSpeed& now, const Twist& command, const DriveLimits& limits) {
+  const bool is_omni = limits.kind == DriveKind::kOmni;
+  const double wanted = is_omni ? std::hypot(command.linear_x, command.linear_y) : std::abs(command.linear_x);
+  const double current = is_omni ? std::hypot(now.forward, now.left) : std::abs(now.forward);
+  return std::max(std::min(wanted, limits.max_speed), current);
+}
+
 DriveSpeed ReachedSpeed(const DriveSpeed& now, const Twist& command, const DriveLimits& limits, double dt) {
+  if (limits.kind == DriveKind::kOmni) return ReachedOmniSpeed(now, command, limits, dt);
+  if (limits.kind == DriveKind::kCar) return ReachedCarSpeed(now, command, limits, dt);
   return {Approached(now.forward, command.linear_x, limits.max_speed, limits.max_acceleration * dt),
           Approached(now.turn, command.angular_z, limits.max_turn, limits.max_turn_acceleration * dt)};
+}
+
+double CarTurn(double forward, double steering, const DriveLimits& limits) {
+  return forward * std::tan(steering) / limits.wheelbase;
 }
 
 Pose AdvancedPose(const Pose& pose, const DriveSpeed& speed, double dt) {
   const double half_turn = 0.5 * speed.turn * dt;
   const double heading = pose.yaw + half_turn;  // of the chord
-  const double chord = speed.forward * dt * (half_turn == 0.0 ? 1.0 : std::sin(half_turn) / half_turn);
-  return {pose.x + chord * std::cos(heading), pose.y + chord * std::sin(heading),
+  const double shrink = half_turn == 0.0 ? 1.0 : std::sin(half_turn) / half_turn;
+  const double chord = speed.forward * dt * shrink, aside = speed.left * dt * shrink;
+  const double cos = std::cos(heading), sin = std::sin(heading);
+  return {pose.x + (chord * cos - aside * sin), pose.y + (chord * sin + aside * cos),
           NormaliseAngle(pose.yaw + 2.0 * half_turn)};
 }
 

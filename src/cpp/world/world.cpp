@@ -75,11 +75,10 @@ bool IsTouching(const b2Body* body) {
 bool IsPositive(double value) { return value > 0.0 && std::isfinite(value); }
 
 void CheckRobot(const Robot& robot) {
-  const DriveLimits& drive = robot.drive;
-  for (const double value : {robot.radius, robot.mass, drive.max_speed, drive.max_turn, drive.max_acceleration,
-                             drive.max_turn_acceleration}) {
+  for (const double value : {robot.radius, robot.mass}) {
     if (!IsPositive(value)) throw std::invalid_argument("sizes and limits of a robot must be > 0");
   }
+  CheckDrive(robot.drive);
 }
 
 // Box2D moves no body by more than 2 m at once, and keeps robots from jumping over each other only while they move by
@@ -206,8 +205,7 @@ void World::Step(const std::vector<Twist>& commands) {
 double World::MaxTravel(const std::vector<Twist>& commands) const {
   double speed = 0.0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
-    const double wanted = std::min(std::abs(commands[i].linear_x), robots_[i].drive.max_speed);
-    speed = std::max({speed, wanted, std::abs(drives_[i].speed.forward)});
+    speed = std::max(speed, SpeedBound(drives_[i].speed, commands[i], robots_[i].drive));
   }
   return speed * step_;
 }
@@ -255,7 +253,8 @@ void World::FinishDrive(int robot) {
   Drive& drive = drives_[robot];
   Pose& pose = poses_[robot];
   double forward = drive.speed.forward;
-  double left = 0.0;
+  double left = drive.speed.left;
+  double turn = drive.speed.turn;
   if (drive.is_busy && IsTouching(robot_bodies_[robot])) {
     const Point at = BodyPosition(robot);
     const double heading = pose.yaw + 0.5 * drive.speed.turn * dt_;
@@ -264,7 +263,15 @@ void World::FinishDrive(int robot) {
     forward = (cos * dx + sin * dy) / dt_;
     left = (cos * dy - sin * dx) / dt_;
     // What stops a robot dead stops its wheels; along what it slides along, and behind what it pushes, they slip.
-    if (forward / drive.speed.forward < kStalled) drive.speed.forward = 0.0;
+    const double wanted2 = drive.speed.forward * drive.speed.forward + drive.speed.left * drive.speed.left;
+    if ((forward * drive.speed.forward + left * drive.speed.left) / wanted2 < kStalled) {
+      drive.speed.forward = 0.0;
+      drive.speed.left = 0.0;
+    }
+    if (robots_[robot].drive.kind == DriveKind::kCar) {  // its wheels turn it as far as they roll
+      turn = CarTurn(forward, drive.speed.steering, robots_[robot].drive);
+      drive.target.yaw = NormaliseAngle(pose.yaw + turn * dt_);
+    }
     drive.target.x = at.x;
     drive.target.y = at.y;
     in_contact_[robot] = true;
@@ -272,7 +279,7 @@ void World::FinishDrive(int robot) {
   pose = drive.target;
   twists_[robot].linear_x += forward / substeps_;
   twists_[robot].linear_y += left / substeps_;
-  twists_[robot].angular_z += drive.speed.turn / substeps_;
+  twists_[robot].angular_z += turn / substeps_;
 }
 
 void World::SetPose(int robot, const Pose& pose) {

@@ -22,6 +22,9 @@ LONGEST_PATH_M = 200.0
 TURN_IN_PLACE_RAD = 0.8
 TURN_GAIN_PER_S = 3.0
 BRAKING_MPS2 = 1.0
+MANOEUVRING_MPS = 0.3
+ROOM_TO_TURN_M = 0.4
+"""A car that must turn far drives slowly ahead while it has this much room, else back."""
 
 SIDESTEPS_RAD = tuple(math.radians(10.0 * i) for i in range(-9, 10))
 LEFT_PENALTY_RAD = 0.25
@@ -174,10 +177,17 @@ class Navigator:
             self._passing_side = 0
         turn_radps = max(-self._drive.max_turn_radps, min(self._drive.max_turn_radps, TURN_GAIN_PER_S * heading_rad))
         if abs(heading_rad) > TURN_IN_PLACE_RAD:
-            return Twist(0.0, 0.0, turn_radps)
+            return Twist(self._manoeuvring_speed_mps(ranges_m, radius_m, speed_mps), 0.0, turn_radps)
         room_m = min(free_m, distance_m) if is_last else free_m
         forward_mps = min(speed_mps, self._drive.max_speed_mps, math.sqrt(2.0 * BRAKING_MPS2 * max(0.0, room_m)))
         return Twist(forward_mps * math.cos(heading_rad), 0.0, turn_radps)
+
+    def _manoeuvring_speed_mps(self, ranges_m: np.ndarray, radius_m: float, speed_mps: float) -> float:
+        """Return how fast to drive while turning far: not at all, but a car must; back where no room is ahead."""
+        if self._drive.kind != "car":
+            return 0.0
+        has_room = self._clearance.free_distance(ranges_m, 0.0, radius_m, ROOM_TO_TURN_M) >= ROOM_TO_TURN_M
+        return math.copysign(min(speed_mps, self._drive.max_speed_mps, MANOEUVRING_MPS), 1.0 if has_room else -1.0)
 
     def _sidestep(
         self, ranges_m: np.ndarray, wanted_rad: float, radius_m: float, needed_m: float

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, get_args, get_origin
 
-from pydantic import ValidationError
+from pydantic import Tag, ValidationError
 from pydantic.fields import FieldInfo
 
 from robotteamsim.scenario.base import Model
@@ -65,16 +65,16 @@ _TEXTS: dict[str, Callable[[_Detail, _Detail], str]] = {
 
 
 def _problem(detail: _Detail, root: type[Model], data: Any) -> Problem:
-    # Tags of unions stand in angle brackets in the location and are no keys.
-    path = [part for part in detail["loc"] if not (isinstance(part, str) and part.startswith("<"))]
+    place = detail["loc"]
+    path = [part for part in place if not _is_tag(part)]
     kind, context = detail["type"], detail.get("ctx", {})
     if kind == "wrong":
         path += [context["key"]] if context["key"] else []
         text = context["text"]
     elif kind == "extra_forbidden":
-        text = f"unknown key{_known_key(str(path[-1]), _model_at(root, path[:-1]), root)}"
+        text = f"unknown key{_known_key(str(path[-1]), _model_at(root, place[:-1]), root)}"
     elif kind == "missing":
-        text = f"missing{_meaning(_model_at(root, path[:-1]), str(path[-1]))}"
+        text = f"missing{_meaning(_model_at(root, place[:-1]), str(path[-1]))}"
     elif kind in _TEXTS:
         text = _TEXTS[kind](detail, context)
     else:
@@ -131,12 +131,19 @@ def _model_at(root: type[Model], path: Sequence[str | int]) -> type[Model] | Non
     """Return the model that a location lies in; none: it lies in a dictionary or a list of numbers."""
     model: type[Model] | None = root
     for position, part in enumerate(path):
-        if isinstance(part, int):
+        if isinstance(part, int) or _is_tag(part):
             continue
         field = _field(model, part) if model else None
-        int_follows = position + 1 < len(path) and isinstance(path[position + 1], int)
-        model = _section(field.annotation, int_follows) if field else None
+        tag = path[position + 1] if position + 1 < len(path) and _is_tag(path[position + 1]) else None
+        after = path[position + 1 + (tag is not None) :]
+        int_follows = bool(after) and isinstance(after[0], int)
+        model = _section(field.annotation, int_follows, str(tag)) if field else None
     return model
+
+
+def _is_tag(part: str | int) -> bool:
+    """Whether a part of a location is the tag of a union's member, which is no key."""
+    return isinstance(part, str) and part.startswith("<")
 
 
 def _field(model: type[Model], key: str) -> FieldInfo | None:
@@ -148,14 +155,18 @@ def _key(name: str, field: FieldInfo) -> str:
     return field.validation_alias if isinstance(field.validation_alias, str) else name
 
 
-def _section(annotation: Any, int_follows: bool) -> type[Model] | None:
-    """Return the model that an annotation stands for: itself, or the item's where an index follows."""
+def _section(annotation: Any, int_follows: bool, tag: str = "") -> type[Model] | None:
+    """Return the model that an annotation stands for: itself, or the item's where an index follows.
+
+    Args: tag: of the member that is meant where it is a union of tagged ones.
+    """
     if isinstance(annotation, type) and issubclass(annotation, Model):
         return None if int_follows else annotation
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
-        return _section(arguments[0], int_follows)
+        return _section(arguments[0], int_follows, tag)
     if origin is tuple:
         return _section(arguments[0], False) if int_follows else None
-    found = (_section(argument, int_follows) for argument in arguments if origin is not dict)
+    tagged = [argument for argument in arguments if Tag(tag) in getattr(argument, "__metadata__", ())]
+    found = (_section(argument, int_follows, tag) for argument in tagged or arguments if origin is not dict)
     return next((model for model in found if model is not None), None)

@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import Interval, LossDb, Many, Model, PlanarPose, Point, first_repeated, wrong
+from robotteamsim.scenario.drives import AnyDrive, Drive
 
 
 class Radio(Model):
@@ -63,15 +64,6 @@ class Voice(Model):
         return self
 
 
-class Drive(Model):
-    """A differential drive."""
-
-    max_speed_mps: float = Field(default=0.7, gt=0.0, le=10.0, description="forward and backward [m/s]")
-    max_turn_radps: float = Field(default=2.0, gt=0.0, le=20.0, description="turning [rad/s]")
-    max_acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0, description="change of speed [m/s^2]")
-    max_turn_acceleration_radps2: float = Field(default=8.0, gt=0.0, le=200.0, description="change of turn [rad/s^2]")
-
-
 class Laser(Model):
     """A planar laser range finder; walls, closed doors and robots return it."""
 
@@ -109,7 +101,7 @@ class Robot(Model):
     radius_m: float = Field(default=0.2, gt=0.02, le=5.0, description="round body [m]")
     height_m: float = Field(default=0.25, gt=0.0, le=5.0, description="for 3D views [m]")
     mass_kg: float = Field(default=5.0, gt=0.0, le=10_000.0, description="for pushing [kg]")
-    drive: Drive = Drive()
+    drive: AnyDrive = Field(default=Drive(), description="differential, omni or car")
     laser: Laser = Laser()
     odometry: Odometry = Odometry()
     cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="the last command holds this long [s]")

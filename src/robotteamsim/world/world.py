@@ -21,12 +21,12 @@ _TOUCH_M = 1e-6
 
 
 class World:
-    """A floor plan with robots in it: static walls, doors, round bodies with differential drives.
+    """A floor plan with robots in it: static walls, doors, round bodies with drives.
 
     Commands are twists in `base_link`: the drive approaches them within its acceleration and speed limits in every
-    physics substep; a sideways velocity is beyond it. Contacts are solved by Box2D, without friction: they take the
-    velocity that presses a robot into something, so it slides along a wall that it meets at an angle, and pushes
-    robots. A robot that touches nothing moves in double precision exactly as its drive says.
+    physics substep; a sideways velocity is beyond all but omnidirectional drives. Contacts are solved by Box2D, without
+    friction: they take the velocity that presses a robot into something, so it slides along a wall that it meets at an
+    angle, and pushes robots. A robot that touches nothing moves in double precision exactly as its drive says.
 
     Everything is deterministic: equal calls give equal bits, and `reset` begins the same again.
     """
@@ -190,15 +190,5 @@ class World:
 
 
 def _body(robot: PlacedRobot) -> _core.Robot:
-    drive = robot.drive
-    return _core.Robot(
-        radius_m=robot.radius_m,
-        mass_kg=robot.mass_kg,
-        drive=(
-            drive.max_speed_mps,
-            drive.max_turn_radps,
-            drive.max_acceleration_mps2,
-            drive.max_turn_acceleration_radps2,
-        ),
-        start=robot.start_pose,
-    )
+    drive = _core.Drive(**robot.drive.model_dump())
+    return _core.Robot(radius_m=robot.radius_m, mass_kg=robot.mass_kg, drive=drive, start=robot.start_pose)

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stdexcept>
 
 namespace robotteamsim {
 namespace {
@@ -38,6 +39,75 @@ TEST(ReachedSpeed, StaysWithinTheSpeedLimits) {
 TEST(AdvancedPose, OfQuarterCircleHasItsRadius) {
   const Pose pose = AdvancedPose({0.0, 0.0, 0.0}, {kPi, kPi / 2.0}, 1.0);  // radius v / w = 2
   EXPECT_NEAR(pose.x, 2.0, 1e-12);
+  EXPECT_NEAR(pose.y, 2.0, 1e-12);
+  EXPECT_NEAR(pose.yaw, kPi / 2.0, 1e-12);
+}
+
+DriveLimits OmniLimits() { return {1.0, 2.0, 2.0, 8.0, DriveKind::kOmni}; }
+
+DriveLimits CarLimits() { return {1.0, 0.0, 2.0, 0.0, DriveKind::kCar, 0.5, 0.6, 2.0}; }
+
+TEST(ReachedSpeed, OfOmniDriveKeepsTheDirectionOfWhatIsBeyondItsSpeed) {
+  DriveLimits limits = OmniLimits();
+  limits.max_acceleration = 1000.0;
+  const DriveSpeed speed = ReachedSpeed({}, {3.0, 4.0, 0.0}, limits, 0.1);
+  EXPECT_NEAR(speed.forward, 0.6, 1e-12);
+  EXPECT_NEAR(speed.left, 0.8, 1e-12);
+}
+
+TEST(ReachedSpeed, OfOmniDriveChangesByAccelerationTimesTimeInAnyDirection) {
+  const DriveSpeed speed = ReachedSpeed({0.3, 0.0, 0.4}, {0.3, -0.9, 0.0}, OmniLimits(), 0.1);
+  EXPECT_DOUBLE_EQ(speed.forward, 0.3);
+  EXPECT_NEAR(speed.left, 0.2, 1e-12);
+}
+
+TEST(ReachedSpeed, OfCarNeverTurnsOnTheSpot) {
+  const DriveSpeed speed = ReachedSpeed({}, {0.0, 0.0, 2.0}, CarLimits(), 0.1);
+  EXPECT_EQ(speed.turn, 0.0);
+  EXPECT_EQ(speed.steering, 0.0);
+}
+
+TEST(ReachedSpeed, OfCarTurnsAsWantedWithinItsSteering) {
+  DriveSpeed speed;
+  for (int i = 0; i < 50; ++i) speed = ReachedSpeed(speed, {1.0, 0.0, 0.8}, CarLimits(), 0.1);
+  EXPECT_NEAR(speed.turn, 0.8, 1e-12);
+  EXPECT_NEAR(speed.steering, std::atan(0.5 * 0.8 / 1.0), 1e-12);
+  for (int i = 0; i < 50; ++i) speed = ReachedSpeed(speed, {1.0, 0.0, -9.0}, CarLimits(), 0.1);
+  EXPECT_NEAR(speed.turn, -1.0 * std::tan(0.6) / 0.5, 1e-12);
+}
+
+TEST(ReachedSpeed, OfCarSteersTheOtherWayInReverse) {
+  DriveSpeed speed;
+  for (int i = 0; i < 50; ++i) speed = ReachedSpeed(speed, {-1.0, 0.0, 0.8}, CarLimits(), 0.1);
+  EXPECT_NEAR(speed.turn, 0.8, 1e-12);
+  EXPECT_LT(speed.steering, 0.0);
+}
+
+TEST(ReachedSpeed, OfCarSteersNoFasterThanItsRate) {
+  const DriveSpeed speed = ReachedSpeed({1.0}, {1.0, 0.0, 5.0}, CarLimits(), 0.1);
+  EXPECT_DOUBLE_EQ(speed.steering, 0.2);
+}
+
+TEST(SpeedBound, CountsSidewaysCommandsOfOmniDrivesOnly) {
+  EXPECT_DOUBLE_EQ(SpeedBound({}, {0.3, 0.4, 0.0}, OmniLimits()), 0.5);
+  EXPECT_DOUBLE_EQ(SpeedBound({}, {0.3, 0.4, 0.0}, DriveLimits{}), 0.3);
+  EXPECT_DOUBLE_EQ(SpeedBound({0.6, 0.0, 0.8}, {9.0, 0.0, 0.0}, OmniLimits()), 1.0);
+}
+
+TEST(CheckDrive, RefusesCarsWithoutWheelbaseAndWheelsSteeredToARightAngle) {
+  DriveLimits limits = CarLimits();
+  EXPECT_NO_THROW(CheckDrive(limits));
+  limits.max_steering = 0.5 * kPi;
+  EXPECT_THROW(CheckDrive(limits), std::invalid_argument);
+  limits = CarLimits();
+  limits.wheelbase = 0.0;
+  EXPECT_THROW(CheckDrive(limits), std::invalid_argument);
+}
+
+TEST(AdvancedPose, OfSidewaysDriveOnAQuarterCircleEndsWhereItsArcDoes) {
+  // Leftward at pi m/s, turning by pi/2: a circle of radius 2 around (-2, 0).
+  const Pose pose = AdvancedPose({0.0, 0.0, 0.0}, {0.0, kPi / 2.0, kPi}, 1.0);
+  EXPECT_NEAR(pose.x, -2.0, 1e-12);
   EXPECT_NEAR(pose.y, 2.0, 1e-12);
   EXPECT_NEAR(pose.yaw, kPi / 2.0, 1e-12);
 }

@@ -10,12 +10,14 @@ import pytest
 from robotteamsim.control.known_map import KnownMap
 from robotteamsim.control.navigation import Navigator
 from robotteamsim.geometry import Twist
+from robotteamsim.scenario.drives import AnyDrive, CarDrive, Drive
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 
 RADIUS_M = 0.2
+DIFFERENTIAL = Drive()
 
 
 def room(*walls: Wall, width_m: float = 10.0, depth_m: float = 6.0, blocks: Sequence[Block] = ()) -> FloorPlan:
@@ -40,8 +42,9 @@ class Drivers:
         starts: Sequence[tuple[float, float, float]],
         goals: Sequence[tuple[float, float] | None],
         mode: str = "path",
+        drive: AnyDrive = DIFFERENTIAL,
     ) -> None:
-        robots = [PlacedRobot(start_pose=start) for start in starts]
+        robots = [PlacedRobot(start_pose=start, drive=drive) for start in starts]
         self.world = World(plan, robots, Run())
         self.goals = goals
         self.map = KnownMap(plan, RADIUS_M, ())
@@ -88,6 +91,14 @@ def test_robot_drives_straight_to_a_goal_in_sight(mode):
     assert drivers.distance_m(0) < 0.1
     # 5.1 m at 0.5 m/s, and turning round at the start.
     assert 10.2 < drivers.time_s < 14.0
+    assert not drivers.touched[0]
+
+
+def test_car_turns_round_without_turning_on_the_spot():
+    car = CarDrive(kind="car", wheelbase_m=0.3, max_steering_rad=0.6)
+    drivers = Drivers(room(), [(9.5, 3.0, 0.0)], [(3.0, 3.0)], drive=car)
+    drivers.run(60.0)
+    assert drivers.distance_m(0) < 0.1
     assert not drivers.touched[0]
 
 

@@ -10,11 +10,12 @@ import cv2
 import numpy as np
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.drives import AnyDrive
 from robotteamsim.scenario.floor_plan import Block, Door, Wall
 from robotteamsim.scenario.plan import OCCUPIED, grid_shape, occupancy_grid
 from robotteamsim.scenario.plan_export import RESOLUTION_M
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import Drive, Laser, Odometry, PlacedRobot
+from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot
 
 MAX_PIXELS = 100_000_000
 """Of a bitmap: what Stage, which looks at every pixel of it, still loads in minutes."""
@@ -42,7 +43,7 @@ def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTI
     where it is. Every robot becomes a position model with one ranger, in id order: stage_ros calls them robot_0, ...
 
     Args:   bitmap: the name of the PNG, relative to the world file. resolution_m: edge of a pixel.
-    Raises: ScenarioError: the plan has no solid. PlacementError: a robot stands badly.
+    Raises: ScenarioError: the plan has no solid, or a robot is a car. PlacementError: a robot stands badly.
     """
     pixels = math.prod(grid_shape(scenario.plan, resolution_m))
     if pixels > MAX_PIXELS:
@@ -152,13 +153,18 @@ def _defined(name: str, robot: PlacedRobot, lowest_m: float, step_ns: int) -> li
     ]
 
 
-def _drive(drive: Drive) -> list[str]:
+def _drive(drive: AnyDrive) -> list[str]:
+    if drive.kind == "car":
+        raise ScenarioError("robots.drive.kind: a car of Stage takes a steering angle for a turn: wanted another drive")
+    aside = drive.max_speed_mps if drive.kind == "omni" else 0.0
+    aside_change = drive.max_acceleration_mps2 if drive.kind == "omni" else 0.0
     speed, turn = drive.max_speed_mps, math.degrees(drive.max_turn_radps)
     change, turn_change = drive.max_acceleration_mps2, math.degrees(drive.max_turn_acceleration_radps2)
     return [
-        '  drive "diff"',
-        f"  velocity_bounds {_tuple(-speed, speed, 0.0, 0.0, 0.0, 0.0, -turn, turn)}",
-        f"  acceleration_bounds {_tuple(-change, change, 0.0, 0.0, 0.0, 0.0, -turn_change, turn_change)}",
+        f'  drive "{"omni" if drive.kind == "omni" else "diff"}"',
+        f"  velocity_bounds {_tuple(-speed, speed, -aside, aside, 0.0, 0.0, -turn, turn)}",
+        f"  acceleration_bounds "
+        f"{_tuple(-change, change, -aside_change, aside_change, 0.0, 0.0, -turn_change, turn_change)}",
     ]
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from robotteamsim.scenario.sections import Drive, Laser, Odometry, PlacedRobot
+from robotteamsim.scenario.drives import AnyDrive, Drive, OmniDrive
+from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot
 from robotteamsim.scenario.stage.solids import DEFAULT_SIZE_M, body_of, disc_radius_m, reach_m
 from robotteamsim.scenario.stage.values import Notes, Values, checked, compose, tidy
 from robotteamsim.scenario.stage.world_file import Entity
@@ -85,18 +86,20 @@ class RobotReader:
         mass = self._values.number(entity, "mass", "f", 0.0)
         return {**keys, "mass_kg": mass} if mass != 0.0 else keys
 
-    def _drive(self, entity: Entity) -> Drive:
+    def _drive(self, entity: Entity) -> AnyDrive:
         kind = self._values.choice(entity, "drive", ("diff", "omni", "car"), "diff")
-        if kind != "diff":
-            raise entity.place_of("drive").wrong(f"drive: '{kind}' is not simulated, only 'diff'")
+        if kind == "car":
+            text = "drive: 'car' takes a steering angle for a turn in Stage; only 'diff' and 'omni' are read"
+            raise entity.place_of("drive").wrong(text)
         limits = self._bounds(entity, "velocity_bounds", _DEFAULT_BOUNDS)
         assert limits is not None
-        keys = dict(zip(("max_speed_mps", "max_turn_radps"), limits, strict=True))
+        keys: dict[str, Any] = dict(zip(("max_speed_mps", "max_turn_radps"), limits, strict=True))
         changes = self._bounds(entity, "acceleration_bounds", None)
         if changes is not None:
             keys |= zip(("max_acceleration_mps2", "max_turn_acceleration_radps2"), changes, strict=True)
         said_by = {key: "acceleration_bounds" if "acceleration" in key else "velocity_bounds" for key in keys}
-        return checked(Drive, keys, {key: (entity, name) for key, name in said_by.items()})
+        places = {key: (entity, name) for key, name in said_by.items()}
+        return checked(OmniDrive, {**keys, "kind": "omni"}, places) if kind == "omni" else checked(Drive, keys, places)
 
     def _bounds(self, entity: Entity, key: str, default: tuple[float, ...] | None) -> tuple[float, float] | None:
         """Return the limits of driving and of turning; none: they are not said and have no default."""

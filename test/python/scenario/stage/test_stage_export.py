@@ -135,3 +135,16 @@ def test_plan_without_solids_is_refused():
 def test_too_fine_a_bitmap_is_refused():
     with pytest.raises(ScenarioError, match=r"^garage_sar: plan: at 0\.001 m a pixel has 2400000000 pixels; up to"):
         export_world(load("garage_sar"), "w.png", 0.001)
+
+
+def test_omnidirectional_robots_come_back_as_they_were(tmp_path):
+    drive = {"kind": "omni", "max_speed_mps": 0.5}
+    scenario = load("garage_sar", [f"robots.drive={drive}"])
+    _, imported = _round_trip(scenario, tmp_path)
+    assert imported.scenario.placed_robots()[0].drive == scenario.placed_robots()[0].drive
+
+
+def test_car_is_refused():
+    scenario = load("garage_sar", ["robots.drive={kind: car, wheelbase_m: 0.3, max_steering_rad: 0.6}"])
+    with pytest.raises(ScenarioError, match=r"^robots.drive.kind: a car of Stage takes a steering angle"):
+        export_world(scenario, "garage.png")

@@ -191,7 +191,10 @@ def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (ROOM + _robot('drive "omni"'), "a.world:2: drive: 'omni' is not simulated, only 'diff'"),
+        (
+            ROOM + _robot('drive "car"'),
+            "a.world:2: drive: 'car' takes a steering angle for a turn in Stage; only 'diff' and 'omni' are read",
+        ),
         (ROOM + _robot('drive "dif"'), "a.world:2: drive: 'dif' is not one of diff, omni, car; did you mean 'diff'?"),
         (
             ROOM + _robot("ranger( sensor() )"),

@@ -1,0 +1,79 @@
+"""How robots move: the drives of a scenario."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag
+
+from robotteamsim.scenario.base import Model, wrong
+from robotteamsim.scenario.problems import suggestion
+from robotteamsim.scenario.yaml_text import shown
+
+
+class Drive(Model):
+    """A differential drive: it turns on the spot and cannot move sideways."""
+
+    kind: Literal["differential"] = Field(default="differential", description="differential, omni or car")
+    max_speed_mps: float = Field(default=0.7, gt=0.0, le=10.0, description="forward and backward [m/s]")
+    max_turn_radps: float = Field(default=2.0, gt=0.0, le=20.0, description="turning [rad/s]")
+    max_acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0, description="change of speed [m/s^2]")
+    max_turn_acceleration_radps2: float = Field(default=8.0, gt=0.0, le=200.0, description="change of turn [rad/s^2]")
+
+
+class OmniDrive(Model):
+    """An omnidirectional drive: it moves in any direction and turns at the same time.
+
+    Its limits hold for the length of the velocity in the plane and of its change, not for each axis: what is asked
+    beyond them keeps its direction.
+    """
+
+    kind: Literal["omni"] = Field(description="omni")
+    max_speed_mps: float = Field(default=0.7, gt=0.0, le=10.0, description="in any direction [m/s]")
+    max_turn_radps: float = Field(default=2.0, gt=0.0, le=20.0, description="turning [rad/s]")
+    max_acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0, description="change of velocity [m/s^2]")
+    max_turn_acceleration_radps2: float = Field(default=8.0, gt=0.0, le=200.0, description="change of turn [rad/s^2]")
+
+
+class CarDrive(Model):
+    """A car-like drive, as a bicycle: base_link is the middle of the rear axle, the front wheel steers.
+
+    A command's turn is a wanted yaw rate: the car steers for it at the speed that it has, so it never turns on the
+    spot.
+    """
+
+    kind: Literal["car"] = Field(description="car")
+    wheelbase_m: float = Field(gt=0.0, le=10.0, description="from the rear to the front axle [m]")
+    max_steering_rad: float = Field(gt=0.0, le=1.5, description="of the front wheel, to either side [rad]")
+    max_steering_rate_radps: float = Field(default=2.0, gt=0.0, le=100.0, description="change of steering [rad/s]")
+    max_speed_mps: float = Field(default=0.7, gt=0.0, le=10.0, description="forward and backward [m/s]")
+    max_acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0, description="change of speed [m/s^2]")
+
+    @property
+    def max_turn_radps(self) -> float:
+        """How fast it turns at its greatest speed, all the way steered [rad/s]."""
+        return self.max_speed_mps * math.tan(self.max_steering_rad) / self.wheelbase_m
+
+
+KINDS = ("differential", "omni", "car")
+
+
+def _kind(value: Any) -> str:
+    kind = value.get("kind", KINDS[0]) if isinstance(value, dict) else getattr(value, "kind", KINDS[0])
+    return f"<{kind}>"
+
+
+def _check_kind(value: Any) -> Any:
+    kind = value.get("kind", KINDS[0]) if isinstance(value, dict) else KINDS[0]
+    if kind not in KINDS:
+        text = f"{shown(kind)} is not one of {', '.join(KINDS)}{suggestion(str(kind), KINDS)}"
+        raise wrong("kind", text)
+    return value
+
+
+AnyDrive = Annotated[
+    Annotated[Drive, Tag("<differential>")] | Annotated[OmniDrive, Tag("<omni>")] | Annotated[CarDrive, Tag("<car>")],
+    Discriminator(_kind),
+    BeforeValidator(_check_kind),
+]
