@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares a mission in lockstep with the same mission run without ROS."""
+"""Compares a mission in lockstep with the same mission run without ROS, and with itself after a reset."""
 # ruff: noqa: PT009 - rostest runs this by unittest, whose assertions tell the values
 
 from __future__ import annotations
@@ -7,41 +7,118 @@ from __future__ import annotations
 import json
 import os
 import unittest
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import rospy
 import rostest
-from listening import Topic, call
+from listening import Topic, call, place_m
+from nav_msgs.msg import Odometry
 from robotteamsim.msg import MissionStatus
+from robotteamsim.srv import ResetSeed
+from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Trigger
 
 from robotteamsim.scenario import load
-from robotteamsim.simulation import Simulation
+from robotteamsim.simulation import Result, Simulation
 
 FILE = Path(os.environ["ROSTEST_OUT"]) / "mission.json"
+SEED, OTHER_SEED = 7, 8
+STEPS = 300
+STEP_NS = 100_000_000
+ROBOTS = range(3)
+
+
+def stamp_ns(message: Any) -> int:
+    return message.header.stamp.to_nsec()
+
+
+def bits(message: Any) -> bytes:
+    """Return a message as it travels, but for the number that its publisher has counted up to."""
+    message.header.seq = 0
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+def runs_of(topic: Topic) -> list[list[Any]]:
+    """Return the messages of each run, which begins where stamps jump back."""
+    runs: list[list[Any]] = [[]]
+    for message in topic.messages:
+        if runs[-1] and stamp_ns(message) <= stamp_ns(runs[-1][-1]):
+            runs.append([])
+        runs[-1].append(message)
+    return [[message for message in run if stamp_ns(message) <= STEPS * STEP_NS] for run in runs]
+
+
+def headless(seed: int) -> Result:
+    return Simulation(load("garage_sar", ["mission.time_limit_s=30", f"run.seed={seed}"])).run()
 
 
 class LockstepTest(unittest.TestCase):
-    def test_mission_has_the_same_bits_as_without_ros_and_again_after_a_reset(self) -> None:
+    @classmethod
+    def setUpClass(cls) -> None:
         rospy.init_node("lockstep_test", disable_rostime=True)
-        status = Topic("/mission/status", MissionStatus)
-        headless = Simulation(load("garage_sar", ["mission.time_limit_s=30", "run.seed=7"])).run()
-        first = self._result(status, 0)
-        self.assertEqual(first["trajectory_hash"], headless.trajectory_hash)
-        self.assertEqual((first["steps"], first["end"], first["seed"]), (headless.steps, "time_limit", 7))
-        self.assertEqual([robot["distance_m"] for robot in first["robots"]], [r.distance_m for r in headless.robots])
-        FILE.unlink()
-        begin = len(status.messages)
-        self.assertTrue(call("/reset", Trigger).success)
-        self.assertEqual(self._result(status, begin)["trajectory_hash"], headless.trajectory_hash)
+        cls.odometry = [Topic(f"/robot_{i}/odom", Odometry) for i in ROBOTS]
+        cls.scans = [Topic(f"/robot_{i}/base_scan", LaserScan) for i in ROBOTS]
+        cls.status = Topic("/mission/status", MissionStatus)
+        cls.first = cls.result_after(0)
+        cls.again = cls.result_of("/reset", Trigger)
+        cls.other = cls.result_of("/reset_seed", ResetSeed, seed=OTHER_SEED)
 
-    def _result(self, status: Topic, begin: int) -> dict[str, Any]:
-        status.wait_for_after(begin, lambda message: message.state == "running", "state running")
-        running = next(i for i, message in enumerate(status.messages) if i >= begin and message.state == "running")
-        status.wait_for_after(running, lambda message: message.state == "ended", "state ended")
+    @classmethod
+    def result_of(cls, service: str, service_class: type, **fields: object) -> dict[str, Any]:
+        """Begin anew by a service, and return the run's result."""
+        FILE.unlink()
+        begin = len(cls.status.messages)
+        assert call(service, service_class, **fields).success
+        return cls.result_after(begin)
+
+    @classmethod
+    def result_after(cls, begin: int) -> dict[str, Any]:
+        """Return the result of a run whose first status message is the one counted, or a later one."""
+        cls.status.wait_for_after(begin, lambda message: message.state == "running", "state running")
+        running = next(i for i, message in enumerate(cls.status.messages) if i >= begin and message.state == "running")
+        cls.status.wait_for_after(running, lambda message: message.state == "ended", "state ended")
         # The file is complete before the mission's end is told.
         return json.loads(FILE.read_text())["result"]
+
+    def test_mission_has_the_same_bits_as_without_ros(self) -> None:
+        expected = headless(SEED)
+        self.assertEqual(self.first["trajectory_hash"], expected.trajectory_hash)
+        self.assertEqual((self.first["steps"], self.first["end"]), (expected.steps, "time_limit"))
+        self.assertEqual((self.first["seed"], self.first["scenario"]), (SEED, "garage_sar"))
+        self.assertEqual(
+            [robot["distance_m"] for robot in self.first["robots"]], [r.distance_m for r in expected.robots]
+        )
+
+    def test_reset_begins_the_same_run_again(self) -> None:
+        self.assertEqual(self.again["trajectory_hash"], self.first["trajectory_hash"])
+        for topic in (*self.odometry, *self.scans):
+            first, again, other = ({stamp_ns(message): bits(message) for message in run} for run in runs_of(topic))
+            self.assertEqual({stamp: again[stamp] for stamp in first}, first)
+            self.assertNotEqual({stamp: other[stamp] for stamp in first}, first)
+
+    def test_reset_leaves_no_odometry(self) -> None:
+        for topic in self.odometry:
+            for run in runs_of(topic)[1:]:
+                self.assertEqual((stamp_ns(run[0]), place_m(run[0])), (STEP_NS, (0.0, 0.0)))
+                self.assertNotEqual(place_m(run[-1]), (0.0, 0.0))
+
+    def test_reset_with_another_seed_begins_the_run_of_that_seed_in_every_node(self) -> None:
+        self.assertNotEqual(self.other["trajectory_hash"], self.first["trajectory_hash"])
+        self.assertEqual(self.other["trajectory_hash"], headless(OTHER_SEED).trajectory_hash)
+        self.assertEqual(self.other["seed"], OTHER_SEED)
+
+    def test_subscriber_gets_the_scan_of_every_step(self) -> None:
+        wanted = [STEP_NS * step for step in range(1, STEPS + 1)]
+        for topic in self.scans:
+            first, *others = ([stamp_ns(message) for message in run] for run in runs_of(topic))
+            # The world may have taken its first step before there was a subscriber.
+            self.assertEqual(first, wanted[-len(first) :])
+            self.assertGreater(len(first), 1)
+            self.assertEqual(others, [wanted, wanted])
 
 
 if __name__ == "__main__":

@@ -14,7 +14,17 @@ from robotteamsim.network.messages import Message
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.inbox import Channel, Step
-from robotteamsim.ros.node import Input, Output, ParameterError, Settings, make_inbox, parameter, read_settings, run
+from robotteamsim.ros.node import (
+    Input,
+    Output,
+    ParameterError,
+    Settings,
+    make_inbox,
+    parameter,
+    read_seed,
+    read_settings,
+    run,
+)
 from robotteamsim.sensing.readings import Observation, RobotReading
 
 GROUND_TRUTH = "base_pose_ground_truth"
@@ -33,7 +43,7 @@ class ControllerNode:
         self._robot_id = parameter("~robot_id", -1)
         if not 0 <= self._robot_id < settings.num_robots:
             raise ParameterError(f"~robot_id: {self._robot_id}; wanted 0 to {settings.num_robots - 1}")
-        self._scenario = settings.scenario
+        self._settings = settings
         self._make = conversion.RosTypes()
         self._build()
         self._inbox = make_inbox(settings, self._inputs())
@@ -49,12 +59,13 @@ class ControllerNode:
         """Step until the node is shut down."""
         while (step := self._inbox.take()) is not None:
             if step.restarted:
+                self._settings = read_seed(self._settings)
                 self._build()
             self._controller.observe(self._observation(step), self._received(step), self._task_of(step))
             self._publish(step.stamp_ns, self._controller.decide())
 
     def _inputs(self) -> list[Input]:
-        by_truth = self._scenario.control.localisation == "ground_truth"
+        by_truth = self._settings.scenario.control.localisation == "ground_truth"
         return [
             Input(Channel("odom", needed=True), Odometry),
             Input(Channel("base_scan", needed=True), LaserScan),
@@ -66,7 +77,7 @@ class ControllerNode:
         ]
 
     def _build(self) -> None:
-        self._controller = make_controller(self._robot_id, self._scenario)
+        self._controller = make_controller(self._robot_id, self._settings.scenario)
         self._task = Task()
 
     def _observation(self, step: Step) -> Observation:

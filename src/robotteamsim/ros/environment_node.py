@@ -16,7 +16,7 @@ from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.inbox import Channel, Step
 from robotteamsim.ros.msg_conversion import RosTypes
-from robotteamsim.ros.node import Input, Output, Settings, make_inbox, read_settings, run
+from robotteamsim.ros.node import Input, Output, Settings, make_inbox, read_seed, read_settings, run
 from robotteamsim.scenario.placement import check_places
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.sections import Mission as MissionSection
@@ -104,6 +104,7 @@ class EnvironmentNode:
         while (step := self._inbox.take()) is not None:
             if step.restarted:
                 with self._environment_lock:
+                    self._settings = read_seed(self._settings)
                     self._build()
             self._step(step)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -31,10 +32,10 @@ class Gate:
             self._waiting = False
             return not self._closed
 
-    def sleep(self, duration_s: float) -> None:
-        """Wait for a time [s, wall], or until closed."""
+    def sleep(self, duration_s: float) -> bool:
+        """Wait for a time [s, wall]; False when closed, at once."""
         with self._changed:
-            self._changed.wait_for(lambda: self._closed, timeout=duration_s)
+            return not self._changed.wait_for(lambda: self._closed, timeout=duration_s)
 
     def passed(self) -> None:
         """Note that a step has been taken."""
@@ -94,12 +95,21 @@ class Pacer:
     """Tells how long to wait so that simulated time passes `speed` times as fast as wall time; 0: flat out."""
 
     def __init__(self, speed: float, wall_s: Callable[[], float] = time.monotonic) -> None:
-        """Raises: ValueError: the speed is negative."""
-        if not speed >= 0.0:
-            raise ValueError(f"speed must be >= 0, got {speed}")
-        self._speed = speed
+        """Raises: ValueError: as `set_speed`."""
         self._wall_s = wall_s
-        self._anchor: tuple[float, int] | None = None
+        self._lock = threading.Lock()
+        self.set_speed(speed)
+
+    def set_speed(self, speed: float) -> None:
+        """Let time pass at another speed from now on; from any thread.
+
+        Raises: ValueError: the speed is negative or not finite.
+        """
+        if not (math.isfinite(speed) and speed >= 0.0):
+            raise ValueError(f"speed must be finite and >= 0, got {speed:g}")
+        with self._lock:
+            self._speed = speed
+            self._anchor: tuple[float, int] | None = None
 
     @property
     def is_flat_out(self) -> bool:
@@ -108,13 +118,14 @@ class Pacer:
 
     def delay_s(self, sim_time_ns: int) -> float:
         """Return how long to wait [s, wall] until a simulated time is due."""
-        if self.is_flat_out:
-            return 0.0
-        now_s = self._wall_s()
-        if self._anchor is None:
-            self._anchor = (now_s, sim_time_ns)
-        wall_s, anchor_ns = self._anchor
-        delay_s = wall_s + (sim_time_ns - anchor_ns) / 1e9 / self._speed - now_s
-        if delay_s < -REANCHOR_S:
-            self._anchor = (now_s, sim_time_ns)
-        return max(0.0, delay_s)
+        with self._lock:
+            if self._speed == 0.0:
+                return 0.0
+            now_s = self._wall_s()
+            if self._anchor is None:
+                self._anchor = (now_s, sim_time_ns)
+            wall_s, anchor_ns = self._anchor
+            delay_s = wall_s + (sim_time_ns - anchor_ns) / 1e9 / self._speed - now_s
+            if delay_s < -REANCHOR_S:
+                self._anchor = (now_s, sim_time_ns)
+            return max(0.0, delay_s)

@@ -30,7 +30,17 @@ from robotteamsim.recording import message_fields as fields
 from robotteamsim.recording.table import print_result
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.inbox import Channel, Step
-from robotteamsim.ros.node import Input, Output, Settings, make_inbox, parameter, read_settings, run, wait_for_shutdown
+from robotteamsim.ros.node import (
+    Input,
+    Output,
+    Settings,
+    make_inbox,
+    parameter,
+    read_seed,
+    read_settings,
+    run,
+    wait_for_shutdown,
+)
 from robotteamsim.ros.trial import Trial
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.simulation import Observer
@@ -119,6 +129,7 @@ class MissionNode:
                 if step.restarted:
                     with self._trial_lock:
                         self._trial.abandon()
+                        self._settings = read_seed(self._settings)
                         self._trial = self._begin_trial()
                 running = self._trial.result is None
                 self._step(step)

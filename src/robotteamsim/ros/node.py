@@ -6,20 +6,25 @@ import logging
 import sys
 import threading
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import rospy
+from pydantic import ValidationError
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.ros.inbox import Channel, Inbox, LatestInbox, LockstepInbox
 from robotteamsim.ros.msg_conversion import stamp_ns
 from robotteamsim.ros.prompt_connection import send_promptly
 from robotteamsim.scenario import Scenario, load
-from robotteamsim.scenario.sections import Team
+from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.sections import Run, Team
 
 PARAMETERS = "/robotteamsim"
 """Namespace of the parameters that all nodes read."""
+
+SEED = f"{PARAMETERS}/seed"
+"""The parameter by which a seed reaches all nodes; a string, as XML-RPC has integers of 32 bits only."""
 
 WORLD_TELLS_S = 5.0
 """How long other nodes leave it to the world to tell of a mistake in the settings [s, wall]."""
@@ -45,6 +50,14 @@ class Settings:
     def controlled(self) -> range:
         """Ids of the robots that have a controller."""
         return range(self.num_robots if self.controllers else 0)
+
+    def with_seed(self, seed: int | str) -> Settings:
+        """Return the same settings with another seed. Raises: ParameterError."""
+        try:
+            run = Run.model_validate(self.scenario.run.model_dump() | {"seed": seed})
+        except ValidationError as error:
+            raise ParameterError(str(problems(error, Run)[0])) from None
+        return replace(self, scenario=self.scenario.model_copy(update={"run": run}))
 
     def drives(self, robot_id: int) -> bool:
         """Whether the robot's own controller drives it, and not somebody by hand."""
@@ -126,6 +139,15 @@ def read_settings() -> Settings:
         raise
 
 
+def read_seed(settings: Settings) -> Settings:
+    """Return the settings with the seed of the last reset, for a node that begins anew. Raises: ParameterError."""
+    text = parameter(SEED, "")
+    try:
+        return settings.with_seed(int(text) if text.lstrip("-").isdecimal() else text) if text else settings
+    except ParameterError as error:
+        raise ParameterError(f"{PARAMETERS}/{error}") from None
+
+
 def wait_for_shutdown(timeout_s: float) -> None:
     """Wait until the node is told to stop, but not longer than a time [s, wall]."""
     told = threading.Event()
@@ -155,7 +177,7 @@ def _read_settings() -> Settings:
         )
     if settings.teleop not in range(NOT_SET, settings.num_robots):
         raise ParameterError(f"{PARAMETERS}/teleop: {settings.teleop}; wanted 0 to {settings.num_robots - 1}")
-    return settings
+    return read_seed(settings)
 
 
 def parameter(name: str, default: Any) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import rospy
 from geometry_msgs.msg import Twist as TwistMessage
@@ -93,9 +93,9 @@ class LockstepTeam(_Team):
 
 
 class FreeTeam(_Team):
-    """Takes the commands that have come. With `follow` it gives controllers and mission a moment for each step."""
+    """Takes the commands that have come. While `follow` says so, controllers and mission get a moment for each step."""
 
-    def __init__(self, settings: Settings, robots: Sequence[PlacedRobot], *, follow: bool) -> None:
+    def __init__(self, settings: Settings, robots: Sequence[PlacedRobot], *, follow: Callable[[], bool]) -> None:
         super().__init__(robots)
         self._follow = follow
         controllers = {f"/{robot_name(robot_id)}/controller": robot_id for robot_id in settings.controlled}
@@ -119,7 +119,7 @@ class FreeTeam(_Team):
     def twists(self, step_index: int, sim_time_ns: int) -> list[Twist] | None:
         """Return the commands after a step, in id order; None when the node is shutting down."""
         self._now_ns = sim_time_ns
-        if self._follow and step_index > 0:
+        if step_index > 0 and self._follow():
             self._answers.wait_for(sim_time_ns, FOLLOW_PATIENCE_S)
         return None if rospy.is_shutdown() else [self._commands.at(robot_id, sim_time_ns) for robot_id in self._ids]
 

@@ -13,18 +13,35 @@ from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerResponse
 from tf2_msgs.msg import TFMessage
 
-from robotteamsim.geometry import PoseReading
+from robotteamsim.errors import PlacementError
+from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.msg import Contact
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.gate import Gate, Pacer
-from robotteamsim.ros.node import Output, ParameterError, Settings, parameter, read_settings, run
+from robotteamsim.ros.node import SEED, Output, ParameterError, Settings, parameter, read_settings, run
 from robotteamsim.ros.team import FreeTeam, LockstepTeam
 from robotteamsim.scenario import occupancy_grid
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.sensing.robots import RobotSensors
-from robotteamsim.srv import SetDoor, SetDoorRequest, SetDoorResponse, Step, StepRequest, StepResponse
+from robotteamsim.srv import (
+    ResetSeed,
+    ResetSeedRequest,
+    ResetSeedResponse,
+    SetDoor,
+    SetDoorRequest,
+    SetDoorResponse,
+    SetPose,
+    SetPoseRequest,
+    SetPoseResponse,
+    SetSpeed,
+    SetSpeedRequest,
+    SetSpeedResponse,
+    Step,
+    StepRequest,
+    StepResponse,
+)
 from robotteamsim.world import World
 
 MAP_RESOLUTION_M = 0.05
@@ -34,6 +51,8 @@ START_NS = 1_000_000
 """What the clock shows before the first step; to ROS, 0 means that there is no time yet."""
 QUIET_S = 1.0
 """The world starts when no listener has come for this long [s, wall]."""
+NAP_S = 0.1
+"""A world that waits for its time looks this often whether the speed has changed [s, wall]."""
 FIRST_STEPS = 2
 """A reset comes after these: only then do all nodes see stamps jump backwards."""
 
@@ -48,6 +67,7 @@ class WorldNode:
 
     def __init__(self, settings: Settings) -> None:
         scenario = settings.scenario
+        self._settings = settings
         self._scenario = scenario
         self._step_ns = settings.step_ns
         self._robots = scenario.placed_robots()
@@ -63,7 +83,7 @@ class WorldNode:
         self._team = (
             LockstepTeam(settings, self._robots)
             if settings.lockstep
-            else FreeTeam(settings, self._robots, follow=self._pacer.is_flat_out)
+            else FreeTeam(settings, self._robots, follow=lambda: self._pacer.is_flat_out)
         )
         self._tf = Output("/tf", TFMessage)
         self._clock = Output("/clock", Clock, latched=True)
@@ -106,6 +126,9 @@ class WorldNode:
 
     def _reset(self) -> None:
         self._team.restart(self._world.sim_time_ns)
+        self._scenario = self._settings.scenario
+        # Before stamps jump back, by which the other nodes see that they have to begin anew.
+        rospy.set_param(SEED, str(self._scenario.run.seed))
         with self._world_lock:
             self._build()
         self._publish_clock(START_NS)
@@ -116,9 +139,8 @@ class WorldNode:
         ticks = self._scenario.run.physics_substeps
         for tick in range(1, ticks + 1):
             time_ns = self._world.sim_time_ns + tick * self._step_ns // ticks
-            delay_s = self._pacer.delay_s(time_ns)
-            if delay_s > 0.0:
-                self._gate.sleep(delay_s)
+            while (delay_s := self._pacer.delay_s(time_ns)) > 0.0 and self._gate.sleep(min(delay_s, NAP_S)):
+                pass
             if tick < ticks:
                 self._publish_clock(time_ns)
 
@@ -150,7 +172,10 @@ class WorldNode:
         rospy.Service("/resume", Trigger, self._serve_resume)
         rospy.Service("/step", Step, self._serve_step)
         rospy.Service("/reset", Trigger, self._serve_reset)
+        rospy.Service("/reset_seed", ResetSeed, self._serve_reset_seed)
         rospy.Service("/reset_positions", Empty, self._serve_reset_positions)
+        rospy.Service("/set_speed", SetSpeed, self._serve_set_speed)
+        rospy.Service("/set_pose", SetPose, self._serve_set_pose)
         rospy.Service("/world/set_door", SetDoor, self._serve_set_door)
 
     def _serve_pause(self, _: object) -> TriggerResponse:
@@ -168,13 +193,38 @@ class WorldNode:
         return StepResponse(success=done, message="" if done else "the world is not paused")
 
     def _serve_reset(self, _: object) -> TriggerResponse:
-        done = self._gate.reset(SERVICE_PATIENCE_S)
-        return TriggerResponse(success=True, message="begun anew" if done else "begins anew after the step under way")
+        return TriggerResponse(success=True, message=self._begin_anew())
+
+    def _serve_reset_seed(self, request: ResetSeedRequest) -> ResetSeedResponse:
+        try:
+            self._settings = self._settings.with_seed(request.seed)
+        except ParameterError as error:
+            return ResetSeedResponse(success=False, message=str(error))
+        return ResetSeedResponse(success=True, message=self._begin_anew())
+
+    def _begin_anew(self) -> str:
+        return "begun anew" if self._gate.reset(SERVICE_PATIENCE_S) else "begins anew after the step under way"
 
     def _serve_reset_positions(self, _: object) -> EmptyResponse:
         with self._world_lock:
             self._world.reset_positions()
         return EmptyResponse()
+
+    def _serve_set_speed(self, request: SetSpeedRequest) -> SetSpeedResponse:
+        try:
+            self._pacer.set_speed(request.speed)
+        except ValueError as error:
+            return SetSpeedResponse(success=False, message=str(error))
+        return SetSpeedResponse(success=True, message="")
+
+    def _serve_set_pose(self, request: SetPoseRequest) -> SetPoseResponse:
+        pose = Pose(request.pose.x, request.pose.y, request.pose.theta)
+        try:
+            with self._world_lock:
+                self._world.set_pose(request.robot_id, pose)
+        except (PlacementError, ValueError) as error:
+            return SetPoseResponse(success=False, message=str(error))
+        return SetPoseResponse(success=True, message="")
 
     def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
         try:

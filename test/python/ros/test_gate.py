@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 import threading
 
 import pytest
@@ -129,6 +130,32 @@ def test_pacer_goes_on_when_time_jumps_back():
     assert pacer.delay_s(1_000_000_000) == pytest.approx(1.0)
 
 
-def test_pacer_refuses_a_negative_speed():
-    with pytest.raises(ValueError, match=r"speed must be >= 0, got -1"):
-        Pacer(-1.0)
+def test_pacer_takes_another_speed_from_now_on():
+    wall = Wall()
+    pacer = Pacer(0.5, wall)
+    pacer.delay_s(0)
+    assert pacer.delay_s(1_000_000_000) == pytest.approx(2.0)
+    pacer.set_speed(5.0)
+    assert pacer.delay_s(1_000_000_000) == 0.0
+    assert pacer.delay_s(2_000_000_000) == pytest.approx(0.2)
+    pacer.set_speed(0.0)
+    assert pacer.is_flat_out
+    assert pacer.delay_s(9_000_000_000) == 0.0
+
+
+@pytest.mark.parametrize("speed", [-1.0, math.nan, math.inf])
+def test_pacer_refuses_a_speed_that_is_negative_or_not_finite_and_keeps_its_own(speed):
+    pacer = Pacer(2.0, Wall())
+    with pytest.raises(ValueError, match=rf"speed must be finite and >= 0, got {speed:g}"):
+        pacer.set_speed(speed)
+    pacer.delay_s(0)
+    assert pacer.delay_s(1_000_000_000) == pytest.approx(0.5)
+    with pytest.raises(ValueError, match="speed must be finite"):
+        Pacer(speed)
+
+
+def test_sleep_ends_at_once_when_closed():
+    gate = Gate()
+    assert gate.sleep(0.001)
+    gate.close()
+    assert not gate.sleep(3600.0)

@@ -6,7 +6,7 @@ import pytest
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.ros import node
-from robotteamsim.ros.node import ParameterError, parameter, read_settings
+from robotteamsim.ros.node import ParameterError, parameter, read_seed, read_settings
 
 
 @pytest.fixture
@@ -44,6 +44,22 @@ def test_settings_follow_the_parameters(parameters):
     assert (settings.scenario.run.seed, settings.scenario.voice.noise_db) == (7, 20.0)
     assert (settings.num_robots, settings.lockstep, settings.step_ns) == (5, True, 100_000_000)
     assert [settings.drives(robot_id) for robot_id in range(6)] == [True, False, True, True, True, False]
+
+
+def test_seed_of_a_reset_reaches_the_nodes_that_begin_anew(parameters):
+    parameters["/robotteamsim/set"] = "run.seed=7 run.step_s=0.05"
+    settings = read_settings()
+    assert read_seed(settings) == settings
+    parameters["/robotteamsim/seed"] = str(2**40)
+    assert read_seed(settings).scenario.run.seed == read_settings().scenario.run.seed == 2**40
+    assert read_seed(settings).with_seed(7) == settings
+
+
+@pytest.mark.parametrize(("seed", "line"), [("-1", "seed: -1 is below 0"), ("x", "seed: 'x' is not a whole number")])
+def test_wrong_seed_is_told(parameters, seed, line):
+    parameters["/robotteamsim/seed"] = seed
+    with pytest.raises(ParameterError, match=rf"/robotteamsim/{line}"):
+        read_settings()
 
 
 def test_without_controllers_every_robot_is_driven_by_others(parameters):

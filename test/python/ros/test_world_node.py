@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -7,6 +8,7 @@ import pytest
 from robotteamsim.geometry import Twist
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros import world_node
+from robotteamsim.ros.gate import Gate, Pacer
 from robotteamsim.ros.node import Settings
 
 STEPS = 3
@@ -40,18 +42,42 @@ class FakeTeam:
         return [Twist(0.5, 0.0, 0.0), Twist()] if step_index < STEPS else None
 
 
+class FakeGate(Gate):
+    """Lets a wall clock of its own run while it sleeps."""
+
+    now_s = 0.0
+
+    def sleep(self, duration_s: float) -> bool:
+        FakeGate.now_s += duration_s
+        return True
+
+
 @pytest.fixture
-def sent(monkeypatch, hall_scenario) -> list[tuple[str, Any]]:
-    """What a world publishes in its first steps."""
+def serve(monkeypatch, hall_scenario) -> Callable[[float], None]:
+    """Let a world take its first steps at a speed."""
     FakeOutput.sent = []
+    FakeGate.now_s = 0.0
     parameters = {"~speed": 0.0, "~localization": "ground_truth"}
     monkeypatch.setattr(world_node, "Output", FakeOutput)
     monkeypatch.setattr(world_node, "FreeTeam", FakeTeam)
     monkeypatch.setattr(world_node, "parameter", lambda name, default: parameters[name])
     monkeypatch.setattr(world_node, "QUIET_S", 0.0)
     monkeypatch.setattr(world_node.rospy, "Service", lambda *_: None)
+    monkeypatch.setattr(world_node, "Gate", FakeGate)
+    monkeypatch.setattr(world_node, "Pacer", lambda speed: Pacer(speed, lambda: FakeGate.now_s))
     settings = Settings(hall_scenario(), lockstep=False, controllers=True, teleop=-1, silence_limit_s=5.0)
-    world_node.WorldNode(settings).serve()
+
+    def make(speed: float) -> None:
+        parameters["~speed"] = speed
+        world_node.WorldNode(settings).serve()
+
+    return make
+
+
+@pytest.fixture
+def sent(serve) -> list[tuple[str, Any]]:
+    """What a world publishes in its first steps."""
+    serve(0.0)
     return FakeOutput.sent
 
 
@@ -74,6 +100,13 @@ def test_clock_starts_near_zero_and_ticks_with_the_physics(sent):
     ticks_ns = [message.clock.to_nsec() for topic, message in sent if topic == "/clock"]
     # The last step is not taken, but the clock has already run up to it.
     assert ticks_ns == [1_000_000, *(20_000_000 * tick for tick in range(1, 5 * STEPS + 5))]
+
+
+@pytest.mark.parametrize(("speed", "wall_s"), [(0.0, 0.0), (5.0, 0.076), (0.5, 0.76), (0.01, 38.0)])
+def test_world_lasts_as_long_as_its_speed_says(serve, speed, wall_s):
+    serve(speed)
+    # Time is counted from the first of the four steps' twenty ticks; the fourth step is not taken.
+    assert FakeGate.now_s == pytest.approx(wall_s)
 
 
 def test_true_motion_is_published(sent):

@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+"""Tries what other simulators of this kind get wrong, and the services that control the world."""
+# ruff: noqa: PT009 - rostest runs this by unittest, whose assertions tell the values
+
+from __future__ import annotations
+
+import math
+import unittest
+
+import rospy
+import rostest
+from geometry_msgs.msg import Pose2D, Twist, Vector3
+from listening import PATIENCE_S, Topic, call, place_m, speed_mps
+from nav_msgs.msg import Odometry
+from robotteamsim.srv import ResetSeed, SetPose, SetSpeed
+from rosgraph_msgs.msg import Clock
+from std_srvs.srv import Trigger
+
+FORWARD = Twist(linear=Vector3(0.5, 0.0, 0.0))
+AT_WALL = Pose2D(10.0, 0.7, -math.pi / 2)
+"""Half a metre before the south wall of the garage, facing it."""
+SPEED = 4.0
+ENDLESS = 1e-6
+"""At this speed a step takes a day."""
+
+
+def stamp_s(message: Odometry) -> float:
+    return message.header.stamp.to_sec()
+
+
+def latched_time() -> rospy.Time:
+    return rospy.wait_for_message("/clock", Clock, PATIENCE_S).clock
+
+
+class ControlsTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("controls_test", disable_rostime=True)
+        cls.commands = [rospy.Publisher(f"/robot_{i}/cmd_vel", Twist, queue_size=0) for i in (0, 1)]
+        cls.truths = [Topic(f"/robot_{i}/base_pose_ground_truth", Odometry) for i in (0, 1)]
+        cls.odometry = Topic("/robot_0/odom", Odometry)
+        for topic in (*cls.truths, cls.odometry):
+            topic.wait_for_count(1)
+        cls.starts = [place_m(truth.messages[0]) for truth in cls.truths]
+
+    def setUp(self) -> None:
+        self.assertTrue(call("/reset", Trigger).success)
+        for truth in self.truths:
+            truth.wait_for(lambda message: abs(speed_mps(message)) < 1e-3, "a robot that stands")
+
+    def drive_on(self, robot_id: int, steps: int) -> list[Odometry]:
+        """Keep one robot's command alive for some steps, as a navigation does at 5 Hz; return its true motion."""
+        truth = self.truths[robot_id]
+        begin = len(truth.messages)
+        for count in range(2, steps + 1, 2):
+            self.commands[robot_id].publish(FORWARD)
+            truth.wait_for_count(begin + count)
+        return truth.messages[begin : begin + steps]
+
+    def test_robot_that_is_silent_stops_while_the_one_that_is_commanded_goes_on(self) -> None:
+        self.commands[0].publish(FORWARD)
+        self.truths[0].wait_for(lambda message: speed_mps(message) > 0.4, "a robot that moves")
+        driven = self.drive_on(1, 24)
+        self.assertAlmostEqual(speed_mps(self.truths[0].next()), 0.0, places=3)
+        self.assertTrue(all(speed_mps(message) > 0.4 for message in driven[8:]))
+
+    def test_odometry_stands_still_while_a_wall_blocks_the_robot(self) -> None:
+        self.assertTrue(call("/set_pose", SetPose, robot_id=0, pose=AT_WALL).success)
+        self.drive_on(0, 20)
+        before = place_m(self.odometry.next())
+        truth = self.drive_on(0, 20)
+        self.assertEqual({round(speed_mps(message), 3) for message in truth}, {0.0})
+        self.assertLess(math.dist(before, place_m(self.odometry.next())), 1e-3)
+
+    def test_reset_begins_odometry_at_its_origin_again(self) -> None:
+        self.drive_on(0, 8)
+        self.assertGreater(place_m(self.odometry.next())[0], 0.05)
+        begin = len(self.odometry.messages)
+        self.assertTrue(call("/reset", Trigger).success)
+        fresh = self.odometry.wait_for_after(begin, lambda message: stamp_s(message) < 0.3, "an early stamp")
+        self.assertEqual(place_m(fresh), (0.0, 0.0))
+
+    def test_robot_is_put_elsewhere_and_its_odometry_does_not_notice(self) -> None:
+        self.assertTrue(call("/set_pose", SetPose, robot_id=0, pose=Pose2D(10.0, 3.0, 2.5 * math.pi)).success)
+        there = self.truths[0].wait_for(lambda message: place_m(message) == (10.0, 3.0), "the new place")
+        self.assertAlmostEqual(there.pose.pose.orientation.z, math.sqrt(0.5))
+        self.assertEqual(place_m(self.odometry.next()), (0.0, 0.0))
+        self.assertEqual(place_m(self.truths[1].next()), self.starts[1])
+
+    def test_place_where_a_robot_cannot_stand_is_refused_with_the_reason(self) -> None:
+        for robot_id, pose, reason in (
+            (2, (10.0, 3.0, 0.0), "robot_id must be in 0..1, got 2"),
+            (-1, (10.0, 3.0, 0.0), "robot_id must be in 0..1, got -1"),
+            (0, (10.0, 0.2, 0.0), "robot_0: pose (10.00, 0.20) is inside wall 'south'"),
+            (0, (-3.0, 0.2, 0.0), "robot_0: pose (-3.00, 0.20) is outside the plan"),
+            (0, (*self.starts[1], 0.0), "is inside robot_1 at"),
+            (0, (math.nan, 3.0, 0.0), "robot_0: pose must be finite"),
+            (0, (10.0, 3.0, math.inf), "robot_0: pose must be finite"),
+        ):
+            refused = call("/set_pose", SetPose, robot_id=robot_id, pose=Pose2D(*pose))
+            self.assertFalse(refused.success)
+            self.assertIn(reason, refused.message)
+            self.assertNotIn("\n", refused.message)
+        self.assertEqual(place_m(self.truths[0].next()), self.starts[0])
+
+    def test_speed_is_obeyed_from_now_on(self) -> None:
+        self.addCleanup(call, "/set_speed", SetSpeed, speed=SPEED)
+        self.assertTrue(call("/set_speed", SetSpeed, speed=0.0).success)
+        self.truths[0].wait_for_count(len(self.truths[0].messages) + 20)
+        self.assertTrue(call("/set_speed", SetSpeed, speed=ENDLESS).success)
+        before = latched_time()
+        for _ in range(50):
+            self.assertFalse(call("/set_speed", SetSpeed, speed=-1.0).success)
+        # The tick under way and the one that time is counted from may still come.
+        self.assertLessEqual((latched_time() - before).to_nsec(), 40_000_000)
+        self.assertTrue(call("/set_speed", SetSpeed, speed=0.0).success)
+        self.truths[0].wait_for_count(len(self.truths[0].messages) + 20)
+
+    def test_speed_that_cannot_be_is_refused_with_the_reason(self) -> None:
+        for speed in (-1.0, math.nan, math.inf):
+            refused = call("/set_speed", SetSpeed, speed=speed)
+            self.assertEqual(
+                (refused.success, refused.message), (False, f"speed must be finite and >= 0, got {speed:g}")
+            )
+
+    def test_seed_that_cannot_be_is_refused_with_the_reason(self) -> None:
+        time = self.truths[0].next().header.stamp
+        for seed, reason in ((-1, "seed: -1 is below 0"), (2**53 + 1, f"seed: {2**53 + 1} is above")):
+            refused = call("/reset_seed", ResetSeed, seed=seed)
+            self.assertFalse(refused.success)
+            self.assertIn(reason, refused.message)
+        self.assertGreater(self.truths[0].next().header.stamp, time)
+
+    def test_seed_of_a_reset_is_that_of_later_resets(self) -> None:
+        self.assertTrue(call("/reset_seed", ResetSeed, seed=2**40).success)
+        self.assertTrue(call("/reset", Trigger).success)
+        self.assertEqual(rospy.get_param("/robotteamsim/seed"), str(2**40))
+
+
+if __name__ == "__main__":
+    rostest.rosrun("robotteamsim", "controls", ControlsTest)
