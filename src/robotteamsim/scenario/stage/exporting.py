@@ -45,6 +45,10 @@ def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTI
     Args:   bitmap: the name of the PNG, relative to the world file. resolution_m: edge of a pixel.
     Raises: ScenarioError: the plan has no solid, or a robot is a car. PlacementError: a robot stands badly.
     """
+    robots = scenario.placed_robots()
+    if any(robot.drive.kind == "car" for robot in robots):
+        text = "robots.drive.kind: a car of Stage takes a steering angle for a turn: wanted another drive"
+        raise ScenarioError(f"{scenario.name}: {text}")
     pixels = math.prod(grid_shape(scenario.plan, resolution_m))
     if pixels > MAX_PIXELS:
         raise ScenarioError(
@@ -59,7 +63,6 @@ def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTI
     grey = np.where(solid[low[1] : high[1], low[0] : high[0]], 0, 255).astype(np.uint8)
     size = [(b - a) * resolution_m for a, b in zip(low, high, strict=True)]
     middle = [o + 0.5 * (a + b) * resolution_m for o, a, b in zip(grid.origin_m, low, high, strict=True)]
-    robots = scenario.placed_robots()
     kinds = list(dict.fromkeys(_kind(robot) for robot in robots))
     lowest_m = min(robot.height_m for robot in robots)
     lines = [
@@ -154,8 +157,7 @@ def _defined(name: str, robot: PlacedRobot, lowest_m: float, step_ns: int) -> li
 
 
 def _drive(drive: AnyDrive) -> list[str]:
-    if drive.kind == "car":
-        raise ScenarioError("robots.drive.kind: a car of Stage takes a steering angle for a turn: wanted another drive")
+    assert drive.kind != "car"
     aside = drive.max_speed_mps if drive.kind == "omni" else 0.0
     aside_change = drive.max_acceleration_mps2 if drive.kind == "omni" else 0.0
     speed, turn = drive.max_speed_mps, math.degrees(drive.max_turn_radps)

@@ -111,6 +111,9 @@ class RobotReader:
             if abs(low + high) > 1e-9 * max(abs(high), 1.0):
                 text = f"{key}: {_BOUNDS[axis]} has another limit below than above; the one above counts both ways"
                 self._notes.say(entity.place_of(key), text)
+        if self._values.text(entity, "drive", "diff") == "omni" and given[2:4] != given[:2]:
+            text = f"{key}: y has other limits than x; those of x count for every direction"
+            self._notes.say(entity.place_of(key), text)
         return tidy(given[1]), tidy(given[7])
 
     def _odometry(self, entity: Entity) -> Odometry:

@@ -146,5 +146,5 @@ def test_omnidirectional_robots_come_back_as_they_were(tmp_path):
 
 def test_car_is_refused():
     scenario = load("garage_sar", ["robots.drive={kind: car, wheelbase_m: 0.3, max_steering_rad: 0.6}"])
-    with pytest.raises(ScenarioError, match=r"^robots.drive.kind: a car of Stage takes a steering angle"):
+    with pytest.raises(ScenarioError, match=r"^garage_sar: robots\.drive\.kind: a car of Stage takes a steering angle"):
         export_world(scenario, "garage.png")

@@ -171,6 +171,7 @@ def test_model_that_hangs_above_the_robots_is_left_out(world_of):
             _robot("sampels 3"),
             "sampels: a 'position' has no such key, neither in Stage nor here; did you mean 'samples'?",
         ),
+        (_robot('drive "omni" velocity_bounds [-1 1 -2 2 0 0 -90 90]'), "velocity_bounds: y has other limits than x"),
         (_robot("camera()"), "camera: robots have no camera here: left out"),
         (_robot("localization_origin [0 0 0 0]"), "localization_origin: odometry begins where the robot does, at 0"),
         (_robot("velocity_bounds [-0.2 1 0 0 0 0 -90 90]"), "velocity_bounds: x has another limit below than above"),
