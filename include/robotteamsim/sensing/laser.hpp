@@ -19,6 +19,7 @@ struct LaserModel {
   double range_max = 5.0;  ///< [m]
   double too_near = 0.0;   ///< what it reports of a range below range_min [m]
   double no_return = 5.0;  ///< what it reports where nothing is within range_max [m]
+  double left = 0.0;       ///< to the left of base_link [m]
 };
 
 /// Scans a world: walls, blocks, closed doors and other robots return a beam, its own robot does not. A laser that

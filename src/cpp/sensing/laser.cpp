@@ -15,7 +15,8 @@ LaserModel Checked(const LaserModel& model) {
   if (model.beams < 1) throw std::invalid_argument("beams must be >= 1, got " + std::to_string(model.beams));
   if (!(model.range_max > model.range_min)) throw std::invalid_argument("range_max must be > range_min");
   if (!(model.range_min >= 0.0)) throw std::invalid_argument("range_min must be >= 0");
-  if (!std::isfinite(model.angle_min) || !std::isfinite(model.angle_max) || !std::isfinite(model.forward)) {
+  if (!std::isfinite(model.angle_min) || !std::isfinite(model.angle_max) || !std::isfinite(model.forward) ||
+      !std::isfinite(model.left)) {
     throw std::invalid_argument("angles and position of a laser must be finite");
   }
   return model;
@@ -32,9 +33,10 @@ class Laser::View {
         range_max2_(model.range_max * model.range_max),
         cos_(std::cos(base.yaw + fan.Zero())),
         sin_(std::sin(base.yaw + fan.Zero())),
-        origin_{base.x + model.forward * std::cos(base.yaw), base.y + model.forward * std::sin(base.yaw)},
+        origin_{base.x + model.forward * std::cos(base.yaw) - model.left * std::sin(base.yaw),
+                base.y + model.forward * std::sin(base.yaw) + model.left * std::cos(base.yaw)},
         base_(ToLocal({base.x, base.y})),
-        is_mounted_apart_(model.forward != 0.0),
+        is_mounted_apart_(model.forward != 0.0 || model.left != 0.0),
         ranges_(fan.Count(), kInfinity) {}
 
   const Point& origin() const { return origin_; }

@@ -16,6 +16,7 @@ from robotteamsim.errors import RecordingError
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.files import cannot_write, check_replaceable
+from robotteamsim.recording.sensor_fields import sensor_topics
 from robotteamsim.scenario import occupancy_grid
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
@@ -114,6 +115,7 @@ class BagWriter:
         """Open the bag. Raises: RecordingError: it cannot be written."""
         self._scenario = scenario
         self._robots = scenario.placed_robots()
+        self._sensors = [sensor_topics(robot) for robot in self._robots]
         self._step_ns = round(scenario.run.step_s * 1e9)
         self._steps, self._within_step = 0, False
         self._last: StepRecord | None = None
@@ -189,8 +191,8 @@ class BagWriter:
 
     def _topics(self) -> Iterator[Topic]:
         yield from TEAM_TOPICS
-        for robot_id in range(len(self._robots)):
-            for topic in ROBOT_TOPICS:
+        for robot_id, sensors in enumerate(self._sensors):
+            for topic in (*ROBOT_TOPICS, *(Topic(sensor.name, sensor.type_name) for sensor in sensors)):
                 yield Topic(f"/{fields.robot_name(robot_id)}/{topic.name}", topic.type_name, topic.latched)
 
     def _connect(self, topic: Topic) -> Any:
@@ -244,6 +246,10 @@ class BagWriter:
         yield "base_scan", fields.scan(make, time_ns, robot_id, robot.laser, reading.ranges_m)
         yield "base_pose_ground_truth", fields.ground_truth(make, time_ns, robot_id, reading)
         yield "contact", fields.contact(make, time_ns, robot_id, reading.in_contact)
+        for topic in self._sensors[robot_id]:
+            message = topic.message(make, time_ns, robot_id, reading.further)
+            if message is not None:
+                yield topic.name, message
         yield "voice", fields.voice(make, time_ns, record.voices[robot_id])
         yield "network/rx", fields.network_messages(make, time_ns, record.inboxes[robot_id])
         yield "network/tx", fields.network_messages(make, time_ns, decision.outbox)

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from robotteamsim.control.controller import Decision
-from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.mission.status import Event, MissionStatus, VictimState
 from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.propagation import FieldMap
@@ -100,11 +100,13 @@ def ground_truth(make: Make, time_ns: int, robot_id: int, reading: RobotReading)
     return _odometry(make, time_ns, MAP_FRAME, robot_id, OdometryReading(reading.ground_truth, reading.twist))
 
 
-def scan(make: Make, time_ns: int, robot_id: int, laser: Laser, ranges_m: np.ndarray) -> Any:
-    """sensor_msgs/LaserScan, of `base_scan`."""
+def scan(
+    make: Make, time_ns: int, robot_id: int, laser: Laser, ranges_m: np.ndarray, frame: str = "base_laser_link"
+) -> Any:
+    """sensor_msgs/LaserScan, of `base_scan` and of further lasers."""
     return make(
         "sensor_msgs/LaserScan",
-        header=header(make, time_ns, robot_frame(robot_id, "base_laser_link")),
+        header=header(make, time_ns, robot_frame(robot_id, frame)),
         angle_min=laser.angle_min_rad,
         angle_max=laser.angle_max_rad,
         angle_increment=(laser.angle_max_rad - laser.angle_min_rad) / max(laser.beams - 1, 1),
@@ -127,7 +129,10 @@ def contact(make: Make, time_ns: int, robot_id: int, in_contact: bool) -> Any:
 
 
 def transforms(make: Make, time_ns: int, robots: Sequence[Robot], odometry: Iterable[OdometryReading]) -> Any:
-    """tf2_msgs/TFMessage: odom -> base_footprint -> base_link -> base_laser_link of all robots, in id order."""
+    """tf2_msgs/TFMessage: odom -> base_footprint -> base_link -> base_laser_link of all robots, in id order.
+
+    The frames of a robot's further sensors follow, base_link -> <name>_link.
+    """
     all_transforms = []
     for robot_id, (robot, reading) in enumerate(zip(robots, odometry, strict=True)):
         laser = PoseReading(robot.laser.forward_m, 0.0, 0.0, 1.0)
@@ -136,6 +141,10 @@ def transforms(make: Make, time_ns: int, robots: Sequence[Robot], odometry: Iter
             _transform(make, time_ns, robot_id, "base_footprint", "base_link", _IDENTITY),
             _transform(make, time_ns, robot_id, "base_link", "base_laser_link", laser, robot.laser.height_m),
         ]
+        for mount in robot.mounts:
+            place = PoseReading.from_pose(Pose(mount.forward_m, mount.left_m, mount.yaw_rad))
+            frame = f"{mount.name}_link"
+            all_transforms.append(_transform(make, time_ns, robot_id, "base_link", frame, place, mount.height_m))
     return make("tf2_msgs/TFMessage", transforms=all_transforms)
 
 

@@ -32,7 +32,7 @@ class RosTypes:
 
     def __call__(self, type_name: str, /, **fields: Any) -> Any:
         """Return a message of a type such as "nav_msgs/Odometry". Every field must be given."""
-        message_class = self._classes.get(type_name) or self._find(type_name)
+        message_class = self._classes.get(type_name) or self.message_class(type_name)
         # All fields are given, so the defaults that __init__ would fill in first are not needed.
         message = message_class.__new__(message_class)
         for name, value in fields.items():
@@ -43,7 +43,8 @@ class RosTypes:
         """Return the stamp of a time [ns]."""
         return Time(*divmod(time_ns, 10**9))
 
-    def _find(self, type_name: str) -> Any:
+    def message_class(self, type_name: str) -> Any:
+        """Return the class of a type such as "nav_msgs/Odometry"."""
         package_name, class_name = type_name.split("/")
         package = next(package for package in _PACKAGES if package.__name__ == package_name)
         return self._classes.setdefault(type_name, getattr(package.msg, class_name))

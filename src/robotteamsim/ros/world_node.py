@@ -17,6 +17,7 @@ from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.msg import Contact
 from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording.sensor_fields import sensor_topics
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.gate import Gate, Pacer
 from robotteamsim.ros.node import SEED, Output, ParameterError, Settings, parameter, read_settings, run
@@ -88,7 +89,7 @@ class WorldNode:
         self._tf = Output("/tf", TFMessage)
         self._clock = Output("/clock", Clock, latched=True)
         # In lockstep a late subscriber must still get the step that everybody waits for.
-        self._outputs = [RobotOutputs(i, robot, settings.lockstep) for i, robot in enumerate(self._robots)]
+        self._outputs = [RobotOutputs(i, robot, settings.lockstep, self._make) for i, robot in enumerate(self._robots)]
         self._offer_map()
         self._offer_services()
 
@@ -238,7 +239,7 @@ class WorldNode:
 class RobotOutputs:
     """What the world publishes of one robot."""
 
-    def __init__(self, robot_id: int, robot: PlacedRobot, latched: bool) -> None:
+    def __init__(self, robot_id: int, robot: PlacedRobot, latched: bool, make: conversion.RosTypes) -> None:
         self._robot_id = robot_id
         self._laser = robot.laser
         name = fields.robot_name(robot_id)
@@ -246,11 +247,16 @@ class RobotOutputs:
         self._scan = Output(f"/{name}/base_scan", LaserScan, latched=latched)
         self._ground_truth = Output(f"/{name}/base_pose_ground_truth", Odometry, latched=latched)
         self._contact = Output(f"/{name}/contact", Contact, latched=latched)
+        self._sensors = [
+            (topic, Output(f"/{name}/{topic.name}", make.message_class(topic.type_name), latched=latched))
+            for topic in sensor_topics(robot)
+        ]
 
     @property
     def num_subscribers(self) -> int:
         """How many connections they have."""
-        return sum(output.num_subscribers for output in (self._odom, self._scan, self._ground_truth, self._contact))
+        outputs = [self._odom, self._scan, self._ground_truth, self._contact, *(output for _, output in self._sensors)]
+        return sum(output.num_subscribers for output in outputs)
 
     def publish(self, make: conversion.RosTypes, time_ns: int, reading: RobotReading) -> None:
         """Publish one step's readings."""
@@ -263,6 +269,9 @@ class RobotOutputs:
             self._scan.publish(fields.scan(make, time_ns, robot_id, self._laser, reading.ranges_m))
         if self._contact.wanted:
             self._contact.publish(fields.contact(make, time_ns, robot_id, reading.in_contact))
+        for topic, output in self._sensors:
+            if output.wanted and (message := topic.message(make, time_ns, robot_id, reading.further)) is not None:
+                output.publish(message)
 
 
 def _pacer() -> Pacer:

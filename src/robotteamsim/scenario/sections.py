@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import Interval, LossDb, Many, Model, PlanarPose, Point, first_repeated, wrong
 from robotteamsim.scenario.drives import AnyDrive, Drive
+from robotteamsim.scenario.sensors import Laser, Mount, MountedLaser, check_names
 
 
 class Radio(Model):
@@ -64,28 +65,6 @@ class Voice(Model):
         return self
 
 
-class Laser(Model):
-    """A planar laser range finder; walls, closed doors and robots return it."""
-
-    beams: int = Field(default=181, ge=1, le=10_000, description="number of beams, first at angle_min")
-    angle_min_rad: float = Field(default=-1.5707963267948966, ge=-6.2832, le=6.2832, description="first beam [rad]")
-    angle_max_rad: float = Field(default=1.5707963267948966, ge=-6.2832, le=6.2832, description="last beam [rad]")
-    range_min_m: float = Field(default=0.05, ge=0.0, le=10.0, description="shorter is not measured [m]")
-    range_max_m: float = Field(default=5.0, gt=0.0, le=200.0, description="longer is not measured [m]")
-    forward_m: float = Field(default=0.1, ge=-5.0, le=5.0, description="ahead of base_link [m]")
-    height_m: float = Field(default=0.25, ge=0.0, le=2.0, description="above base_link, for tf [m]")
-    no_return: Literal["range_max", "inf"] = Field(default="range_max", description="as Stage does, or REP-117")
-    noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
-
-    @model_validator(mode="after")
-    def _check(self) -> Laser:
-        if not self.angle_max_rad > self.angle_min_rad:
-            raise wrong("angle_max_rad", f"{self.angle_max_rad:g} is not above angle_min_rad, {self.angle_min_rad:g}")
-        if not self.range_max_m > self.range_min_m:
-            raise wrong("range_max_m", f"{self.range_max_m:g} is not above range_min_m, {self.range_min_m:g}")
-        return self
-
-
 class Odometry(Model):
     """Drift of the odometry, from what the wheels really did; zero alphas make it exact."""
 
@@ -103,8 +82,19 @@ class Robot(Model):
     mass_kg: float = Field(default=5.0, gt=0.0, le=10_000.0, description="for pushing [kg]")
     drive: AnyDrive = Field(default=Drive(), description="differential, omni or car")
     laser: Laser = Laser()
+    lasers: Many[MountedLaser] = Field(default=(), max_length=16, description="further lasers, each on its own topic")
     odometry: Odometry = Odometry()
     cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="the last command holds this long [s]")
+
+    @model_validator(mode="after")
+    def _check_sensors(self) -> Robot:
+        check_names({"lasers": self.lasers})
+        return self
+
+    @property
+    def mounts(self) -> tuple[Mount, ...]:
+        """The further sensors that have a frame of their own."""
+        return self.lasers
 
 
 class PlacedRobot(Robot):

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.scenario.sections import Laser as LaserModel
+from robotteamsim.scenario.sensors import Laser as LaserModel
+from robotteamsim.scenario.sensors import MountedLaser
 from robotteamsim.world import World
 
 _NO_NOISE = np.empty(0)
@@ -23,18 +24,20 @@ class Laser:
 
     def __init__(self, model: LaserModel, world: World) -> None:
         as_rep_117 = model.no_return == "inf"
+        left_m, yaw_rad = (model.left_m, model.yaw_rad) if isinstance(model, MountedLaser) else (0.0, 0.0)
         self._model = model
         self._world = world
         self._core = _core.Laser(
             world.core,
             beams=model.beams,
-            angle_min_rad=model.angle_min_rad,
-            angle_max_rad=model.angle_max_rad,
+            angle_min_rad=yaw_rad + model.angle_min_rad,
+            angle_max_rad=yaw_rad + model.angle_max_rad,
             forward_m=model.forward_m,
             range_min_m=model.range_min_m,
             range_max_m=model.range_max_m,
             too_near_m=-math.inf if as_rep_117 else model.range_min_m,
             no_return_m=math.inf if as_rep_117 else model.range_max_m,
+            left_m=left_m,
         )
 
     def scan(self, robot_ids: Sequence[int], generators: Sequence[np.random.Generator]) -> np.ndarray:

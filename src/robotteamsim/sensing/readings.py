@@ -42,11 +42,26 @@ class VoiceReading:
     local_best_level_db: float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FurtherReadings:
+    """What those sensors of a robot measure that not every robot has; None of one that had no turn in this step.
+
+    scans_m: of `robots.lasers`, in their order: float32, shape (beams,) [m].
+    """
+
+    scans_m: tuple[np.ndarray | None, ...] = ()
+
+
+NOTHING_FURTHER = FurtherReadings()
+
+
 @dataclass(frozen=True, slots=True)
 class RobotReading:
     """What the world gives one robot in one step.
 
     ranges_m: float32, shape (beams,), first beam at angle_min; no return as the scenario says.
+    further:  of sensors that not every robot has. Controllers that run as ROS nodes do not get it; they listen to the
+              topics of those sensors.
     """
 
     ground_truth: PoseReading
@@ -54,6 +69,7 @@ class RobotReading:
     odometry: OdometryReading
     ranges_m: np.ndarray
     in_contact: bool
+    further: FurtherReadings = NOTHING_FURTHER
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +82,7 @@ class TeamReadings(Sequence[RobotReading]):
                   covariances of `OdometryReading`, six and two.
     ranges_m:     float32 per robot, shape (beams,) [m].
     in_contact:   bool, shape (n,).
+    further:      of sensors that not every robot has; empty where none has any.
     """
 
     ground_truth: np.ndarray
@@ -73,6 +90,7 @@ class TeamReadings(Sequence[RobotReading]):
     odometry: np.ndarray
     ranges_m: Sequence[np.ndarray]
     in_contact: np.ndarray
+    further: Sequence[FurtherReadings] = ()
 
     def __len__(self) -> int:
         return len(self.ranges_m)
@@ -95,6 +113,7 @@ class TeamReadings(Sequence[RobotReading]):
             self.odometry.tolist(),
             self.ranges_m,
             self.in_contact.tolist(),
+            self.further or (NOTHING_FURTHER,) * len(self),
             strict=True,
         )
         return tuple(
@@ -104,8 +123,9 @@ class TeamReadings(Sequence[RobotReading]):
                 odometry=_odometry_reading(believed),
                 ranges_m=ranges_m,
                 in_contact=in_contact,
+                further=further,
             )
-            for truth, twist, believed, ranges_m, in_contact in rows
+            for truth, twist, believed, ranges_m, in_contact, further in rows
         )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from robotteamsim.rng import stream
 from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.sensing.further import FurtherSensors
 from robotteamsim.sensing.laser import Laser
 from robotteamsim.sensing.odometry import TeamOdometry
 from robotteamsim.sensing.readings import TeamReadings
@@ -15,7 +16,7 @@ from robotteamsim.world import World
 
 
 class RobotSensors:
-    """The sensors of all robots of a world. Random streams: ("odometry", id) and ("laser", id)."""
+    """The sensors of all robots of a world. Random streams: ("odometry", id), ("laser", id); `FurtherSensors`' own."""
 
     def __init__(self, world: World, robots: Sequence[PlacedRobot], seed: int) -> None:
         """Args: robots: those that the world was built with, in id order."""
@@ -27,6 +28,7 @@ class RobotSensors:
             (Laser(model, world), [robot_id for robot_id, robot in enumerate(self._robots) if robot.laser == model])
             for model in models
         ]
+        self._further = FurtherSensors(world, robots, seed)
         self.reset()
 
     def read(self) -> TeamReadings:
@@ -47,10 +49,12 @@ class RobotSensors:
             odometry=self._odometry.step(core.motions(), twists),
             ranges_m=ranges_m,
             in_contact=core.in_contact(),
+            further=self._further.read(),
         )
 
     def reset(self) -> None:
         """Begin again as new, after `World.reset`: odometry at its origin, all random streams from their start."""
+        self._further.reset()
         ids = range(len(self._robots))
         self._laser_streams = [stream(self._seed, "laser", robot_id) for robot_id in ids]
         self._odometry = TeamOdometry(

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +11,12 @@ from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros import world_node
 from robotteamsim.ros.gate import Gate, Pacer
 from robotteamsim.ros.node import Settings
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.scenario.sensors import MountedLaser
+from robotteamsim.sensing.readings import RobotReading
+from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.world import World
 
 STEPS = 3
 STEP_NS = 100_000_000
@@ -53,8 +60,8 @@ class FakeGate(Gate):
 
 
 @pytest.fixture
-def serve(monkeypatch, hall_scenario) -> Callable[[float], None]:
-    """Let a world take its first steps at a speed."""
+def serve(monkeypatch, hall_scenario) -> Callable[..., None]:
+    """Let a world take its first steps at a speed: that of the hall, or another."""
     FakeOutput.sent = []
     FakeGate.now_s = 0.0
     parameters = {"~speed": 0.0, "~localization": "ground_truth"}
@@ -65,10 +72,11 @@ def serve(monkeypatch, hall_scenario) -> Callable[[float], None]:
     monkeypatch.setattr(world_node.rospy, "Service", lambda *_: None)
     monkeypatch.setattr(world_node, "Gate", FakeGate)
     monkeypatch.setattr(world_node, "Pacer", lambda speed: Pacer(speed, lambda: FakeGate.now_s))
-    settings = Settings(hall_scenario(), lockstep=False, controllers=True, teleop=-1, silence_limit_s=5.0)
 
-    def make(speed: float) -> None:
+    def make(speed: float, scenario: Scenario | None = None) -> None:
         parameters["~speed"] = speed
+        scenario = scenario or hall_scenario()
+        settings = Settings(scenario, lockstep=False, controllers=True, teleop=-1, silence_limit_s=5.0)
         world_node.WorldNode(settings).serve()
 
     return make
@@ -118,3 +126,51 @@ def test_true_motion_is_published(sent):
 def test_map_frame_is_tied_to_odometry_on_demand(sent):
     links = [link for topic, message in sent if topic == "/tf" for link in message.transforms]
     assert {link.child_frame_id for link in links if link.header.frame_id == "map"} == {"robot_0/odom", "robot_1/odom"}
+
+
+SENSORS = {
+    "lasers": (MountedLaser(name="rear", yaw_rad=3.0, noise_m=0.01), MountedLaser(name="slow", every_steps=2)),
+}
+
+
+@pytest.fixture
+def equipped(hall_scenario) -> Scenario:
+    """The hall with a robot that carries all there is, and one that does not."""
+    start = (18.8, 4.0, 0.1)
+    return hall_scenario(robots=(PlacedRobot(start_pose=start, **SENSORS), PlacedRobot(start_pose=(3.0, 6.0, 0.0))))
+
+
+def headless_readings(scenario: Scenario) -> list[RobotReading]:
+    """Return what robot 0 reads when the same steps are taken without ROS."""
+    robots = scenario.placed_robots()
+    world = World(scenario.plan, robots, scenario.run)
+    sensors = RobotSensors(world, robots, scenario.run.seed)
+    record = []
+    for _ in range(STEPS):
+        world.step([Twist(0.5, 0.0, 0.0), Twist()])
+        record.append(sensors.read()[0])
+    return record
+
+
+def test_further_lasers_have_topics_of_their_own_with_the_bits_of_a_headless_run(serve, equipped):
+    serve(0.0, equipped)
+    sent = FakeOutput.sent
+    readings = headless_readings(equipped)
+    rear = [message for topic, message in sent if topic == "/robot_0/rear"]
+    assert [message.ranges for message in rear] == [reading.further.scans_m[0].tolist() for reading in readings]
+    assert {message.header.frame_id for message in rear} == {"robot_0/rear_link"}
+    slow = [message for topic, message in sent if topic == "/robot_0/slow"]
+    assert [conversion.stamp_ns(message) for message in slow] == [2 * STEP_NS]
+    assert not [topic for topic, _ in sent if topic.startswith("/robot_1/") and topic.endswith(("rear", "slow"))]
+
+
+def test_further_sensors_have_frames_on_the_robot_that_carries_them(serve, equipped):
+    serve(0.0, equipped)
+    links = [link for topic, message in FakeOutput.sent if topic == "/tf" for link in message.transforms]
+    rear = [link for link in links if link.child_frame_id == "robot_0/rear_link"]
+    assert len(rear) == STEPS
+    assert {link.header.frame_id for link in rear} == {"robot_0/base_link"}
+    rotation, place = rear[0].transform.rotation, rear[0].transform.translation
+    assert 2.0 * math.atan2(rotation.z, rotation.w) == pytest.approx(3.0)
+    assert (place.x, place.y, place.z) == (0.1, 0.0, 0.25)
+    assert not [link for link in links if link.child_frame_id == "robot_1/rear_link"]

@@ -1,0 +1,41 @@
+"""The further sensors of a robot as ROS messages: topics, types and fields, for bags without ROS and for the nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording.message_fields import Make
+from robotteamsim.scenario.sections import Robot
+from robotteamsim.scenario.sensors import MountedLaser
+from robotteamsim.sensing.readings import FurtherReadings
+
+
+@dataclass(frozen=True, slots=True)
+class SensorTopic:
+    """The topic of one sensor, in the namespace of its robot.
+
+    message: makes its message from the stamp [ns], the robot's id and its readings; None in a step without a reading.
+    """
+
+    name: str
+    type_name: str
+    message: Callable[[Make, int, int, FurtherReadings], Any | None]
+
+
+def sensor_topics(robot: Robot) -> tuple[SensorTopic, ...]:
+    """Return the topics of a robot's further sensors."""
+    return tuple(
+        SensorTopic(laser.name, "sensor_msgs/LaserScan", partial(_scan, index, laser))
+        for index, laser in enumerate(robot.lasers)
+    )
+
+
+def _scan(
+    index: int, laser: MountedLaser, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings
+) -> Any | None:
+    ranges_m = readings.scans_m[index]
+    return None if ranges_m is None else fields.scan(make, time_ns, robot_id, laser, ranges_m, f"{laser.name}_link")

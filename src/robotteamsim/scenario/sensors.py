@@ -1,0 +1,87 @@
+"""What robots can carry to sense with. Default, unit, range and meaning of every key stand here and nowhere else."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Literal, Protocol
+
+from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from robotteamsim.scenario.base import Model, wrong
+
+_NAME = re.compile("[a-z][a-z0-9_]*")
+
+_TAKEN = frozenset(
+    (
+        *("base", "base_laser", "base_pose_ground_truth", "base_scan", "cmd_vel", "cmd_vel_stamped", "contact"),
+        *("controller", "fix", "network", "odom", "radio_map", "teleop", "voice"),
+    )
+)
+"""Topics that a robot has anyhow, and names whose frames it has."""
+
+
+def _as_topic(name: str) -> str:
+    if not _NAME.fullmatch(name):
+        text = f"'{name}' cannot be a topic; wanted a lower-case letter, then letters, digits and _"
+    elif name in _TAKEN:
+        text = f"'{name}' is taken by the robot itself"
+    else:
+        return name
+    raise PydanticCustomError("wrong", "{text}", {"key": "", "text": text})
+
+
+SensorName = Annotated[str, AfterValidator(_as_topic)]
+"""Names a sensor, its topic robot_<id>/<name> and its frame robot_<id>/<name>_link."""
+
+
+class Mount(Protocol):
+    """A named sensor and where it sits in base_link; its x axis points to yaw_rad."""
+
+    name: SensorName
+    forward_m: float
+    left_m: float
+    yaw_rad: float
+    height_m: float
+
+
+def check_names(sensors: Mapping[str, Sequence[Mount]]) -> None:
+    """Raise an error when two sensors of a robot have one name; sensors are given by key."""
+    seen: set[str] = set()
+    for key, items in sensors.items():
+        for index, item in enumerate(items):
+            if item.name in seen:
+                raise wrong(f"{key}.{index}.name", f"'{item.name}' is the name of another sensor already")
+            seen.add(item.name)
+
+
+class Laser(Model):
+    """A planar laser range finder; walls, closed doors and robots return it."""
+
+    beams: int = Field(default=181, ge=1, le=10_000, description="number of beams, first at angle_min")
+    angle_min_rad: float = Field(default=-1.5707963267948966, ge=-6.2832, le=6.2832, description="first beam [rad]")
+    angle_max_rad: float = Field(default=1.5707963267948966, ge=-6.2832, le=6.2832, description="last beam [rad]")
+    range_min_m: float = Field(default=0.05, ge=0.0, le=10.0, description="shorter is not measured [m]")
+    range_max_m: float = Field(default=5.0, gt=0.0, le=200.0, description="longer is not measured [m]")
+    forward_m: float = Field(default=0.1, ge=-5.0, le=5.0, description="ahead of base_link [m]")
+    height_m: float = Field(default=0.25, ge=0.0, le=2.0, description="above base_link, for tf [m]")
+    no_return: Literal["range_max", "inf"] = Field(default="range_max", description="as Stage does, or REP-117")
+    noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
+
+    @model_validator(mode="after")
+    def _check(self) -> Laser:
+        if not self.angle_max_rad > self.angle_min_rad:
+            raise wrong("angle_max_rad", f"{self.angle_max_rad:g} is not above angle_min_rad, {self.angle_min_rad:g}")
+        if not self.range_max_m > self.range_min_m:
+            raise wrong("range_max_m", f"{self.range_max_m:g} is not above range_min_m, {self.range_min_m:g}")
+        return self
+
+
+class MountedLaser(Laser):
+    """One of the further lasers: anywhere on the robot, turned to any side."""
+
+    name: SensorName = Field(description="a name, for topic robot_<id>/<name> and frame robot_<id>/<name>_link")
+    left_m: float = Field(default=0.0, ge=-5.0, le=5.0, description="left of base_link [m]")
+    yaw_rad: float = Field(default=0.0, ge=-6.2832, le=6.2832, description="where its x axis points in base_link [rad]")
+    every_steps: int = Field(default=1, ge=1, le=10_000, description="scans in every so manieth step")

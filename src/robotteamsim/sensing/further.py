@@ -1,0 +1,50 @@
+"""Sensors that not every robot has, each on its own topic."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from robotteamsim.rng import stream
+from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.scenario.sensors import MountedLaser
+from robotteamsim.sensing.laser import Laser
+from robotteamsim.sensing.readings import FurtherReadings
+from robotteamsim.world import World
+
+
+class FurtherSensors:
+    """The further sensors of all robots of a world. Random streams: ("laser", id, name)."""
+
+    def __init__(self, world: World, robots: Sequence[PlacedRobot], seed: int) -> None:
+        """Args: robots: those that the world was built with, in id order."""
+        self._world = world
+        self._robots = tuple(robots)
+        self._seed = seed
+        # A laser keeps the edges that it can see from anywhere: robots of one kind share it.
+        models = dict.fromkeys(model for robot in self._robots for model in robot.lasers)
+        self._lasers = {model: Laser(model, world) for model in models}
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin all random streams anew."""
+        self._streams = {
+            (robot_id, laser.name): stream(self._seed, "laser", robot_id, laser.name)
+            for robot_id, robot in enumerate(self._robots)
+            for laser in robot.lasers
+        }
+
+    def read(self) -> tuple[FurtherReadings, ...]:
+        """Return every robot's further readings after the step that the world made last; () where none has any."""
+        if not self._lasers:
+            return ()
+        return tuple(
+            FurtherReadings(scans_m=tuple(self._scan(robot_id, laser) for laser in robot.lasers))
+            for robot_id, robot in enumerate(self._robots)
+        )
+
+    def _scan(self, robot_id: int, laser: MountedLaser) -> np.ndarray | None:
+        if self._world.step_index % laser.every_steps:
+            return None
+        return self._lasers[laser].scan([robot_id], [self._streams[robot_id, laser.name]])[0]

@@ -1,0 +1,81 @@
+"""Further sensors in the bag of a real, short run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rosbags.rosbag1 import Reader
+
+from robotteamsim.recording import BagWriter
+from robotteamsim.recording.bag_types import bag_typestore
+from robotteamsim.scenario.sections import Mission, PlacedRobot
+from robotteamsim.scenario.sensors import MountedLaser
+from robotteamsim.simulation import Result, Simulation, StepRecord
+
+STEPS = 10
+REAR = MountedLaser(name="rear", yaw_rad=2.0, beams=9, noise_m=0.01)
+SLOW = MountedLaser(name="slow", every_steps=3, beams=5)
+
+
+class Memory:
+    """Keeps the records of a run."""
+
+    def begin(self, scenario: object) -> None:
+        self.records: list[StepRecord] = []
+
+    def step(self, record: StepRecord) -> None:
+        self.records.append(record)
+
+    def end(self, result: Result) -> None:
+        pass
+
+    def abandon(self) -> None:
+        pass
+
+
+@pytest.fixture
+def recorded(hall_scenario, tmp_path) -> tuple[list[StepRecord], dict[str, list]]:
+    """The records of a run, and the messages of its bag by topic."""
+    scenario = hall_scenario(
+        robots=(
+            PlacedRobot(start_pose=(3.0, 4.0, 0.0), lasers=(REAR, SLOW)),
+            PlacedRobot(start_pose=(3.0, 6.0, 0.0)),
+        ),
+        mission=Mission(time_limit_s=0.1 * STEPS),
+    )
+    path, memory = tmp_path / "run.bag", Memory()
+    Simulation(scenario).run([BagWriter(path), memory])
+    return memory.records, messages(path)
+
+
+def messages(path: Path) -> dict[str, list]:
+    typestore, found = bag_typestore(), {}
+    with Reader(path) as reader:
+        for connection, _, data in reader.messages():
+            found.setdefault(connection.topic, []).append(typestore.deserialize_ros1(data, connection.msgtype))
+    return found
+
+
+def stamps_ns(of_topic: list) -> list[int]:
+    return [message.header.stamp.sec * 10**9 + message.header.stamp.nanosec for message in of_topic]
+
+
+def test_further_scans_are_in_the_bag_in_the_steps_that_have_them(recorded):
+    records, bag = recorded
+    rear = [record.readings[0].further.scans_m[0] for record in records]
+    np.testing.assert_array_equal([message.ranges for message in bag["/robot_0/rear"]], rear)
+    assert stamps_ns(bag["/robot_0/rear"]) == [record.sim_time_ns for record in records]
+    assert stamps_ns(bag["/robot_0/slow"]) == [record.sim_time_ns for record in records if record.step_index % 3 == 0]
+    message = bag["/robot_0/rear"][0]
+    assert message.header.frame_id == "robot_0/rear_link"
+    assert message.angle_min + 8 * message.angle_increment == pytest.approx(message.angle_max)
+    assert not {"/robot_1/rear", "/robot_1/slow"} & bag.keys()
+
+
+def test_frames_of_further_sensors_are_in_the_bag(recorded):
+    _, bag = recorded
+    for message in bag["/tf"]:
+        children = [link.child_frame_id for link in message.transforms if link.header.frame_id == "robot_0/base_link"]
+        assert children == ["robot_0/base_laser_link", "robot_0/rear_link", "robot_0/slow_link"]
