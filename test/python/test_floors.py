@@ -1,4 +1,4 @@
-"""Modules import only from floors below their own, and ROS stays in the ROS shell."""
+"""Modules import only from floors below their own; ROS stays in the ROS shell, and chance in named streams."""
 
 from __future__ import annotations
 
@@ -31,6 +31,11 @@ FLOOR_OF = {part: floor for floor, parts in enumerate(FLOORS) for part in parts}
 
 ROS = re.compile(r"(rospy|roslib|roslaunch|rosgraph|rospkg|rosbag|genpy|tf|tf2_ros|\w+_(msgs|srvs))(\.|$)")
 ROS_MESSAGES = re.compile(r"robotteamsim\.(msg|srv)(\.|$)")
+
+OTHER_CHANCE = re.compile(
+    r"random_device|mt19937|minstd_rand|\bs?rand\(|default_rng|RandomState|np\.random\.(?!Generator\b)"
+    r"|\b(import|from) random\b|\bsecrets\b|urandom|\buuid"
+)
 
 PYTHON_FILES = sorted(PACKAGE.rglob("*.py"))
 CPP_FILES = sorted(path for top in ("include", "src/cpp") for path in (ROOT / top).rglob("*.[ch]pp"))
@@ -90,6 +95,12 @@ def test_only_programs_for_a_terminal_print(path):
     calls = [node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.Call)]
     prints = [call.lineno for call in calls if isinstance(call.func, ast.Name) and call.func.id == "print"]
     assert prints == [] or part_of(path, PACKAGE) == "cli" or path.name == "teleop_node.py"
+
+
+def test_nothing_is_random_but_by_the_named_streams_of_a_seed():
+    files = [*PYTHON_FILES, *CPP_FILES, *(ROOT / "src" / "bindings").glob("*.[ch]pp")]
+    found = {str(path): OTHER_CHANCE.findall(path.read_text(encoding="utf-8")) for path in files}
+    assert [path for path, matches in found.items() if matches] == [str(PACKAGE / "rng.py")]
 
 
 def test_every_module_below_the_ros_shell_imports_without_ros():

@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import math
 import unittest
+from collections.abc import Sequence
 
 import rospy
 import rostest
 from geometry_msgs.msg import Pose2D, Twist, Vector3
-from listening import PATIENCE_S, Topic, call, place_m, speed_mps
+from listening import PATIENCE_S, Topic, call, drive, place_m, speed_mps
 from nav_msgs.msg import Odometry
 from robotteamsim.srv import ResetSeed, SetPose, SetSpeed
 from rosgraph_msgs.msg import Clock
@@ -48,14 +49,9 @@ class ControlsTest(unittest.TestCase):
         for truth in self.truths:
             truth.wait_for(lambda message: abs(speed_mps(message)) < 1e-3, "a robot that stands")
 
-    def drive_on(self, robot_id: int, steps: int) -> list[Odometry]:
-        """Keep one robot's command alive for some steps, as a navigation does at 5 Hz; return its true motion."""
-        truth = self.truths[robot_id]
-        begin = len(truth.messages)
-        for count in range(2, steps + 1, 2):
-            self.commands[robot_id].publish(FORWARD)
-            truth.wait_for_count(begin + count)
-        return truth.messages[begin : begin + steps]
+    def drive_on(self, robot_id: int, steps: int) -> Sequence[Odometry]:
+        """Keep one robot's command alive for some steps and return its true motion."""
+        return drive(self.commands[robot_id], FORWARD, self.truths[robot_id], steps)
 
     def test_robot_that_is_silent_stops_while_the_one_that_is_commanded_goes_on(self) -> None:
         self.commands[0].publish(FORWARD)

@@ -7,6 +7,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import rospy
+from geometry_msgs.msg import Twist
+from robotteamsim.srv import Step
+from std_srvs.srv import Trigger
 
 PATIENCE_S = 30.0
 
@@ -56,6 +59,21 @@ def call(name: str, service_class: type, /, **fields: Any) -> Any:
     """Call a service as soon as it is there."""
     rospy.wait_for_service(name, timeout=PATIENCE_S)
     return rospy.ServiceProxy(name, service_class)(**fields)
+
+
+def drive(command: rospy.Publisher, twist: Twist, topic: Topic, steps: int) -> Sequence[Any]:
+    """Command every other step, which is 5 Hz, and return what a topic of every step tells meanwhile.
+
+    The world is paused in between, so that the rate does not depend on the machine.
+    """
+    call("/pause", Trigger)
+    begin = len(topic.messages)
+    for _ in range(0, steps, 2):
+        command.publish(twist)
+        call("/step", Step, steps=2)
+    messages = topic.wait_for_count(begin + steps)
+    call("/resume", Trigger)
+    return messages[begin : begin + steps]
 
 
 def speed_mps(message: Any) -> float:
