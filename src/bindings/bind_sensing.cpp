@@ -34,6 +34,21 @@ py::array_t<float> Scan(const Laser& laser, const World& world, const std::vecto
   return scans;
 }
 
+// The nearest return of each robot, as a sonar reports it: float32 of shape (robots,); noise likewise, or empty.
+py::array_t<float> Nearest(const Laser& laser, const World& world, const std::vector<int>& robot_ids,
+                           const Doubles& noise_m) {
+  const auto count = static_cast<py::ssize_t>(robot_ids.size());
+  if (noise_m.size() != 0 && noise_m.size() != count)
+    throw std::invalid_argument("noise must have one value per robot");
+  py::array_t<float> nearest(count);
+  for (py::ssize_t i = 0; i < count; ++i) {
+    const double* const noise = noise_m.size() == 0 ? nullptr : noise_m.data() + i;
+    const std::vector<double> ranges = laser.Scan(world, robot_ids[i]);
+    laser.Report({*std::min_element(ranges.begin(), ranges.end())}, noise, nearest.mutable_data(i));
+  }
+  return nearest;
+}
+
 std::vector<Odometry> ToTeam(const std::vector<std::array<double, 4>>& alphas, double step_s) {
   std::vector<Odometry> team;
   for (const auto& [alpha1, alpha2, alpha3, alpha4] : alphas) {
@@ -90,7 +105,8 @@ void BindSensing(py::module_& m) {
            py::arg("world"), py::kw_only(), py::arg("beams"), py::arg("angle_min_rad"), py::arg("angle_max_rad"),
            py::arg("forward_m"), py::arg("range_min_m"), py::arg("range_max_m"), py::arg("too_near_m"),
            py::arg("no_return_m"), py::arg("left_m"))
-      .def("scan", &Scan, py::arg("world"), py::arg("robot_ids"), py::arg("noise_m"));
+      .def("scan", &Scan, py::arg("world"), py::arg("robot_ids"), py::arg("noise_m"))
+      .def("nearest", &Nearest, py::arg("world"), py::arg("robot_ids"), py::arg("noise_m"));
   py::class_<TeamOdometry>(m, "TeamOdometry")
       .def(py::init<const std::vector<std::array<double, 4>>&, double>(), py::arg("alphas"), py::arg("step_s"))
       .def("step", &TeamOdometry::Step, py::arg("motions"), py::arg("twists"), py::arg("noise"));

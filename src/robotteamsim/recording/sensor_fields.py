@@ -10,8 +10,11 @@ from typing import Any
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.recording.message_fields import Make
 from robotteamsim.scenario.sections import Robot
-from robotteamsim.scenario.sensors import MountedLaser
+from robotteamsim.scenario.sensors import MountedLaser, Sonar
 from robotteamsim.sensing.readings import FurtherReadings
+
+_ULTRASOUND = 0
+"""Of sensor_msgs/Range."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,10 +31,15 @@ class SensorTopic:
 
 def sensor_topics(robot: Robot) -> tuple[SensorTopic, ...]:
     """Return the topics of a robot's further sensors."""
-    return tuple(
+    lasers = (
         SensorTopic(laser.name, "sensor_msgs/LaserScan", partial(_scan, index, laser))
         for index, laser in enumerate(robot.lasers)
     )
+    sonars = (
+        SensorTopic(sonar.name, "sensor_msgs/Range", partial(_range, index, sonar))
+        for index, sonar in enumerate(robot.sonars)
+    )
+    return (*lasers, *sonars)
 
 
 def _scan(
@@ -39,3 +47,15 @@ def _scan(
 ) -> Any | None:
     ranges_m = readings.scans_m[index]
     return None if ranges_m is None else fields.scan(make, time_ns, robot_id, laser, ranges_m, f"{laser.name}_link")
+
+
+def _range(index: int, sonar: Sonar, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings) -> Any:
+    return make(
+        "sensor_msgs/Range",
+        header=fields.header(make, time_ns, fields.robot_frame(robot_id, f"{sonar.name}_link")),
+        radiation_type=_ULTRASOUND,
+        field_of_view=sonar.opening_rad,
+        min_range=sonar.range_min_m,
+        max_range=sonar.range_max_m,
+        range=readings.sonars_m[index],
+    )

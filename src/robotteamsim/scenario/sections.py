@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import Interval, LossDb, Many, Model, PlanarPose, Point, first_repeated, wrong
 from robotteamsim.scenario.drives import AnyDrive, Drive
-from robotteamsim.scenario.sensors import Laser, Mount, MountedLaser, check_names
+from robotteamsim.scenario.sensors import Laser, Mount, MountedLaser, Sonar, check_names
 
 
 class Radio(Model):
@@ -83,18 +83,19 @@ class Robot(Model):
     drive: AnyDrive = Field(default=Drive(), description="differential, omni or car")
     laser: Laser = Laser()
     lasers: Many[MountedLaser] = Field(default=(), max_length=16, description="further lasers, each on its own topic")
+    sonars: Many[Sonar] = Field(default=(), max_length=64, description="a ring of sonars, each on its own topic")
     odometry: Odometry = Odometry()
     cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="the last command holds this long [s]")
 
     @model_validator(mode="after")
     def _check_sensors(self) -> Robot:
-        check_names({"lasers": self.lasers})
+        check_names({"lasers": self.lasers, "sonars": self.sonars})
         return self
 
     @property
     def mounts(self) -> tuple[Mount, ...]:
         """The further sensors that have a frame of their own."""
-        return self.lasers
+        return (*self.lasers, *self.sonars)
 
 
 class PlacedRobot(Robot):

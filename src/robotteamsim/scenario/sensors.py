@@ -85,3 +85,24 @@ class MountedLaser(Laser):
     left_m: float = Field(default=0.0, ge=-5.0, le=5.0, description="left of base_link [m]")
     yaw_rad: float = Field(default=0.0, ge=-6.2832, le=6.2832, description="where its x axis points in base_link [rad]")
     every_steps: int = Field(default=1, ge=1, le=10_000, description="scans in every so manieth step")
+
+
+class Sonar(Model):
+    """One sonar of a ring: a cone that returns at the nearest wall, closed door or robot within it."""
+
+    name: SensorName = Field(description="a name, for topic robot_<id>/<name> and frame robot_<id>/<name>_link")
+    forward_m: float = Field(default=0.0, ge=-5.0, le=5.0, description="ahead of base_link [m]")
+    left_m: float = Field(default=0.0, ge=-5.0, le=5.0, description="left of base_link [m]")
+    yaw_rad: float = Field(default=0.0, ge=-6.2832, le=6.2832, description="where it points in base_link [rad]")
+    height_m: float = Field(default=0.25, ge=0.0, le=5.0, description="above base_link, for tf [m]")
+    opening_rad: float = Field(default=0.5, gt=0.0, le=3.1416, description="full angle of the cone [rad]")
+    rays: int = Field(default=15, ge=2, le=1000, description="spread evenly over the cone, edges included")
+    range_min_m: float = Field(default=0.02, ge=0.0, le=10.0, description="what is nearer reads this [m]")
+    range_max_m: float = Field(default=3.0, gt=0.0, le=200.0, description="where nothing returns it reads this [m]")
+    noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
+
+    @model_validator(mode="after")
+    def _check(self) -> Sonar:
+        if not self.range_max_m > self.range_min_m:
+            raise wrong("range_max_m", f"{self.range_max_m:g} is not above range_min_m, {self.range_min_m:g}")
+        return self

@@ -11,36 +11,45 @@ from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import MountedLaser
 from robotteamsim.sensing.laser import Laser
 from robotteamsim.sensing.readings import FurtherReadings
+from robotteamsim.sensing.sonar import Sonar
 from robotteamsim.world import World
 
 
 class FurtherSensors:
-    """The further sensors of all robots of a world. Random streams: ("laser", id, name)."""
+    """The further sensors of all robots of a world. Random streams: ("laser", id, name) and ("sonar", id, name)."""
 
     def __init__(self, world: World, robots: Sequence[PlacedRobot], seed: int) -> None:
         """Args: robots: those that the world was built with, in id order."""
         self._world = world
         self._robots = tuple(robots)
         self._seed = seed
-        # A laser keeps the edges that it can see from anywhere: robots of one kind share it.
-        models = dict.fromkeys(model for robot in self._robots for model in robot.lasers)
-        self._lasers = {model: Laser(model, world) for model in models}
+        # Each keeps the edges that it can see from anywhere: robots of one kind share it.
+        lasers = dict.fromkeys(model for robot in self._robots for model in robot.lasers)
+        self._lasers = {model: Laser(model, world) for model in lasers}
+        sonars = dict.fromkeys(model for robot in self._robots for model in robot.sonars)
+        self._sonars = {model: Sonar(model, world) for model in sonars}
         self.reset()
 
     def reset(self) -> None:
         """Begin all random streams anew."""
         self._streams = {
-            (robot_id, laser.name): stream(self._seed, "laser", robot_id, laser.name)
+            (robot_id, sensor.name): stream(self._seed, kind, robot_id, sensor.name)
             for robot_id, robot in enumerate(self._robots)
-            for laser in robot.lasers
+            for kind, sensors in (("laser", robot.lasers), ("sonar", robot.sonars))
+            for sensor in sensors
         }
 
     def read(self) -> tuple[FurtherReadings, ...]:
         """Return every robot's further readings after the step that the world made last; () where none has any."""
-        if not self._lasers:
+        if not self._lasers and not self._sonars:
             return ()
         return tuple(
-            FurtherReadings(scans_m=tuple(self._scan(robot_id, laser) for laser in robot.lasers))
+            FurtherReadings(
+                scans_m=tuple(self._scan(robot_id, laser) for laser in robot.lasers),
+                sonars_m=tuple(
+                    self._sonars[sonar].read(robot_id, self._streams[robot_id, sonar.name]) for sonar in robot.sonars
+                ),
+            )
             for robot_id, robot in enumerate(self._robots)
         )
 

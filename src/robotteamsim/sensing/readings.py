@@ -46,10 +46,12 @@ class VoiceReading:
 class FurtherReadings:
     """What those sensors of a robot measure that not every robot has; None of one that had no turn in this step.
 
-    scans_m: of `robots.lasers`, in their order: float32, shape (beams,) [m].
+    scans_m:  of `robots.lasers`, in their order: float32, shape (beams,) [m].
+    sonars_m: of `robots.sonars`, in their order: float32 [m].
     """
 
     scans_m: tuple[np.ndarray | None, ...] = ()
+    sonars_m: tuple[float, ...] = ()
 
 
 NOTHING_FURTHER = FurtherReadings()

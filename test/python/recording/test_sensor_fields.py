@@ -11,11 +11,12 @@ from rosbags.rosbag1 import Reader
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.scenario.sections import Mission, PlacedRobot
-from robotteamsim.scenario.sensors import MountedLaser
+from robotteamsim.scenario.sensors import MountedLaser, Sonar
 from robotteamsim.simulation import Result, Simulation, StepRecord
 
 STEPS = 10
 REAR = MountedLaser(name="rear", yaw_rad=2.0, beams=9, noise_m=0.01)
+SIDE = Sonar(name="side", yaw_rad=1.5, opening_rad=0.25, noise_m=0.01, range_max_m=8.0)
 SLOW = MountedLaser(name="slow", every_steps=3, beams=5)
 
 
@@ -40,7 +41,7 @@ def recorded(hall_scenario, tmp_path) -> tuple[list[StepRecord], dict[str, list]
     """The records of a run, and the messages of its bag by topic."""
     scenario = hall_scenario(
         robots=(
-            PlacedRobot(start_pose=(3.0, 4.0, 0.0), lasers=(REAR, SLOW)),
+            PlacedRobot(start_pose=(3.0, 4.0, 0.0), lasers=(REAR, SLOW), sonars=(SIDE,)),
             PlacedRobot(start_pose=(3.0, 6.0, 0.0)),
         ),
         mission=Mission(time_limit_s=0.1 * STEPS),
@@ -78,4 +79,16 @@ def test_frames_of_further_sensors_are_in_the_bag(recorded):
     _, bag = recorded
     for message in bag["/tf"]:
         children = [link.child_frame_id for link in message.transforms if link.header.frame_id == "robot_0/base_link"]
-        assert children == ["robot_0/base_laser_link", "robot_0/rear_link", "robot_0/slow_link"]
+        assert children == [f"robot_0/{name}_link" for name in ("base_laser", "rear", "slow", "side")]
+
+
+def test_sonars_are_in_the_bag_as_ranges_of_ultrasound(recorded):
+    records, bag = recorded
+    of_topic = bag["/robot_0/side"]
+    assert [message.range for message in of_topic] == [record.readings[0].further.sonars_m[0] for record in records]
+    assert len({message.range for message in of_topic}) == len(records)
+    message = of_topic[0]
+    assert message.radiation_type == message.ULTRASOUND
+    limits = (message.field_of_view, message.min_range, message.max_range)
+    assert limits == tuple(map(float, np.float32([0.25, 0.02, 8.0])))
+    assert message.header.frame_id == "robot_0/side_link"

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from sensor_msgs.msg import Range
 
 from robotteamsim.geometry import Twist
 from robotteamsim.ros import msg_conversion as conversion
@@ -13,7 +14,7 @@ from robotteamsim.ros.gate import Gate, Pacer
 from robotteamsim.ros.node import Settings
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.scenario.sensors import MountedLaser
+from robotteamsim.scenario.sensors import MountedLaser, Sonar
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
@@ -130,6 +131,7 @@ def test_map_frame_is_tied_to_odometry_on_demand(sent):
 
 SENSORS = {
     "lasers": (MountedLaser(name="rear", yaw_rad=3.0, noise_m=0.01), MountedLaser(name="slow", every_steps=2)),
+    "sonars": (Sonar(name="left", yaw_rad=0.4, noise_m=0.01), Sonar(name="right", yaw_rad=-0.4)),
 }
 
 
@@ -162,6 +164,17 @@ def test_further_lasers_have_topics_of_their_own_with_the_bits_of_a_headless_run
     slow = [message for topic, message in sent if topic == "/robot_0/slow"]
     assert [conversion.stamp_ns(message) for message in slow] == [2 * STEP_NS]
     assert not [topic for topic, _ in sent if topic.startswith("/robot_1/") and topic.endswith(("rear", "slow"))]
+
+
+def test_sonars_have_topics_of_their_own_with_the_bits_of_a_headless_run(serve, equipped):
+    serve(0.0, equipped)
+    expected = [reading.further.sonars_m for reading in headless_readings(equipped)]
+    for index, name in enumerate(("left", "right")):
+        messages = [message for topic, message in FakeOutput.sent if topic == f"/robot_0/{name}"]
+        assert [message.range for message in messages] == [ranges_m[index] for ranges_m in expected]
+        assert {message.header.frame_id for message in messages} == {f"robot_0/{name}_link"}
+        assert {message.radiation_type for message in messages} == {Range.ULTRASOUND}
+    assert all(0.02 < ranges_m[0] < 3.0 for ranges_m in expected)
 
 
 def test_further_sensors_have_frames_on_the_robot_that_carries_them(serve, equipped):

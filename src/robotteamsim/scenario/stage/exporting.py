@@ -93,8 +93,8 @@ def _notes(scenario: Scenario, robots: Sequence[PlacedRobot]) -> tuple[str, ...]
         notes.append("doors stay as they are at the start: Stage has none that move, so closed ones are walls")
     if any(robot.laser.no_return == "inf" for robot in robots):
         notes.append("laser.no_return: Stage says range_max where nothing is hit, never inf")
-    if any(robot.lasers for robot in robots):
-        notes.append("lasers: only the first laser of a robot is written")
+    if any(robot.mounts for robot in robots):
+        notes.append("lasers, sonars: only the first laser of a robot is written")
     if len(robots) == 1:
         notes.append("stage_ros leaves out robot_0/ in the names of topics where there is one robot")
     return tuple(notes)

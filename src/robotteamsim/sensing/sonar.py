@@ -1,0 +1,44 @@
+"""Sonars: how far the nearest thing within a cone is."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robotteamsim import _core
+from robotteamsim.scenario.sensors import Sonar as SonarModel
+from robotteamsim.world import World
+
+_NO_NOISE = np.empty(0)
+
+
+class Sonar:
+    """The sonars of one kind in a world.
+
+    A sonar reads the shortest of the rays that fill its cone, cast as a laser's beams are: what is narrower than the
+    gap between two rays may stay unseen. Where nothing returns it reads range_max, and what is nearer than range_min
+    reads range_min.
+    """
+
+    def __init__(self, model: SonarModel, world: World) -> None:
+        self._model = model
+        self._world = world
+        self._core = _core.Laser(
+            world.core,
+            beams=model.rays,
+            angle_min_rad=model.yaw_rad - 0.5 * model.opening_rad,
+            angle_max_rad=model.yaw_rad + 0.5 * model.opening_rad,
+            forward_m=model.forward_m,
+            range_min_m=model.range_min_m,
+            range_max_m=model.range_max_m,
+            too_near_m=model.range_min_m,
+            no_return_m=model.range_max_m,
+            left_m=model.left_m,
+        )
+
+    def read(self, robot_id: int, generator: np.random.Generator) -> float:
+        """Return the range that a robot's sonar measures now, a float32 [m].
+
+        Args: generator: of its noise; left alone where the model has none.
+        """
+        noise_m = generator.normal(0.0, self._model.noise_m, 1) if self._model.noise_m > 0.0 else _NO_NOISE
+        return float(self._core.nearest(self._world.core, [robot_id], noise_m)[0])
