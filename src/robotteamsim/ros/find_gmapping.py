@@ -1,0 +1,31 @@
+"""Says where slam_gmapping is, for `mapping.launch`: its failure ends the launch before anything has started."""
+
+from __future__ import annotations
+
+import sys
+
+import roslib.packages
+import rospkg
+
+PACKAGE, PROGRAM = "gmapping", "slam_gmapping"
+
+
+def main() -> None:
+    """Write the path of slam_gmapping; where it is not installed, end in one line and status 2."""
+    path = installed()
+    if path is None:
+        sys.stderr.write(
+            f"mapping.launch: {PROGRAM} (ROS package {PACKAGE}) is not installed; wanted it, or scenario.launch with"
+            " another program that listens to base_scan and tf\n"
+        )
+        sys.exit(2)
+    sys.stdout.write(path)
+
+
+def installed() -> str | None:
+    """Return the full path of slam_gmapping, or None."""
+    try:
+        found = roslib.packages.find_node(PACKAGE, PROGRAM)
+    except rospkg.ResourceNotFound:
+        return None
+    return found[0] if found else None
