@@ -32,8 +32,9 @@ Solid ToSolid(const Corners& outline, const std::vector<Corners>& pieces) {
   return solid;
 }
 
-Robot ToRobot(double radius_m, double mass_kg, const DriveLimits& drive, const Triple& start) {
-  return {radius_m, mass_kg, drive, {start[0], start[1], start[2]}};
+Robot ToRobot(double radius_m, double mass_kg, const DriveLimits& drive, const Triple& start,
+              const Corners& footprint_m) {
+  return {radius_m, mass_kg, drive, {start[0], start[1], start[2]}, ToPolygon(footprint_m)};
 }
 
 DriveKind ToKind(const std::string& name) {
@@ -95,7 +96,8 @@ void BindWorld(py::module_& m) {
            py::arg("max_turn_acceleration_radps2") = 0.0, py::arg("wheelbase_m") = 0.0,
            py::arg("max_steering_rad") = 0.0, py::arg("max_steering_rate_radps") = 0.0);
   py::class_<Robot>(m, "Robot")
-      .def(py::init(&ToRobot), py::arg("radius_m"), py::arg("mass_kg"), py::arg("drive"), py::arg("start"));
+      .def(py::init(&ToRobot), py::arg("radius_m"), py::arg("mass_kg"), py::arg("drive"), py::arg("start"),
+           py::arg("footprint_m") = Corners());
   py::class_<World>(m, "World")
       .def(py::init<std::vector<Solid>, std::vector<Door>, std::vector<Robot>, double, int>(), py::arg("solids"),
            py::arg("doors"), py::arg("robots"), py::arg("step_s"), py::arg("substeps"))

@@ -7,6 +7,7 @@
 #include "robotteamsim/world/disc_grid.hpp"
 #include "robotteamsim/world/drive.hpp"
 #include "robotteamsim/world/nearby_edges.hpp"
+#include "robotteamsim/world/outline.hpp"
 #include "robotteamsim/world/solid.hpp"
 
 class b2Body;
@@ -14,12 +15,13 @@ class b2World;
 
 namespace robotteamsim {
 
-/// A round robot.
+/// A robot: round, or a convex polygon that turns about base_link.
 struct Robot {
-  double radius = 0.2;  ///< [m]
+  double radius = 0.2;  ///< [m]; a world makes it that of the disc around base_link that holds the footprint
   double mass = 5.0;    ///< [kg]
   DriveLimits drive;
   Pose start;
+  Polygon footprint = {};  ///< in base_link, 3 to 8 corners counter-clockwise around it [m]; none: it is round
 };
 
 /// What is true: walls, doors, robots, and what they do to each other.
@@ -47,7 +49,7 @@ class World {
 
   /// Which robots are near a point.
   const DiscGrid& grid() const { return grid_; }
-  /// Radius of the largest robot [m].
+  /// How far the largest robot reaches from its base_link [m].
   double max_radius() const { return max_radius_; }
 
   /// Where the robots are.
@@ -77,6 +79,8 @@ class World {
   void CheckCommands(const std::vector<Twist>& commands) const;
   void AddRobot(const Robot& robot);
   Point BodyPosition(int robot) const;
+  void SetBodyPose(int robot);
+  DriveSpeed BodySpeed(int robot) const;
   double MaxTravel(const std::vector<Twist>& commands) const;
   bool CouldTouch(int robot, double travel) const;
   void SetBusy(int robot, bool is_busy);

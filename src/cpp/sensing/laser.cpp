@@ -95,6 +95,16 @@ class Laser::View {
     });
   }
 
+  /// Args: reach: of the corners from the pose.
+  void MeetPolygon(const Polygon& corners, const Pose& pose, double reach, double range_max) {
+    const Point center = ToLocal({pose.x, pose.y});
+    const double farthest = range_max + reach;
+    if (center.x * center.x + center.y * center.y > farthest * farthest) return;
+    if (fan_.IsHalf() && center.y < -reach - kBehind) return;
+    const Polygon placed = Placed(corners, pose);
+    for (std::size_t i = 0; i < placed.size(); ++i) MeetEdge({placed[i], placed[(i + 1) % placed.size()]});
+  }
+
   /// Returns the ranges as the laser counts its beams; what is beyond range_max is at infinity.
   std::vector<double> Take(double range_max) {
     if (is_inside_) return std::vector<double>(ranges_.size(), 0.0);
@@ -144,7 +154,13 @@ std::vector<double> Laser::Scan(const World& world, int robot) const {
     if (edge.door == Edge::kNoDoor || world.doors()[edge.door].closed) view.MeetEdge(edge.segment);
   }
   world.grid().ForEachNear(view.origin(), model_.range_max + world.max_radius(), [&](int other, const Pose& pose) {
-    if (other != robot) view.MeetDisc(pose, world.robots()[other].radius, model_.range_max);
+    if (other == robot) return;
+    const Robot& body = world.robots()[other];
+    if (body.footprint.empty()) {
+      view.MeetDisc(pose, body.radius, model_.range_max);
+    } else {
+      view.MeetPolygon(body.footprint, pose, body.radius, model_.range_max);
+    }
   });
   return view.Take(model_.range_max);
 }

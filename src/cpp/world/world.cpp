@@ -27,10 +27,6 @@ constexpr double kStalled = 0.05;
 
 b2Vec2 ToBox(double x, double y) { return {static_cast<float>(x), static_cast<float>(y)}; }
 
-double Cross(const Point& a, const Point& b, const Point& c) {
-  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-}
-
 // Fills the shape by hand: b2PolygonShape::Set welds corners nearer than 2.5 mm and turns what then is no polygon into
 // a box of two metres, so thin solids would not be what the plan says.
 b2PolygonShape ConvexShape(const Polygon& piece, const Point& origin) {
@@ -55,14 +51,30 @@ b2PolygonShape ConvexShape(const Polygon& piece, const Point& origin) {
   return shape;
 }
 
+void AddFixture(b2Body* body, const b2Shape& shape, double density) {
+  b2FixtureDef fixture;
+  fixture.shape = &shape;
+  fixture.friction = 0.0F;
+  fixture.density = static_cast<float>(density);
+  body->CreateFixture(&fixture);
+}
+
 void AddPieces(b2Body* body, const Solid& solid, const Point& origin) {
   for (const Polygon& piece : solid.pieces) {
-    const b2PolygonShape shape = ConvexShape(piece, origin);
-    b2FixtureDef fixture;
-    fixture.shape = &shape;
-    fixture.friction = 0.0F;
-    body->CreateFixture(&fixture);
+    AddFixture(body, ConvexShape(piece, origin), 0.0);
   }
+}
+
+void AddDisc(b2Body* body, double radius, double mass) {
+  b2CircleShape shape;
+  shape.m_radius = static_cast<float>(radius) + kSkin;
+  AddFixture(body, shape, mass / (static_cast<double>(b2_pi) * shape.m_radius * shape.m_radius));
+}
+
+void AddPolygon(b2Body* body, const Polygon& corners, double mass) {
+  double twice_area = 0.0;
+  for (std::size_t i = 2; i < corners.size(); ++i) twice_area += Cross(corners[0], corners[i - 1], corners[i]);
+  AddFixture(body, ConvexShape(corners, {}), 2.0 * mass / twice_area);
 }
 
 bool IsTouching(const b2Body* body) {
@@ -78,19 +90,36 @@ void CheckRobot(const Robot& robot) {
   for (const double value : {robot.radius, robot.mass}) {
     if (!IsPositive(value)) throw std::invalid_argument("sizes and limits of a robot must be > 0");
   }
+  if (!robot.footprint.empty()) CheckFootprint(robot.footprint, "a footprint");
   CheckDrive(robot.drive);
 }
 
 // Box2D moves no body by more than 2 m at once, and keeps robots from jumping over each other only while they move by
-// less than they are wide. So no robot moves by more than half its radius at once.
+// less than they are wide. So no robot moves by more than half its radius at once, or a quarter of its width.
 int CheckedSubsteps(const std::vector<Robot>& robots, double step, int substeps) {
   if (!IsPositive(step) || substeps < 1) throw std::invalid_argument("step and substeps must be > 0");
   double parts = 1.0;
   for (const Robot& robot : robots) {
     CheckRobot(robot);
-    parts = std::max(parts, std::ceil(robot.drive.max_speed * step / substeps / (0.5 * robot.radius)));
+    const double radius = robot.footprint.empty() ? robot.radius : HalfWidth(robot.footprint);
+    parts = std::max(parts, std::ceil(robot.drive.max_speed * step / substeps / (0.5 * radius)));
   }
   return substeps * static_cast<int>(parts);
+}
+
+std::vector<Robot> WithReach(std::vector<Robot> robots) {
+  for (Robot& robot : robots) {
+    if (!robot.footprint.empty()) robot.radius = ReachOf(robot.footprint);
+  }
+  return robots;
+}
+
+// How fast a robot's corners go at most by its turning [m/s].
+double MaxCornerSpeed(const Robot& robot) {
+  if (robot.footprint.empty()) return 0.0;
+  const DriveLimits& drive = robot.drive;
+  const bool is_car = drive.kind == DriveKind::kCar;
+  return robot.radius * (is_car ? CarTurn(drive.max_speed, drive.max_steering, drive) : drive.max_turn);
 }
 
 double MaxRadius(const std::vector<Robot>& robots) {
@@ -102,7 +131,9 @@ double MaxRadius(const std::vector<Robot>& robots) {
 // How far a robot reaches that drives as fast as it can for a whole step [m].
 double MaxReach(const std::vector<Robot>& robots, double step) {
   double reach = kMargin;
-  for (const Robot& robot : robots) reach = std::max(reach, robot.drive.max_speed * step + kMargin);
+  for (const Robot& robot : robots) {
+    reach = std::max(reach, (robot.drive.max_speed + MaxCornerSpeed(robot)) * step + kMargin);
+  }
   return MaxRadius(robots) + reach;
 }
 
@@ -111,7 +142,7 @@ double MaxReach(const std::vector<Robot>& robots, double step) {
 World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps)
     : solids_(std::move(solids)),
       initial_doors_(std::move(doors)),
-      robots_(std::move(robots)),
+      robots_(WithReach(std::move(robots))),
       step_(step),
       substeps_(CheckedSubsteps(robots_, step, substeps)),
       dt_(step_ / substeps_),
@@ -150,17 +181,21 @@ void World::AddRobot(const Robot& robot) {
   b2BodyDef def;
   def.type = b2_dynamicBody;
   def.position = ToBox(robot.start.x - origin_.x, robot.start.y - origin_.y);
-  def.fixedRotation = true;  // nothing turns a round body without friction: its drive alone does
+  const bool is_round = robot.footprint.empty();
+  def.fixedRotation = is_round;  // nothing turns a round body without friction: its drive alone does
+  def.angle = is_round ? 0.0F : static_cast<float>(NormaliseAngle(robot.start.yaw));
   def.allowSleep = false;
   def.bullet = true;  // robots stop at each other as exactly as at walls
-  b2CircleShape shape;
-  shape.m_radius = static_cast<float>(robot.radius) + kSkin;
-  b2FixtureDef fixture;
-  fixture.shape = &shape;
-  fixture.friction = 0.0F;
-  fixture.density = static_cast<float>(robot.mass / (static_cast<double>(b2_pi) * shape.m_radius * shape.m_radius));
   b2Body* body = box_->CreateBody(&def);
-  body->CreateFixture(&fixture);
+  if (is_round) {
+    AddDisc(body, robot.radius, robot.mass);
+  } else {
+    AddPolygon(body, robot.footprint, robot.mass);
+    b2MassData mass;
+    body->GetMassData(&mass);  // its inertia is about the origin
+    mass.center.SetZero();     // the wheels hold base_link where it is: it turns about that
+    body->SetMassData(&mass);
+  }
   robot_bodies_.push_back(body);
   poses_.push_back({robot.start.x, robot.start.y, NormaliseAngle(robot.start.yaw)});
 }
@@ -205,7 +240,7 @@ void World::Step(const std::vector<Twist>& commands) {
 double World::MaxTravel(const std::vector<Twist>& commands) const {
   double speed = 0.0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
-    speed = std::max(speed, SpeedBound(drives_[i].speed, commands[i], robots_[i].drive));
+    speed = std::max(speed, SpeedBound(drives_[i].speed, commands[i], robots_[i].drive) + MaxCornerSpeed(robots_[i]));
   }
   return speed * step_;
 }
@@ -230,8 +265,14 @@ void World::SetBusy(int robot, bool is_busy) {
   if (drive.is_busy == is_busy) return;
   drive.is_busy = is_busy;
   b2Body* body = robot_bodies_[robot];
-  if (is_busy) body->SetTransform(ToBox(poses_[robot].x - origin_.x, poses_[robot].y - origin_.y), 0.0F);
+  if (is_busy) SetBodyPose(robot);
   body->SetEnabled(is_busy);
+}
+
+void World::SetBodyPose(int robot) {
+  const Pose& pose = poses_[robot];
+  const float angle = robots_[robot].footprint.empty() ? 0.0F : static_cast<float>(pose.yaw);
+  robot_bodies_[robot]->SetTransform(ToBox(pose.x - origin_.x, pose.y - origin_.y), angle);
 }
 
 Point World::BodyPosition(int robot) const {
@@ -247,45 +288,63 @@ void World::StartDrive(int robot, const Twist& command) {
   b2Body* body = robot_bodies_[robot];
   const Point at = BodyPosition(robot);
   body->SetLinearVelocity(ToBox((drive.target.x - at.x) / dt_, (drive.target.y - at.y) / dt_));
+  if (robots_[robot].footprint.empty()) return;
+  const double turn = NormaliseAngle(drive.target.yaw - static_cast<double>(body->GetAngle()));
+  body->SetAngularVelocity(static_cast<float>(turn / dt_));
 }
 
 void World::FinishDrive(int robot) {
   Drive& drive = drives_[robot];
   Pose& pose = poses_[robot];
-  double forward = drive.speed.forward;
-  double left = drive.speed.left;
-  double turn = drive.speed.turn;
+  DriveSpeed reached = drive.speed;
   if (drive.is_busy && IsTouching(robot_bodies_[robot])) {
-    const Point at = BodyPosition(robot);
-    const double heading = pose.yaw + 0.5 * drive.speed.turn * dt_;
-    const double cos = std::cos(heading), sin = std::sin(heading);
-    const double dx = at.x - pose.x, dy = at.y - pose.y;
-    forward = (cos * dx + sin * dy) / dt_;
-    left = (cos * dy - sin * dx) / dt_;
+    reached = BodySpeed(robot);
     // What stops a robot dead stops its wheels; along what it slides along, and behind what it pushes, they slip.
     const double wanted2 = drive.speed.forward * drive.speed.forward + drive.speed.left * drive.speed.left;
-    if ((forward * drive.speed.forward + left * drive.speed.left) / wanted2 < kStalled) {
+    if ((reached.forward * drive.speed.forward + reached.left * drive.speed.left) / wanted2 < kStalled) {
       drive.speed.forward = 0.0;
       drive.speed.left = 0.0;
     }
-    if (robots_[robot].drive.kind == DriveKind::kCar) {  // its wheels turn it as far as they roll
-      turn = CarTurn(forward, drive.speed.steering, robots_[robot].drive);
-      drive.target.yaw = NormaliseAngle(pose.yaw + turn * dt_);
-    }
+    if (reached.turn / drive.speed.turn < kStalled) drive.speed.turn = 0.0;
+    const Point at = BodyPosition(robot);
+    if (reached.turn != drive.speed.turn) drive.target.yaw = NormaliseAngle(pose.yaw + reached.turn * dt_);
     drive.target.x = at.x;
     drive.target.y = at.y;
     in_contact_[robot] = true;
   }
   pose = drive.target;
-  twists_[robot].linear_x += forward / substeps_;
-  twists_[robot].linear_y += left / substeps_;
-  twists_[robot].angular_z += turn / substeps_;
+  twists_[robot].linear_x += reached.forward / substeps_;
+  twists_[robot].linear_y += reached.left / substeps_;
+  twists_[robot].angular_z += reached.turn / substeps_;
+}
+
+// How a body that touches something moved in a substep, as a speed of its drive.
+DriveSpeed World::BodySpeed(int robot) const {
+  const Pose& pose = poses_[robot];
+  const Robot& body = robots_[robot];
+  DriveSpeed speed = drives_[robot].speed;
+  if (!body.footprint.empty()) {
+    speed.turn = NormaliseAngle(static_cast<double>(robot_bodies_[robot]->GetAngle()) - pose.yaw) / dt_;
+  }
+  const Point at = BodyPosition(robot);
+  const double heading = pose.yaw + 0.5 * speed.turn * dt_;
+  const double cos = std::cos(heading), sin = std::sin(heading);
+  const double dx = at.x - pose.x, dy = at.y - pose.y;
+  speed.forward = (cos * dx + sin * dy) / dt_;
+  speed.left = (cos * dy - sin * dx) / dt_;
+  if (body.drive.kind == DriveKind::kCar) {  // its wheels turn it as far as they roll
+    const double rolled = CarTurn(speed.forward, speed.steering, body.drive);
+    const double wanted = drives_[robot].speed.turn;
+    const bool turns_too_far = speed.turn * wanted > 0.0 && std::abs(speed.turn) > std::abs(rolled);
+    if (body.footprint.empty() || turns_too_far) speed.turn = rolled;
+  }
+  return speed;
 }
 
 void World::SetPose(int robot, const Pose& pose) {
   Pose& stored = poses_.at(robot);
   stored = {pose.x, pose.y, NormaliseAngle(pose.yaw)};
-  robot_bodies_[robot]->SetTransform(ToBox(pose.x - origin_.x, pose.y - origin_.y), 0.0F);
+  SetBodyPose(robot);
   drives_[robot].speed = {};
   twists_[robot] = {};
   motions_[robot] = {};

@@ -8,10 +8,12 @@ import os
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Arc, Circle, Polygon
+from matplotlib.patches import Arc, Circle, Patch, Polygon
 
 from robotteamsim.scenario import Door, FloorPlan, Scenario, solids
+from robotteamsim.scenario.body import corners_at
 from robotteamsim.scenario.plan import bay_lines
+from robotteamsim.scenario.sections import PlacedRobot
 
 FLOOR = "#f6f5f2"
 _SOLID = {"wall": "#3b4252", "block": "#5a6275", "pillar": "#767f92"}
@@ -107,13 +109,19 @@ def _draw_mission(axes: Axes, scenario: Scenario, unit_m: float) -> None:
 
 def _draw_robots(axes: Axes, scenario: Scenario) -> None:
     robots = scenario.placed_robots()
-    circles = [Circle(robot.start_pose[:2], robot.radius_m) for robot in robots]
-    axes.add_collection(PatchCollection(circles, facecolor=ROBOT, edgecolor="white", linewidth=0.4, zorder=6))
+    bodies = [_outline(robot) for robot in robots]
+    axes.add_collection(PatchCollection(bodies, facecolor=ROBOT, edgecolor="white", linewidth=0.4, zorder=6))
     headings = []
     for robot in robots:
         x, y, yaw = robot.start_pose
-        reach_m = 2.0 * robot.radius_m
+        reach_m = 2.0 * robot.reach_m
         headings.append([(x, y), (x + reach_m * math.cos(yaw), y + reach_m * math.sin(yaw))])
     axes.add_collection(LineCollection(headings, colors=ROBOT, linewidths=1.0, zorder=6))
     count = f"{len(robots)} robots" if len(robots) > 1 else "robot"
     axes.plot([], [], "o", color=ROBOT, markersize=6, label=f"{count} at the start")
+
+
+def _outline(robot: PlacedRobot) -> Patch:
+    if robot.footprint_m:
+        return Polygon(corners_at(robot.corners_m, robot.start_pose))
+    return Circle(robot.start_pose[:2], robot.radius_m)

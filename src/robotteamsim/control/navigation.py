@@ -48,7 +48,7 @@ class Navigator:
         self._robot_id = robot_id
         self._mode = mode
         self._drive = body.drive
-        self._radius_m = body.radius_m
+        self._radius_m = body.reach_m
         self._clearance = scan_clearance(body.laser)
         low_rad, high_rad = body.laser.angle_min_rad, body.laser.angle_max_rad
         self._field_of_view_rad = (low_rad, high_rad)

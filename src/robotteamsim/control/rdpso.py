@@ -67,10 +67,10 @@ class RdpsoController:
         self._control = control
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._patience_ns = round(PATIENCE * control.iteration_s * 1e9)
-        self._radius_m = body.radius_m
+        self._radius_m = body.reach_m
         self._localiser = Localiser(robot_id, scenario)
         self._doors = DoorBeliefs(scenario.plan, body.laser)
-        self._map = known_map(scenario.plan, body.radius_m)
+        self._map = known_map(scenario.plan, body.reach_m)
         self._map_doors = self._doors.changed
         self._navigator = Navigator(body, robot_id, control.navigation)
         self._surroundings = Surroundings(body.laser, control.sensing_radius_m)

@@ -75,7 +75,7 @@ class WanderController:
     def __init__(self, robot_id: int, scenario: Scenario) -> None:
         body = body_of(robot_id, scenario)
         self._localiser = Localiser(robot_id, scenario)
-        self._map = known_map(scenario.plan, body.radius_m)
+        self._map = known_map(scenario.plan, body.reach_m)
         self._navigator = Navigator(body, robot_id, scenario.control.navigation)
         self._speed_mps = scenario.control.max_step_speed_mps
         self._wander = Wander(rng.stream(scenario.run.seed, "wander", robot_id), self._speed_mps)

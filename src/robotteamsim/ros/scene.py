@@ -109,7 +109,10 @@ class RobotFeed:
         if not self._recent:
             return None
         pose = next(reversed(self._recent.values()))
-        return scene_team.RobotView(self._id, pose, self._robot.radius_m, self._robot.height_m, self._excluded)
+        robot = self._robot
+        return scene_team.RobotView(
+            self._id, pose, robot.reach_m, robot.height_m, self._excluded, corners_m=robot.corners_m
+        )
 
     def scan(self, wanted: bool) -> scene_laser.ScanView | None:
         """Return the newest scan where it was taken; scans are subscribed to only while they are wanted."""

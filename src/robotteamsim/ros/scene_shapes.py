@@ -167,6 +167,15 @@ class Mesh:
         for part in shapely.constrained_delaunay_triangles(shape).geoms:
             self.triangle([(x, y, z_m) for x, y in part.exterior.coords[:3]], [tint] * 3)
 
+    def prism(self, corners: Sequence[tuple[float, float]], low_m: float, high_m: float, tint: Colour) -> None:
+        """Add the top and the sides of an upright prism over a convex polygon, counter-clockwise; sides are darker."""
+        top = [(x, y, high_m) for x, y in corners]
+        for second, third in itertools.pairwise(top[1:]):
+            self.triangle((top[0], second, third), [tint] * 3)
+        dark = shaded(tint, 0.6)
+        for (x0, y0), (x1, y1) in itertools.pairwise([*corners, corners[0]]):
+            self.quad([(x0, y0, low_m), (x1, y1, low_m), (x1, y1, high_m), (x0, y0, high_m)], [dark] * 4)
+
     def ring(self, center_m: tuple[float, float], inner_m: float, outer_m: float, z_m: float, tint: Colour) -> None:
         """Add a flat ring; a disc when the inner radius is 0."""
         x_m, y_m = center_m

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,7 @@ from robotteamsim.ros.scene_shapes import (
     TRAIL_LAYER,
     WHITE,
     Colour,
+    Mesh,
     Position,
     circle_points,
     colour,
@@ -31,6 +32,8 @@ from robotteamsim.ros.scene_shapes import (
     marker,
     shaded,
 )
+from robotteamsim.scenario.body import corners_at
+from robotteamsim.scenario.plan import Corners
 
 # After Okabe and Ito's colour-blind-safe palette, without the green and red that say how victims and links are.
 ROBOT_COLOURS = tuple(map(colour, ("#56b4e9", "#f0e442", "#f08cc8", "#ffffff", "#e69f00", "#9b8cff", "#2f7fd0")))
@@ -66,6 +69,8 @@ class RobotView:
     radius_m: float = 0.2
     height_m: float = 0.25
     excluded: bool = False
+    corners_m: Corners = ()
+    """Of a body that is no disc, counter-clockwise in base_link; radius_m is then how far it reaches."""
 
 
 def robot_colour(robot_id: int) -> Colour:
@@ -132,8 +137,7 @@ def robot_markers(
         cylinder("halos", faded(sign, 0.25), RING_Z_M, ring_m, 0.01),
         ring,
         flat("arrows", Marker.TRIANGLE_LIST, sign, RING_Z_M, _arrow(ring_m)),
-        cylinder("bodies", BODY, 0.45 * height_m, radius_m, 0.9 * height_m),
-        cylinder("decks", tint, 0.95 * height_m, 0.92 * radius_m, 0.1 * height_m),
+        *_body(view, tint, cylinder),
         turret,
         flat("wedges", Marker.TRIANGLE_LIST, WHITE, height_m + 0.012, _wedge(radius_m)),
         label(
@@ -145,6 +149,23 @@ def robot_markers(
             label_m,
         ),
     ]
+
+
+def _body(
+    view: RobotView, tint: Colour, cylinder: Callable[[str, Colour, float, float, float], Marker]
+) -> list[Marker]:
+    """Return body and deck: cylinders, or prisms over the footprint."""
+    if not view.corners_m:
+        return [
+            cylinder("bodies", BODY, 0.45 * view.height_m, view.radius_m, 0.9 * view.height_m),
+            cylinder("decks", tint, 0.95 * view.height_m, 0.92 * view.radius_m, 0.1 * view.height_m),
+        ]
+    pose = (view.pose.x_m, view.pose.y_m, view.pose.yaw_rad)
+    inner = tuple((0.92 * x, 0.92 * y) for x, y in view.corners_m)
+    body, deck = Mesh(), Mesh()
+    body.prism(corners_at(view.corners_m, pose), 0.0, 0.9 * view.height_m, BODY)
+    deck.prism(corners_at(inner, pose), 0.9 * view.height_m, view.height_m, tint)
+    return [body.marker("bodies", view.robot_id), deck.marker("decks", view.robot_id)]
 
 
 def _wedge(radius_m: float) -> list[tuple[float, float]]:

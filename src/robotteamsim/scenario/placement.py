@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import shapely
@@ -33,11 +34,10 @@ def placed_robots(plan: FloorPlan, robots: Team | tuple[PlacedRobot, ...]) -> tu
     """
     if isinstance(robots, tuple):
         poses = [robot.start_pose for robot in robots]
-        radii_m = [robot.radius_m for robot in robots]
-        _check_poses(plan, poses, radii_m, [f"robots.{i}.start_pose" for i in range(len(poses))])
+        _check_poses(plan, poses, robots, [f"robots.{i}.start_pose" for i in range(len(poses))])
         return robots
     poses = list(robots.start_poses[: robots.count])
-    _check_poses(plan, poses, [robots.radius_m] * len(poses), [f"robots.start_poses.{i}" for i in range(len(poses))])
+    _check_poses(plan, poses, [robots] * len(poses), [f"robots.start_poses.{i}" for i in range(len(poses))])
     if len(poses) < robots.count:
         poses += _formation(plan, robots, taken=poses)
     shared = {key: getattr(robots, key) for key in Robot.model_fields}
@@ -60,17 +60,39 @@ def check_places(plan: FloorPlan, robots: Team | tuple[PlacedRobot, ...], missio
         raise PlacementError(f"{place}: {error}") from None
 
 
-def _check_poses(plan: FloorPlan, poses: list[PlanarPose], radii_m: list[float], keys: list[str]) -> None:
+def _check_poses(plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robot], keys: list[str]) -> None:
     footprints = solids(plan)
-    for i, (pose, radius_m, key) in enumerate(zip(poses, radii_m, keys, strict=True)):
+    reaches_m = [robot.reach_m for robot in robots]
+    for i, (pose, robot, key) in enumerate(zip(poses, robots, keys, strict=True)):
         point = pose[:2]
         _check_inside(plan, key, point)
-        hit = _solid_near(footprints, point, radius_m)
+        hit = _solid_in(footprints, robot, pose)
         if hit:
-            raise PlacementError(f"{key}: {_text(point)}: robot {i} of radius {radius_m:g} m {_stands_in(hit)}")
+            raise PlacementError(f"{key}: {_text(point)}: robot {i} {_of_radius(robot)}{_stands_in(hit)}")
         for j in range(i):
-            if math.dist(point, poses[j][:2]) < radius_m + radii_m[j]:
+            if math.dist(point, poses[j][:2]) < reaches_m[i] + reaches_m[j] and _overlap(
+                robot, pose, robots[j], poses[j]
+            ):
                 raise PlacementError(f"{key}: {_text(point)}: robot {i} stands in robot {j}")
+
+
+def _overlap(robot: Robot, pose: PlanarPose, other: Robot, other_pose: PlanarPose) -> bool:
+    """Whether two robots overlap whose discs do."""
+    if not robot.footprint_m and not other.footprint_m:
+        return True
+    return robot.body_at(pose).overlaps(other.body_at(other_pose), 0.0)
+
+
+def _solid_in(footprints: tuple[Solid, ...], robot: Robot, pose: PlanarPose) -> Solid | None:
+    """Return the first solid that a robot overlaps."""
+    if not robot.footprint_m:
+        return _solid_near(footprints, pose[:2], robot.radius_m)
+    body = robot.body_at(pose)
+    return next((solid for solid in footprints if body.overlaps_shape(solid.polygon, 0.0)), None)
+
+
+def _of_radius(robot: Robot) -> str:
+    return "" if robot.footprint_m else f"of radius {robot.radius_m:g} m "
 
 
 def _check_inside(plan: FloorPlan, key: str, point: tuple[float, float]) -> None:
@@ -122,11 +144,11 @@ class _Room:
     def __init__(self, plan: FloorPlan, start: PlanarPose, team: Team, taken: list[PlanarPose]) -> None:
         key = "robots.start" if team.start else "robots.start_poses.0"
         _check_inside(plan, key, start[:2])
-        hit = _solid_near(solids(plan), start[:2], team.radius_m)
+        hit = _solid_in(solids(plan), team, start)
         if hit:
-            raise PlacementError(f"{key}: {_text(start[:2])}: a robot of radius {team.radius_m:g} m {_stands_in(hit)}")
+            raise PlacementError(f"{key}: {_text(start[:2])}: a robot {_of_radius(team)}{_stands_in(hit)}")
         self._obstacles = obstacles(plan)
-        self._radius_m = team.radius_m
+        self._radius_m = team.reach_m
         self._taken = shapely.MultiPoint([pose[:2] for pose in taken])
         self._bounds = plan.bounds
         longest_m = max(high - low for low, high in zip(plan.bounds.min, plan.bounds.max, strict=True))

@@ -58,7 +58,7 @@ def solids(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> tuple[S
     states = door_states(plan, closed)
     return (
         *(Solid(wall.name, "wall", wall_corners(wall), wall) for wall in plan.walls),
-        *(Solid(block.name, block.kind, _counter_clockwise(block.polygon), block) for block in plan.blocks),
+        *(Solid(block.name, block.kind, counter_clockwise(block.polygon), block) for block in plan.blocks),
         *(Solid(door.name, "door", door_corners(door), door) for door in plan.doors if states[door.name]),
     )
 
@@ -181,7 +181,8 @@ def _strip_corners(start: tuple[float, float], end: tuple[float, float], width_m
     )
 
 
-def _counter_clockwise(polygon: Sequence[tuple[float, float]]) -> Corners:
+def counter_clockwise(polygon: Sequence[tuple[float, float]]) -> Corners:
+    """Return the corners of a polygon in counter-clockwise order."""
     corners = tuple((x, y) for x, y in polygon)
     twice_area = sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(corners, (*corners[1:], corners[0]), strict=True))
     return corners if twice_area > 0.0 else corners[::-1]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import Interval, LossDb, Many, Model, PlanarPose, Point, first_repeated, wrong
+from robotteamsim.scenario.body import Body, check_footprint, disc_at, polygon_at
 from robotteamsim.scenario.drives import AnyDrive, Drive
+from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.sensors import Laser, Mount, MountedLaser, Sonar, check_names
 
 
@@ -77,7 +80,10 @@ class Odometry(Model):
 class Robot(Model):
     """What all robots have, unless the list of robots says otherwise."""
 
-    radius_m: float = Field(default=0.2, gt=0.02, le=5.0, description="round body [m]")
+    radius_m: float = Field(default=0.2, gt=0.02, le=5.0, description="round body, without footprint_m [m]")
+    footprint_m: Many[Point] = Field(
+        default=(), description="convex body: 3 to 8 corners in order around base_link, in its frame [m]"
+    )
     height_m: float = Field(default=0.25, gt=0.0, le=5.0, description="for 3D views [m]")
     mass_kg: float = Field(default=5.0, gt=0.0, le=10_000.0, description="for pushing [kg]")
     drive: AnyDrive = Field(default=Drive(), description="differential, omni or car")
@@ -96,6 +102,26 @@ class Robot(Model):
     def mounts(self) -> tuple[Mount, ...]:
         """The further sensors that have a frame of their own."""
         return (*self.lasers, *self.sonars)
+
+    @model_validator(mode="after")
+    def _check_footprint(self) -> Robot:
+        if self.footprint_m:
+            check_footprint("footprint_m", self.footprint_m)
+        return self
+
+    @property
+    def corners_m(self) -> Corners:
+        """The footprint counter-clockwise in base_link [m]; none: the body is round."""
+        return counter_clockwise(self.footprint_m) if self.footprint_m else ()
+
+    @property
+    def reach_m(self) -> float:
+        """Radius of the disc around base_link that holds the body [m]."""
+        return max((math.hypot(x, y) for x, y in self.footprint_m), default=self.radius_m)
+
+    def body_at(self, pose: PlanarPose) -> Body:
+        """Return the body of a robot at a pose."""
+        return polygon_at(self.corners_m, pose) if self.footprint_m else disc_at(self.radius_m, pose)
 
 
 class PlacedRobot(Robot):
@@ -116,8 +142,8 @@ class Team(Robot):
     def _check(self) -> Team:
         if self.start is None and not self.start_poses:
             raise wrong("start", "missing; wanted [x, y, yaw], or start_poses instead")
-        if self.spacing_m < 2.0 * self.radius_m:
-            raise wrong("spacing_m", f"{self.spacing_m:g} is below two radii, {2.0 * self.radius_m:g}")
+        if self.spacing_m < 2.0 * self.reach_m:
+            raise wrong("spacing_m", f"{self.spacing_m:g} is below two radii, {2.0 * self.reach_m:g}")
         return self
 
 

@@ -11,6 +11,7 @@ import shapely
 from robotteamsim import _core
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
+from robotteamsim.scenario.body import Body
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.plan import Solid, solids
 from robotteamsim.scenario.sections import PlacedRobot, Run
@@ -21,7 +22,7 @@ _TOUCH_M = 1e-6
 
 
 class World:
-    """A floor plan with robots in it: static walls, doors, round bodies with drives.
+    """A floor plan with robots in it: static walls, doors, round or polygonal bodies with drives.
 
     Commands are twists in `base_link`: the drive approaches them within its acceleration and speed limits in every
     physics substep; a sideways velocity is beyond all but omnidirectional drives. Contacts are solved by Box2D, without
@@ -45,7 +46,7 @@ class World:
         self._shapes = shapely.STRtree([solid.polygon for solid in self._solids])
         self._closed = {door.name: door.closed for door in plan.doors}
         self._door_ids = {door.name: index for index, door in enumerate(plan.doors)}
-        self._radii_m = np.array([robot.radius_m for robot in self._robots])
+        self._reaches_m = np.array([robot.reach_m for robot in self._robots])
         self._start_poses = [Pose(*robot.start_pose) for robot in self._robots]
         self._check_start_poses()
         self.core = self._build(run)
@@ -121,9 +122,9 @@ class World:
         """
         if not 0 <= robot_id < self.num_robots:
             raise ValueError(f"robot_id must be in 0..{self.num_robots - 1}, got {robot_id}")
-        others_m = self.positions_m()
-        others_m[robot_id] = math.nan
-        self._check_pose(robot_id, pose, others_m, "pose")
+        others = self.core.poses()
+        others[robot_id] = math.nan
+        self._check_pose(robot_id, pose, others, "pose")
         self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
 
     def set_door(self, name: str, closed: bool) -> None:
@@ -159,36 +160,50 @@ class World:
         return _core.World(still, leaves, [_body(robot) for robot in self._robots], run.step_s, run.physics_substeps)
 
     def _check_start_poses(self) -> None:
-        placed_m = np.full((self.num_robots, 2), math.nan)
+        placed = np.full((self.num_robots, 3), math.nan)
         for robot_id, pose in enumerate(self._start_poses):
-            self._check_pose(robot_id, pose, placed_m, "start pose")
-            placed_m[robot_id] = pose.x_m, pose.y_m
+            self._check_pose(robot_id, pose, placed, "start pose")
+            placed[robot_id] = pose.x_m, pose.y_m, pose.yaw_rad
 
-    def _check_pose(self, robot_id: int, pose: Pose, others_m: np.ndarray, what: str) -> None:
-        """Raise an error unless a robot can stand there; others_m has rows of NaN for robots that are not there."""
+    def _check_pose(self, robot_id: int, pose: Pose, others: np.ndarray, what: str) -> None:
+        """Raise an error unless a robot can stand there; others has rows of NaN for robots that are not there."""
         if not all(map(math.isfinite, (pose.x_m, pose.y_m, pose.yaw_rad))):
             raise ValueError(f"robot_{robot_id}: {what} must be finite, got {pose}")
-        radius_m = self._robots[robot_id].radius_m
+        robot = self._robots[robot_id]
         place = f"robot_{robot_id}: {what} ({pose.x_m:.2f}, {pose.y_m:.2f})"
         if not self._plan.bounds.contains((pose.x_m, pose.y_m)):
             raise PlacementError(f"{place} is outside the plan, {self._plan.bounds}")
-        hit = self._solid_near(pose, radius_m - _TOUCH_M)
+        body = robot.body_at((pose.x_m, pose.y_m, pose.yaw_rad))
+        hit = self._solid_in(body)
         if hit is not None:
-            raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'; wanted {radius_m:g} m of clearance")
-        apart_m = self._radii_m + (radius_m - _TOUCH_M)
-        for other_id in np.flatnonzero(np.hypot(*(others_m - (pose.x_m, pose.y_m)).T) < apart_m):
-            x_m, y_m = others_m[other_id]
-            wanted_m = radius_m + self._radii_m[other_id]
-            raise PlacementError(
-                f"{place} is inside robot_{other_id} at ({x_m:.2f}, {y_m:.2f}); wanted {wanted_m:g} m between them"
-            )
+            wanted = "" if robot.footprint_m else f"; wanted {robot.radius_m:g} m of clearance"
+            raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'{wanted}")
+        self._check_others(robot_id, pose, body, others, place)
 
-    def _solid_near(self, pose: Pose, distance_m: float) -> Solid | None:
-        near = self._shapes.query(shapely.Point(pose.x_m, pose.y_m), predicate="dwithin", distance=distance_m)
+    def _check_others(self, robot_id: int, pose: Pose, body: Body, others: np.ndarray, place: str) -> None:
+        robot = self._robots[robot_id]
+        apart_m = self._reaches_m + (robot.reach_m - _TOUCH_M)
+        for other_id in np.flatnonzero(np.hypot(*(others[:, :2] - (pose.x_m, pose.y_m)).T) < apart_m).tolist():
+            other, (x_m, y_m, yaw_rad) = self._robots[other_id], others[other_id].tolist()
+            if robot.footprint_m or other.footprint_m:
+                if not body.overlaps(other.body_at((x_m, y_m, yaw_rad)), _TOUCH_M):
+                    continue
+                wanted = ""
+            else:
+                wanted = f"; wanted {robot.radius_m + other.radius_m:g} m between them"
+            raise PlacementError(f"{place} is inside robot_{other_id} at ({x_m:.2f}, {y_m:.2f}){wanted}")
+
+    def _solid_in(self, body: Body) -> Solid | None:
+        near = self._shapes.query(body.core, predicate="dwithin", distance=body.margin_m - _TOUCH_M)
         hits = (self._solids[index] for index in sorted(near))
         return next((solid for solid in hits if self._closed.get(solid.name, True)), None)
 
 
 def _body(robot: PlacedRobot) -> _core.Robot:
-    drive = _core.Drive(**robot.drive.model_dump())
-    return _core.Robot(radius_m=robot.radius_m, mass_kg=robot.mass_kg, drive=drive, start=robot.start_pose)
+    return _core.Robot(
+        radius_m=robot.radius_m,
+        mass_kg=robot.mass_kg,
+        drive=_core.Drive(**robot.drive.model_dump()),
+        start=robot.start_pose,
+        footprint_m=robot.corners_m,
+    )

@@ -63,6 +63,17 @@ TEST(Laser, SeesOtherRobotsAsDiscsAndNotItsOwn) {
   EXPECT_EQ(laser.Scan(world, 1)[1], kInfinity);
 }
 
+TEST(Laser, SeesTheSidesOfRobotsWithCorners) {
+  Robot box = RobotAt(2.0, 0.0, kPi / 2.0);
+  box.footprint = {{-0.5, -0.1}, {0.5, -0.1}, {0.5, 0.3}, {-0.5, 0.3}};  // turned: 0.3 to the left is towards us
+  const World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0), box});
+  const Laser laser(Model(3, -0.2, 0.2, 0.0), world);
+  const std::vector<double> ranges = laser.Scan(world, 0);
+  EXPECT_NEAR(ranges[1], 1.7, 1e-12);
+  EXPECT_NEAR(ranges[0], 1.7 / std::cos(0.2), 1e-12);
+  EXPECT_EQ(laser.Scan(world, 1)[1], kInfinity);
+}
+
 TEST(Laser, SeesTheNearestOfAll) {
   const World world = WorldOf({Rectangle(4.0, -1.0, 4.2, 1.0), Rectangle(1.0, -0.1, 1.2, 0.1)},
                               {RobotAt(0.0, 0.0, 0.0), RobotAt(2.0, 0.0, 0.0)});

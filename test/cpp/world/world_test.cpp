@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -245,6 +246,85 @@ TEST(World, PutsARobotSomewhereStandingStill) {
   EXPECT_EQ(world.poses()[0].x, 5.7);
   Drive(world, {{-0.7, 0.0, 0.0}}, 20);
   EXPECT_NEAR(world.poses()[0].x, 5.8, kTouch);  // the wall is felt at the new place too
+}
+
+// Base_link in the middle of a body of 0.8 x 0.4 m.
+Robot BoxAt(double x, double y, double yaw) {
+  Robot robot = RobotAt(x, y, yaw);
+  robot.footprint = {{-0.4, -0.2}, {0.4, -0.2}, {0.4, 0.2}, {-0.4, 0.2}};
+  return robot;
+}
+
+TEST(World, MovesAFreePolygonAsItMovesADisc) {
+  World world({}, {}, {BoxAt(0.0, 0.0, 0.3)}, kStep, kSubsteps);
+  World round({}, {}, {RobotAt(0.0, 0.0, 0.3)}, kStep, kSubsteps);
+  for (World* each : {&world, &round}) Drive(*each, {{0.5, 0.0, 1.0}}, 50);
+  EXPECT_TRUE(SameBits(world.poses(), round.poses()));
+  EXPECT_DOUBLE_EQ(world.robots()[0].radius, std::hypot(0.4, 0.2));
+}
+
+TEST(World, StopsAPolygonWhereItsSideTouches) {
+  World world(Room(), {}, {BoxAt(4.0, 2.0, 0.0)}, kStep, kSubsteps);
+  Drive(world, {kForward}, 40);
+  EXPECT_NEAR(world.poses()[0].x, 5.6, kTouch);
+  EXPECT_NEAR(world.poses()[0].yaw, 0.0, 1e-3);
+  EXPECT_TRUE(world.in_contact()[0]);
+}
+
+TEST(World, LetsNoWallTurnAPolygonThatTurnsAgainstIt) {
+  // Along a wall, 5 cm from it: its corners are in the way.
+  World world(Room(), {}, {BoxAt(3.0, 0.25, 0.0), RobotAt(3.0, 0.85, 0.0)}, kStep, kSubsteps);
+  Drive(world, {{0.0, 0.0, 1.0}, {}}, 3);
+  EXPECT_GT(world.poses()[0].yaw, 0.02);
+  World corridor({Rectangle(-5.0, -0.1, 5.0, 0.0), Rectangle(-5.0, 0.5, 5.0, 0.6)}, {}, {BoxAt(0.0, 0.25, 0.0)}, kStep,
+                 kSubsteps);
+  Drive(corridor, {{0.0, 0.0, 1.0}}, 50);
+  // Between walls 0.5 m apart it can turn until its corners touch both: 0.8 sin a + 0.4 cos a = 0.5.
+  EXPECT_NEAR(corridor.poses()[0].yaw, 0.128, 0.02);
+  EXPECT_TRUE(corridor.in_contact()[0]);
+  const double yaw = corridor.poses()[0].yaw;
+  Drive(corridor, {{0.0, 0.0, 1.0}}, 50);
+  EXPECT_NEAR(corridor.poses()[0].yaw, yaw, 0.005);
+}
+
+TEST(World, LetsARobotTurnAPolygonThatItPushesAtItsEnd) {
+  World world({}, {}, {BoxAt(0.0, 0.0, 0.0), RobotAt(0.35, -0.6, kPi / 2.0)}, kStep, kSubsteps);
+  Drive(world, {{}, kForward}, 20);
+  EXPECT_GT(world.poses()[0].yaw, 0.3);
+  EXPECT_TRUE(world.in_contact()[0]);
+}
+
+TEST(World, LetsNoPolygonOutOfARoomWhateverTheCommands) {
+  std::mt19937 random(7);
+  World world(Room(), {}, {BoxAt(1.0, 1.0, 0.0), BoxAt(3.0, 1.0, 1.0), BoxAt(5.0, 3.0, 2.0), RobotAt(2.0, 3.0, 0.0)},
+              kStep, kSubsteps);
+  for (int i = 0; i < 200; ++i) {
+    Drive(world, RandomCommands(random, 4), 10);
+    for (std::size_t robot = 0; robot < 4; ++robot) {
+      const Pose& pose = world.poses()[robot];
+      const Polygon round{{pose.x - 0.2, pose.y - 0.2}, {pose.x + 0.2, pose.y + 0.2}};
+      for (const Point& corner : robot < 3 ? Placed(world.robots()[robot].footprint, pose) : round) {
+        ASSERT_TRUE(corner.x > -0.02 && corner.x < 6.02 && corner.y > -0.02 && corner.y < 4.02) << i;
+      }
+    }
+  }
+}
+
+TEST(World, TurnsABlockedCarOnlyAsFarAsItsWheelsRoll) {
+  Robot car = BoxAt(5.5, 2.0, 0.0);
+  car.drive = {0.7, 0.0, 2.0, 0.0, DriveKind::kCar, 0.3, 0.6, 2.0};
+  World world(Room(), {}, {car}, kStep, kSubsteps);
+  Drive(world, {{0.7, 0.0, 0.0}}, 20);
+  Drive(world, {{0.7, 0.0, 2.0}}, 20);
+  EXPECT_NEAR(world.poses()[0].yaw, 0.0, 0.05);
+}
+
+TEST(World, RefusesFootprintsThatAreNoBodyAroundBaseLink) {
+  Robot robot = BoxAt(0.0, 0.0, 0.0);
+  std::reverse(robot.footprint.begin(), robot.footprint.end());
+  EXPECT_THROW(World({}, {}, {robot}, kStep, kSubsteps), std::invalid_argument);
+  robot.footprint = {{0.1, -0.2}, {0.4, -0.2}, {0.4, 0.2}};
+  EXPECT_THROW(World({}, {}, {robot}, kStep, kSubsteps), std::invalid_argument);
 }
 
 TEST(World, RefusesWrongCommandsAndDoesNotMoveThen) {

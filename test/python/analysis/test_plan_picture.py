@@ -19,6 +19,16 @@ def test_plan_is_drawn_to_scale_with_its_size_in_the_title() -> None:
     assert axes.get_aspect() == 1.0
 
 
+def test_robots_with_corners_are_drawn_as_they_stand() -> None:
+    corners = "[[-0.1, -0.2], [0.5, -0.2], [0.5, 0.2], [-0.1, 0.2]]"
+    scenario = load("tutorial_arena", [f"robots.footprint_m={corners}", "robots.spacing_m=2"])
+    (robots,) = (
+        item for item in draw_plan(scenario.plan, scenario).axes[0].collections if isinstance(item, PatchCollection)
+    )
+    extents = robots.get_paths()[0].get_extents()
+    assert (extents.x0, extents.x1, extents.y0, extents.y1) == pytest.approx((2.9, 3.5, 2.8, 3.2))
+
+
 def test_scenario_adds_numbered_areas_named_victims_and_robots() -> None:
     scenario = load("garage_sar")
     axes = draw_plan(scenario.plan, scenario).axes[0]

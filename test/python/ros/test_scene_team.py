@@ -58,6 +58,17 @@ def test_heading_shows_in_the_pose_of_wedge_and_arrow():
         assert max(point.x for point in item.points) > -min(point.x for point in item.points)
 
 
+def test_body_with_corners_is_drawn_over_its_footprint():
+    corners_m = ((-0.1, -0.2), (0.5, -0.2), (0.5, 0.2), (-0.1, 0.2))
+    view = RobotView(1, Pose(2.0, 3.0, math.pi / 2.0), radius_m=0.54, height_m=0.3, corners_m=corners_m)
+    (body,) = named(robot_markers(view), "bodies")
+    assert body.type == Marker.TRIANGLE_LIST
+    xs, ys, zs = zip(*((point.x, point.y, point.z) for point in body.points), strict=True)
+    assert (min(xs), max(xs)) == pytest.approx((1.8, 2.2))
+    assert (min(ys), max(ys)) == pytest.approx((2.9, 3.5))
+    assert (min(zs), max(zs)) == pytest.approx((0.0, 0.27))
+
+
 def test_excluded_robot_is_ringed_in_grey_and_keeps_its_deck():
     included, excluded = (robot_markers(RobotView(2, Pose(0.0, 0.0, 0.0), excluded=flag)) for flag in (False, True))
     assert tint(named(included, "rings")[0]) == robot_colour(2)[:3]

@@ -46,7 +46,7 @@ for step in range(300):
     world.step(twists)
     readings = sensors.read()
     touched |= readings.in_contact
-    for part in (readings.ground_truth, readings.odometry, *readings.ranges_m):
+    for part in (readings.ground_truth, readings.odometry[:, :7], *readings.ranges_m):
         digest.update(part.tobytes())
 assert touched.sum() > 12, "the crowd must push and shove"
 print(digest.hexdigest())

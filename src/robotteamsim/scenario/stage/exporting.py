@@ -91,6 +91,8 @@ def _notes(scenario: Scenario, robots: Sequence[PlacedRobot]) -> tuple[str, ...]
         notes.append("odometry drifts by the alphas here, and by a fixed share of every motion in Stage: odom_error")
     if scenario.plan.doors:
         notes.append("doors stay as they are at the start: Stage has none that move, so closed ones are walls")
+    if any(robot.footprint_m for robot in robots):
+        notes.append("footprint_m: a robot with corners becomes the disc around base_link that holds it")
     if any(robot.laser.no_return == "inf" for robot in robots):
         notes.append("laser.no_return: Stage says range_max where nothing is hit, never inf")
     if any(robot.mounts for robot in robots):
@@ -135,9 +137,9 @@ def _defined(name: str, robot: PlacedRobot, lowest_m: float, step_ns: int) -> li
     """
     # Stage takes whole milliseconds.
     update = f"  update_interval {max(step_ns // 1_000_000, 1)}"
-    diameter = 2.0 * robot.radius_m
+    diameter = 2.0 * robot.reach_m
     angles = [2.0 * math.pi * i / _DISC_CORNERS for i in range(_DISC_CORNERS)]
-    points = [(robot.radius_m * math.cos(angle), robot.radius_m * math.sin(angle)) for angle in angles]
+    points = [(robot.reach_m * math.cos(angle), robot.reach_m * math.sin(angle)) for angle in angles]
     return [
         "",
         f"define {name} position",
