@@ -48,7 +48,10 @@ void BindRadio(py::module_& m) {
         [](const FaceSet& faces, const RadioModel& model, const XY& a, const XY& b, int floors_crossed) {
           return PathLossDb(faces, model, ToMm(a, "a_m"), ToMm(b, "b_m"), floors_crossed);
         });
-  m.def("rssi_matrix_dbm", &RssiMatrixDbm);
+  m.def("rssi_matrix_dbm",
+        [](const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions) {
+          return RssiMatrixDbm(faces, model, positions);
+        });
   // Maps are written into arrays of the caller; other Python threads run on meanwhile.
   m.def("write_best_rssi_map_dbm",
         [](const FaceSet& faces, const RadioModel& model, const std::vector<XY>& transmitters, int floors_crossed,

@@ -6,6 +6,7 @@
 #include "robotteamsim/propagation/cells.hpp"
 #include "robotteamsim/propagation/face_set.hpp"
 #include "robotteamsim/propagation/field_maps.hpp"
+#include "robotteamsim/propagation/simd.hpp"
 
 namespace robotteamsim {
 
@@ -34,8 +35,10 @@ using Positions = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, PointMm b, int floors_crossed = 0);
 
 /// Returns the signal strength between all pairs of robots [dBm]: tx power - L; symmetric to the bit, diagonal 0.
+/// Each is tx power - PathLossDb to the bit, with any instruction set.
 /// Throws std::invalid_argument, naming the robot, where a position is not finite.
-CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions);
+CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
+                         Simd simd = BestSimd());
 
 /// Returns how the signal of a transmitter fades [dBm], for maps: tx power - L, within 4e-5 dB.
 Fading RadioFading(const RadioModel& model, int floors_crossed = 0);

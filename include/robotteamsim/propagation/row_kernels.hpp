@@ -4,17 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "robotteamsim/propagation/simd.hpp"
+
 namespace robotteamsim {
-
-/// The instruction sets that rows of maps are computed with. Values are the same to the bit with each: they do the same
-/// multiplications and additions one by one, never fused.
-enum class Simd { kPortable, kAvx2, kAvx512 };
-
-/// Returns whether this machine has an instruction set.
-bool IsSupported(Simd simd);
-
-/// Returns the widest instruction set of this machine.
-Simd BestSimd();
 
 /// Cells are faded in blocks of this many along the row, from the row's first cell on.
 constexpr int kFadingBlock = 32;

@@ -4,15 +4,63 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "robotteamsim/propagation/link_weights.hpp"
+#include "robotteamsim/propagation/log10.hpp"
+#include "robotteamsim/propagation/mirror.hpp"
 
 namespace robotteamsim {
 namespace {
 
-double LossDb(const RadioModel& model, PointMm a, PointMm b, std::int64_t wall_units) {
-  const double distance_m = std::max(DistanceM(a, b), model.min_distance_m);
-  const double one_slope_db = model.constant_loss_db + model.slope_db * std::log10(distance_m);  // (2)
-  return one_slope_db + static_cast<double>(wall_units) / kRadioUnitsPerDb;                      // (3), (4)
+/// L of eq. (3), (4) without floors: one way for single losses and rows of links, so that all agree to the bit.
+ROBOTTEAMSIM_INLINE double LossDb(const RadioModel& model, double dx_mm, double dy_mm, double wall_units) {
+  const double min_mm = model.min_distance_m * 1000.0;
+  const double square_mm2 = std::max(dx_mm * dx_mm + dy_mm * dy_mm, min_mm * min_mm);
+  const double one_slope_db = model.constant_loss_db + 0.5 * model.slope_db * Log10(square_mm2 * 1e-6);  // (2)
+  return one_slope_db + wall_units / kRadioUnitsPerDb;                                                   // (3), (4)
+}
+
+/// Positions of robots [mm], one list per axis.
+struct Places {
+  std::vector<double> x, y;
+};
+
+/// Writes the signal between a robot and each of those after it.
+ROBOTTEAMSIM_INLINE void WriteSignals(const RadioModel& model, const Places& places, std::size_t robot,
+                                      const std::vector<double>& wall_units, double* __restrict rssi_dbm) {
+  const RadioModel m = model;
+  const double robot_x = places.x[robot];
+  const double robot_y = places.y[robot];
+  const double* __restrict const x = places.x.data() + robot + 1;
+  const double* __restrict const y = places.y.data() + robot + 1;
+  const double* __restrict const units = wall_units.data();
+  const std::size_t count = wall_units.size();
+  for (std::size_t j = 0; j < count; ++j) {
+    rssi_dbm[j] = m.tx_power_dbm - LossDb(m, x[j] - robot_x, y[j] - robot_y, units[j]);
+  }
+}
+
+using Signals = void (*)(const RadioModel&, const Places&, std::size_t, const std::vector<double>&, double*);
+
+#define ROBOTTEAMSIM_SIGNALS(Name, attributes)                                           \
+  attributes void Name(const RadioModel& model, const Places& places, std::size_t robot, \
+                       const std::vector<double>& wall_units, double* rssi_dbm) {        \
+    WriteSignals(model, places, robot, wall_units, rssi_dbm);                            \
+  }
+ROBOTTEAMSIM_SIGNALS(PortableSignals, )
+#if ROBOTTEAMSIM_HAS_X86_TARGETS
+ROBOTTEAMSIM_SIGNALS(Avx2Signals, ROBOTTEAMSIM_AVX2)
+ROBOTTEAMSIM_SIGNALS(Avx512Signals, ROBOTTEAMSIM_AVX512)
+#endif
+
+Signals SignalsFor(Simd simd) {
+#if ROBOTTEAMSIM_HAS_X86_TARGETS
+  if (simd == Simd::kAvx512) return Avx512Signals;
+  if (simd == Simd::kAvx2) return Avx2Signals;
+#endif
+  return PortableSignals;
 }
 
 }  // namespace
@@ -26,20 +74,29 @@ double FloorLossDb(const RadioModel& model, int floors_crossed) {
 }
 
 double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, PointMm b, int floors_crossed) {
-  return LossDb(model, a, b, faces.WeightBetween(a, b)) + FloorLossDb(model, floors_crossed);
+  const auto wall_units = static_cast<double>(faces.WeightBetween(a, b));
+  return LossDb(model, static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y), wall_units) +
+         FloorLossDb(model, floors_crossed);
 }
 
-CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions) {
+CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
+                         Simd simd) {
   const Eigen::Index n = positions.rows();
   std::vector<PointMm> points;
+  Places places;
   for (Eigen::Index i = 0; i < n; ++i) {
     points.push_back(RoundToMm({positions(i, 0), positions(i, 1)}, "position of robot " + std::to_string(i)));
+    places.x.push_back(static_cast<double>(points.back().x));
+    places.y.push_back(static_cast<double>(points.back().y));
   }
-  CellValues rssi_dbm = CellValues::Zero(n, n);
+  LinkWeights links(faces, std::move(points), simd);
+  const Signals write_signals = SignalsFor(simd);
+  CellValues rssi_dbm(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = i + 1; j < n; ++j) {
-      rssi_dbm(i, j) = rssi_dbm(j, i) = model.tx_power_dbm - PathLossDb(faces, model, points[i], points[j]);
-    }
+    rssi_dbm(i, i) = 0.0;
+    write_signals(model, places, i, links.After(i), rssi_dbm.data() + i * n + i + 1);
+    const bool is_last = i + 1 == n;
+    if (is_last || (i + 1) % kMirroredRows == 0) MirrorRows(i / kMirroredRows * kMirroredRows, i + 1, &rssi_dbm);
   }
   return rssi_dbm;
 }

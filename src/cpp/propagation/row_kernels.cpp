@@ -4,17 +4,6 @@
 #include <cstring>
 #include <stdexcept>
 
-// The loops are written once, in plain C++, and compiled once per instruction set: the compiler makes them as wide as
-// the target of the function that they are inlined into. -ffp-contract=off keeps it from fusing.
-#if defined(__GNUC__) && defined(__x86_64__)
-#define ROBOTTEAMSIM_HAS_X86_TARGETS 1
-#endif
-#if defined(__GNUC__)
-#define ROBOTTEAMSIM_INLINE inline __attribute__((always_inline))
-#else
-#define ROBOTTEAMSIM_INLINE inline
-#endif
-
 namespace robotteamsim {
 namespace {
 
@@ -165,31 +154,11 @@ ROBOTTEAMSIM_INLINE void AddNumber(Weight number, Weight* row, int count) {
 
 ROBOTTEAMSIM_KERNELS(Portable, )
 #if ROBOTTEAMSIM_HAS_X86_TARGETS
-ROBOTTEAMSIM_KERNELS(Avx2, __attribute__((target("avx2"))))
-#if defined(__clang__)
-ROBOTTEAMSIM_KERNELS(Avx512, __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl"))))
-#else
-ROBOTTEAMSIM_KERNELS(Avx512, __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width=512"))))
-#endif
+ROBOTTEAMSIM_KERNELS(Avx2, ROBOTTEAMSIM_AVX2)
+ROBOTTEAMSIM_KERNELS(Avx512, ROBOTTEAMSIM_AVX512)
 #endif
 
 }  // namespace
-
-bool IsSupported(Simd simd) {
-  if (simd == Simd::kPortable) return true;
-#if ROBOTTEAMSIM_HAS_X86_TARGETS
-  if (simd == Simd::kAvx2) return __builtin_cpu_supports("avx2");
-  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-#else
-  return false;
-#endif
-}
-
-Simd BestSimd() {
-  if (IsSupported(Simd::kAvx512)) return Simd::kAvx512;
-  return IsSupported(Simd::kAvx2) ? Simd::kAvx2 : Simd::kPortable;
-}
 
 template <typename Weight>
 const RowKernels<Weight>& RowKernelsFor(Simd simd) {

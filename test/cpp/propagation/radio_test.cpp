@@ -54,6 +54,33 @@ TEST(RssiMatrix, IsSymmetricWithZeroDiagonal) {
   EXPECT_DOUBLE_EQ(rssi_dbm(0, 1), -(47.4 + 23.2 + 3.8));
 }
 
+TEST(RssiMatrix, IsPathLossOfEachLinkToTheBitWithAnyInstructionSet) {
+  std::mt19937 generator(21);
+  for (const int n : {0, 1, 2, 5, 9, 40, 41, 100}) {
+    const FaceSet faces = scenes::Walls(&generator, 30, 30);
+    RadioModel model = kModel;
+    model.tx_power_dbm = 12.3;
+    Positions positions(n, 2);
+    for (int i = 0; i < n; ++i) {
+      positions(i, 0) = static_cast<double>(scenes::Draw(&generator, 0, 60'000)) / 1000.0;
+      positions(i, 1) = static_cast<double>(scenes::Draw(&generator, 0, 40'000)) / 1000.0;
+    }
+    if (n > 2) positions.row(2) = positions.row(0);
+    for (const Simd simd : {Simd::kPortable, Simd::kAvx2, Simd::kAvx512}) {
+      if (!IsSupported(simd)) continue;
+      const CellValues rssi_dbm = RssiMatrixDbm(faces, model, positions, simd);
+      ASSERT_EQ(rssi_dbm.rows(), n);
+      for (int i = 0; i < n; ++i) {
+        const PointMm a = RoundToMm({positions(i, 0), positions(i, 1)}, "a");
+        for (int j = 0; j < n; ++j) {
+          const PointMm b = RoundToMm({positions(j, 0), positions(j, 1)}, "b");
+          ASSERT_EQ(rssi_dbm(i, j), i == j ? 0.0 : model.tx_power_dbm - PathLossDb(faces, model, a, b));
+        }
+      }
+    }
+  }
+}
+
 TEST(RssiMatrix, NamesTheRobotWhosePositionIsNotFinite) {
   Positions positions(2, 2);
   positions << 0.0, 0.0, std::nan(""), 1.0;

@@ -1,0 +1,122 @@
+#include "robotteamsim/propagation/link_weights.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+#include "scenes.hpp"
+
+namespace robotteamsim {
+namespace {
+
+std::vector<PointMm> Points(std::mt19937* generator, int count, std::int64_t width, std::int64_t height,
+                            PointMm from = {0, 0}) {
+  std::vector<PointMm> points;
+  for (int i = 0; i < count; ++i) {
+    const std::int64_t x = from.x + scenes::Draw(generator, 0, width);
+    points.push_back({x, from.y + scenes::Draw(generator, 0, height)});
+  }
+  return points;
+}
+
+/// Compares every link with FaceSet::WeightBetween, both ways, with each instruction set of this machine.
+void ExpectExact(const FaceSet& faces, const std::vector<PointMm>& points) {
+  for (const Simd simd : {Simd::kPortable, Simd::kAvx2, Simd::kAvx512}) {
+    if (!IsSupported(simd)) continue;
+    LinkWeights links(faces, points, simd);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const std::vector<double>& weights = links.After(i);
+      ASSERT_EQ(weights.size(), points.size() - i - 1);
+      for (std::size_t k = 0; k < weights.size(); ++k) {
+        const PointMm a = points[i];
+        const PointMm b = points[i + 1 + k];
+        ASSERT_EQ(weights[k], static_cast<double>(faces.WeightBetween(a, b)))
+            << "(" << a.x << ", " << a.y << ") to (" << b.x << ", " << b.y << ")";
+        ASSERT_EQ(weights[k], static_cast<double>(faces.WeightBetween(b, a)));
+      }
+    }
+  }
+}
+
+TEST(LinkWeights, AreThoseOfEachLinkOnRandomFloors) {
+  std::mt19937 generator(11);
+  for (const int n : {0, 1, 2, 8, 9, 10, 16, 17, 64, 100, 300}) {
+    for (const int oblique_percent : {0, 30, 100}) {
+      ExpectExact(scenes::Walls(&generator, 40, oblique_percent), Points(&generator, n, 60'000, 40'000));
+    }
+  }
+}
+
+TEST(LinkWeights, AreThoseOfEachLinkOnALattice) {
+  // Nearly every link runs through a corner or along a face; robots stand on faces, on corners, and on each other.
+  std::mt19937 generator(12);
+  for (int floor = 0; floor < 150; ++floor) {
+    const std::int64_t size = 3 + floor % 12;
+    ExpectExact(scenes::Lattice(&generator, 1 + floor % 40, size, 7), Points(&generator, 60, size, size, {-1, -1}));
+  }
+}
+
+TEST(LinkWeights, AreThoseOfEachLinkFromAndToCornersAndFacesOfAFloor) {
+  std::mt19937 generator(13);
+  const FaceSet faces = scenes::Walls(&generator, 60, 30);
+  std::vector<PointMm> points = Points(&generator, 40, 60'000, 40'000);
+  for (std::size_t i = 0; i < faces.Vertices().size(); i += 3) {
+    const PointMm corner = faces.Vertices()[i];
+    points.push_back(corner);
+    points.push_back({corner.x + 1, corner.y});
+    points.push_back({corner.x, points.front().y});  // straight above or below a corner
+  }
+  points.insert(points.end(), 5, points.front());
+  ExpectExact(faces, points);
+}
+
+TEST(LinkWeights, AreThoseOfEachLinkAmongTwentyThousandFaces) {
+  std::mt19937 generator(14);
+  const FaceSet faces = scenes::Walls(&generator, 5000, 20, 600);
+  ASSERT_GT(faces.Size(), 19'000u);
+  ExpectExact(faces, Points(&generator, 40, 60'000, 40'000));
+}
+
+TEST(LinkWeights, AreThoseOfEachLinkWhereDirectionsHardlyDiffer) {
+  // Robots and walls in opposite corners of the largest square that is exact in doubles.
+  constexpr std::int64_t kFar = 1 << 22;
+  std::mt19937 generator(15);
+  scenes::Outline outline;
+  for (int i = 0; i < 40; ++i) {
+    const std::vector<PointMm> ends = Points(&generator, 2, 4, 4, {kFar - 4, kFar - 4});
+    outline.AddRing({ends[0], ends[1]}, 1 + i);
+  }
+  std::vector<PointMm> points = Points(&generator, 40, 4, 4, {-kFar, -kFar});
+  for (const PointMm& point : Points(&generator, 40, 6, 6, {kFar - 6, kFar - 6})) points.push_back(point);
+  ExpectExact(FaceSet(outline.ends, outline.weights), points);
+}
+
+TEST(LinkWeights, AreExactWhereCoordinatesAreTooLargeForDoubles) {
+  std::mt19937 generator(16);
+  const std::int64_t far = kMaxCoordinateMm;
+  scenes::Outline outline;
+  for (int i = 0; i < 20; ++i) outline.AddRing(Points(&generator, 3, 50, 50, {far - 50, far - 50}), 3);
+  std::vector<PointMm> points = Points(&generator, 30, 50, 50, {far - 50, far - 50});
+  points.push_back({-far, -far});
+  ExpectExact(FaceSet(outline.ends, outline.weights), points);
+}
+
+TEST(LinkWeights, FollowDoors) {
+  std::mt19937 generator(17);
+  FaceSet faces = scenes::Walls(&generator, 40, 20);
+  const std::vector<PointMm> points = Points(&generator, 60, 60'000, 40'000);
+  for (std::size_t face = 0; face < faces.Size(); face += 2) faces.SetActive(face, false);
+  ExpectExact(faces, points);
+  for (std::size_t face = 0; face < faces.Size(); face += 4) faces.SetActive(face, true);
+  ExpectExact(faces, points);
+}
+
+TEST(LinkWeights, AreZeroWithoutFaces) {
+  std::mt19937 generator(18);
+  ExpectExact(FaceSet({}, {}), Points(&generator, 30, 1000, 1000));
+}
+
+}  // namespace
+}  // namespace robotteamsim
