@@ -123,7 +123,7 @@ def test_world_and_sensors_begin_the_same_again_after_a_reset():
         for step in range(200):
             simulation.world.step([Twist(0.6, 0.0, math.sin(0.1 * step))] * simulation.world.num_robots)
             readings = simulation.sensors.read()
-            for part in (readings.ground_truth, readings.odometry, *readings.ranges_m):
+            for part in (readings.ground_truth, readings.odometry[:, :7], *readings.ranges_m):
                 digest.update(part.tobytes())
         return digest.hexdigest()
 
