@@ -85,6 +85,15 @@ py::array_t<bool> InContact(const World& world) {
   return flags;
 }
 
+// The angles of contact of those robots that touch something, by their ids.
+py::dict ContactAngles(const World& world) {
+  py::dict angles;
+  for (int i = 0; i < static_cast<int>(world.in_contact().size()); ++i) {
+    if (world.in_contact()[i]) angles[py::int_(i)] = py::tuple(py::cast(world.contact_angles(i)));
+  }
+  return angles;
+}
+
 }  // namespace
 
 void BindWorld(py::module_& m) {
@@ -107,6 +116,7 @@ void BindWorld(py::module_& m) {
       .def("twists", [](const World& world) { return ToArray(world.twists()); })
       .def("motions", [](const World& world) { return ToArray(world.motions()); })
       .def("in_contact", &InContact)
+      .def("contact_angles", &ContactAngles)
       .def(
           "set_pose",
           [](World& world, int robot_id, const Triple& pose) {

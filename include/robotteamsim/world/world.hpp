@@ -61,6 +61,9 @@ class World {
   const std::vector<Pose>& motions() const { return motions_; }
   /// Whether a robot touched something (within 5 mm) in the last step.
   const std::vector<bool>& in_contact() const { return in_contact_; }
+  /// In which directions from its middle a robot touched something when it last did so in the last step: angles in
+  /// base_link, ascending in (-pi, pi], those of one place as one; none where it touched nothing.
+  const std::vector<double>& contact_angles(int robot) const { return contact_angles_.at(robot); }
 
   /// Puts a robot somewhere, standing still.
   void SetPose(int robot, const Pose& pose);
@@ -86,6 +89,7 @@ class World {
   void SetBusy(int robot, bool is_busy);
   void StartDrive(int robot, const Twist& command);
   void FinishDrive(int robot);
+  void NoteContacts(int robot, double yaw);
 
   const std::vector<Solid> solids_;
   const std::vector<Door> initial_doors_;
@@ -108,6 +112,7 @@ class World {
   std::vector<Twist> twists_;
   std::vector<Pose> motions_;
   std::vector<bool> in_contact_;
+  std::vector<std::vector<double>> contact_angles_;
 };
 
 }  // namespace robotteamsim

@@ -22,6 +22,10 @@ constexpr float kSkin = 0.5F * b2_linearSlop;
 // matter.
 constexpr double kMargin = 0.02;
 
+// Contacts nearer to each other than this are one [rad]: solids are made of pieces that meet within them.
+constexpr double kSamePlace = 0.05;
+constexpr double kFullTurn = 6.28318530717958648;
+
 // A drive that reaches less than this part of its speed is stalled.
 constexpr double kStalled = 0.05;
 
@@ -174,6 +178,7 @@ void World::Reset() {
   twists_.assign(robots_.size(), {});
   motions_.assign(robots_.size(), {});
   in_contact_.assign(robots_.size(), false);
+  contact_angles_.assign(robots_.size(), {});
   grid_.Rebuild(poses_);
 }
 
@@ -221,6 +226,7 @@ void World::Step(const std::vector<Twist>& commands) {
   const std::vector<Pose> before = poses_;
   twists_.assign(robots_.size(), {});
   in_contact_.assign(robots_.size(), false);
+  for (std::vector<double>& angles : contact_angles_) angles.clear();
   const double travel = MaxTravel(commands);
   bool any_busy = false;
   for (int i = 0; i < num_robots; ++i) {
@@ -311,6 +317,7 @@ void World::FinishDrive(int robot) {
     drive.target.x = at.x;
     drive.target.y = at.y;
     in_contact_[robot] = true;
+    NoteContacts(robot, drive.target.yaw);
   }
   pose = drive.target;
   twists_[robot].linear_x += reached.forward / substeps_;
@@ -341,6 +348,25 @@ DriveSpeed World::BodySpeed(int robot) const {
   return speed;
 }
 
+void World::NoteContacts(int robot, double yaw) {
+  const b2Body* body = robot_bodies_[robot];
+  std::vector<double>& angles = contact_angles_[robot];
+  angles.clear();
+  for (const b2ContactEdge* edge = body->GetContactList(); edge != nullptr; edge = edge->next) {
+    if (!edge->contact->IsTouching()) continue;
+    b2WorldManifold manifold;
+    edge->contact->GetWorldManifold(&manifold);
+    const bool is_flat = edge->contact->GetManifold()->pointCount == 2;
+    const b2Vec2 place = is_flat ? 0.5F * (manifold.points[0] + manifold.points[1]) : manifold.points[0];
+    const b2Vec2 away = place - body->GetPosition();
+    angles.push_back(NormaliseAngle(std::atan2(static_cast<double>(away.y), static_cast<double>(away.x)) - yaw));
+  }
+  std::sort(angles.begin(), angles.end());
+  const auto is_same = [](double first, double next) { return next - first < kSamePlace; };
+  angles.erase(std::unique(angles.begin(), angles.end(), is_same), angles.end());
+  if (angles.size() > 1 && angles.front() + kFullTurn - angles.back() < kSamePlace) angles.pop_back();
+}
+
 void World::SetPose(int robot, const Pose& pose) {
   Pose& stored = poses_.at(robot);
   stored = {pose.x, pose.y, NormaliseAngle(pose.yaw)};
@@ -349,6 +375,7 @@ void World::SetPose(int robot, const Pose& pose) {
   twists_[robot] = {};
   motions_[robot] = {};
   in_contact_[robot] = false;
+  contact_angles_[robot].clear();
   grid_.Rebuild(poses_);
 }
 

@@ -245,7 +245,7 @@ class BagWriter:
         yield "odom", fields.odometry(make, time_ns, robot_id, reading.odometry)
         yield "base_scan", fields.scan(make, time_ns, robot_id, robot.laser, reading.ranges_m)
         yield "base_pose_ground_truth", fields.ground_truth(make, time_ns, robot_id, reading)
-        yield "contact", fields.contact(make, time_ns, robot_id, reading.in_contact)
+        yield "contact", fields.contact(make, time_ns, robot_id, reading.in_contact, reading.contact_angles_rad)
         for topic in self._sensors[robot_id]:
             message = topic.message(make, time_ns, robot_id, reading.further)
             if message is not None:

@@ -119,12 +119,13 @@ def scan(
     )
 
 
-def contact(make: Make, time_ns: int, robot_id: int, in_contact: bool) -> Any:
+def contact(make: Make, time_ns: int, robot_id: int, in_contact: bool, angles_rad: tuple[float, ...] = ()) -> Any:
     """robotteamsim/Contact."""
     return make(
         "robotteamsim/Contact",
         header=header(make, time_ns, robot_frame(robot_id, "base_link")),
         in_contact=bool(in_contact),
+        angles_rad=np.array(angles_rad, dtype=np.float64),
     )
 
 

@@ -92,6 +92,7 @@ class ControllerNode:
             odometry=odometry,
             ranges_m=conversion.ranges_m(step.latest("base_scan")),
             in_contact=contact is not None and contact.in_contact,
+            contact_angles_rad=() if contact is None else tuple(contact.angles_rad),
         )
         return Observation(self._robot_id, step.stamp_ns, robot, conversion.voice_reading(step.latest("voice")))
 

@@ -15,7 +15,16 @@ from sensor_msgs.msg import LaserScan, PointCloud2
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robotteamsim.geometry import Pose
-from robotteamsim.msg import Areas, ControllerStatus, FloatMap, MissionEvent, MissionStatus, NetworkState, Victims
+from robotteamsim.msg import (
+    Areas,
+    Contact,
+    ControllerStatus,
+    FloatMap,
+    MissionEvent,
+    MissionStatus,
+    NetworkState,
+    Victims,
+)
 from robotteamsim.ros import msg_conversion, scene_laser, scene_mission, scene_plan, scene_team
 from robotteamsim.ros.node import Output, parameter, read_settings, run
 from robotteamsim.ros.scene_feed import GROUND_TRUTH, Feed, robot_topics
@@ -80,9 +89,11 @@ class RobotFeed:
         self._robot = robot
         self._truth = Feed(prefix + GROUND_TRUTH, Odometry, keep=1000)
         self._status = Feed(f"{prefix}controller/status", ControllerStatus)
+        self._contact = Feed(f"{prefix}contact", Contact)
         self._scan: Feed | None = None
         self._recent: dict[int, Pose] = {}
         self._excluded = False
+        self._contact_angles_rad: tuple[float, ...] = ()
         self.stamp_ns = 0
         self.trail = scene_team.Trail()
 
@@ -102,6 +113,9 @@ class RobotFeed:
         status = self._status.newest()
         if status is not None:
             self._excluded = status.excluded
+        contact = self._contact.newest()
+        if contact is not None:
+            self._contact_angles_rad = tuple(contact.angles_rad)
         return bool(truths) or status is not None
 
     def view(self) -> scene_team.RobotView | None:
@@ -111,7 +125,13 @@ class RobotFeed:
         pose = next(reversed(self._recent.values()))
         robot = self._robot
         return scene_team.RobotView(
-            self._id, pose, robot.reach_m, robot.height_m, self._excluded, corners_m=robot.corners_m
+            self._id,
+            pose,
+            robot.reach_m,
+            robot.height_m,
+            self._excluded,
+            corners_m=robot.corners_m,
+            contact_angles_rad=self._contact_angles_rad,
         )
 
     def scan(self, wanted: bool) -> scene_laser.ScanView | None:
@@ -139,7 +159,7 @@ class RobotFeed:
 
     def close(self) -> None:
         """Unsubscribe from everything."""
-        for feed in (self._truth, self._status, self._scan):
+        for feed in (self._truth, self._status, self._contact, self._scan):
             if feed is not None:
                 feed.close()
 

@@ -39,6 +39,7 @@ from robotteamsim.scenario.plan import Corners
 ROBOT_COLOURS = tuple(map(colour, ("#56b4e9", "#f0e442", "#f08cc8", "#ffffff", "#e69f00", "#9b8cff", "#2f7fd0")))
 EXCLUDED = colour("#9aa0a8")
 BODY = colour("#14171c")
+BUMPER = colour("#ff4d4d")
 
 LINK_COLOURS = (
     (-80.0, colour("#ff4d4d")),
@@ -62,7 +63,7 @@ LABEL_M = 1.1
 
 @dataclass(frozen=True, slots=True)
 class RobotView:
-    """What is drawn of a robot; pose in the map frame, excluded: socially excluded."""
+    """What is drawn of a robot; pose in the map frame, excluded: socially excluded, contacts as `Contact` has them."""
 
     robot_id: int
     pose: Pose
@@ -71,6 +72,7 @@ class RobotView:
     excluded: bool = False
     corners_m: Corners = ()
     """Of a body that is no disc, counter-clockwise in base_link; radius_m is then how far it reaches."""
+    contact_angles_rad: tuple[float, ...] = ()
 
 
 def robot_colour(robot_id: int) -> Colour:
@@ -108,13 +110,15 @@ def robot_markers(
 ) -> list[Marker]:
     """Return body, deck, heading wedge, laser, number, and a ring with an arrow to find the robot from far away.
 
-    An excluded robot has a grey ring, arrow and number; its deck keeps its colour.
+    An excluded robot has a grey ring, arrow and number; its deck keeps its colour. Where it touches something, its rim
+    is red.
     """
     tint = robot_colour(view.robot_id)
     sign = EXCLUDED if view.excluded else tint
     pose, radius_m, height_m = view.pose, view.radius_m, view.height_m
     x, y = pose.x_m, pose.y_m
     laser = pose @ Pose(0.45 * radius_m, 0.0, 0.0)
+    bumpers = [corner for angle in view.contact_angles_rad for corner in _bumper(radius_m, angle)]
     ring_m = radius_m + RING_MARGIN_M
 
     def part(name: str, kind: int, tint: Colour, at: Position, size: Position) -> Marker:
@@ -140,6 +144,7 @@ def robot_markers(
         *_body(view, tint, cylinder),
         turret,
         flat("wedges", Marker.TRIANGLE_LIST, WHITE, height_m + 0.012, _wedge(radius_m)),
+        *([flat("bumpers", Marker.TRIANGLE_LIST, BUMPER, height_m + 0.014, bumpers)] if bumpers else []),
         label(
             "robot_ids",
             view.robot_id,
@@ -172,6 +177,15 @@ def _wedge(radius_m: float) -> list[tuple[float, float]]:
     nose, tail = (0.9 * radius_m, 0.0), (-0.3 * radius_m, 0.0)
     left, right = (-0.65 * radius_m, 0.6 * radius_m), (-0.65 * radius_m, -0.6 * radius_m)
     return [nose, left, tail, nose, tail, right]
+
+
+def _bumper(radius_m: float, angle_rad: float) -> list[tuple[float, float]]:
+    """Return the triangles of the part of the rim that is within 0.35 rad of an angle."""
+    angles_rad = angle_rad + np.linspace(-0.35, 0.35, 8)
+    rim = np.column_stack([np.cos(angles_rad), np.sin(angles_rad)])
+    inner, outer = (list(map(tuple, (share * radius_m * rim).tolist())) for share in (0.75, 1.1))
+    pieces = zip(inner, outer, inner[1:], outer[1:], strict=False)
+    return [corner for a, b, c, d in pieces for corner in (a, b, c, c, b, d)]
 
 
 def _arrow(ring_m: float) -> list[tuple[float, float]]:

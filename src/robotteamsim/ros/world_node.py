@@ -268,7 +268,8 @@ class RobotOutputs:
         if self._scan.wanted:
             self._scan.publish(fields.scan(make, time_ns, robot_id, self._laser, reading.ranges_m))
         if self._contact.wanted:
-            self._contact.publish(fields.contact(make, time_ns, robot_id, reading.in_contact))
+            angles_rad = reading.contact_angles_rad
+            self._contact.publish(fields.contact(make, time_ns, robot_id, reading.in_contact, angles_rad))
         for topic, output in self._sensors:
             if output.wanted and (message := topic.message(make, time_ns, robot_id, reading.further)) is not None:
                 output.publish(message)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import overload
 
@@ -62,6 +62,7 @@ class RobotReading:
     """What the world gives one robot in one step.
 
     ranges_m: float32, shape (beams,), first beam at angle_min; no return as the scenario says.
+    contact_angles_rad: directions of contacts from base_link, ascending in (-pi, pi].
     further:  of sensors that not every robot has. Controllers that run as ROS nodes do not get it; they listen to the
               topics of those sensors.
     """
@@ -71,6 +72,7 @@ class RobotReading:
     odometry: OdometryReading
     ranges_m: np.ndarray
     in_contact: bool
+    contact_angles_rad: tuple[float, ...] = ()
     further: FurtherReadings = NOTHING_FURTHER
 
 
@@ -84,6 +86,7 @@ class TeamReadings(Sequence[RobotReading]):
                   covariances of `OdometryReading`, six and two.
     ranges_m:     float32 per robot, shape (beams,) [m].
     in_contact:   bool, shape (n,).
+    contact_angles_rad: of those that touch something, by their ids.
     further:      of sensors that not every robot has; empty where none has any.
     """
 
@@ -92,6 +95,7 @@ class TeamReadings(Sequence[RobotReading]):
     odometry: np.ndarray
     ranges_m: Sequence[np.ndarray]
     in_contact: np.ndarray
+    contact_angles_rad: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
     further: Sequence[FurtherReadings] = ()
 
     def __len__(self) -> int:
@@ -125,9 +129,10 @@ class TeamReadings(Sequence[RobotReading]):
                 odometry=_odometry_reading(believed),
                 ranges_m=ranges_m,
                 in_contact=in_contact,
+                contact_angles_rad=self.contact_angles_rad.get(robot_id, ()),
                 further=further,
             )
-            for truth, twist, believed, ranges_m, in_contact, further in rows
+            for robot_id, (truth, twist, believed, ranges_m, in_contact, further) in enumerate(rows)
         )
 
 

@@ -49,6 +49,7 @@ class RobotSensors:
             odometry=self._odometry.step(core.motions(), twists),
             ranges_m=ranges_m,
             in_contact=core.in_contact(),
+            contact_angles_rad=self._world.contact_angles_rad(),
             further=self._further.read(),
         )
 

@@ -111,6 +111,13 @@ class World:
         """Return whether each robot touched something in the last step (came within 5 mm)."""
         return self.core.in_contact().tolist()
 
+    def contact_angles_rad(self) -> dict[int, tuple[float, ...]]:
+        """Return in which directions the robots that touched something in the last step did so when they last did.
+
+        Angles in `base_link`, ascending in (-pi, pi], from the robot's middle; contacts within 0.05 rad are one.
+        """
+        return self.core.contact_angles()
+
     def doors(self) -> dict[str, bool]:
         """Return whether each door is closed, by name, in the plan's order."""
         return dict(self._closed)

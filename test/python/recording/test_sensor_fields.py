@@ -42,7 +42,7 @@ def recorded(hall_scenario, tmp_path) -> tuple[list[StepRecord], dict[str, list]
     scenario = hall_scenario(
         robots=(
             PlacedRobot(start_pose=(3.0, 4.0, 0.0), lasers=(REAR, SLOW), sonars=(SIDE,)),
-            PlacedRobot(start_pose=(3.0, 6.0, 0.0)),
+            PlacedRobot(start_pose=(3.0, 4.4, 0.0)),
         ),
         mission=Mission(time_limit_s=0.1 * STEPS),
     )
@@ -92,3 +92,13 @@ def test_sonars_are_in_the_bag_as_ranges_of_ultrasound(recorded):
     limits = (message.field_of_view, message.min_range, message.max_range)
     assert limits == tuple(map(float, np.float32([0.25, 0.02, 8.0])))
     assert message.header.frame_id == "robot_0/side_link"
+
+
+def test_directions_of_contacts_are_in_the_bag(recorded):
+    records, bag = recorded
+    for robot_id in (0, 1):
+        readings = [record.readings[robot_id] for record in records]
+        messages = bag[f"/robot_{robot_id}/contact"]
+        assert [tuple(message.angles_rad) for message in messages] == [r.contact_angles_rad for r in readings]
+        assert [len(message.angles_rad) > 0 for message in messages] == [r.in_contact for r in readings]
+        assert any(r.in_contact for r in readings)

@@ -67,6 +67,12 @@ def test_ground_truth_keeps_its_bits(make):
     assert message.header.frame_id == "map"
 
 
+def test_contact_keeps_its_angles(make):
+    message = sent(fields.contact(make, TIME_NS, 1, True, (-0.1, 1.0 / 3.0)))
+    assert (message.in_contact, message.angles_rad) == (True, (-0.1, 1.0 / 3.0))
+    assert sent(fields.contact(make, TIME_NS, 1, False)).angles_rad == ()
+
+
 def test_command_keeps_its_bits_and_may_be_no_number(make):
     assert conversion.twist(sent(fields.twist(make, MOTION))) == MOTION
     assert not conversion.twist(sent(fields.twist(make, Twist(float("nan"), 0.0, 0.0)))).is_finite

@@ -51,6 +51,19 @@ def test_body_has_the_robots_size_and_every_part_its_place():
     assert named(markers, "robot_ids")[0].text == "R4"
 
 
+def test_rim_is_red_where_a_robot_touches_something_and_nowhere_else():
+    view = RobotView(0, Pose(1.0, 2.0, 0.5), radius_m=0.3, contact_angles_rad=(-1.2, 2.9))
+    (bumper,) = named(robot_markers(view), "bumpers")
+    angles = np.array([math.atan2(point.y, point.x) for point in bumper.points])
+    off_rad = np.abs(np.angle(np.exp(1j * (angles[:, None] - np.array([-1.2, 2.9])))))
+    assert off_rad.min(axis=1).max() == pytest.approx(0.35)
+    assert (off_rad < 0.36).sum(axis=0).tolist() == [42, 42]
+    assert {round(math.hypot(point.x, point.y), 6) for point in bumper.points} == {0.225, 0.33}
+    assert len(bumper.points) % 3 == 0
+    assert (bumper.pose.position.x, bumper.pose.position.y) == (1.0, 2.0)
+    assert not named(robot_markers(RobotView(0, Pose(1.0, 2.0, 0.5))), "bumpers")
+
+
 def test_heading_shows_in_the_pose_of_wedge_and_arrow():
     for namespace in ("wedges", "arrows"):
         (item,) = named(robot_markers(RobotView(0, Pose(0.0, 0.0, 1.0))), namespace)
