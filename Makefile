@@ -43,7 +43,7 @@ build: $(VENV)/.ready ## build messages, C++ library and nodes into build/
 	@echo "-- building"
 	@cmake --build $(BUILD) -j$(JOBS) > $(BUILD)/build.log 2>&1 || { cat $(BUILD)/build.log; exit 1; }
 	@echo $(CURDIR)/$(BUILD)/devel/lib/python3/dist-packages > "$$($(PYTHON) -c 'import site; print(site.getsitepackages()[0])')/robotteamsim.pth"
-	@printf '#!%s\nimport sys\n\nfrom robotteamsim.cli import main\n\nsys.exit(main())\n' $(CURDIR)/$(PYTHON) > $(VENV)/bin/robotteamsim
+	@printf '#!%s\nimport sys\n\nfrom robotteamsim.cli import main\n\nif __name__ == "__main__":\n    sys.exit(main())\n' $(CURDIR)/$(PYTHON) > $(VENV)/bin/robotteamsim
 	@chmod +x $(VENV)/bin/robotteamsim
 
 garage_sar: build ## run the garage mission under roslaunch, with rviz where there is a display

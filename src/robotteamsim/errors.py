@@ -15,3 +15,7 @@ class PlacementError(ScenarioError):
 
 class RecordingError(RobotTeamSimError):
     """A result could not be written or read."""
+
+
+class CampaignError(RobotTeamSimError):
+    """A campaign cannot be run, stored or continued."""

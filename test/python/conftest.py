@@ -1,14 +1,15 @@
-"""Small scenarios that tests of several floors share."""
+"""Small scenarios, made-up outcomes and workers that tests of several floors share."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
 import shapely
 
+from robotteamsim.campaign import Outcome, Trial
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.scenario import Scenario
@@ -65,3 +66,43 @@ def scattered_robots() -> Callable[..., tuple[PlacedRobot, ...]]:
         return tuple(robots)
 
     return make
+
+
+@pytest.fixture
+def outcome_of() -> Callable[..., Outcome]:
+    """Make up the outcome of a trial; keywords replace its figures."""
+
+    def make(trial: Trial, **figures: object) -> Outcome:
+        fields: dict[str, object] = {
+            "end": "areas_explored",
+            "time_s": 100.0,
+            "areas_explored": 4,
+            "num_areas": 4,
+            "victims_saved": 1,
+            "num_victims": 1,
+            "endangered_links": 0,
+            "distance_m": 20.0,
+            "contact_s": 0.0,
+            "steps": 1001,
+            "trajectory_hash": "ab" * 32,
+            "details": "{}",
+            "wall_s": 0.5,
+        }
+        return Outcome(trial.cell, trial.number, trial.seed, **(fields | figures))
+
+    return make
+
+
+@pytest.fixture
+def failed_outcome_of() -> Callable[[Trial], Outcome]:
+    """Make up the outcome of a trial that failed."""
+    return lambda trial: Outcome(trial.cell, trial.number, trial.seed, error="KeyError: 7", traceback="Traceback ..")
+
+
+@pytest.fixture(scope="session")
+def two_workers() -> Iterator[object]:
+    """A cluster of two worker processes."""
+    from robotteamsim.campaign.runner import local_workers
+
+    with local_workers(2) as client:
+        yield client

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 
 import robotteamsim
-from robotteamsim.cli import field_command, plan_command, run_command, scenario_command
+from robotteamsim.cli import campaign_command, field_command, plan_command, run_command, scenario_command
 from robotteamsim.cli.parser import Parser
 from robotteamsim.errors import RobotTeamSimError
 
@@ -21,6 +21,7 @@ examples:
   robotteamsim run garage_sar                        one mission, with a table of what happened
   robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
   robotteamsim run my.yaml --set control.alpha=0.5 --json
+  robotteamsim campaign garage_sar --noise 10 --noise 20 --trials 30 --out DIR
   robotteamsim scenario show garage_sar              every key with its value
   robotteamsim field voice garage_sar --png voice.png
   robotteamsim plan import map.yaml --out plan.yaml  a map_server image as walls
@@ -30,10 +31,10 @@ examples:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit status: 0, 2 for a user's mistake, 130 when interrupted."""
+    """Run one command and return its exit status: 2 for a user's mistake, 130 when interrupted, else mostly 0."""
     try:
         options = _parser().parse_args(arguments)
-        options.command(options)
+        status = options.command(options)
         sys.stdout.flush()
     except RobotTeamSimError as error:
         print(f"robotteamsim: {error}", file=sys.stderr)
@@ -45,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # The reader has gone. Python would complain once more when it flushes stdout at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_BROKEN_PIPE
-    return 0
+    return status or 0
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -56,6 +57,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"robotteamsim {robotteamsim.__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (run_command, scenario_command, plan_command, field_command):
+    for command in (run_command, campaign_command, scenario_command, plan_command, field_command):
         command.add_to(commands)
     return parser

@@ -1,0 +1,199 @@
+"""What a campaign consists of: cells, which are settings of a scenario, and trials of each, with their seeds."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from robotteamsim import rng, scenario
+from robotteamsim.campaign.factors import MAX_TRIALS, Factor
+from robotteamsim.errors import CampaignError, ScenarioError
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.yaml_text import shown
+
+_NUM_SEEDS = 2**53
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One combination of settings.
+
+    values:   of each of the design's keys, in their order, plain values as the checked scenario has them.
+    scenario: with these settings; its own seed does not matter.
+    """
+
+    values: tuple[Any, ...]
+    scenario: Scenario
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One mission of a campaign: `cell` counts from 0, `number` within the cell from 1."""
+
+    cell: int
+    number: int
+    seed: int
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """All cells, each to be tried `trials` times. keys: what differs between cells."""
+
+    scenario: Scenario
+    seed: int
+    trials: int
+    keys: tuple[str, ...]
+    cells: tuple[Cell, ...]
+
+    def all_trials(self) -> Iterator[Trial]:
+        """Yield every trial, the first of each cell before the second of any."""
+        for number in range(1, self.trials + 1):
+            for index, cell in enumerate(self.cells):
+                yield Trial(index, number, self._trial_seed(cell, number))
+
+    def settings(self) -> dict[str, Any]:
+        """Return, as plain values for JSON, all that decides the results."""
+        contents = json.dumps([_without_seed(cell.scenario) for cell in self.cells], sort_keys=True)
+        return {
+            "seed": self.seed,
+            "trials": self.trials,
+            "keys": list(self.keys),
+            "cells": [list(cell.values) for cell in self.cells],
+            "scenario": _without_seed(self.scenario),
+            # Of all cells whole: their values do not say what is in a file that they name.
+            "fingerprint": hashlib.sha256(contents.encode()).hexdigest(),
+        }
+
+    def _trial_seed(self, cell: Cell, number: int) -> int:
+        # A cell is named by its settings: its seeds do not depend on which other cells there are.
+        named = sorted(f"{key}={json.dumps(value)}" for key, value in zip(self.keys, cell.values, strict=True))
+        return int(rng.stream(self.seed, "campaign", *named, number).integers(_NUM_SEEDS))
+
+
+def make_design(
+    scenario_name: str,
+    *,
+    trials: int,
+    seed: int = 1,
+    overrides: Sequence[Factor] = (),
+    factors: Sequence[Factor] = (),
+    groups: Sequence[Sequence[Factor]] = ((),),
+) -> Design:
+    """Return the design of all combinations of the factors' values, each with every group; all cells are checked.
+
+    Args:   scenario_name: a file or a shipped name.
+            overrides: of one value each, for all cells; of equal keys the last wins.
+            groups: chosen combinations, each of factors of one value.
+    Raises: CampaignError, ScenarioError: one line with place, key and value.
+    """
+    keys = _checked_keys(overrides, factors, groups)
+    if trials < 1:
+        raise CampaignError(f"--trials: {trials} is below 1")
+    num_trials = trials * len(groups) * math.prod(len(factor.values) for factor in factors)
+    if num_trials > MAX_TRIALS:
+        raise CampaignError(f"{num_trials} trials in all are too many; wanted at most {MAX_TRIALS}")
+    if not 0 <= seed < _NUM_SEEDS:
+        raise CampaignError(f"--seed: {seed} is not between 0 and 2^53")
+    base = _load(scenario_name, overrides)
+    cells: dict[str, Cell] = {}
+    for group in groups:
+        for values in itertools.product(*(factor.values for factor in factors)):
+            chosen = [Factor(factor.key, (value,), factor.place) for factor, value in zip(factors, values, strict=True)]
+            cell = _cell(scenario_name, [*overrides, *group, *chosen], keys)
+            name = json.dumps(cell.values)
+            if name in cells:
+                place = (chosen or group)[-1].place
+                raise CampaignError(f"{place}: {_settings_text(keys, cell.values)} stands there twice")
+            cells[name] = cell
+    return Design(base, seed, trials, keys, tuple(cells.values()))
+
+
+def _checked_keys(
+    overrides: Sequence[Factor], factors: Sequence[Factor], groups: Sequence[Sequence[Factor]]
+) -> tuple[str, ...]:
+    """Return all keys that vary, in order. Raises: CampaignError: a key is given twice, or is the seed."""
+    varied: dict[str, str] = {}
+    for group in groups:
+        for factor in group:
+            varied[factor.key] = factor.place
+    for factor in factors:
+        if not factor.values:
+            raise CampaignError(f"{factor.place}: {factor.key}: has no values")
+        if factor.key in varied:
+            raise CampaignError(f"{factor.place}: {factor.key}: varies already by {varied[factor.key]}")
+        varied[factor.key] = factor.place
+    for factor in overrides:
+        if factor.key in varied:
+            raise CampaignError(f"{factor.place}: {factor.key}: varies already by {varied[factor.key]}")
+    for key, place in {**{factor.key: factor.place for factor in overrides}, **varied}.items():
+        if key in ("run", "run.seed"):
+            raise CampaignError(f"{place}: {key}: each trial has a seed of its own; they follow from --seed")
+    return tuple(varied)
+
+
+def _cell(scenario_name: str, settings: Sequence[Factor], keys: Sequence[str]) -> Cell:
+    loaded = _load(scenario_name, settings)
+    data, said = loaded.model_dump(mode="json", by_alias=True), {factor.key: factor.values[0] for factor in settings}
+    return Cell(tuple(_value_at(data, key, said.get(key)) for key in keys), loaded)
+
+
+def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
+    try:
+        return scenario.load(scenario_name, [f"{s.key}={json.dumps(s.values[0])}" for s in settings])
+    except ScenarioError as error:
+        message = str(error).removeprefix("--set: ")
+        if message == str(error):
+            raise
+        matching = [s for s in settings if f"{message.partition(': ')[0]}.".startswith(f"{s.key}.")]
+        place = matching[-1].place if matching else "--set"
+        raise CampaignError(f"{place}: {message}") from None
+
+
+def _value_at(data: Any, key: str, default: Any) -> Any:
+    """Return the value at a dotted key. A plan's key may name a file: then that name says more than its contents."""
+    if key == "plan":
+        return default
+    for part in key.split("."):
+        try:
+            data = data[int(part)] if isinstance(data, list) else data[part]
+        except (KeyError, IndexError, ValueError, TypeError):
+            return default
+    return data
+
+
+def _without_seed(of: Scenario) -> dict[str, Any]:
+    data = of.model_dump(mode="json", by_alias=True)
+    data["run"].pop("seed")
+    return data
+
+
+def _settings_text(keys: Sequence[str], values: Sequence[Any]) -> str:
+    return ", ".join(f"{key}={shown(value)}" for key, value in zip(keys, values, strict=True)) or "an empty cell"
+
+
+def settings_difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str | None:
+    """Return where two `Design.settings` differ first, as "key = old, not new"; none: nowhere."""
+    flat_old, flat_new = dict(_flat(old)), dict(_flat(new))
+    keys = [key for key in (*flat_new, *flat_old) if flat_old.get(key) != flat_new.get(key)]
+    if not keys:
+        return None
+    key = keys[0]
+    texts = [shown(flat[key]) if key in flat else "nothing" for flat in (flat_old, flat_new)]
+    return f"{key.removeprefix('scenario.')} = {texts[0]}, not {texts[1]}"
+
+
+def _flat(data: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield all plain values with their dotted keys; lists of plain values stay whole."""
+    if isinstance(data, dict) and data:
+        for part, value in data.items():
+            yield from _flat(value, f"{key}.{part}" if key else str(part))
+    elif isinstance(data, list) and any(isinstance(item, dict) for item in data):
+        for index, value in enumerate(data):
+            yield from _flat(value, f"{key}.{index}")
+    else:
+        yield key, data

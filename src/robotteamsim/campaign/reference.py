@@ -1,0 +1,38 @@
+"""The missions of the dissertation, from its Tables 6 and 7."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import resources
+
+
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """What the dissertation reports of a mission. time_s: 600 where the time was up."""
+
+    victims_saved: int
+    time_s: float
+    areas_explored: int
+    endangered_links: int
+
+
+def dissertation_missions() -> dict[float, tuple[Figures, ...]]:
+    """Return the 30 missions at each background noise [dB], in order [dissertation, Tables 6 and 7]."""
+    missions: dict[float, list[Figures]] = {}
+    for saved, explored in zip(_rows("table6.csv"), _rows("table7.csv"), strict=True):
+        missions.setdefault(float(saved["noise_db"]), []).append(
+            Figures(
+                victims_saved=int(saved["victims_saved"]),
+                time_s=float(saved["time_s"]),
+                areas_explored=int(explored["waypoints_explored"]),
+                endangered_links=int(explored["connection_endangered"]),
+            )
+        )
+    return {noise_db: tuple(figures) for noise_db, figures in missions.items()}
+
+
+def _rows(name: str) -> Iterator[dict[str, str]]:
+    text = (resources.files("robotteamsim.campaign") / "data" / name).read_text(encoding="utf-8")
+    return iter(csv.DictReader(text.splitlines()))

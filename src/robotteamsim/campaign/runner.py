@@ -1,0 +1,178 @@
+"""Runs trials on the workers of a Dask cluster: processes of this machine, or a scheduler's."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import itertools
+import logging
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
+from multiprocessing import resource_tracker
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import robotteamsim
+from robotteamsim import _core
+from robotteamsim.campaign.design import Design, Trial
+from robotteamsim.campaign.trial import Outcome, run_trial
+from robotteamsim.errors import CampaignError
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+CONNECT_TIMEOUT_S = 5
+_MIN_IN_FLIGHT = 100
+
+# A trial whose worker dies moves to another. When that many have died of it, it is given up for now.
+_ALLOWED_DEATHS = 20
+
+_LOCAL_SETTINGS = {
+    "distributed.scheduler.allowed-failures": _ALLOWED_DEATHS,
+    "distributed.worker.profile.enabled": False,
+    "distributed.diagnostics.nvml": False,
+    "distributed.admin.tick.limit": "1h",  # A busy machine is no news.
+}
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+@contextlib.contextmanager
+def local_workers(count: int | None = None) -> Iterator[Client]:
+    """Start worker processes on this machine, and end them at the end.
+
+    Args: count: of workers, each of one thread; none: as many as this process may use cores.
+    """
+    # Brings in a second's worth of modules, which no other command needs.
+    import dask
+    from distributed import Client, LocalCluster
+
+    with dask.config.set(_LOCAL_SETTINGS), _core_first_on_path():
+        with _interrupts_kept_from_children():
+            cluster = LocalCluster(
+                n_workers=count or len(os.sched_getaffinity(0)),
+                threads_per_worker=1,
+                processes=True,
+                memory_limit=0,
+                dashboard_address="127.0.0.1:0",  # Any free port: the usual one may be taken.
+                silence_logs=logging.CRITICAL,
+                env=_ONE_THREAD,
+            )
+        with cluster, Client(cluster) as client:
+            yield client
+
+
+@contextlib.contextmanager
+def _interrupts_kept_from_children() -> Iterator[None]:
+    """Let threads and processes that begin here, and theirs, never see Ctrl-C: it is this thread's to handle.
+
+    A terminal sends it to all processes; workers would answer with tracebacks.
+    """
+    resource_tracker.ensure_running()  # Else it does so later, and unblocks the signal on its way.
+    former = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, former)
+
+
+@contextlib.contextmanager
+def _core_first_on_path() -> Iterator[None]:
+    """Let new processes, which inherit sys.path, find the package where its C++ part lies.
+
+    In catkin's devel space, importing the package puts the source folder first, which has no C++ part.
+    """
+    place = str(Path(_core.__file__).parents[1])
+    sys.path.insert(0, place)
+    try:
+        yield
+    finally:
+        sys.path.remove(place)
+
+
+@contextlib.contextmanager
+def scheduler_at(address: str) -> Iterator[Client]:
+    """Connect to a scheduler such as tcp://10.0.0.1:8786, and disconnect at the end.
+
+    Raises: CampaignError: nobody answers there within 5 s, or no Dask scheduler does.
+    """
+    from distributed import Client
+
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    try:
+        # Client itself waits for ever where somebody takes the connection and says nothing.
+        asyncio.run(asyncio.wait_for(_shake_hands(address), CONNECT_TIMEOUT_S))
+        client = Client(address, timeout=CONNECT_TIMEOUT_S)
+    except Exception as error:  # Whoever else listens there may answer anything.
+        raise CampaignError(f"{address}: no scheduler answers: {_line(error)}") from None
+    with client:
+        yield client
+
+
+async def _shake_hands(address: str) -> None:
+    from distributed.comm import connect
+
+    comm = await connect(address, timeout=CONNECT_TIMEOUT_S)
+    await comm.close()
+
+
+def run_trials(
+    client: Client, design: Design, trials: Sequence[Trial], keep: Callable[[Outcome], None]
+) -> tuple[Trial, ...]:
+    """Run trials on a client's workers, in any order, and give each outcome to `keep` in this thread.
+
+    Returns: the trials that were given up since their workers died, time and again.
+    Raises:  CampaignError: the scheduler is lost, or a worker cannot run trials: another version, say.
+    """
+    from distributed import as_completed
+
+    waiting = iter(trials)
+    running: dict[Future, Trial] = {}
+    given_up: list[Trial] = []
+    pending = as_completed(loop=client.loop)  # Else that of the newest client.
+
+    def submit(count: int) -> None:
+        for trial in itertools.islice(waiting, count):
+            scenario = design.cells[trial.cell].scenario
+            # Impure: its own key, so that no cluster takes the result of an older program for it.
+            future = client.submit(run_trial, scenario, trial, robotteamsim.__version__, pure=False)
+            running[future] = trial
+            pending.add(future)
+
+    # Enough that no worker waits; not all, as each takes its scenario along.
+    submit(max(_MIN_IN_FLIGHT, 4 * sum(client.ncores().values())))
+    try:
+        for future in pending:
+            trial = running.pop(future)
+            outcome = _outcome(future)
+            if outcome is None:
+                given_up.append(trial)
+            else:
+                keep(outcome)
+            submit(1)
+    finally:
+        client.cancel(list(running))
+    return tuple(given_up)
+
+
+def _outcome(future: Future) -> Outcome | None:
+    """Return the outcome of a trial that ended; none: its workers died. Raises: CampaignError, as `run_trials`."""
+    from distributed import KilledWorker
+
+    try:
+        return future.result()  # Waits anew where a worker died with a result in its hands.
+    except KilledWorker:
+        return None
+    except CampaignError:
+        raise
+    except (CancelledError, OSError) as error:
+        raise CampaignError(f"the scheduler is lost ({_line(error)}); the same command goes on") from None
+    except Exception as error:
+        # A trial's own exceptions are in its outcome: this is the worker's, which lacks the package, say.
+        raise CampaignError(f"a worker cannot run trials: {type(error).__name__}: {_line(error)}") from error
+
+
+def _line(error: BaseException) -> str:
+    return " ".join(str(error).split()) or type(error).__name__

@@ -1,0 +1,205 @@
+"""The store of a campaign: one SQLite file, written by one process, row by row as trials end."""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import dataclasses
+import fcntl
+import io
+import json
+import os
+import sqlite3
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+import robotteamsim
+from robotteamsim.campaign.design import Design, Trial, settings_difference
+from robotteamsim.campaign.trial import Outcome
+from robotteamsim.errors import CampaignError
+from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
+from robotteamsim.recording.results import versions
+
+STORE_NAME = "campaign.sqlite"
+CSV_NAME = "trials.csv"
+_LOCK_NAME = ".lock"
+_OUR_FILES = {STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", f".part-{STORE_NAME}", _LOCK_NAME}
+_OUR_FILES |= {f".part-{STORE_NAME}-journal", CSV_NAME, f".part-{CSV_NAME}"}
+
+_FORMAT = 1
+_APPLICATION_ID = 0x52545343  # "RTSC": tells `file` and us whose database it is.
+_COLUMNS = tuple(field.name for field in dataclasses.fields(Outcome))
+_SCHEMA = f"""
+PRAGMA application_id = {_APPLICATION_ID};
+CREATE TABLE campaign (name TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE trial (
+  cell INTEGER, number INTEGER, seed INTEGER, "end" TEXT, time_s REAL, areas_explored INTEGER, num_areas INTEGER,
+  victims_saved INTEGER, num_victims INTEGER, endangered_links INTEGER, distance_m REAL, contact_s REAL, steps INTEGER,
+  trajectory_hash TEXT, details TEXT, error TEXT NOT NULL, traceback TEXT NOT NULL, wall_s REAL NOT NULL,
+  PRIMARY KEY (cell, number)
+);
+"""
+_SELECT = f"SELECT {', '.join(_COLUMNS)} FROM trial ORDER BY cell, number".replace(" end,", ' "end",')
+_INSERT = f"INSERT INTO trial VALUES ({', '.join('?' * len(_COLUMNS))})"
+
+# Not in trials.csv: what is not the same in equal trials, and what is a document of its own.
+_CSV_COLUMNS = tuple(name for name in _COLUMNS if name not in ("cell", "details", "traceback", "wall_s"))
+
+
+@dataclass(frozen=True, slots=True)
+class StoredCampaign:
+    """What is in a store.
+
+    settings: `Design.settings` of it.     versions: of the program and libraries that began it.
+    outcomes: of the trials done so far, by cell, then number.
+    """
+
+    settings: dict[str, Any]
+    versions: dict[str, str]
+    outcomes: tuple[Outcome, ...]
+
+
+class Store:
+    """The store of a folder, open for writing; use `open_store`."""
+
+    def __init__(self, folder: Path, design: Design, database: sqlite3.Connection) -> None:
+        self._folder, self._design, self._database = folder, design, database
+
+    def outcomes(self) -> tuple[Outcome, ...]:
+        """Return what has been kept so far, by cell, then number. Raises: CampaignError."""
+        with _as_campaign_errors(self._folder / STORE_NAME):
+            return _outcomes(self._database)
+
+    def missing(self) -> list[Trial]:
+        """Return the trials that are still to be done, in order. Raises: CampaignError."""
+        done = {(outcome.cell, outcome.number) for outcome in self.outcomes()}
+        return [trial for trial in self._design.all_trials() if (trial.cell, trial.number) not in done]
+
+    def keep(self, outcome: Outcome) -> None:
+        """Keep an outcome for good. Raises: CampaignError: a full disk, or the like."""
+        with _as_campaign_errors(self._folder / STORE_NAME), self._database:
+            self._database.execute(_INSERT, dataclasses.astuple(outcome))
+
+    def export(self) -> Path:
+        """Write trials.csv and return its path; equal results give equal bytes. Raises: RecordingError."""
+        path = self._folder / CSV_NAME
+        write_atomically(path, trials_csv(self._design, self.outcomes()))
+        return path
+
+
+def check_folder(folder: Path, design: Design) -> None:
+    """Make sure, without changing anything, that `open_store` has a chance. Raises: CampaignError."""
+    if (folder / STORE_NAME).exists():
+        _check_same(folder, read_store(folder), design)
+    elif folder.exists():
+        _check_ours(folder)
+    else:
+        parent = next(parent for parent in folder.absolute().parents if parent.exists())
+        if not parent.is_dir() or not os.access(parent, os.W_OK | os.X_OK):
+            reason = "is no folder" if not parent.is_dir() else "cannot be written"
+            raise CampaignError(f"{folder}: cannot be made: {parent} {reason}")
+
+
+@contextlib.contextmanager
+def open_store(folder: Path, design: Design) -> Iterator[Store]:
+    """Open the store of a folder for a design, made anew where there is none.
+
+    Raises: CampaignError: the folder holds something else, another campaign, or one that is running right now;
+            the message names the difference. RecordingError: the folder cannot be written.
+    """
+    check_folder(folder, design)
+    prepare_folder(folder)
+    path = folder / STORE_NAME
+    with _locked(folder):
+        with _as_campaign_errors(path):
+            if not path.exists():
+                _make(path, design)
+            _check_same(folder, read_store(folder), design)
+            database = sqlite3.connect(path)
+        with contextlib.closing(database):
+            with _as_campaign_errors(path):
+                database.execute("PRAGMA journal_mode = WAL")
+                # A row that was kept outlives a power cut, too.
+                database.execute("PRAGMA synchronous = FULL")
+            yield Store(folder, design, database)
+
+
+def read_store(folder: Path) -> StoredCampaign:
+    """Return what is in the store of a folder; that may be done while it grows. Raises: CampaignError: no store."""
+    path = folder / STORE_NAME
+    if not path.is_file():
+        raise CampaignError(f"{folder}: holds no campaign: there is no {STORE_NAME}")
+    with _as_campaign_errors(path), contextlib.closing(sqlite3.connect(path)) as database:
+        if database.execute("PRAGMA application_id").fetchone()[0] != _APPLICATION_ID:
+            raise CampaignError(f"{path}: is no store of a campaign")
+        known = dict(database.execute("SELECT name, value FROM campaign").fetchall())
+        if int(known["format"]) != _FORMAT:
+            raise CampaignError(f"{path}: has format {known['format']}, wanted {_FORMAT}")
+        return StoredCampaign(json.loads(known["settings"]), json.loads(known["versions"]), _outcomes(database))
+
+
+def trials_csv(design: Design, outcomes: tuple[Outcome, ...]) -> str:
+    """Return a table with one line per trial: the cell's settings, the trial's number and figures."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*design.keys, *("trial" if name == "number" else name for name in _CSV_COLUMNS)])
+    for outcome in outcomes:
+        values = [value if isinstance(value, str) else json.dumps(value) for value in design.cells[outcome.cell].values]
+        writer.writerow([*values, *(getattr(outcome, name) for name in _CSV_COLUMNS)])
+    return text.getvalue()
+
+
+def _make(path: Path, design: Design) -> None:
+    """Make a store with all its settings, or none at all."""
+    with atomically(path) as part:
+        part.unlink(missing_ok=True)
+        with contextlib.closing(sqlite3.connect(part)) as database:
+            database.executescript(_SCHEMA)
+            rows = {"format": _FORMAT, "settings": json.dumps(design.settings()), "versions": json.dumps(versions())}
+            with database:
+                database.executemany("INSERT INTO campaign VALUES (?, ?)", rows.items())
+
+
+def _check_ours(folder: Path) -> None:
+    if not folder.is_dir():
+        raise CampaignError(f"{folder}: is no folder")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise CampaignError(f"{folder}: cannot be written")
+    others = sorted(set(os.listdir(folder)) - _OUR_FILES)
+    if others:
+        raise CampaignError(f"{folder}: holds '{others[0]}' and no campaign; wanted a new or an empty folder")
+
+
+def _check_same(folder: Path, stored: StoredCampaign, design: Design) -> None:
+    old, new = stored.versions["robotteamsim"], robotteamsim.__version__
+    if old != new:
+        raise CampaignError(f"{folder}: holds a campaign of version {old}, not {new}; choose another folder")
+    # As JSON has it: there, tuples are lists.
+    difference = settings_difference(stored.settings, json.loads(json.dumps(design.settings())))
+    if difference:
+        raise CampaignError(f"{folder}: holds a campaign with {difference}; choose another folder")
+
+
+def _outcomes(database: sqlite3.Connection) -> tuple[Outcome, ...]:
+    return tuple(Outcome(*row) for row in database.execute(_SELECT))
+
+
+@contextlib.contextmanager
+def _locked(folder: Path) -> Iterator[IO[bytes]]:
+    """Keep other campaigns out of the folder. The system lets go of the lock when the process ends, however it does."""
+    with (folder / _LOCK_NAME).open("wb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise CampaignError(f"{folder}: another process runs this campaign right now") from None
+        yield file
+
+
+@contextlib.contextmanager
+def _as_campaign_errors(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except (sqlite3.Error, KeyError, ValueError) as error:
+        raise CampaignError(f"{path}: {error}") from error

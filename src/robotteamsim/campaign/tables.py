@@ -1,0 +1,160 @@
+"""Tables as text: the dissertation's 6 to 9 with ours beside its own, and one line per cell for any other campaign."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import statistics
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from robotteamsim.campaign.design import Design
+from robotteamsim.campaign.reference import Figures, dissertation_missions
+from robotteamsim.campaign.summary import CellSummary, Spread
+from robotteamsim.campaign.trial import Outcome
+
+Missions = Mapping[float, Sequence[Figures | None]]
+"""By background noise [dB], the missions in order; none: it failed, or was not run."""
+
+_NOISE_KEY = "voice.noise_db"
+_SHOWN_TRIALS = 30
+_Column = tuple[str, int, Callable[[Figures], float], int]
+_VICTIMS: _Column = ("victims saved", 7, lambda figures: figures.victims_saved, 1)
+_TIME: _Column = ("time [s]", 7, lambda figures: round(figures.time_s), 1)
+_AREAS: _Column = ("waypoints", 6, lambda figures: figures.areas_explored, 2)
+_ENDANGERED: _Column = ("endangered", 6, lambda figures: figures.endangered_links, 2)
+_STATISTICS: dict[str, Callable[[list[float]], float]] = {
+    "Mean": statistics.fmean,
+    "Median": statistics.median,
+    "Mode": lambda values: min(statistics.multimode(values)),  # Of ties the least: so Table 8 has 348 s, not 350 s.
+}
+
+
+def is_the_dissertations(design: Design) -> bool:
+    """Whether Tables 6 to 9 say all about a campaign: the garage under various noises, and nothing else varies."""
+    return design.scenario.name == "garage_sar" and design.keys == (_NOISE_KEY,)
+
+
+def missions_by_noise(design: Design, outcomes: Sequence[Outcome]) -> Missions:
+    """Return our missions as the dissertation reports its own, for a design that varies the noise alone."""
+    missions: dict[float, list[Figures | None]] = {cell.values[0]: [None] * design.trials for cell in design.cells}
+    for outcome in outcomes:
+        if not outcome.failed:
+            missions[design.cells[outcome.cell].values[0]][outcome.number - 1] = _figures(outcome)
+    return missions
+
+
+def dissertation_tables(ours: Missions) -> str:
+    """Return Tables 6 to 9 for our noise levels, each figure followed by the dissertation's, where it has that level.
+
+    Times are whole seconds, as there.
+    """
+    theirs = dissertation_missions()
+    tables = [
+        _raw_table("Table 6: victims saved and duration of each mission", ours, theirs, _VICTIMS, _TIME),
+        _raw_table("Table 7: waypoints explored, times a connection was endangered", ours, theirs, _AREAS, _ENDANGERED),
+        _statistics_table("Table 8: mean, median and mode of Table 6", ours, theirs, _VICTIMS, _TIME),
+        _statistics_table("Table 9: mean, median and mode of Table 7", ours, theirs, _AREAS, _ENDANGERED),
+    ]
+    return "\n\n".join(tables)
+
+
+def summary_table(design: Design, summaries: Sequence[CellSummary]) -> str:
+    """Return one line per cell: its settings; mean, standard deviation and 95 % interval of its figures."""
+    figures = {"victims saved": "victims_saved", "time [s]": "time_s", "areas": "areas_explored"}
+    figures |= {"endangered": "endangered_links", "driven [m]": "distance_m"}
+    lines = [[*design.keys, "trials", *figures]]
+    for summary in summaries:
+        values = [_setting(value) for value in summary.settings.values()]
+        count = f"{summary.trials}" + (f" + {summary.failed} failed" if summary.failed else "")
+        spreads = [summary.figures.get(name) for name in figures.values()]
+        lines.append([*values, count, *(_spread(spread) for spread in spreads)])
+    text = "Mean, standard deviation, 95 % interval of the mean\n\n" + _aligned(lines)
+    timed_out = sum(summary.timed_out for summary in summaries)
+    return text + (f"\n\n{timed_out} missions ended at the time limit, which counts as their time" if timed_out else "")
+
+
+def _raw_table(title: str, ours: Missions, theirs: Missions, *columns: _Column) -> str:
+    """Each mission on a line."""
+    num_ours = max(len(missions) for missions in ours.values())
+    num_lines = min(_SHOWN_TRIALS, max(num_ours, _SHOWN_TRIALS if set(ours) & set(theirs) else 0))
+    lines = []
+    for index in range(num_lines):
+        cells = [str(index + 1)]
+        for noise_db in sorted(ours):
+            pair = [_item(source.get(noise_db, ()), index) for source in (ours, theirs)]
+            for _, _, value, _ in columns:
+                cells += ["-" if figures is None else f"{value(figures):g}" for figures in pair]
+        lines.append(cells)
+    table = _block(title, "Trial", sorted(ours), columns, lines)
+    more = num_ours - num_lines
+    return table + (f"\nand {more} more of ours in trials.csv" if more > 0 else "")
+
+
+def _statistics_table(title: str, ours: Missions, theirs: Missions, *columns: _Column) -> str:
+    """Mean, median and mode on a line each."""
+    lines = []
+    for name, statistic in _STATISTICS.items():
+        cells = [name]
+        for noise_db in sorted(ours):
+            for _, _, value, digits in columns:
+                for source in (ours, theirs):
+                    values = [float(value(figures)) for figures in source.get(noise_db, ()) if figures is not None]
+                    cells.append(_trimmed(statistic(values), digits) if values else "-")
+        lines.append(cells)
+    return _block(title, "", sorted(ours), columns, lines)
+
+
+def _block(
+    title: str, corner: str, noises_db: Sequence[float], columns: Sequence[_Column], lines: Sequence[Sequence[str]]
+) -> str:
+    """Lay out a table with, under each noise, each column twice: ours, and the dissertation's as "diss."."""
+    widths = [width for _, width, _, _ in columns for _ in ("ours", "diss.")]
+    heads = [
+        [f"{noise_db:g} dB".center(sum(widths)) for noise_db in noises_db],
+        ["".join(f"{name:>{2 * width}}" for name, width, _, _ in columns)] * len(noises_db),
+        [_row(("ours", "diss.") * len(columns), widths)] * len(noises_db),
+    ]
+    rows = [
+        [_row(cells[start : start + len(widths)], widths) for start in range(1, len(cells), len(widths))]
+        for cells in lines
+    ]
+    names = [corner, "", "", *(cells[0] for cells in lines)]
+    table = [f"{name:6}" + "  ".join(levels) for name, levels in zip(names, [*heads, *rows], strict=True)]
+    return "\n".join([title, *(line.rstrip() for line in table)])
+
+
+def _row(cells: Sequence[str], widths: Sequence[int]) -> str:
+    return "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True))
+
+
+def _aligned(lines: Sequence[Sequence[str]]) -> str:
+    widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
+    padded = ["  ".join(f"{text:<{width}}" for text, width in zip(line, widths, strict=True)) for line in lines]
+    return "\n".join(line.rstrip() for line in padded)
+
+
+def _figures(outcome: Outcome) -> Figures:
+    return Figures(*(getattr(outcome, field.name) for field in dataclasses.fields(Figures)))
+
+
+def _item(missions: Sequence[Figures | None], index: int) -> Figures | None:
+    return missions[index] if index < len(missions) else None
+
+
+def _setting(value: Any) -> str:
+    text = value if isinstance(value, str) else json.dumps(value)
+    return text if len(text) <= 30 else f"{text[:27]}..."
+
+
+def _spread(spread: Spread | None) -> str:
+    if spread is None:
+        return "-"
+    if spread.sd is None:
+        return f"{spread.mean:.2f}"
+    return f"{spread.mean:.2f} ± {spread.sd:.2f} [{spread.low:.2f}, {spread.high:.2f}]"
+
+
+def _trimmed(value: float, digits: int) -> str:
+    text = f"{value:.{digits}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text

@@ -1,0 +1,134 @@
+"""One trial of a campaign, as a worker runs it."""
+
+from __future__ import annotations
+
+import json
+import time
+import traceback
+from dataclasses import dataclass
+
+import robotteamsim
+from robotteamsim.campaign.design import Trial
+from robotteamsim.errors import CampaignError
+from robotteamsim.mission.status import Event
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.simulation import Result, Simulation, StepRecord
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What is kept of a trial. A failed one has an error, its traceback, and None for all figures.
+
+    details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null where that
+             never happened) and `robots` (distance_m, contact_s, excluded_s, longest_stay_s of each).
+    wall_s:  what computing it took, the one figure that differs between equal trials.
+    """
+
+    cell: int
+    number: int
+    seed: int
+    end: str | None = None
+    time_s: float | None = None
+    areas_explored: int | None = None
+    num_areas: int | None = None
+    victims_saved: int | None = None
+    num_victims: int | None = None
+    endangered_links: int | None = None
+    distance_m: float | None = None
+    contact_s: float | None = None
+    steps: int | None = None
+    trajectory_hash: str | None = None
+    details: str | None = None
+    error: str = ""
+    traceback: str = ""
+    wall_s: float = 0.0
+
+    @property
+    def failed(self) -> bool:
+        """Whether an exception ended the trial."""
+        return self.error != ""
+
+
+def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
+    """Run one trial. An exception in it becomes a failed outcome.
+
+    Args:   scenario: that of the trial's cell; its own seed does not matter.
+            version: of robotteamsim, that the campaign wants.
+    Raises: CampaignError: this process has another version.
+    """
+    if robotteamsim.__version__ != version:
+        raise CampaignError(f"a worker has robotteamsim {robotteamsim.__version__}, wanted {version}")
+    start_s = time.perf_counter()
+    seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": trial.seed})})
+    times = _EventTimes()
+    try:
+        result = Simulation(seeded).run([times])
+    except Exception as error:  # Whatever it is, the other trials go on.
+        wall_s = time.perf_counter() - start_s
+        line = " ".join(f"{type(error).__name__}: {error}".split())
+        trace = traceback.format_exc()
+        return Outcome(trial.cell, trial.number, trial.seed, error=line, traceback=trace, wall_s=wall_s)
+    return _outcome(trial, result, times.details(result), time.perf_counter() - start_s)
+
+
+class _EventTimes:
+    """Notes when each area was explored, each victim heard and saved."""
+
+    def begin(self, scenario: Scenario) -> None:
+        self._areas: dict[str, float | None] = {area.name: None for area in scenario.mission.areas}
+        self._victims: dict[str, dict[str, float | None]] = {
+            victim.name: {"heard_s": None, "saved_s": None} for victim in scenario.mission.victims
+        }
+
+    def step(self, record: StepRecord) -> None:
+        for event in record.events:
+            self._note(event)
+
+    def _note(self, event: Event) -> None:
+        if event.kind == "area_explored":
+            self._areas[event.subject] = event.time_s
+        elif event.kind in ("victim_heard", "victim_saved"):
+            times = self._victims[event.subject]
+            key = event.kind.removeprefix("victim_") + "_s"
+            if times[key] is None:
+                times[key] = event.time_s
+
+    def end(self, result: Result) -> None:
+        """Nothing is left to do."""
+
+    def abandon(self) -> None:
+        """Nothing is left to do."""
+
+    def details(self, result: Result) -> str:
+        """Return the `details` of an outcome."""
+        robots = [
+            {
+                "distance_m": robot.distance_m,
+                "contact_s": robot.contact_s,
+                "excluded_s": robot.excluded_s,
+                "longest_stay_s": robot.longest_stay_s,
+            }
+            for robot in result.robots
+        ]
+        return json.dumps({"areas": self._areas, "victims": self._victims, "robots": robots}, ensure_ascii=False)
+
+
+def _outcome(trial: Trial, result: Result, details: str, wall_s: float) -> Outcome:
+    return Outcome(
+        cell=trial.cell,
+        number=trial.number,
+        seed=trial.seed,
+        end=result.end,
+        time_s=result.time_s,
+        areas_explored=result.areas_explored,
+        num_areas=result.num_areas,
+        victims_saved=result.victims_saved,
+        num_victims=result.num_victims,
+        endangered_links=result.endangered_links,
+        distance_m=sum(robot.distance_m for robot in result.robots),
+        contact_s=sum(robot.contact_s for robot in result.robots),
+        steps=result.steps,
+        trajectory_hash=result.trajectory_hash,
+        details=details,
+        wall_s=wall_s,
+    )

@@ -1,0 +1,170 @@
+"""`robotteamsim campaign`: many missions on many processes, and the tables of what they gave."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_design, open_store
+from robotteamsim.campaign.design import Trial
+from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, parse_sweep, read_design_file
+from robotteamsim.campaign.runner import local_workers, run_trials, scheduler_at
+from robotteamsim.campaign.summary import summarise
+from robotteamsim.campaign.tables import dissertation_tables, is_the_dissertations, missions_by_noise, summary_table
+from robotteamsim.cli.campaign_progress import CampaignProgress
+from robotteamsim.cli.parser import number, positive_whole_number, whole_number
+from robotteamsim.cli.run_command import add_set_option
+
+DEFAULT_TRIALS = 30
+DEFAULT_SEED = 1
+EXIT_INCOMPLETE = 1
+
+_DESCRIPTION = """\
+Run many missions on all cores and tell what they gave. Results go into DIR as they
+come: stopped or killed at any moment, the same command goes on where it was. They
+do not depend on the number of workers."""
+
+_EPILOG = """\
+DIR gets campaign.sqlite, which holds everything, and trials.csv. The garage under
+various noises ends with Tables 6 to 9 of the dissertation, other campaigns with one
+line per cell. docs/experiments.md leads from here to a table in a paper.
+
+examples:
+  robotteamsim campaign garage_sar --noise 10 --noise 20 --noise 30 --trials 30 --out DIR
+  robotteamsim campaign garage_sar --sweep control.alpha=0.3,0.5,0.7 --trials 100 --out DIR
+  robotteamsim campaign my.yaml --design design.yaml --out DIR --scheduler tcp://head:8786"""
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser("campaign", help="run many missions", description=_DESCRIPTION, epilog=_EPILOG)
+    parser.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped scenario: garage_sar")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the campaign")
+    parser.add_argument("--noise", type=number, action="append", metavar="DB", help="a background noise; repeatable")
+    parser.add_argument(
+        "--sweep",
+        action="append",
+        default=[],
+        metavar="K=A,B,C",
+        help="values that a key of the scenario takes; repeatable: all combinations are tried",
+    )
+    parser.add_argument("--design", type=Path, metavar="FILE", help="YAML with trials, seed, set, sweep, cells")
+    parser.add_argument("--trials", type=whole_number, metavar="N", help=f"of each cell; {DEFAULT_TRIALS}")
+    parser.add_argument(
+        "--seed", type=whole_number, metavar="N", help=f"from which the seeds of all trials follow; {DEFAULT_SEED}"
+    )
+    add_set_option(parser)
+    places = parser.add_mutually_exclusive_group()
+    places.add_argument("--workers", type=positive_whole_number, metavar="N", help="processes; one for each core")
+    places.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, such as tcp://10.0.0.1:8786")
+    parser.add_argument("--json", action="store_true", help="print a summary as one JSON object instead of tables")
+    parser.add_argument("--quiet", action="store_true", help="no progress, no tables")
+    parser.set_defaults(command=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the campaign. Returns: 0; 1 when trials failed or were given up."""
+    design = _design(options)
+    check_folder(options.out, design)
+    with contextlib.ExitStack() as stack:
+        # A scheduler that does not answer must leave no store behind.
+        client = stack.enter_context(scheduler_at(options.scheduler)) if options.scheduler else None
+        store = stack.enter_context(open_store(options.out, design))
+        given_up = _run_missing(options, design, store, client)
+        outcomes, csv_path = store.outcomes(), store.export()
+    failed = [outcome for outcome in outcomes if outcome.failed]
+    if options.json:
+        print(json.dumps(_document(options, design, outcomes, given_up, csv_path)))
+    elif not options.quiet:
+        _print_tables(design, outcomes)
+        print(f"\nwritten {csv_path}")
+    for outcome in failed:
+        _complain(f"trial {outcome.number} of cell {outcome.cell} (seed {outcome.seed}) failed: {outcome.error}")
+    for trial in given_up:
+        _complain(f"trial {trial.number} of cell {trial.cell} (seed {trial.seed}) killed its workers; not stored")
+    return EXIT_INCOMPLETE if failed or given_up else 0
+
+
+def _design(options: argparse.Namespace) -> Design:
+    file, place = (read_design_file(options.design), str(options.design)) if options.design else (DesignFile(), "")
+    noise = [Factor("voice.noise_db", tuple(options.noise), "--noise")] if options.noise else []
+    return make_design(
+        options.scenario,
+        trials=_first(options.trials, file.trials, DEFAULT_TRIALS),
+        seed=_first(options.seed, file.seed, DEFAULT_SEED),
+        overrides=[
+            *(Factor(key, (value,), place) for key, value in file.overrides.items()),
+            *map(parse_override, options.overrides),
+        ],
+        factors=[
+            *noise,
+            *(Factor(key, values, place) for key, values in file.sweep.items()),
+            *map(parse_sweep, options.sweep),
+        ],
+        groups=[[Factor(key, (value,), place) for key, value in cell.items()] for cell in file.cells or ({},)],
+    )
+
+
+def _run_missing(options: argparse.Namespace, design: Design, store: Store, client: Any) -> tuple[Trial, ...]:
+    """Run what the store lacks, with progress. Returns: trials that were given up."""
+    missing = store.missing()
+    if not missing:
+        return ()
+    total = len(design.cells) * design.trials
+    console = Console(stderr=True, quiet=options.quiet)
+    try:
+        with contextlib.ExitStack() as stack:
+            progress = CampaignProgress(console, design.scenario.name, total, total - len(missing))
+            stack.enter_context(progress)
+            client = client or stack.enter_context(local_workers(options.workers))
+            progress.begin()
+
+            def keep(outcome: Outcome) -> None:
+                store.keep(outcome)
+                progress.add(outcome)
+
+            return run_trials(client, design, missing, keep)
+    except KeyboardInterrupt:
+        left = len(store.missing())
+        _complain(f"{total - left} of {total} trials are kept in {options.out}; the same command goes on")
+        raise
+
+
+def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
+    if is_the_dissertations(design):
+        print(dissertation_tables(missions_by_noise(design, outcomes)))
+    else:
+        print(summary_table(design, summarise(design, outcomes)))
+
+
+def _document(
+    options: argparse.Namespace,
+    design: Design,
+    outcomes: tuple[Outcome, ...],
+    given_up: tuple[Trial, ...],
+    csv_path: Path,
+) -> dict[str, Any]:
+    return {
+        "scenario": design.scenario.name,
+        "seed": design.seed,
+        "trials": design.trials,
+        "cells": [summary.as_json() for summary in summarise(design, outcomes)],
+        "failed": [{"cell": o.cell, "trial": o.number, "seed": o.seed, "error": o.error} for o in outcomes if o.failed],
+        "given_up": [{"cell": trial.cell, "trial": trial.number, "seed": trial.seed} for trial in given_up],
+        "folder": str(options.out),
+        "csv": str(csv_path),
+    }
+
+
+def _first(*values: int | None) -> int:
+    return next(value for value in values if value is not None)
+
+
+def _complain(line: str) -> None:
+    print(f"robotteamsim: {line}", file=sys.stderr)

@@ -1,0 +1,71 @@
+"""How far a campaign is, and how long it will still take."""
+
+from __future__ import annotations
+
+import time
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from robotteamsim.campaign import Outcome
+
+_LINE_EVERY_S = 10.0
+
+
+class CampaignProgress:
+    """A bar on a terminal; elsewhere a line every 10 s. Use as a context."""
+
+    def __init__(self, console: Console, name: str, total: int, done: int) -> None:
+        self._console, self._name, self._total, self._done, self._done_before = console, name, total, done, done
+        self._failed = 0
+        self._bar: Progress | None = None
+        if console.is_terminal:
+            self._bar = Progress(
+                TextColumn("[bold]{task.description}"),
+                BarColumn(),
+                MofNCompleteColumn(),
+                TimeElapsedColumn(),
+                TextColumn("left"),
+                TimeRemainingColumn(),
+                TextColumn("{task.fields[figures]}"),
+                console=console,
+                transient=True,
+                speed_estimate_period=600.0,
+            )
+            self._task = self._bar.add_task(name, total=total, completed=done, figures="starting workers")
+
+    def __enter__(self) -> CampaignProgress:
+        self._start_s = self._told_s = time.monotonic()
+        if self._bar:
+            self._bar.start()
+        else:
+            before = f", {self._done} of them done before" if self._done else ""
+            self._tell(f"{self._name}: {self._total} trials{before}")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar:
+            self._bar.stop()
+
+    def begin(self) -> None:
+        """The workers are there."""
+        self._start_s = time.monotonic()
+        if self._bar:
+            self._bar.update(self._task, figures="")
+
+    def add(self, outcome: Outcome) -> None:
+        """One more trial is done."""
+        self._done += 1
+        self._failed += outcome.failed
+        failures = f"{self._failed} failed" if self._failed else ""
+        if self._bar:
+            self._bar.update(self._task, advance=1, figures=failures)
+            return
+        now_s = time.monotonic()
+        if now_s - self._told_s >= _LINE_EVERY_S or self._done == self._total:
+            self._told_s = now_s
+            left_s = (now_s - self._start_s) / (self._done - self._done_before) * (self._total - self._done)
+            self._tell(f"{self._done} of {self._total} trials, {left_s:.0f} s left{failures and ', ' + failures}")
+
+    def _tell(self, line: str) -> None:
+        self._console.print(line, markup=False, highlight=False, soft_wrap=True)

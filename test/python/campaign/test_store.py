@@ -1,0 +1,135 @@
+from __future__ import annotations
+
+import contextlib
+import os
+import sqlite3
+
+import pytest
+
+import robotteamsim
+from robotteamsim.campaign import check_folder, open_store, read_store
+from robotteamsim.errors import CampaignError
+
+SWEEP = "voice.noise_db=10,20"
+
+
+def refusal(folder, design):
+    with pytest.raises(CampaignError) as raised, open_store(folder, design):
+        pass
+    assert "\n" not in str(raised.value)
+    return str(raised.value)
+
+
+def test_store_gives_back_what_it_keeps(short_design, outcome_of, failed_outcome_of, tmp_path):
+    design = short_design(SWEEP)
+    trials = list(design.all_trials())
+    outcomes = [outcome_of(trials[3], time_s=0.1 + 0.2), failed_outcome_of(trials[0])]
+    with open_store(tmp_path / "made" / "c", design) as store:
+        for outcome in outcomes:
+            store.keep(outcome)
+        assert store.outcomes() == (outcomes[1], outcomes[0])
+        assert store.missing() == trials[1:3]
+    stored = read_store(tmp_path / "made" / "c")
+    assert stored.outcomes == (outcomes[1], outcomes[0])
+    assert stored.versions["robotteamsim"] == robotteamsim.__version__
+    assert stored.settings["trials"] == 2
+
+
+def test_trial_is_kept_only_once(short_design, outcome_of, tmp_path):
+    design = short_design(SWEEP)
+    trial = next(design.all_trials())
+    with open_store(tmp_path, design) as store:
+        store.keep(outcome_of(trial))
+        with pytest.raises(CampaignError, match=r"UNIQUE constraint failed: trial\.cell, trial\.number"):
+            store.keep(outcome_of(trial))
+
+
+def test_growing_store_can_be_read(short_design, outcome_of, tmp_path):
+    design = short_design(SWEEP)
+    with open_store(tmp_path, design) as store:
+        store.keep(outcome_of(next(design.all_trials())))
+        assert len(read_store(tmp_path).outcomes) == 1
+
+
+def test_csv_has_a_line_per_trial_by_cell_then_number(short_design, outcome_of, failed_outcome_of, tmp_path):
+    design = short_design("control.algorithm=rdpso,wander", "voice.noise_db=10")
+    trials = list(design.all_trials())
+    with open_store(tmp_path, design) as store:
+        store.keep(failed_outcome_of(trials[3]))
+        store.keep(outcome_of(trials[0]))
+        lines = store.export().read_text().splitlines()
+    assert lines == [
+        "control.algorithm,voice.noise_db,trial,seed,end,time_s,areas_explored,num_areas,victims_saved,num_victims,"
+        "endangered_links,distance_m,contact_s,steps,trajectory_hash,error",
+        f"rdpso,10.0,1,{trials[0].seed},areas_explored,100.0,4,4,1,1,0,20.0,0.0,1001,{'ab' * 32},",
+        f"wander,10.0,2,{trials[3].seed},,,,,,,,,,,,KeyError: 7",
+    ]
+
+
+def test_csv_does_not_depend_on_the_order_or_the_time_of_computing(short_design, outcome_of, tmp_path):
+    design = short_design(SWEEP)
+    outcomes = [outcome_of(trial, wall_s=index) for index, trial in enumerate(design.all_trials())]
+    texts = []
+    for name, order in (("a", outcomes), ("b", [outcome_of(trial) for trial in reversed(list(design.all_trials()))])):
+        with open_store(tmp_path / name, design) as store:
+            for outcome in order:
+                store.keep(outcome)
+            texts.append(store.export().read_bytes())
+    assert texts[0] == texts[1]
+
+
+def test_store_of_other_settings_is_refused(short_design, tmp_path):
+    with open_store(tmp_path, short_design(SWEEP)):
+        pass
+    wanted = f"{tmp_path}: holds a campaign with trials = 2, not 3; choose another folder"
+    assert refusal(tmp_path, short_design(SWEEP, trials=3)) == wanted
+
+
+def test_store_of_another_version_is_refused(short_design, tmp_path, monkeypatch):
+    with open_store(tmp_path, short_design(SWEEP)):
+        pass
+    monkeypatch.setattr(robotteamsim, "__version__", "9.9")
+    wanted = f"{tmp_path}: holds a campaign of version 0.1.0, not 9.9; choose another folder"
+    assert refusal(tmp_path, short_design(SWEEP)) == wanted
+
+
+def test_folder_of_something_else_is_refused_and_left_alone(short_design, tmp_path):
+    (tmp_path / "thesis.tex").touch()
+    wanted = f"{tmp_path}: holds 'thesis.tex' and no campaign; wanted a new or an empty folder"
+    assert refusal(tmp_path, short_design(SWEEP)) == wanted
+    assert os.listdir(tmp_path) == ["thesis.tex"]
+
+
+def test_other_databases_and_files_under_the_stores_name_are_refused(short_design, tmp_path):
+    path = tmp_path / "campaign.sqlite"
+    path.write_text("no database" * 100)
+    assert refusal(tmp_path, short_design(SWEEP)) == f"{path}: file is not a database"
+    path.unlink()
+    with contextlib.closing(sqlite3.connect(path)) as database:
+        database.execute("CREATE TABLE other (x)")
+    assert refusal(tmp_path, short_design(SWEEP)) == f"{path}: is no store of a campaign"
+
+
+def test_file_and_folders_below_a_file_are_refused(short_design, tmp_path):
+    file = tmp_path / "file"
+    file.touch()
+    assert refusal(file, short_design(SWEEP)) == f"{file}: is no folder"
+    assert refusal(file / "c", short_design(SWEEP)) == f"{file / 'c'}: cannot be made: {file} is no folder"
+
+
+def test_campaign_that_runs_is_refused_to_others(short_design, tmp_path):
+    design = short_design(SWEEP)
+    with open_store(tmp_path, design):
+        assert refusal(tmp_path, design) == f"{tmp_path}: another process runs this campaign right now"
+    with open_store(tmp_path, design):
+        pass
+
+
+def test_checking_a_folder_leaves_nothing(short_design, tmp_path):
+    check_folder(tmp_path / "c" / "d", short_design(SWEEP))
+    assert os.listdir(tmp_path) == []
+
+
+def test_reading_a_folder_without_a_store_is_refused(tmp_path):
+    with pytest.raises(CampaignError, match=r"holds no campaign: there is no campaign\.sqlite$"):
+        read_store(tmp_path)

@@ -1,0 +1,91 @@
+from __future__ import annotations
+
+import re
+
+from robotteamsim.campaign import make_design
+from robotteamsim.campaign.factors import parse_sweep
+from robotteamsim.campaign.reference import Figures, dissertation_missions
+from robotteamsim.campaign.summary import summarise
+from robotteamsim.campaign.tables import (
+    dissertation_tables,
+    is_the_dissertations,
+    missions_by_noise,
+    summary_table,
+)
+
+
+def rows(text, title):
+    """Return the cells of a table by the first of each line."""
+    table = text.split(title)[1].split("\n\n")[0]
+    return {line.split()[0]: line.split()[1:] for line in table.splitlines()[4:] if line}
+
+
+def test_tables_8_and_9_of_the_dissertation_come_out_as_printed():
+    theirs = dissertation_missions()
+    text = dissertation_tables(theirs)
+    table_8, table_9 = rows(text, "Table 8"), rows(text, "Table 9")
+    assert table_8["Mean"][1::2] == ["4", "459.6", "3.3", "382", "2.1", "343.5"]
+    assert table_8["Median"][1::2] == ["4", "445.5", "3.5", "374.5", "2", "339.5"]
+    assert table_8["Mode"][1::2] == ["4", "447", "4", "348", "2", "327"]
+    assert table_9["Mean"][1::2] == ["4.93", "0", "5", "0", "5", "0"]
+    assert table_9["Median"][1::2] == table_9["Mode"][1::2] == ["5", "0"] * 3
+    for table in (table_8, table_9):
+        assert all(cells[0::2] == cells[1::2] for cells in table.values())
+
+
+def test_each_mission_stands_beside_the_dissertations():
+    ours = {10.0: [Figures(3, 401.6, 5, 2), None]}
+    text = dissertation_tables(ours)
+    assert rows(text, "Table 6")["1"] == ["3", "4", "402", "426"]
+    assert rows(text, "Table 6")["2"] == ["-", "4", "-", "438"]
+    assert rows(text, "Table 6")["30"] == ["-", "4", "-", "483"]
+    assert rows(text, "Table 7")["1"] == ["5", "5", "2", "0"]
+
+
+def test_level_that_the_dissertation_lacks_stands_alone():
+    text = dissertation_tables({15.0: [Figures(3, 401.6, 5, 0), Figures(4, 398.0, 5, 0)]})
+    assert rows(text, "Table 6") == {"1": ["3", "-", "402", "-"], "2": ["4", "-", "398", "-"]}
+    assert rows(text, "Table 8")["Mean"] == ["3.5", "-", "400", "-"]
+
+
+def test_missions_beyond_30_are_left_to_the_csv():
+    text = dissertation_tables({10.0: [Figures(4, 400.0, 5, 0)] * 100})
+    assert "and 70 more of ours in trials.csv" in text
+    assert "31 " not in text.split("Table 7")[0]
+
+
+def test_columns_stand_under_their_heads():
+    lines = dissertation_tables({10.0: [Figures(4, 400.0, 5, 0)], 20.0: []}).splitlines()
+    head, first = lines[3], lines[4]
+    assert [m.end() for m in re.finditer(r"\S+", head)] == [m.end() for m in re.finditer(r"\S+", first)][1:]
+
+
+def test_outcomes_become_missions_by_noise(outcome_of, failed_outcome_of):
+    design = make_design("garage_sar", trials=2, factors=[parse_sweep("voice.noise_db=10,30")])
+    trials = {(trial.cell, trial.number): trial for trial in design.all_trials()}
+    outcomes = [outcome_of(trials[1, 2], victims_saved=2), failed_outcome_of(trials[0, 1])]
+    assert missions_by_noise(design, outcomes) == {10.0: [None, None], 30.0: [None, Figures(2, 100.0, 4, 0)]}
+
+
+def test_only_the_garage_under_noise_is_the_dissertations(short_design):
+    def of(*sweeps):
+        return make_design("garage_sar", trials=1, factors=[parse_sweep(text) for text in sweeps])
+
+    assert is_the_dissertations(of("voice.noise_db=10"))
+    assert not is_the_dissertations(of("voice.noise_db=10", "control.alpha=0.3"))
+    assert not is_the_dissertations(of())
+    assert not is_the_dissertations(short_design("voice.noise_db=10"))
+
+
+def test_summary_has_a_line_per_cell(short_design, outcome_of, failed_outcome_of):
+    design = short_design("control.algorithm=rdpso,wander", trials=3)
+    trials = list(design.all_trials())
+    outcomes = [outcome_of(trials[0], time_s=90.0), outcome_of(trials[2], time_s=110.0, end="time_limit")]
+    outcomes += [failed_outcome_of(trials[1]), outcome_of(trials[3])]
+    lines = summary_table(design, summarise(design, outcomes)).splitlines()
+    assert lines[2].split()[:2] == ["control.algorithm", "trials"]
+    assert lines[3].startswith(
+        "rdpso              2             1.00 ± 0.00 [1.00, 1.00]  100.00 ± 14.14 [-27.06, 227.06]"
+    )
+    assert lines[4].startswith("wander             1 + 1 failed  1.00                      100.00 ")
+    assert lines[-1] == "1 missions ended at the time limit, which counts as their time"

@@ -1,0 +1,178 @@
+"""`robotteamsim campaign`."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from robotteamsim.campaign import read_store
+from robotteamsim.cli import campaign_command, main
+
+SHORT = ("--set", "mission.time_limit_s=1")
+NOISE = ("--noise", "10", "--noise", "20")
+
+
+@pytest.fixture
+def on_two_workers(two_workers, monkeypatch):
+    """Let the command use the workers that are there already."""
+    monkeypatch.setattr(campaign_command, "local_workers", lambda count: contextlib.nullcontext(two_workers))
+
+
+def refusal(capsys, *arguments: str) -> str:
+    """Return the one line with which a campaign is refused."""
+    assert main(["campaign", *arguments]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    return captured.err.removeprefix("robotteamsim: ").rstrip("\n")
+
+
+def test_campaign_of_the_garage_ends_with_the_dissertations_tables(capsys, tmp_path, on_two_workers):
+    assert main(["campaign", "garage_sar", *NOISE, "--trials", "2", *SHORT, "--out", str(tmp_path / "c")]) == 0
+    captured = capsys.readouterr()
+    titles = [line for line in captured.out.splitlines() if line.startswith("Table ")]
+    assert [title[:7] for title in titles] == ["Table 6", "Table 7", "Table 8", "Table 9"]
+    assert captured.out.endswith(f"\nwritten {tmp_path}/c/trials.csv\n")
+    assert captured.err == "garage_sar: 4 trials\n4 of 4 trials, 0 s left\n"
+    assert len((tmp_path / "c" / "trials.csv").read_text().splitlines()) == 5
+
+
+def test_finished_campaign_only_prints_its_tables_again(capsys, tmp_path, monkeypatch, on_two_workers):
+    command = ["campaign", "tutorial_arena", "--sweep", "control.alpha=0.3,0.5", "--trials", "2", *SHORT]
+    command += ["--out", str(tmp_path)]
+    assert main(command) == 0
+    first, csv = capsys.readouterr().out, (tmp_path / "trials.csv").read_bytes()
+    monkeypatch.setattr(campaign_command, "local_workers", None)
+    assert main(command) == 0
+    again = capsys.readouterr()
+    assert (again.out, again.err) == (first, "")
+    assert (tmp_path / "trials.csv").read_bytes() == csv
+    assert first.startswith("Mean, standard deviation, 95 % interval of the mean\n")
+
+
+def test_json_and_quiet(capsys, tmp_path, on_two_workers):
+    command = ["campaign", "tutorial_arena", *NOISE, "--trials", "1", *SHORT, "--out", str(tmp_path)]
+    assert main([*command, "--quiet"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out == captured.err == ""
+    assert main([*command, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert [cell["settings"] for cell in document["cells"]] == [{"voice.noise_db": 10.0}, {"voice.noise_db": 20.0}]
+    assert document["cells"][0]["figures"]["time_s"] == {"mean": 1.0, "sd": None, "low": None, "high": None}
+    assert (document["failed"], document["given_up"]) == ([], [])
+
+
+def test_design_file_and_options_make_one_design(capsys, tmp_path, on_two_workers):
+    design = tmp_path / "design.yaml"
+    design.write_text(
+        "trials: 5\nseed: 3\nset: {mission.time_limit_s: 1}\nsweep: {voice.noise_db: [10]}\n"
+        "cells:\n  - {control.algorithm: wander}\n  - {control.alpha: 0.5}\n"
+    )
+    command = ["campaign", "tutorial_arena", "--design", str(design), "--trials", "1", "--sweep", "robots.count=1,2"]
+    assert main([*command, "--quiet", "--out", str(tmp_path / "c")]) == 0
+    settings = read_store(tmp_path / "c").settings
+    assert (settings["trials"], settings["seed"]) == (1, 3)
+    assert settings["keys"] == ["control.algorithm", "control.alpha", "voice.noise_db", "robots.count"]
+    assert settings["cells"] == [
+        [algorithm, alpha, 10.0, count] for algorithm, alpha in (("wander", 0.38), ("rdpso", 0.5)) for count in (1, 2)
+    ]
+
+
+def test_failed_trials_are_told_and_the_rest_goes_on(capsys, tmp_path, monkeypatch, failed_outcome_of, outcome_of):
+    def run(client, design, trials, keep):
+        for trial in trials[:-1]:
+            keep(failed_outcome_of(trial) if trial.number == 1 else outcome_of(trial))
+        return (trials[-1],)
+
+    monkeypatch.setattr(campaign_command, "run_trials", run)
+    monkeypatch.setattr(campaign_command, "local_workers", contextlib.nullcontext)
+    assert main(["campaign", "tutorial_arena", "--trials", "3", "--out", str(tmp_path)]) == 1
+    captured = capsys.readouterr()
+    failed, good = read_store(tmp_path).outcomes
+    assert not good.failed
+    lines = captured.err.splitlines()
+    assert lines[-2] == f"robotteamsim: trial 1 of cell 0 (seed {failed.seed}) failed: KeyError: 7"
+    assert lines[-1].startswith("robotteamsim: trial 3 of cell 0 (seed ")
+    assert lines[-1].endswith(") killed its workers; not stored")
+    assert "1 + 1 failed" in captured.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wanted"),
+    [
+        (["--trials", "0"], "--trials: 0 is below 1"),
+        (["--trials", "few"], "argument --trials: 'few' is not a whole number (see `robotteamsim campaign --help`)"),
+        (["--workers", "0"], "argument --workers: 0 is not above 0 (see `robotteamsim campaign --help`)"),
+        (["--sweep", "control.alfa=1,2"], "--sweep: control.alfa: unknown key; did you mean 'alpha'?"),
+        (["--noise", "1e9"], "--noise: voice.noise_db: 1000000000.0 is above 80"),
+        (["--set", "control.alpha=2"], "--set: control.alpha: 2 is above 1"),
+        (["--set", "control.alpha"], "--set: 'control.alpha' is not of the form KEY=VALUE, such as voice.noise_db=20"),
+        (["--design", "none.yaml"], "none.yaml: there is no such file"),
+        (
+            ["--workers", "2", "--scheduler", "tcp://x:1"],
+            "argument --scheduler: not allowed with argument --workers (see `robotteamsim campaign --help`)",
+        ),
+        (["--scheduler", "tcp://127.0.0.1:9"], None),
+    ],
+)
+def test_mistakes_end_in_one_line_and_leave_nothing(capsys, tmp_path, arguments, wanted):
+    line = refusal(capsys, "garage_sar", "--out", str(tmp_path / "c"), *arguments)
+    assert line == wanted if wanted else line.startswith("tcp://127.0.0.1:9: no scheduler answers: ")
+    assert os.listdir(tmp_path) == []
+
+
+def test_wrong_value_in_a_design_file_is_named_with_the_file(capsys, tmp_path):
+    design = tmp_path / "d.yaml"
+    design.write_text("sweep: {control.alpha: [0.5, 7]}\n")
+    line = refusal(capsys, "garage_sar", "--out", str(tmp_path / "c"), "--design", str(design))
+    assert line == f"{design}: control.alpha: 7 is above 1"
+
+
+def test_folder_of_something_else_is_refused(capsys, tmp_path):
+    (tmp_path / "file").touch()
+    line = refusal(capsys, "garage_sar", "--out", str(tmp_path))
+    assert line == f"{tmp_path}: holds 'file' and no campaign; wanted a new or an empty folder"
+    line = refusal(capsys, "garage_sar", "--out", str(tmp_path / "file" / "c"))
+    assert line == f"{tmp_path}/file/c: cannot be made: {tmp_path}/file is no folder"
+
+
+def test_other_commands_do_not_wait_for_dask():
+    code = "import sys, robotteamsim.cli.main; assert not {'dask', 'distributed', 'scipy.stats'} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_interrupted_campaign_completes_later(tmp_path):
+    command = [sys.executable, "-m", "robotteamsim.cli", "campaign", "tutorial_arena", *NOISE]
+    command += ["--trials", "40", "--workers", "2", *SHORT, "--quiet", "--out"]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen([*command, str(tmp_path / "c")], start_new_session=True, **pipes) as process:
+        _wait_for_rows(process, tmp_path / "c", 3)
+        os.killpg(process.pid, signal.SIGINT)  # As a terminal does: the workers get it, too.
+        out, err = process.communicate(timeout=60)
+    lines = err.splitlines()
+    kept = len(read_store(tmp_path / "c").outcomes)
+    assert (process.returncode, out) == (130, "")
+    assert lines == [
+        f"robotteamsim: {kept} of 80 trials are kept in {tmp_path}/c; the same command goes on",
+        "robotteamsim: interrupted",
+    ]
+    for folder in ("c", "undisturbed"):
+        subprocess.run([*command, str(tmp_path / folder)], check=True, timeout=120)
+    assert (tmp_path / "c" / "trials.csv").read_bytes() == (tmp_path / "undisturbed" / "trials.csv").read_bytes()
+
+
+def _wait_for_rows(process: subprocess.Popen[str], folder: Path, count: int) -> None:
+    """Wait until the store of a running campaign holds that many trials; it fails when the campaign has ended."""
+    while process.poll() is None:
+        if (folder / "campaign.sqlite").exists() and len(read_store(folder).outcomes) >= count:
+            return
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(timeout=0.05)
+    pytest.fail(f"the campaign ended too early: {process.communicate()}")
