@@ -1,10 +1,18 @@
-"""Robotic Darwinian particle swarm optimisation (RDPSO): pure functions, usable on any objective.
+"""The particle swarm family, PSO, DPSO, RPSO and RDPSO: pure functions for robots, and optimisers of any objective.
 
 Equation numbers are those of the dissertation.
 """
 
+from robotteamsim.swarm.adaptation import Levels
 from robotteamsim.swarm.attractors import communication_attractor, communication_weight, obstacle_attractor
-from robotteamsim.swarm.exclusion import ExclusionRules, SwarmState, Verdict, judge, punished_search_counter
+from robotteamsim.swarm.exclusion import (
+    ExclusionRules,
+    SwarmState,
+    Verdict,
+    judge,
+    punished_search_counter,
+    spawn_chance,
+)
 from robotteamsim.swarm.memory import MemoryMode, memory_coefficients, memory_term
 from robotteamsim.swarm.metrics import (
     robot_avoidance,
@@ -12,13 +20,32 @@ from robotteamsim.swarm.metrics import (
     robot_proximity_by_signal,
     robot_socialisation,
     swarm_activity,
+    swarm_connectivity,
+)
+from robotteamsim.swarm.optimise import maximise, minimise
+from robotteamsim.swarm.options import (
+    CommunicationTerm,
+    DpsoOptions,
+    ObstacleTerm,
+    PsoOptions,
+    RdpsoOptions,
+    RpsoOptions,
+    SwarmSizes,
 )
 from robotteamsim.swarm.velocity import Attractors, Vector, Weights, limit_speed, next_position, next_velocity
 
 __all__ = [
     "Attractors",
+    "CommunicationTerm",
+    "DpsoOptions",
     "ExclusionRules",
+    "Levels",
     "MemoryMode",
+    "ObstacleTerm",
+    "PsoOptions",
+    "RdpsoOptions",
+    "RpsoOptions",
+    "SwarmSizes",
     "SwarmState",
     "Vector",
     "Verdict",
@@ -27,8 +54,10 @@ __all__ = [
     "communication_weight",
     "judge",
     "limit_speed",
+    "maximise",
     "memory_coefficients",
     "memory_term",
+    "minimise",
     "next_position",
     "next_velocity",
     "obstacle_attractor",
@@ -37,5 +66,7 @@ __all__ = [
     "robot_proximity_by_distance",
     "robot_proximity_by_signal",
     "robot_socialisation",
+    "spawn_chance",
     "swarm_activity",
+    "swarm_connectivity",
 ]

@@ -62,6 +62,14 @@ def judge(
         return Verdict(state)
     if improved:
         return _rewarded(state, members, excluded, rules, uniform)
+    return punish(state, members, rules)
+
+
+def punish(state: SwarmState, members: Mapping[int, float], rules: ExclusionRules) -> Verdict:
+    """Return what an iteration without success does to a swarm, of robots (RDPSO) as of particles (DPSO).
+
+    SC rises by 1; at SC_max the worst member goes, and SC is set by (12), or all go where there are N_min or fewer.
+    """
     search_counter = state.search_counter + 1
     if search_counter < rules.search_counter_max:
         return Verdict(SwarmState(search_counter, state.num_killed))
@@ -86,3 +94,13 @@ def _rewarded(
         return Verdict(SwarmState(search_counter, state.num_killed))
     best = max(excluded, key=lambda robot_id: (excluded[robot_id], -robot_id))
     return Verdict(SwarmState(0, max(0, state.num_killed - 1)), joins=(best,))
+
+
+def spawn_chance(fraction: float, num_swarms: int) -> float:
+    """Return the probability of eq. (13) that a swarm of a DPSO has a child: f / N_s, N_s being the number of swarms.
+
+    Only a swarm with N_kill = 0 may, and only while there are fewer swarms than allowed.
+
+    Args: fraction: f, uniform in [0, 1].
+    """
+    return fraction / num_swarms

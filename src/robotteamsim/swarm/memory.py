@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, cast
 
-from robotteamsim.swarm.velocity import Vector
+import numpy as np
+
+from robotteamsim.swarm.velocity import Coordinates, Vector
 
 MemoryMode = Literal["published", "grunwald_letnikov"]
 
@@ -13,17 +15,17 @@ PUBLISHED_TERMS = 4
 """Number of terms of eq. (24)."""
 
 
-def memory_coefficients(mode: MemoryMode, alpha: float, terms: int) -> tuple[float, ...]:
+def memory_coefficients(mode: MemoryMode, alpha: Coordinates, terms: int) -> tuple[Coordinates, ...]:
     """Return the weights of v[t], v[t-1], ... in the memory term.
 
     `published` is eq. (24) as printed: a, a/2, a(1-a)/6, a(1-a)(2-a)/24; the last factor of each is lost in print.
     `grunwald_letnikov` is what eq. (23) means: a, a(1-a)/2, a(1-a)(2-a)/6, a(1-a)(2-a)(3-a)/24, ...: the k-th
     coefficient is (-1)^(k+1) binomial(a, k).
 
-    Args:   alpha: fractional order in [0, 1].  terms: truncation order r, at least 1.
+    Args:   alpha: fractional order in [0, 1], or an array of them.  terms: truncation order r, at least 1.
     Raises: ValueError: out of these ranges, or more terms of `published` than there are.
     """
-    if not 0.0 <= alpha <= 1.0:
+    if not np.all((np.asarray(alpha) >= 0.0) & (np.asarray(alpha) <= 1.0)):
         raise ValueError(f"alpha must lie in [0, 1], got {alpha}")
     if terms < 1:
         raise ValueError(f"the memory needs at least 1 term, got {terms}")
@@ -40,8 +42,16 @@ def memory_coefficients(mode: MemoryMode, alpha: float, terms: int) -> tuple[flo
 
 def memory_term(coefficients: Sequence[float], velocities: Sequence[Vector]) -> Vector:
     """Return the weighted sum of past velocities, newest first; missing ones count as zero [same unit]."""
-    x = y = 0.0
-    for coefficient, (v_x, v_y) in zip(coefficients, velocities, strict=False):
-        x += coefficient * v_x
-        y += coefficient * v_y
+    x = weighted_sum(coefficients, [v_x for v_x, _ in velocities])
+    y = weighted_sum(coefficients, [v_y for _, v_y in velocities])
     return x, y
+
+
+def weighted_sum(
+    coefficients: Sequence[float] | Sequence[np.ndarray], terms: Sequence[Coordinates] | np.ndarray
+) -> Coordinates:
+    """Return the sum of coefficient * term, newest first; missing terms count as zero. For numbers and for arrays."""
+    total: float | np.ndarray = 0.0
+    for coefficient, term in zip(coefficients, terms, strict=False):
+        total = total + coefficient * term
+    return cast(Coordinates, total)

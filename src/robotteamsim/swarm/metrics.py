@@ -1,36 +1,47 @@
-"""How a swarm and its robots do: the context metrics of RDPSO [dissertation, eq. 28 to 32]."""
+"""How a swarm and its robots do: the context metrics of RDPSO [dissertation, eq. 28 to 32, and 34]."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
-from robotteamsim.swarm.velocity import Vector
+import numpy as np
+from numpy.typing import ArrayLike
 
 
-def swarm_activity(velocities: Sequence[Vector], max_speed: float) -> float:
+def swarm_activity(velocities: ArrayLike, max_speed: float) -> float:
     """Return A_s of eq. (28): speed of the swarm's centre of mass over the maximum step; 0 at rest, 1 in full motion.
 
+    Args:   velocities: shape (robots, dimensions) [same unit as max_speed].
     Raises: ValueError: no robot, or a maximum step that is not above 0.
     """
-    if not velocities:
+    v = np.asarray(velocities, dtype=np.float64)
+    if len(v) == 0:
         raise ValueError("the activity of a swarm without robots is not defined")
     if not max_speed > 0.0:
         raise ValueError(f"max_speed must be > 0, got {max_speed}")
-    mean_x = sum(x for x, _ in velocities) / len(velocities)
-    mean_y = sum(y for _, y in velocities) / len(velocities)
-    return math.hypot(mean_x, mean_y) / max_speed
+    return math.hypot(*np.mean(v, axis=0).tolist()) / max_speed
 
 
-def robot_socialisation(position: Vector, global_best: Vector, positions: Sequence[Vector]) -> float:
+def robot_socialisation(position: ArrayLike, global_best: ArrayLike, positions: ArrayLike) -> float | np.ndarray:
     """Return S_n of eq. (29): 1 at the global best, 0 for the robot farthest from it.
 
     Where all robots are at the global best, 0/0 counts as 1.
+
+    Args:    position: of one robot, shape (dimensions,), or of several, shape (n, dimensions).
+             positions: of the whole swarm, shape (robots, dimensions).
+    Returns: a number, or float64, shape (n,).
     """
-    farthest_m = max(math.dist(global_best, other) for other in positions)
+    away_m = _distances(position, global_best)
+    farthest_m = np.max(_distances(positions, global_best))
     if farthest_m == 0.0:
-        return 1.0
-    return 1.0 - math.dist(global_best, position) / farthest_m
+        return np.ones_like(away_m)[()]
+    return (1.0 - away_m / farthest_m)[()]
+
+
+def _distances(places: ArrayLike, place: ArrayLike) -> np.ndarray:
+    """Return the distances of places, shape (..., dimensions), from one, shape (dimensions,)."""
+    offsets = np.asarray(places, dtype=np.float64) - np.asarray(place, dtype=np.float64)
+    return np.asarray(np.sqrt(np.sum(offsets * offsets, axis=-1)))
 
 
 def robot_avoidance(clearance_m: float, sensing_radius_m: float) -> float:
@@ -59,3 +70,15 @@ def robot_proximity_by_signal(signal_dbm: float, min_signal_dbm: float, signal_a
         raise ValueError(f"the signal at 1 m, {signal_at_1_m_dbm} dBm, must be above the minimum, {min_signal_dbm} dBm")
     proximity = (signal_dbm - min_signal_dbm) / (signal_at_1_m_dbm - min_signal_dbm)
     return min(1.0, max(0.0, proximity))
+
+
+def swarm_connectivity(fiedler_value: float, num_robots: int) -> float:
+    """Return C_s of eq. (34): lambda_2 / N_s; 1 where all links stand, 0 where the swarm is split.
+
+    A robot alone is connected. Raises: ValueError: no robot.
+    """
+    if num_robots < 1:
+        raise ValueError(f"the connectivity of a swarm of {num_robots} robots is not defined")
+    if num_robots == 1:
+        return 1.0
+    return max(0.0, fiedler_value) / num_robots

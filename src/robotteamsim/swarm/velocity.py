@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TypeVar, cast
 
 import numpy as np
+
+Coordinates = TypeVar("Coordinates", float, np.ndarray)
+"""One coordinate of one robot, or an array of those of many."""
 
 Vector = tuple[float, float]
 """(x, y) in one frame; positions [m], velocities [m per iteration]."""
@@ -39,17 +44,32 @@ def next_velocity(
     v[t+1] = inertia + sum over the four components of c * r * (attractor - x[t]), with one random number r in [0, 1)
     per component. Four numbers are drawn whatever the weights, so that a weight never shifts the others' numbers.
     """
-    v_x, v_y = inertia
-    randoms = rng.random(4).tolist()
-    for weight, random, (x, y) in (
-        (weights.cognitive, randoms[0], attractors.local_best),
-        (weights.social, randoms[1], attractors.global_best),
-        (weights.obstacle, randoms[2], attractors.obstacle),
-        (weights.communication, randoms[3], attractors.communication),
-    ):
-        v_x += weight * random * (x - position[0])
-        v_y += weight * random * (y - position[1])
+    pulls = tuple(
+        zip(
+            (weights.cognitive, weights.social, weights.obstacle, weights.communication),
+            rng.random(4).tolist(),
+            (attractors.local_best, attractors.global_best, attractors.obstacle, attractors.communication),
+            strict=True,
+        )
+    )
+    v_x = add_pulls(inertia[0], position[0], ((weight, random, place[0]) for weight, random, place in pulls))
+    v_y = add_pulls(inertia[1], position[1], ((weight, random, place[1]) for weight, random, place in pulls))
     return v_x, v_y
+
+
+def add_pulls(
+    inertia: Coordinates,
+    position: Coordinates,
+    pulls: Iterable[tuple[float | np.ndarray, float | np.ndarray, Coordinates]],
+) -> Coordinates:
+    """Return inertia + the sum of c * r * (attractor - position) over (c, r, attractor), in the order given.
+
+    For one coordinate of one robot, or for all of a swarm at once where arrays of one shape are given.
+    """
+    velocity: float | np.ndarray = inertia
+    for weight, random, attractor in pulls:
+        velocity = velocity + weight * random * (attractor - position)
+    return cast(Coordinates, velocity)
 
 
 def limit_speed(velocity: Vector, max_speed: float) -> Vector:

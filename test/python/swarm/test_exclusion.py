@@ -1,6 +1,6 @@
 import pytest
 
-from robotteamsim.swarm import ExclusionRules, SwarmState, Verdict, judge, punished_search_counter
+from robotteamsim.swarm import ExclusionRules, SwarmState, Verdict, judge, punished_search_counter, spawn_chance
 
 RULES = ExclusionRules(search_counter_max=15, min_robots=0, max_robots=15)
 MEMBERS = {0: -3.0, 1: -5.0, 2: -4.0}
@@ -71,3 +71,7 @@ def test_nobody_is_called_into_a_full_swarm():
 
 def test_swarm_without_robots_does_nothing():
     assert judge(SwarmState(3, 3), False, {}, MEMBERS, RULES, never) == Verdict(SwarmState(3, 3))
+
+
+def test_chance_of_a_child_swarm_falls_with_the_number_of_swarms():
+    assert [spawn_chance(0.6, n) for n in (1, 2, 6)] == pytest.approx([0.6, 0.3, 0.1])

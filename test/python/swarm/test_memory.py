@@ -1,5 +1,6 @@
 import math
 
+import numpy as np
 import pytest
 from scipy.special import binom
 
@@ -63,3 +64,12 @@ def test_memory_term_weighs_the_newest_velocity_first():
 def test_velocities_before_the_first_count_as_zero():
     assert memory_term((0.6, 0.3, 0.04), [(1.0, -1.0)]) == pytest.approx((0.6, -0.6))
     assert memory_term((0.6,), []) == (0.0, 0.0)
+
+
+def test_robots_of_different_orders_are_reckoned_at_once_with_the_same_bits():
+    alphas = np.array([0.0, 0.3, 0.632, 1.0])
+    for mode in ("published", "grunwald_letnikov"):
+        together = np.transpose(memory_coefficients(mode, alphas, 4)).tolist()
+        assert together == [list(memory_coefficients(mode, float(alpha), 4)) for alpha in alphas]
+    with pytest.raises(ValueError, match=r"alpha must lie in \[0, 1\]"):
+        memory_coefficients("published", np.array([0.5, 1.5]), 4)

@@ -1,0 +1,216 @@
+"""What the members of the family take: coefficients, memory, sizes of swarms, terms of robots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from robotteamsim.swarm.adaptation import EXACT_LEVELS, PUBLISHED_LEVELS, Adaptation, Levels
+from robotteamsim.swarm.memory import MemoryMode, memory_coefficients
+
+FRACTIONAL_ORDER = {"inertia": 0.8, "published": 0.45, "grunwald_letnikov": 0.8}
+"""Orders with which a swarm comes to rest; see the figure in docs/swarm.md."""
+
+COEFFICIENT_MAX = 4.0
+"""Beyond c1 + c2 = 4 no inertia within [0, 1] keeps the swarm together, so more than this is a slip of the pen."""
+
+
+def _check_range(name: str, value: float, high: float) -> None:
+    if not (math.isfinite(value) and 0.0 <= value <= high):
+        raise ValueError(f"{name} must lie in [0, {high:g}], got {value}")
+
+
+def _check_count(name: str, value: int, low: int) -> None:
+    if value < low:
+        raise ValueError(f"{name} must be at least {low}, got {value}")
+
+
+@dataclass(frozen=True, slots=True)
+class ObstacleTerm:
+    """What a swarm's robots sense of obstacles.
+
+    attractors: x_OB of (15), shape (robots, dimensions).  avoidance: O_n of (30), shape (robots,); c3 acts where it is
+    above 0.
+    """
+
+    attractors: np.ndarray
+    avoidance: np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
+class CommunicationTerm:
+    """What a swarm's robots know of their network.
+
+    attractors: x_CB of (22), shape (robots, dimensions).  proximity: P_n of (31) or (32), shape (robots,).
+    connectivity: C_s of (34).
+    """
+
+    attractors: np.ndarray
+    proximity: np.ndarray
+    connectivity: float
+
+
+SenseObstacles = Callable[[np.ndarray], ObstacleTerm]
+"""From the positions of one swarm, shape (robots, dimensions)."""
+SenseNetwork = Callable[[np.ndarray], CommunicationTerm]
+
+
+@dataclass(frozen=True, slots=True)
+class PsoOptions:
+    """PSO: (11) with inertia = 1, (14) with less, fractional with another `memory`.
+
+    The defaults of inertia, c1 and c2 are those of the constriction factor [clerc2002].
+
+    memory: what carries on of past velocities: `inertia` (the last one, w times), or a fractional memory (23, 24) of
+    order alpha (left out: FRACTIONAL_ORDER), truncated after memory_terms.
+    max_step: limit of a velocity in each dimension, as a part of the bounds' width.
+    random_per_dimension: whether r1..r4 are drawn for each dimension, or one for all of them, as robots do.
+    Raises: ValueError: a number outside its range, named.
+    """
+
+    num_particles: int = 30
+    c1: float = 1.49618
+    c2: float = 1.49618
+    memory: Literal["inertia"] | MemoryMode = "inertia"
+    inertia: float = 0.7298
+    alpha: float | None = None
+    memory_terms: int = 4
+    max_step: float = 0.5
+    random_per_dimension: bool = True
+
+    def __post_init__(self) -> None:
+        _check_count("num_particles", self.num_particles, 1)
+        _check_motion(self)
+
+
+@dataclass(frozen=True, slots=True)
+class RpsoOptions(PsoOptions):
+    """RPSO (15): PSO with an obstacle term. c3: weight of it.  obstacles: the sensing; none, no term."""
+
+    c3: float = 0.5
+    obstacles: SenseObstacles | None = None
+
+    def __post_init__(self) -> None:
+        PsoOptions.__post_init__(self)
+        _check_range("c3", self.c3, COEFFICIENT_MAX)
+
+
+@dataclass(frozen=True, slots=True)
+class SwarmSizes:
+    """How many swarms, how many particles (robots) in each, and SC_max of (12).
+
+    Raises: ValueError: not 0 <= min <= initial <= max, or no swarm or particle to begin with.
+    """
+
+    min_swarms: int = 4
+    initial_swarms: int = 6
+    max_swarms: int = 8
+    min_particles: int = 0
+    initial_particles: int = 5
+    max_particles: int = 15
+    search_counter_max: int = 15
+
+    def __post_init__(self) -> None:
+        for what in ("swarms", "particles"):
+            low, first, high = (int(getattr(self, f"{part}_{what}")) for part in ("min", "initial", "max"))
+            if not (0 <= low <= first <= high and first >= 1):
+                raise ValueError(
+                    f"{what} need 0 <= min <= initial <= max, initial >= 1, got min {low}, initial {first}, max {high}"
+                )
+        _check_count("search_counter_max", self.search_counter_max, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class DpsoOptions:
+    """DPSO: several swarms that each move by PSO, and natural selection (12, 13). See PsoOptions."""
+
+    sizes: SwarmSizes = SwarmSizes(min_swarms=1, min_particles=3)
+    c1: float = 1.49618
+    c2: float = 1.49618
+    memory: Literal["inertia"] | MemoryMode = "inertia"
+    inertia: float = 0.7298
+    alpha: float | None = None
+    memory_terms: int = 4
+    max_step: float = 0.5
+    random_per_dimension: bool = True
+
+    def __post_init__(self) -> None:
+        if self.sizes.min_swarms < 1:
+            raise ValueError("min_swarms of a DPSO must be at least 1: without a swarm nothing is left of it")
+        _check_motion(self)
+
+
+@dataclass(frozen=True, slots=True)
+class RdpsoOptions:
+    """RDPSO (25): several swarms of robots, with obstacle and communication terms, social exclusion and inclusion.
+
+    The number of robots stays. See PsoOptions and RpsoOptions; besides:
+
+    communication: the network; none, no term.  c4: its weight, which acts below `endangered_proximity` only.
+    adaptation: whether alpha and c1..c4 follow the context by the rules of 5.2.2 (they then replace those given here).
+    levels: what these rules mean by small and large; left out, those that suit the memory.
+    """
+
+    sizes: SwarmSizes = SwarmSizes()
+    c1: float = 1.49618
+    c2: float = 1.49618
+    c3: float = 0.5
+    c4: float = 0.5
+    memory: Literal["inertia"] | MemoryMode = "grunwald_letnikov"
+    inertia: float = 0.7298
+    alpha: float | None = None
+    memory_terms: int = 4
+    max_step: float = 0.5
+    random_per_dimension: bool = True
+    obstacles: SenseObstacles | None = None
+    communication: SenseNetwork | None = None
+    endangered_proximity: float = 0.2
+    adaptation: Adaptation = "none"
+    levels: Levels | None = None
+
+    def __post_init__(self) -> None:
+        _check_motion(self)
+        _check_range("c3", self.c3, COEFFICIENT_MAX)
+        _check_range("c4", self.c4, COEFFICIENT_MAX)
+        if not 0.0 < self.endangered_proximity <= 1.0:
+            raise ValueError(f"endangered_proximity must lie in (0, 1], got {self.endangered_proximity}")
+        if self.adaptation not in ("none", "crisp", "fuzzy"):
+            raise ValueError(f"adaptation must be none, crisp or fuzzy, got {self.adaptation!r}")
+        if self.adaptation != "none" and self.memory == "inertia":
+            raise ValueError(f"adaptation {self.adaptation!r} sets alpha: it needs a fractional memory, not 'inertia'")
+
+    def levels_used(self) -> Levels:
+        """Return the levels given, or those that suit the memory."""
+        return self.levels or (PUBLISHED_LEVELS if self.memory == "published" else EXACT_LEVELS)
+
+
+Options = PsoOptions | DpsoOptions | RpsoOptions | RdpsoOptions
+
+
+def inertia_coefficients(options: Options) -> tuple[float, ...]:
+    """Return the weights of v[t], v[t-1], ... in v[t+1]."""
+    if options.memory == "inertia":
+        return (options.inertia,)
+    return memory_coefficients(options.memory, fractional_order(options), options.memory_terms)
+
+
+def fractional_order(options: Options) -> float:
+    """Return alpha as given, or else that for the memory."""
+    return FRACTIONAL_ORDER[options.memory] if options.alpha is None else options.alpha
+
+
+def _check_motion(options: Options) -> None:
+    _check_range("c1", options.c1, COEFFICIENT_MAX)
+    _check_range("c2", options.c2, COEFFICIENT_MAX)
+    _check_range("inertia", options.inertia, 1.0)
+    if options.memory not in ("inertia", "published", "grunwald_letnikov"):
+        raise ValueError(f"memory must be inertia, published or grunwald_letnikov, got {options.memory!r}")
+    # Alpha and terms have their ranges even where an inertia stands in for them.
+    memory_coefficients("grunwald_letnikov", fractional_order(options), options.memory_terms)
+    inertia_coefficients(options)
+    if not 0.0 < options.max_step <= 1.0:
+        raise ValueError(f"max_step must lie in (0, 1], a part of the bounds' width, got {options.max_step}")

@@ -1,0 +1,47 @@
+"""For which memory and coefficients a particle comes to rest, where its bests stay put."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+
+def mean_radius(memory: Sequence[float], c1: float, c2: float) -> float:
+    """Return by what factor the expected position of a particle nears its attractor in each iteration, in the long run.
+
+    Below 1 the mean converges. With both bests at 0 and r1, r2 uniform in [0, 1], (25) is linear in x[t+1], x[t], ...;
+    this is the spectral radius of its expectation.
+
+    Args: memory: weights of v[t], v[t-1], ..., as of `memory_coefficients`, or (w,) for an inertia.
+    """
+    return _radius(_mean_matrix(memory, (c1 + c2) / 2.0))
+
+
+def variance_radius(memory: Sequence[float], c1: float, c2: float) -> float:
+    """Return by what factor the variance of a particle's position falls in each iteration, in the long run.
+
+    Below 1 the particle comes to rest; where it is above though `mean_radius` is below, it swings ever wider around
+    its bests. Spectral radius of the expected Kronecker square of (25); see `mean_radius`. For an inertia it is below 1
+    where c1 + c2 < 24 (1 - w^2) / (7 - 5 w), with c1 = c2 [poli2009].
+    """
+    mean = _mean_matrix(memory, (c1 + c2) / 2.0)
+    pull = np.zeros_like(mean)
+    pull[0, 0] = 1.0
+    variance = (c1 * c1 + c2 * c2) / 12.0
+    return _radius(np.kron(mean, mean) + variance * np.kron(pull, pull))
+
+
+def _mean_matrix(memory: Sequence[float], pull: float) -> np.ndarray:
+    """Return the companion matrix that takes (x[t], x[t-1], ...) to (x[t+1], x[t], ...), with v[t] = x[t] - x[t-1]."""
+    terms = len(memory)
+    matrix = np.eye(terms + 1, k=-1)
+    matrix[0, 0] = 1.0 - pull
+    for k, coefficient in enumerate(memory):
+        matrix[0, k] += coefficient
+        matrix[0, k + 1] -= coefficient
+    return matrix
+
+
+def _radius(matrix: np.ndarray) -> float:
+    return float(np.max(np.abs(np.linalg.eigvals(matrix))))
