@@ -7,14 +7,19 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.recording.message_fields import Make
 from robotteamsim.scenario.sections import Robot
 from robotteamsim.scenario.sensors import MountedLaser, Sonar
 from robotteamsim.sensing.readings import FurtherReadings
 
+# Constants of sensor_msgs/Range, NavSatStatus and NavSatFix.
 _ULTRASOUND = 0
-"""Of sensor_msgs/Range."""
+_STATUS_FIX = 0
+_SERVICE_GPS = 1
+_COVARIANCE_TYPE_DIAGONAL_KNOWN = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +44,8 @@ def sensor_topics(robot: Robot) -> tuple[SensorTopic, ...]:
         SensorTopic(sonar.name, "sensor_msgs/Range", partial(_range, index, sonar))
         for index, sonar in enumerate(robot.sonars)
     )
-    return (*lasers, *sonars)
+    gps = (SensorTopic("fix", "sensor_msgs/NavSatFix", _fix),) if robot.gps else ()
+    return (*lasers, *sonars, *gps)
 
 
 def _scan(
@@ -58,4 +64,19 @@ def _range(index: int, sonar: Sonar, make: Make, time_ns: int, robot_id: int, re
         min_range=sonar.range_min_m,
         max_range=sonar.range_max_m,
         range=readings.sonars_m[index],
+    )
+
+
+def _fix(make: Make, time_ns: int, robot_id: int, readings: FurtherReadings) -> Any | None:
+    if readings.fix is None:
+        return None
+    return make(
+        "sensor_msgs/NavSatFix",
+        header=fields.header(make, time_ns, fields.robot_frame(robot_id, "base_link")),
+        status=make("sensor_msgs/NavSatStatus", status=_STATUS_FIX, service=_SERVICE_GPS),
+        latitude=readings.fix.latitude_deg,
+        longitude=readings.fix.longitude_deg,
+        altitude=readings.fix.altitude_m,
+        position_covariance=np.diag([readings.fix.variance_m2, readings.fix.variance_m2, 0.0]).ravel(),
+        position_covariance_type=_COVARIANCE_TYPE_DIAGONAL_KNOWN,
     )

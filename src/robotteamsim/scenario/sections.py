@@ -11,7 +11,7 @@ from robotteamsim.scenario.base import Interval, LossDb, Many, Model, PlanarPose
 from robotteamsim.scenario.body import Body, check_footprint, disc_at, polygon_at
 from robotteamsim.scenario.drives import AnyDrive, Drive
 from robotteamsim.scenario.plan import Corners, counter_clockwise
-from robotteamsim.scenario.sensors import Laser, Mount, MountedLaser, Sonar, check_names
+from robotteamsim.scenario.sensors import Gps, Laser, Mount, MountedLaser, Sonar, check_names
 
 
 class Radio(Model):
@@ -90,6 +90,7 @@ class Robot(Model):
     laser: Laser = Laser()
     lasers: Many[MountedLaser] = Field(default=(), max_length=16, description="further lasers, each on its own topic")
     sonars: Many[Sonar] = Field(default=(), max_length=64, description="a ring of sonars, each on its own topic")
+    gps: Gps | None = Field(default=None, description="satellite navigation, on the topic `fix`")
     odometry: Odometry = Odometry()
     cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="the last command holds this long [s]")
 

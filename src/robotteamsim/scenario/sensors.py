@@ -106,3 +106,12 @@ class Sonar(Model):
         if not self.range_max_m > self.range_min_m:
             raise wrong("range_max_m", f"{self.range_max_m:g} is not above range_min_m, {self.range_min_m:g}")
         return self
+
+
+class Gps(Model):
+    """A receiver of satellite navigation; `map` has x to the east, y to the north and its origin at the datum."""
+
+    datum_lat_deg: float = Field(ge=-89.9, le=89.9, description="latitude of the origin of `map` on WGS84 [deg]")
+    datum_lon_deg: float = Field(ge=-180.0, le=180.0, description="longitude of the origin of `map` on WGS84 [deg]")
+    noise_m: float = Field(default=1.0, ge=0.0, le=1000.0, description="standard deviation to east and to north [m]")
+    rate_hz: float = Field(default=1.0, gt=0.0, le=1000.0, description="fixes a second, at most one per step [Hz]")

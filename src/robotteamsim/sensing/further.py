@@ -8,15 +8,19 @@ import numpy as np
 
 from robotteamsim.rng import stream
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.scenario.sensors import MountedLaser
+from robotteamsim.scenario.sensors import Gps, MountedLaser
+from robotteamsim.sensing.gps import fix, is_due
 from robotteamsim.sensing.laser import Laser
-from robotteamsim.sensing.readings import FurtherReadings
+from robotteamsim.sensing.readings import Fix, FurtherReadings
 from robotteamsim.sensing.sonar import Sonar
 from robotteamsim.world import World
 
 
 class FurtherSensors:
-    """The further sensors of all robots of a world. Random streams: ("laser", id, name) and ("sonar", id, name)."""
+    """The further sensors of all robots of a world.
+
+    Random streams: ("laser", id, name), ("sonar", id, name) and ("gps", id).
+    """
 
     def __init__(self, world: World, robots: Sequence[PlacedRobot], seed: int) -> None:
         """Args: robots: those that the world was built with, in id order."""
@@ -28,6 +32,7 @@ class FurtherSensors:
         self._lasers = {model: Laser(model, world) for model in lasers}
         sonars = dict.fromkeys(model for robot in self._robots for model in robot.sonars)
         self._sonars = {model: Sonar(model, world) for model in sonars}
+        self._has_any = bool(lasers or sonars or any(robot.gps for robot in self._robots))
         self.reset()
 
     def reset(self) -> None:
@@ -38,20 +43,28 @@ class FurtherSensors:
             for kind, sensors in (("laser", robot.lasers), ("sonar", robot.sonars))
             for sensor in sensors
         }
+        self._gps_streams = [stream(self._seed, "gps", robot_id) for robot_id in range(len(self._robots))]
 
     def read(self) -> tuple[FurtherReadings, ...]:
         """Return every robot's further readings after the step that the world made last; () where none has any."""
-        if not self._lasers and not self._sonars:
+        if not self._has_any:
             return ()
+        positions_m = self._world.positions_m().tolist()
         return tuple(
             FurtherReadings(
                 scans_m=tuple(self._scan(robot_id, laser) for laser in robot.lasers),
                 sonars_m=tuple(
                     self._sonars[sonar].read(robot_id, self._streams[robot_id, sonar.name]) for sonar in robot.sonars
                 ),
+                fix=self._fix(robot_id, robot.gps, tuple(positions_m[robot_id])),
             )
             for robot_id, robot in enumerate(self._robots)
         )
+
+    def _fix(self, robot_id: int, gps: Gps | None, position_m: tuple[float, float]) -> Fix | None:
+        if gps is None or not is_due(gps, self._world.sim_time_ns, self._world.step_ns):
+            return None
+        return fix(gps, position_m, self._gps_streams[robot_id])
 
     def _scan(self, robot_id: int, laser: MountedLaser) -> np.ndarray | None:
         if self._world.step_index % laser.every_steps:

@@ -42,16 +42,28 @@ class VoiceReading:
     local_best_level_db: float
 
 
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """A position on the earth by satellite: on the ellipsoid WGS84, with the variance to the east and to the north."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float
+    variance_m2: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class FurtherReadings:
     """What those sensors of a robot measure that not every robot has; None of one that had no turn in this step.
 
     scans_m:  of `robots.lasers`, in their order: float32, shape (beams,) [m].
     sonars_m: of `robots.sonars`, in their order: float32 [m].
+    fix:      of `robots.gps`.
     """
 
     scans_m: tuple[np.ndarray | None, ...] = ()
     sonars_m: tuple[float, ...] = ()
+    fix: Fix | None = None
 
 
 NOTHING_FURTHER = FurtherReadings()

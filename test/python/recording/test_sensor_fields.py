@@ -11,12 +11,13 @@ from rosbags.rosbag1 import Reader
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.scenario.sections import Mission, PlacedRobot
-from robotteamsim.scenario.sensors import MountedLaser, Sonar
+from robotteamsim.scenario.sensors import Gps, MountedLaser, Sonar
 from robotteamsim.simulation import Result, Simulation, StepRecord
 
 STEPS = 10
 REAR = MountedLaser(name="rear", yaw_rad=2.0, beams=9, noise_m=0.01)
 SIDE = Sonar(name="side", yaw_rad=1.5, opening_rad=0.25, noise_m=0.01, range_max_m=8.0)
+GPS = Gps(datum_lat_deg=40.0, datum_lon_deg=-8.0, noise_m=0.5, rate_hz=5.0)
 SLOW = MountedLaser(name="slow", every_steps=3, beams=5)
 
 
@@ -41,7 +42,7 @@ def recorded(hall_scenario, tmp_path) -> tuple[list[StepRecord], dict[str, list]
     """The records of a run, and the messages of its bag by topic."""
     scenario = hall_scenario(
         robots=(
-            PlacedRobot(start_pose=(3.0, 4.0, 0.0), lasers=(REAR, SLOW), sonars=(SIDE,)),
+            PlacedRobot(start_pose=(3.0, 4.0, 0.0), lasers=(REAR, SLOW), sonars=(SIDE,), gps=GPS),
             PlacedRobot(start_pose=(3.0, 4.4, 0.0)),
         ),
         mission=Mission(time_limit_s=0.1 * STEPS),
@@ -102,3 +103,17 @@ def test_directions_of_contacts_are_in_the_bag(recorded):
         assert [tuple(message.angles_rad) for message in messages] == [r.contact_angles_rad for r in readings]
         assert [len(message.angles_rad) > 0 for message in messages] == [r.in_contact for r in readings]
         assert any(r.in_contact for r in readings)
+
+
+def test_fixes_are_in_the_bag_in_the_steps_that_have_them(recorded):
+    records, bag = recorded
+    fixes = [record.readings[0].further.fix for record in records if record.step_index % 2 == 0]
+    messages = bag["/robot_0/fix"]
+    assert [(m.latitude, m.longitude, m.altitude) for m in messages] == [
+        (fix.latitude_deg, fix.longitude_deg, fix.altitude_m) for fix in fixes
+    ]
+    message = messages[0]
+    assert (message.status.status, message.status.service) == (message.status.STATUS_FIX, message.status.SERVICE_GPS)
+    assert message.position_covariance.tolist() == [0.25, 0.0, 0.0, 0.0, 0.25, 0.0, 0.0, 0.0, 0.0]
+    assert message.position_covariance_type == message.COVARIANCE_TYPE_DIAGONAL_KNOWN
+    assert message.header.frame_id == "robot_0/base_link"

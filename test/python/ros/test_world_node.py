@@ -14,7 +14,7 @@ from robotteamsim.ros.gate import Gate, Pacer
 from robotteamsim.ros.node import Settings
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.scenario.sensors import MountedLaser, Sonar
+from robotteamsim.scenario.sensors import Gps, MountedLaser, Sonar
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
@@ -131,6 +131,7 @@ def test_map_frame_is_tied_to_odometry_on_demand(sent):
 
 SENSORS = {
     "lasers": (MountedLaser(name="rear", yaw_rad=3.0, noise_m=0.01), MountedLaser(name="slow", every_steps=2)),
+    "gps": Gps(datum_lat_deg=40.0, datum_lon_deg=-8.0, rate_hz=10.0),
     "sonars": (Sonar(name="left", yaw_rad=0.4, noise_m=0.01), Sonar(name="right", yaw_rad=-0.4)),
 }
 
@@ -175,6 +176,17 @@ def test_sonars_have_topics_of_their_own_with_the_bits_of_a_headless_run(serve, 
         assert {message.header.frame_id for message in messages} == {f"robot_0/{name}_link"}
         assert {message.radiation_type for message in messages} == {Range.ULTRASOUND}
     assert all(0.02 < ranges_m[0] < 3.0 for ranges_m in expected)
+
+
+def test_fixes_have_the_bits_of_a_headless_run(serve, equipped):
+    serve(0.0, equipped)
+    messages = [message for topic, message in FakeOutput.sent if topic == "/robot_0/fix"]
+    fixes = [reading.further.fix for reading in headless_readings(equipped)]
+    assert len(messages) == STEPS
+    assert [(m.latitude, m.longitude, m.altitude) for m in messages] == [
+        (fix.latitude_deg, fix.longitude_deg, fix.altitude_m) for fix in fixes
+    ]
+    assert messages[0].position_covariance == [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]
 
 
 def test_further_sensors_have_frames_on_the_robot_that_carries_them(serve, equipped):

@@ -95,8 +95,8 @@ def _notes(scenario: Scenario, robots: Sequence[PlacedRobot]) -> tuple[str, ...]
         notes.append("footprint_m: a robot with corners becomes the disc around base_link that holds it")
     if any(robot.laser.no_return == "inf" for robot in robots):
         notes.append("laser.no_return: Stage says range_max where nothing is hit, never inf")
-    if any(robot.mounts for robot in robots):
-        notes.append("lasers, sonars: only the first laser of a robot is written")
+    if any(robot.mounts or robot.gps for robot in robots):
+        notes.append("lasers, sonars, gps: only the first laser of a robot is written")
     if len(robots) == 1:
         notes.append("stage_ros leaves out robot_0/ in the names of topics where there is one robot")
     return tuple(notes)

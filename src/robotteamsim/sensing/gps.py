@@ -1,0 +1,65 @@
+"""Satellite navigation: where a robot is on the earth, with noise."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from robotteamsim.scenario.sensors import Gps
+from robotteamsim.sensing.readings import Fix
+
+# The ellipsoid WGS84 [nima2000].
+_SEMI_MAJOR_M = 6_378_137.0
+_FLATTENING = 1.0 / 298.257223563
+_SEMI_MINOR_M = _SEMI_MAJOR_M * (1.0 - _FLATTENING)
+_ECCENTRICITY2 = _FLATTENING * (2.0 - _FLATTENING)
+_SECOND_ECCENTRICITY2 = _ECCENTRICITY2 / (1.0 - _ECCENTRICITY2)
+
+
+def geodetic(east_m: float, north_m: float, datum_lat_deg: float, datum_lon_deg: float) -> tuple[float, float, float]:
+    """Return latitude [deg], longitude [deg] and ellipsoidal height [m] of a point of a tangent plane, on WGS84.
+
+    The plane touches the ellipsoid at the datum. With the datum's latitude phi and longitude lambda, a point (e, n) of it
+    has the earth-centred coordinates
+
+        N = a / sqrt(1 - e2 sin^2 phi)
+        X = N cos phi cos lambda - e sin lambda - n sin phi cos lambda
+        Y = N cos phi sin lambda + e cos lambda - n sin phi sin lambda
+        Z = N (1 - e2) sin phi + n cos phi
+
+    and they give latitude, longitude and height by Bowring's formula [bowring1976], here exact to less than 1e-6 m. The
+    height grows by the square of the distance over the earth's diameter: 8 cm at 1 km.
+    """
+    phi, lam = math.radians(datum_lat_deg), math.radians(datum_lon_deg)
+    sin_phi, cos_phi, sin_lam, cos_lam = math.sin(phi), math.cos(phi), math.sin(lam), math.cos(lam)
+    normal_m = _SEMI_MAJOR_M / math.sqrt(1.0 - _ECCENTRICITY2 * sin_phi**2)
+    x = normal_m * cos_phi * cos_lam - east_m * sin_lam - north_m * sin_phi * cos_lam
+    y = normal_m * cos_phi * sin_lam + east_m * cos_lam - north_m * sin_phi * sin_lam
+    z = normal_m * (1.0 - _ECCENTRICITY2) * sin_phi + north_m * cos_phi
+    from_axis_m = math.hypot(x, y)
+    beta = math.atan2(z * _SEMI_MAJOR_M, from_axis_m * _SEMI_MINOR_M)
+    latitude = math.atan2(
+        z + _SECOND_ECCENTRICITY2 * _SEMI_MINOR_M * math.sin(beta) ** 3,
+        from_axis_m - _ECCENTRICITY2 * _SEMI_MAJOR_M * math.cos(beta) ** 3,
+    )
+    sin, cos = math.sin(latitude), math.cos(latitude)
+    height_m = from_axis_m * cos + z * sin - _SEMI_MAJOR_M * math.sqrt(1.0 - _ECCENTRICITY2 * sin**2)
+    return math.degrees(latitude), math.degrees(math.atan2(y, x)), height_m
+
+
+def is_due(model: Gps, sim_time_ns: int, step_ns: int) -> bool:
+    """Return whether a fix falls into the step that ends at a time: the k-th is due at k / rate."""
+    now, before = (
+        math.floor(time_ns * 1e-9 * model.rate_hz + 1e-6) for time_ns in (sim_time_ns, sim_time_ns - step_ns)
+    )
+    return now > before
+
+
+def fix(model: Gps, position_m: tuple[float, float], generator: np.random.Generator) -> Fix:
+    """Return what a receiver at a position in `map` tells; x points east, y north, the origin is the datum.
+
+    Args: generator: gives two numbers, of the errors to the east and to the north.
+    """
+    east_m, north_m = (np.array(position_m) + generator.normal(0.0, model.noise_m, 2)).tolist()
+    return Fix(*geodetic(east_m, north_m, model.datum_lat_deg, model.datum_lon_deg), model.noise_m**2)
