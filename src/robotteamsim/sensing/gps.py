@@ -20,15 +20,15 @@ _SECOND_ECCENTRICITY2 = _ECCENTRICITY2 / (1.0 - _ECCENTRICITY2)
 def geodetic(east_m: float, north_m: float, datum_lat_deg: float, datum_lon_deg: float) -> tuple[float, float, float]:
     """Return latitude [deg], longitude [deg] and ellipsoidal height [m] of a point of a tangent plane, on WGS84.
 
-    The plane touches the ellipsoid at the datum. With the datum's latitude phi and longitude lambda, a point (e, n) of it
-    has the earth-centred coordinates
+    The plane touches the ellipsoid at the datum. With the datum's latitude phi and longitude lambda, a point (e, n) of
+    it has the earth-centred coordinates
 
         N = a / sqrt(1 - e2 sin^2 phi)
         X = N cos phi cos lambda - e sin lambda - n sin phi cos lambda
         Y = N cos phi sin lambda + e cos lambda - n sin phi sin lambda
         Z = N (1 - e2) sin phi + n cos phi
 
-    and they give latitude, longitude and height by Bowring's formula [bowring1976], here exact to less than 1e-6 m. The
+    and they give latitude, longitude and height by Bowring's formula [bowring1976], here exact to 1e-8 m within 10 km. The
     height grows by the square of the distance over the earth's diameter: 8 cm at 1 km.
     """
     phi, lam = math.radians(datum_lat_deg), math.radians(datum_lon_deg)
