@@ -28,8 +28,8 @@ def geodetic(east_m: float, north_m: float, datum_lat_deg: float, datum_lon_deg:
         Y = N cos phi sin lambda + e cos lambda - n sin phi sin lambda
         Z = N (1 - e2) sin phi + n cos phi
 
-    and they give latitude, longitude and height by Bowring's formula [bowring1976], here exact to 1e-8 m within 10 km. The
-    height grows by the square of the distance over the earth's diameter: 8 cm at 1 km.
+    and they give latitude, longitude and height by Bowring's formula [bowring1976], here exact to 1e-8 m within 10 km.
+    The height grows by the square of the distance over the earth's diameter: 8 cm at 1 km.
     """
     phi, lam = math.radians(datum_lat_deg), math.radians(datum_lon_deg)
     sin_phi, cos_phi, sin_lam, cos_lam = math.sin(phi), math.cos(phi), math.sin(lam), math.cos(lam)
