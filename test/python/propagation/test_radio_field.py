@@ -219,6 +219,17 @@ def test_maps_are_written_into_the_arrays_given(flat):
     assert several[0].tobytes() == out.tobytes()
 
 
+def test_threads_do_not_change_a_bit_of_a_map(flat):
+    field = RadioField(flat, Radio())
+    transmitters_m = [(4.5, 7.25), (18.0, 2.0), (10.0, 19.0), (8.3, 7.3)]
+    best = field.best_rssi_map_dbm(transmitters_m, 0.05).values.tobytes()
+    each = [part.values.tobytes() for part in field.rssi_maps_dbm(transmitters_m, 0.05)]
+    for threads in (0, 2, 3, 7):
+        assert field.best_rssi_map_dbm(transmitters_m, 0.05, threads=threads).values.tobytes() == best
+        maps = field.rssi_maps_dbm(transmitters_m, 0.05, threads=threads)
+        assert [part.values.tobytes() for part in maps] == each
+
+
 @pytest.mark.parametrize(
     "out",
     [
