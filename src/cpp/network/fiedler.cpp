@@ -11,10 +11,10 @@
 namespace robotteamsim {
 namespace {
 
-/// Up to here all eigenvalues of a small dense matrix are the fastest (network_bench).
+/// Up to here all eigenvalues of a small dense matrix are the fastest.
 constexpr int kSmallTeam = 24;
 
-/// Up to so many neighbours per robot, on average, factors stay sparse enough to be worth their while (network_bench).
+/// Up to so many neighbours per robot, on average, factors stay sparse enough to be worth their while.
 constexpr double kFewNeighbors = 40.0;
 
 /// Where iterations end: the residual of a unit vector, over its eigenvalue. That is a bound of the relative error too,

@@ -99,7 +99,20 @@ class Network:
 
     def _deliver(self, hops: np.ndarray, outboxes: Sequence[Sequence[Message]]) -> list[tuple[Message, ...]]:
         sent = [message for outbox in outboxes for message in outbox]
-        return [
-            tuple(m for m in sent if m.receiver in (receiver, EVERYBODY) and hops[m.sender, receiver] > 0)
-            for receiver in range(self._num_robots)
-        ]
+        if not all(message.receiver == EVERYBODY for message in sent):
+            return [
+                tuple(m for m in sent if m.receiver in (receiver, EVERYBODY) and hops[m.sender, receiver] > 0)
+                for receiver in range(self._num_robots)
+            ]
+        # Those who have a path to each other hear the same, but for what they sent themselves.
+        num_sent = np.array([len(outbox) for outbox in outboxes])
+        heard: dict[bytes, tuple[tuple[Message, ...], list[int]]] = {}
+        inboxes = []
+        for receiver, senders in enumerate(hops >= 0):
+            key = senders.tobytes()
+            if key not in heard:
+                messages = tuple(message for message in sent if senders[message.sender])
+                heard[key] = messages, np.cumsum(num_sent * senders).tolist()
+            messages, ends = heard[key]
+            inboxes.append(messages[: ends[receiver] - len(outboxes[receiver])] + messages[ends[receiver] :])
+        return inboxes

@@ -148,3 +148,18 @@ def test_single_robot_is_a_network():
 def test_wrong_input_is_refused(positions_m, outboxes, message):
     with pytest.raises(ValueError, match=message):
         _network().step(positions_m, outboxes)
+
+
+def test_broadcasts_arrive_as_if_each_were_asked_about_alone():
+    generator = np.random.default_rng(4)
+    for _ in range(30):
+        positions_m = generator.uniform((0.0, 0.0), (400.0, 10.0), (12, 2))  # a few islands
+        outboxes = [
+            tuple(Message(i, EVERYBODY, f"{i}.{k}") for k in range(generator.integers(0, 3))) for i in range(12)
+        ]
+        state, inboxes = _network(12).step(positions_m, outboxes)
+        sent = [message for outbox in outboxes for message in outbox]
+        assert inboxes == [
+            tuple(message for message in sent if state.hop_count[message.sender, receiver] > 0)
+            for receiver in range(12)
+        ]
