@@ -37,6 +37,10 @@ Robot ToRobot(double radius_m, double mass_kg, const DriveLimits& drive, const T
   return {radius_m, mass_kg, drive, {start[0], start[1], start[2]}, ToPolygon(footprint_m)};
 }
 
+Thing ToThing(double radius_m, double mass_kg, double friction, const Triple& start, const Corners& corners_m) {
+  return {radius_m, mass_kg, friction, {start[0], start[1], start[2]}, ToPolygon(corners_m)};
+}
+
 DriveKind ToKind(const std::string& name) {
   if (name == "differential") return DriveKind::kDifferential;
   if (name == "omni") return DriveKind::kOmni;
@@ -107,9 +111,14 @@ void BindWorld(py::module_& m) {
   py::class_<Robot>(m, "Robot")
       .def(py::init(&ToRobot), py::arg("radius_m"), py::arg("mass_kg"), py::arg("drive"), py::arg("start"),
            py::arg("footprint_m") = Corners());
+  py::class_<Thing>(m, "Thing")
+      .def(py::init(&ToThing), py::kw_only(), py::arg("radius_m"), py::arg("mass_kg"), py::arg("friction"),
+           py::arg("start"), py::arg("corners_m"));
   py::class_<World>(m, "World")
-      .def(py::init<std::vector<Solid>, std::vector<Door>, std::vector<Robot>, double, int>(), py::arg("solids"),
-           py::arg("doors"), py::arg("robots"), py::arg("step_s"), py::arg("substeps"))
+      .def(py::init<std::vector<Solid>, std::vector<Door>, std::vector<Robot>, double, int, std::vector<Thing>>(),
+           py::arg("solids"), py::arg("doors"), py::arg("robots"), py::arg("step_s"), py::arg("substeps"),
+           py::arg("things") = std::vector<Thing>())
+      .def("thing_poses", [](const World& world) { return ToArray(world.thing_poses()); })
       .def("step", &Step, py::arg("twists"))
       .def("poses", [](const World& world) { return ToArray(world.poses()); })
       .def("pose_readings", &PoseReadings)

@@ -24,6 +24,15 @@ struct Robot {
   Polygon footprint = {};  ///< in base_link, 3 to 8 corners counter-clockwise around it [m]; none: it is round
 };
 
+/// Something that robots push: it slides and turns until the friction of the ground has stopped it.
+struct Thing {
+  double radius = 0.2;    ///< [m]; a world makes it that of the disc around its middle that holds the corners
+  double mass = 1.0;      ///< [kg]
+  double friction = 0.5;  ///< of the ground, per weight
+  Pose start;             ///< of its middle
+  Polygon corners = {};   ///< around its middle, 3 to 8 counter-clockwise [m]; none: it is round
+};
+
 /// What is true: walls, doors, robots, and what they do to each other.
 ///
 /// Box2D solves the contacts. They are without friction and take from a robot only the velocity that would press it
@@ -36,7 +45,8 @@ class World {
   /// a robot could move by more than half its radius in one.
   /// Throws std::invalid_argument on a piece that is not convex, counter-clockwise and of 3 to 8 corners, and on sizes
   /// that are not above 0.
-  World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps);
+  World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps,
+        std::vector<Thing> things = {});
   ~World();
 
   /// Advances by one step; commands are one per robot, in base_link.
@@ -46,11 +56,19 @@ class World {
   const std::vector<Solid>& solids() const { return solids_; }
   const std::vector<Door>& doors() const { return doors_; }
   const std::vector<Robot>& robots() const { return robots_; }
+  const std::vector<Thing>& things() const { return things_; }
 
   /// Which robots are near a point.
   const DiscGrid& grid() const { return grid_; }
   /// How far the largest robot reaches from its base_link [m].
   double max_radius() const { return max_radius_; }
+
+  /// Which things are near a point.
+  const DiscGrid& thing_grid() const { return thing_grid_; }
+  /// How far the largest thing reaches from its middle [m].
+  double max_thing_radius() const { return max_thing_radius_; }
+  /// Where the things are.
+  const std::vector<Pose>& thing_poses() const { return thing_poses_; }
 
   /// Where the robots are.
   const std::vector<Pose>& poses() const { return poses_; }
@@ -81,6 +99,10 @@ class World {
 
   void CheckCommands(const std::vector<Twist>& commands) const;
   void AddRobot(const Robot& robot);
+  void AddThings();
+  bool AnyThingMoves() const;
+  double ThingTravel() const;
+  void FinishThings();
   Point BodyPosition(int robot) const;
   void SetBodyPose(int robot);
   DriveSpeed BodySpeed(int robot) const;
@@ -94,19 +116,25 @@ class World {
   const std::vector<Solid> solids_;
   const std::vector<Door> initial_doors_;
   const std::vector<Robot> robots_;
+  const std::vector<Thing> things_;
   const double step_;
   const int substeps_;
   const double dt_;
   // Where Box2D counts from, in the map frame: its floats keep half a millimetre for 4 km only.
   const Point origin_;
   const double max_radius_;
+  const double max_thing_radius_;
+  const double max_travel_;  // of anything in a step [m]
   const NearbyEdges edges_;
 
   std::unique_ptr<b2World> box_;
   std::vector<b2Body*> door_bodies_;
   std::vector<b2Body*> robot_bodies_;
+  std::vector<b2Body*> thing_bodies_;
   std::vector<Door> doors_;
   DiscGrid grid_;
+  DiscGrid thing_grid_;
+  std::vector<Pose> thing_poses_;
   std::vector<Drive> drives_;
   std::vector<Pose> poses_;
   std::vector<Twist> twists_;

@@ -95,7 +95,15 @@ class Laser::View {
     });
   }
 
-  /// Args: reach: of the corners from the pose.
+  /// Args: corners: of a polygon in the frame of its pose; none: a disc. reach: of the body from the pose.
+  void MeetBody(const Polygon& corners, const Pose& pose, double reach, double range_max) {
+    if (corners.empty()) {
+      MeetDisc(pose, reach, range_max);
+    } else {
+      MeetPolygon(corners, pose, reach, range_max);
+    }
+  }
+
   void MeetPolygon(const Polygon& corners, const Pose& pose, double reach, double range_max) {
     const Point center = ToLocal({pose.x, pose.y});
     const double farthest = range_max + reach;
@@ -154,14 +162,15 @@ std::vector<double> Laser::Scan(const World& world, int robot) const {
     if (edge.door == Edge::kNoDoor || world.doors()[edge.door].closed) view.MeetEdge(edge.segment);
   }
   world.grid().ForEachNear(view.origin(), model_.range_max + world.max_radius(), [&](int other, const Pose& pose) {
-    if (other == robot) return;
     const Robot& body = world.robots()[other];
-    if (body.footprint.empty()) {
-      view.MeetDisc(pose, body.radius, model_.range_max);
-    } else {
-      view.MeetPolygon(body.footprint, pose, body.radius, model_.range_max);
-    }
+    if (other != robot) view.MeetBody(body.footprint, pose, body.radius, model_.range_max);
   });
+  if (!world.things().empty()) {
+    const double reach = model_.range_max + world.max_thing_radius();
+    world.thing_grid().ForEachNear(view.origin(), reach, [&](int thing, const Pose& pose) {
+      view.MeetBody(world.things()[thing].corners, pose, world.things()[thing].radius, model_.range_max);
+    });
+  }
   return view.Take(model_.range_max);
 }
 

@@ -26,6 +26,11 @@ constexpr double kMargin = 0.02;
 constexpr double kSamePlace = 0.05;
 constexpr double kFullTurn = 6.28318530717958648;
 
+// A thing that has gone less than this [m or rad] has not moved: that much may be rounding.
+constexpr double kUnmoved = 1e-6;
+
+constexpr double kGravity = 9.81;  // [m/s^2]
+
 // A drive that reaches less than this part of its speed is stalled.
 constexpr double kStalled = 0.05;
 
@@ -132,27 +137,48 @@ double MaxRadius(const std::vector<Robot>& robots) {
   return radius;
 }
 
-// How far a robot reaches that drives as fast as it can for a whole step [m].
-double MaxReach(const std::vector<Robot>& robots, double step) {
-  double reach = kMargin;
-  for (const Robot& robot : robots) {
-    reach = std::max(reach, (robot.drive.max_speed + MaxCornerSpeed(robot)) * step + kMargin);
+// The longest way of anything in a step [m]. Nothing pushes anything to more than its own speed, but a thing's far end
+// may turn as fast again.
+double MaxTravelOf(const std::vector<Robot>& robots, bool are_there_things, double step) {
+  double speed = 0.0;
+  for (const Robot& robot : robots) speed = std::max(speed, robot.drive.max_speed + MaxCornerSpeed(robot));
+  return (are_there_things ? 2.0 : 1.0) * speed * step;
+}
+
+std::vector<Thing> Checked(std::vector<Thing> things) {
+  for (Thing& thing : things) {
+    if (!thing.corners.empty()) {
+      CheckFootprint(thing.corners, "a thing");
+      thing.radius = ReachOf(thing.corners);
+    }
+    const bool is_fine = IsPositive(thing.radius) && IsPositive(thing.mass) && IsPositive(thing.friction);
+    if (!is_fine) throw std::invalid_argument("size, mass and friction of a thing must be > 0");
   }
-  return MaxRadius(robots) + reach;
+  return things;
+}
+
+double MaxRadius(const std::vector<Thing>& things) {
+  double radius = 0.0;
+  for (const Thing& thing : things) radius = std::max(radius, thing.radius);
+  return radius;
 }
 
 }  // namespace
 
-World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps)
+World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps,
+             std::vector<Thing> things)
     : solids_(std::move(solids)),
       initial_doors_(std::move(doors)),
       robots_(WithReach(std::move(robots))),
+      things_(Checked(std::move(things))),
       step_(step),
       substeps_(CheckedSubsteps(robots_, step, substeps)),
       dt_(step_ / substeps_),
       origin_(robots_.empty() ? Point{} : Point{robots_[0].start.x, robots_[0].start.y}),
       max_radius_(MaxRadius(robots_)),
-      edges_(EdgesOf(solids_, initial_doors_), MaxReach(robots_, step_)) {
+      max_thing_radius_(MaxRadius(things_)),
+      max_travel_(MaxTravelOf(robots_, !things_.empty(), step_)),
+      edges_(EdgesOf(solids_, initial_doors_), max_radius_ + (max_travel_ + kMargin)) {
   Reset();
 }
 
@@ -174,6 +200,7 @@ void World::Reset() {
   robot_bodies_.clear();
   poses_.clear();
   for (const Robot& robot : robots_) AddRobot(robot);
+  AddThings();
   drives_.assign(robots_.size(), {});
   twists_.assign(robots_.size(), {});
   motions_.assign(robots_.size(), {});
@@ -205,6 +232,68 @@ void World::AddRobot(const Robot& robot) {
   poses_.push_back({robot.start.x, robot.start.y, NormaliseAngle(robot.start.yaw)});
 }
 
+void World::AddThings() {
+  thing_bodies_.clear();
+  thing_poses_.clear();
+  b2BodyDef still;
+  b2Body* const ground = things_.empty() ? nullptr : box_->CreateBody(&still);
+  for (const Thing& thing : things_) {
+    b2BodyDef def;
+    def.type = b2_dynamicBody;
+    def.position = ToBox(thing.start.x - origin_.x, thing.start.y - origin_.y);
+    def.angle = static_cast<float>(NormaliseAngle(thing.start.yaw));
+    def.bullet = true;
+    b2Body* body = box_->CreateBody(&def);
+    if (thing.corners.empty()) {
+      AddDisc(body, thing.radius, thing.mass);
+    } else {
+      AddPolygon(body, thing.corners, thing.mass);
+    }
+    const double weight = kGravity * thing.mass;
+    b2FrictionJointDef rub;
+    rub.Initialize(ground, body, body->GetWorldCenter());
+    rub.maxForce = static_cast<float>(thing.friction * weight);
+    // The mean distance of a disc's points from its middle is two thirds of its radius.
+    rub.maxTorque = static_cast<float>(thing.friction * weight * 2.0 / 3.0 * thing.radius);
+    box_->CreateJoint(&rub);
+    thing_bodies_.push_back(body);
+    thing_poses_.push_back({thing.start.x, thing.start.y, NormaliseAngle(thing.start.yaw)});
+  }
+  thing_grid_.Rebuild(thing_poses_);
+}
+
+// A thing that has rested for half a second sleeps until something touches it.
+bool World::AnyThingMoves() const {
+  return std::any_of(thing_bodies_.begin(), thing_bodies_.end(), [](const b2Body* body) { return body->IsAwake(); });
+}
+
+// The longest way that any thing goes in a step at its speed.
+double World::ThingTravel() const {
+  double speed = 0.0;
+  for (std::size_t i = 0; i < things_.size(); ++i) {
+    const b2Body* const body = thing_bodies_[i];
+    const double turning = things_[i].radius * std::abs(static_cast<double>(body->GetAngularVelocity()));
+    speed = std::max(speed, static_cast<double>(body->GetLinearVelocity().Length()) + turning);
+  }
+  return speed * step_;
+}
+
+void World::FinishThings() {
+  bool any = false;
+  for (std::size_t i = 0; i < things_.size(); ++i) {
+    const b2Body* const body = thing_bodies_[i];
+    if (!body->IsAwake()) continue;
+    const b2Vec2& at = body->GetPosition();
+    const Pose pose{origin_.x + at.x, origin_.y + at.y, NormaliseAngle(static_cast<double>(body->GetAngle()))};
+    // A thing that nobody has pushed yet stays where it was placed, in double precision.
+    const Pose way = RelativePose(thing_poses_[i], pose);
+    if (std::hypot(way.x, way.y) < kUnmoved && std::abs(way.yaw) < kUnmoved) continue;
+    thing_poses_[i] = pose;
+    any = true;
+  }
+  if (any) thing_grid_.Rebuild(thing_poses_);
+}
+
 void World::CheckCommands(const std::vector<Twist>& commands) const {
   if (commands.size() != robots_.size()) {
     throw std::invalid_argument("expected " + std::to_string(robots_.size()) + " twists, got " +
@@ -227,8 +316,8 @@ void World::Step(const std::vector<Twist>& commands) {
   twists_.assign(robots_.size(), {});
   in_contact_.assign(robots_.size(), false);
   for (std::vector<double>& angles : contact_angles_) angles.clear();
-  const double travel = MaxTravel(commands);
-  bool any_busy = false;
+  const double travel = std::min(std::max(MaxTravel(commands), ThingTravel()), max_travel_);
+  bool any_busy = AnyThingMoves();
   for (int i = 0; i < num_robots; ++i) {
     SetBusy(i, CouldTouch(i, travel));
     any_busy = any_busy || drives_[i].is_busy;
@@ -238,6 +327,7 @@ void World::Step(const std::vector<Twist>& commands) {
     if (any_busy) box_->Step(static_cast<float>(dt_), kVelocityIterations, kPositionIterations);
     for (int i = 0; i < num_robots; ++i) FinishDrive(i);
   }
+  if (any_busy) FinishThings();
   for (int i = 0; i < num_robots; ++i) motions_[i] = RelativePose(before[i], poses_[i]);
   grid_.Rebuild(poses_);
 }
@@ -262,6 +352,10 @@ bool World::CouldTouch(int robot, double travel) const {
   grid_.ForEachNear(at, reach + travel + max_radius_, [&](int other, const Pose& pose) {
     const double dx = pose.x - at.x, dy = pose.y - at.y, apart = reach + travel + robots_[other].radius;
     found = found || (other != robot && dx * dx + dy * dy <= apart * apart);
+  });
+  if (things_.empty()) return found;
+  thing_grid_.ForEachNear(at, reach + travel + max_thing_radius_, [&](int thing, const Pose& pose) {
+    found = found || std::hypot(pose.x - at.x, pose.y - at.y) <= reach + travel + things_[thing].radius;
   });
   return found;
 }
@@ -311,9 +405,9 @@ void World::FinishDrive(int robot) {
       drive.speed.forward = 0.0;
       drive.speed.left = 0.0;
     }
-    if (reached.turn / drive.speed.turn < kStalled) drive.speed.turn = 0.0;
     const Point at = BodyPosition(robot);
     if (reached.turn != drive.speed.turn) drive.target.yaw = NormaliseAngle(pose.yaw + reached.turn * dt_);
+    if (reached.turn / drive.speed.turn < kStalled) drive.speed.turn = 0.0;
     drive.target.x = at.x;
     drive.target.y = at.y;
     in_contact_[robot] = true;

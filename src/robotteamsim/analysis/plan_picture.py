@@ -21,6 +21,7 @@ _BAY = "#c9c6bd"
 _DOOR = {"normal": "#b07a2a", "fireproof": "#c0392b"}
 _AREA = "#2a7f62"
 VICTIM = "#d1495b"
+_THING = "#a9793f"
 ROBOT = "#1f6feb"
 _PLAN_INCHES = 11.0
 
@@ -46,6 +47,7 @@ def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
     draw_doors(axes, plan)
     if scenario is not None:
         _draw_mission(axes, scenario, unit_m=max(width_m, height_m) / 60.0)
+        _draw_things(axes, scenario)
         _draw_robots(axes, scenario)
         figure.legend(loc="outside lower center", ncols=5, frameon=False, fontsize=9)
     margin_m = 0.01 * max(width_m, height_m)
@@ -119,6 +121,17 @@ def _draw_robots(axes: Axes, scenario: Scenario) -> None:
     axes.add_collection(LineCollection(headings, colors=ROBOT, linewidths=1.0, zorder=6))
     count = f"{len(robots)} robots" if len(robots) > 1 else "robot"
     axes.plot([], [], "o", color=ROBOT, markersize=6, label=f"{count} at the start")
+
+
+def _draw_things(axes: Axes, scenario: Scenario) -> None:
+    """Draw things to scale where they stand at the start."""
+    shapes: list[Patch] = [
+        Circle(thing.pose[:2], thing.radius_m) if thing.radius_m else Polygon(corners_at(thing.corners_m, thing.pose))
+        for thing in scenario.things
+    ]
+    if shapes:
+        axes.add_collection(PatchCollection(shapes, facecolor=_THING, edgecolor="white", linewidth=0.4, zorder=5))
+        axes.plot([], [], "s", color=_THING, markersize=6, label="thing that robots push")
 
 
 def _outline(robot: PlacedRobot) -> Patch:

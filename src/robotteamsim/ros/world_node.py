@@ -12,6 +12,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerResponse
 from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, PoseReading
@@ -21,6 +22,7 @@ from robotteamsim.recording.sensor_fields import sensor_topics
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.gate import Gate, Pacer
 from robotteamsim.ros.node import SEED, Output, ParameterError, Settings, parameter, read_settings, run
+from robotteamsim.ros.scene_things import thing_markers
 from robotteamsim.ros.team import FreeTeam, LockstepTeam
 from robotteamsim.scenario import occupancy_grid
 from robotteamsim.scenario.sections import PlacedRobot
@@ -88,6 +90,7 @@ class WorldNode:
         )
         self._tf = Output("/tf", TFMessage)
         self._clock = Output("/clock", Clock, latched=True)
+        self._things = Output("/world/things", MarkerArray)
         # In lockstep a late subscriber must still get the step that everybody waits for.
         self._outputs = [RobotOutputs(i, robot, settings.lockstep, self._make) for i, robot in enumerate(self._robots)]
         self._offer_map()
@@ -122,7 +125,8 @@ class WorldNode:
 
     def _build(self) -> None:
         seed = self._scenario.run.seed
-        self._world = World(self._scenario.plan, self._robots, self._scenario.run, seed=seed)
+        things = self._scenario.things
+        self._world = World(self._scenario.plan, self._robots, self._scenario.run, things=things, seed=seed)
         self._sensors = RobotSensors(self._world, self._robots, seed)
 
     def _reset(self) -> None:
@@ -149,6 +153,8 @@ class WorldNode:
         time_ns = self._world.sim_time_ns
         for outputs, reading in zip(self._outputs, readings, strict=True):
             outputs.publish(self._make, time_ns, reading)
+        if self._scenario.things and self._things.wanted:
+            self._things.publish(thing_markers(self._scenario.things, list(self._world.things().values())))
         if self._tf.wanted:
             transforms = fields.transforms(self._make, time_ns, self._robots, [r.odometry for r in readings])
             if self._localization == "ground_truth":

@@ -6,12 +6,14 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
-from robotteamsim.scenario.base import Many, Model, wrong
+from robotteamsim.scenario.base import Many, Model, first_repeated, wrong
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
 from robotteamsim.scenario.placement import placed_robots
 from robotteamsim.scenario.sections import Control, Mission, Network, PlacedRobot, Radio, Run, Team, Voice
+from robotteamsim.scenario.things import Thing
 
 MAX_ROBOTS = 3000
+MAX_THINGS = 1000
 
 
 def _robots_form(value: Any) -> str | None:
@@ -39,6 +41,7 @@ class Scenario(Model):
     network: Network = Network()
     control: Control = Control()
     mission: Mission = Mission()
+    things: Many[Thing] = Field(default=(), max_length=MAX_THINGS, description="boxes and barrels that robots push")
     run: Run = Run()
 
     _plan_file: tuple[FloorPlan, str] | None = PrivateAttr(default=None)
@@ -53,6 +56,9 @@ class Scenario(Model):
                     "radio.materials",
                     f"has no '{element.material}', which '{element.name}' of the plan is made of; known: {known}",
                 )
+        repeated = first_repeated([thing.name for thing in self.things])
+        if repeated:
+            raise wrong(f"things.{repeated[0]}.name", f"'{repeated[1]}' is the name of another already")
         return self
 
     @property

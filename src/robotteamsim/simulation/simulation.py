@@ -31,7 +31,7 @@ class Simulation:
         """Build all stages. Raises: PlacementError: a robot starts where it cannot stand."""
         robots, seed = scenario.placed_robots(), scenario.run.seed
         self.scenario = scenario
-        self.world = World(scenario.plan, robots, scenario.run, seed=seed)
+        self.world = World(scenario.plan, robots, scenario.run, things=scenario.things, seed=seed)
         self.sensors = RobotSensors(self.world, robots, seed)
         self.environment = Environment(scenario)
         self.controllers: list[Controller] = [make_controller(robot_id, scenario) for robot_id in range(len(robots))]

@@ -15,6 +15,7 @@ from robotteamsim.scenario.body import Body
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.plan import Solid, solids
 from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.scenario.things import Thing, check_things
 from robotteamsim.world.pieces import convex_pieces
 
 _TOUCH_M = 1e-6
@@ -32,15 +33,18 @@ class World:
     Everything is deterministic: equal calls give equal bits, and `reset` begins the same again.
     """
 
-    def __init__(self, plan: FloorPlan, robots: Sequence[PlacedRobot], run: Run, *, seed: int = 0) -> None:
+    def __init__(
+        self, plan: FloorPlan, robots: Sequence[PlacedRobot], run: Run, *, things: Sequence[Thing] = (), seed: int = 0
+    ) -> None:
         """Place the robots at their start poses, in id order.
 
         Args:   seed: for what is random in a world; so far nothing is.
-        Raises: PlacementError: a robot starts in a wall, block, closed door or robot, or outside the plan.
+        Raises: PlacementError: a robot or thing starts in a wall, block, closed door, robot or thing, or outside.
         """
         self.seed = seed
         self._plan = plan
         self._robots = tuple(robots)
+        self._things = tuple(things)
         self._step_ns = round(run.step_s * 1e9)
         self._solids = solids(plan, {door.name: True for door in plan.doors})
         self._shapes = shapely.STRtree([solid.polygon for solid in self._solids])
@@ -49,6 +53,7 @@ class World:
         self._reaches_m = np.array([robot.reach_m for robot in self._robots])
         self._start_poses = [Pose(*robot.start_pose) for robot in self._robots]
         self._check_start_poses()
+        check_things(plan, self._things, self._robots)
         self.core = self._build(run)
         """The C++ world, for the sensors that look at it."""
         self._step_index = 0
@@ -118,6 +123,12 @@ class World:
         """
         return self.core.contact_angles()
 
+    def things(self) -> dict[str, Pose]:
+        """Return where the middle of each thing is in `map`, by name, in the scenario's order."""
+        return {
+            thing.name: Pose(*row) for thing, row in zip(self._things, self.core.thing_poses().tolist(), strict=True)
+        }
+
     def doors(self) -> dict[str, bool]:
         """Return whether each door is closed, by name, in the plan's order."""
         return dict(self._closed)
@@ -132,6 +143,11 @@ class World:
         others = self.core.poses()
         others[robot_id] = math.nan
         self._check_pose(robot_id, pose, others, "pose")
+        body = self._robots[robot_id].body_at((pose.x_m, pose.y_m, pose.yaw_rad))
+        for thing, row in zip(self._things, self.core.thing_poses().tolist(), strict=True):
+            if body.overlaps(thing.body_at(tuple(row)), _TOUCH_M):
+                place = f"robot_{robot_id}: pose ({pose.x_m:.2f}, {pose.y_m:.2f})"
+                raise PlacementError(f"{place} is inside {thing.kind} '{thing.name}'")
         self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
 
     def set_door(self, name: str, closed: bool) -> None:
@@ -145,12 +161,12 @@ class World:
         self._closed[name] = closed
 
     def reset_positions(self) -> None:
-        """Put all robots back to their start poses, standing still; time and doors stay as they are."""
+        """Put all robots back to their start poses, standing still; time, things and doors stay as they are."""
         for robot_id, pose in enumerate(self._start_poses):
             self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
 
     def reset(self) -> None:
-        """Begin again as new: time, poses and doors as at the start."""
+        """Begin again as new: time, poses, things and doors as at the start."""
         self.core.reset()
         self._closed = {door.name: door.closed for door in self._plan.doors}
         self._step_index = 0
@@ -164,7 +180,8 @@ class World:
             if isinstance(element, Door)
         ]
         still = [shape for shape, element in zip(shapes, elements, strict=True) if not isinstance(element, Door)]
-        return _core.World(still, leaves, [_body(robot) for robot in self._robots], run.step_s, run.physics_substeps)
+        bodies, things = [_body(robot) for robot in self._robots], [_thing(thing) for thing in self._things]
+        return _core.World(still, leaves, bodies, run.step_s, run.physics_substeps, things)
 
     def _check_start_poses(self) -> None:
         placed = np.full((self.num_robots, 3), math.nan)
@@ -213,4 +230,14 @@ def _body(robot: PlacedRobot) -> _core.Robot:
         drive=_core.Drive(**robot.drive.model_dump()),
         start=robot.start_pose,
         footprint_m=robot.corners_m,
+    )
+
+
+def _thing(thing: Thing) -> _core.Thing:
+    return _core.Thing(
+        radius_m=thing.reach_m,
+        mass_kg=thing.mass_kg,
+        friction=thing.friction,
+        start=thing.pose,
+        corners_m=thing.corners_m,
     )
