@@ -1,0 +1,112 @@
+"""What no user should do to a world, and what it makes of it."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+from robotteamsim import _core
+from robotteamsim.errors import PlacementError
+from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
+from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.world import World
+
+SQUARE = ((-0.15, -0.15), (0.15, -0.15), (0.15, 0.15), (-0.15, 0.15))
+SHEET = ((50.0, -5.0), (50.002, -5.0), (50.002, 5.0), (50.0, 5.0))
+ROOM_M = 8.0
+
+
+def room() -> FloorPlan:
+    walls = (
+        Wall(name="south", start=(-0.2, -0.1), end=(ROOM_M + 0.2, -0.1)),
+        Wall(name="north", start=(-0.2, ROOM_M + 0.1), end=(ROOM_M + 0.2, ROOM_M + 0.1)),
+        Wall(name="west", start=(-0.1, 0.0), end=(-0.1, ROOM_M)),
+        Wall(name="east", start=(ROOM_M + 0.1, 0.0), end=(ROOM_M + 0.1, ROOM_M)),
+    )
+    return FloorPlan(name="room", bounds=Bounds(min=(-0.2, -0.2), max=(ROOM_M + 0.2, ROOM_M + 0.2)), walls=walls)
+
+
+@pytest.mark.parametrize("footprint_m", [(), SQUARE], ids=["round", "square"])
+@pytest.mark.parametrize("kind", ["differential", "omni"])
+def test_body_at_a_hundred_metres_a_second_does_not_tunnel_through_a_thin_sheet(kind, footprint_m):
+    drive = _core.Drive(
+        kind=kind,
+        max_speed_mps=100.0,
+        max_acceleration_mps2=1e4,
+        max_turn_radps=2.0,
+        max_turn_acceleration_radps2=8.0,
+    )
+    robot = _core.Robot(radius_m=0.15, mass_kg=5.0, drive=drive, start=(0.0, 0.0, 0.0), footprint_m=footprint_m)
+    world = _core.World([_core.Solid(SHEET, [SHEET])], [], [robot], 0.1, 5)
+    for _ in range(20):
+        world.step(np.array([[100.0, 0.0, 0.0]]))
+    assert world.poses()[0, 0] == pytest.approx(49.85, abs=0.01)
+
+
+def test_hundred_robots_in_one_spot_push_each_other_apart_without_a_crash():
+    drive = _core.Drive(
+        kind="differential",
+        max_speed_mps=0.7,
+        max_acceleration_mps2=2.0,
+        max_turn_radps=2.0,
+        max_turn_acceleration_radps2=8.0,
+    )
+    robots = [
+        _core.Robot(radius_m=0.1, mass_kg=5.0, drive=drive, start=(0.0, 0.0, math.tau * i / 100)) for i in range(100)
+    ]
+    world = _core.World([], [], robots, 0.1, 2)
+    for _ in range(5):
+        world.step(np.full((100, 3), [0.7, 0.0, 0.0]))
+    assert np.isfinite(world.poses()).all()
+    assert np.hypot(*world.poses()[:, :2].T).max() > 1.0
+
+
+def test_thousand_robots_in_a_small_room_stay_in_it_however_they_push():
+    spots_m = (np.arange(32) + 0.5) * ROOM_M / 32
+    poses = [(float(x), float(y), 0.0) for x in spots_m for y in spots_m][:1000]
+    world = World(room(), [PlacedRobot(start_pose=pose, radius_m=0.1) for pose in poses], Run())
+    generator = np.random.default_rng(1)
+    for _ in range(10):
+        world.step(generator.uniform((-0.7, 0.0, -2.0), (0.7, 0.0, 2.0), (1000, 3)))
+    positions_m = world.positions_m()
+    assert np.isfinite(positions_m).all()
+    assert positions_m.min() > 0.1 - 0.05
+    assert positions_m.max() < ROOM_M - 0.1 + 0.05
+    assert sum(world.in_contact()) > 100
+
+
+def test_robots_that_start_in_each_other_are_refused_by_name():
+    robots = [PlacedRobot(start_pose=(1.0 + 0.3 * i, 4.0, 0.0)) for i in range(3)]
+    message = "robot_1: start pose (1.30, 4.00) is inside robot_0 at (1.00, 4.00); wanted 0.4 m between them"
+    with pytest.raises(PlacementError, match=f"^{re.escape(message)}$"):
+        World(room(), robots, Run())
+
+
+def test_robot_that_starts_in_a_wall_is_refused_by_its_name():
+    message = r"^robot_0: start pose \(0\.10, 4\.00\) is inside wall 'west'; wanted 0\.2 m of clearance$"
+    with pytest.raises(PlacementError, match=message):
+        World(room(), [PlacedRobot(start_pose=(0.1, 4.0, 0.0))], Run())
+
+
+@pytest.mark.parametrize("step_s", [0.0, -0.1, math.nan, math.inf])
+def test_step_that_is_no_time_is_refused(step_s):
+    with pytest.raises(ValueError, match="step and substeps must be > 0"):
+        _core.World([], [], [], step_s, 5)
+
+
+def test_laser_without_beams_is_refused():
+    world = _core.World([], [], [], 0.1, 5)
+    with pytest.raises(ValueError, match="beams must be >= 1, got 0"):
+        _core.Laser(
+            world,
+            beams=0,
+            angle_min_rad=-1.0,
+            angle_max_rad=1.0,
+            forward_m=0.0,
+            left_m=0.0,
+            range_min_m=0.0,
+            range_max_m=5.0,
+            too_near_m=0.0,
+            no_return_m=5.0,
+        )
