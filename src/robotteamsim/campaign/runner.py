@@ -22,10 +22,12 @@ from robotteamsim.campaign.trial import Outcome, run_trial
 from robotteamsim.errors import CampaignError
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Client, Future, LocalCluster
 
 CONNECT_TIMEOUT_S = 5
 _MIN_IN_FLIGHT = 100
+_START_ATTEMPTS = 5
+_REPLACE_EVERY_MS = 2000
 
 # A trial whose worker dies moves to another. When that many have died of it, it is given up for now.
 _ALLOWED_DEATHS = 20
@@ -47,12 +49,24 @@ def local_workers(count: int | None = None) -> Iterator[Client]:
     """
     # Brings in a second's worth of modules, which no other command needs.
     import dask
-    from distributed import Client, LocalCluster
+    from distributed import Client
 
+    count = count or len(os.sched_getaffinity(0))
     with dask.config.set(_LOCAL_SETTINGS), _core_first_on_path():
         with _interrupts_kept_from_children():
-            cluster = LocalCluster(
-                n_workers=count or len(os.sched_getaffinity(0)),
+            cluster = _start_cluster(count)
+        with cluster, _dead_workers_replaced(cluster, count), Client(cluster) as client:
+            yield client
+
+
+def _start_cluster(count: int) -> LocalCluster:
+    """Return a cluster of this machine. Raises: CampaignError: its workers died at their start, time and again."""
+    from distributed import LocalCluster
+
+    for attempt in range(_START_ATTEMPTS):
+        try:
+            return LocalCluster(
+                n_workers=count,
                 threads_per_worker=1,
                 processes=True,
                 memory_limit=0,
@@ -60,8 +74,31 @@ def local_workers(count: int | None = None) -> Iterator[Client]:
                 silence_logs=logging.CRITICAL,
                 env=_ONE_THREAD,
             )
-        with cluster, Client(cluster) as client:
-            yield client
+        except RuntimeError as error:
+            if attempt + 1 == _START_ATTEMPTS:
+                raise CampaignError(f"workers cannot be started: {_line(error.__cause__ or error)}") from error
+    raise AssertionError("unreachable")
+
+
+@contextlib.contextmanager
+def _dead_workers_replaced(cluster: LocalCluster, count: int) -> Iterator[None]:
+    """Keep up the number of workers. Dask itself restarts a dead one, but not one that died at its restart."""
+    from distributed import Status
+    from tornado.ioloop import PeriodicCallback
+
+    def replace() -> None:
+        for name, worker in list(cluster.workers.items()):
+            if worker.status in (Status.closed, Status.failed):
+                del cluster.workers[name]
+        cluster.scale(count)
+
+    loop, every = cluster.loop, PeriodicCallback(replace, _REPLACE_EVERY_MS)
+    assert loop is not None
+    loop.add_callback(every.start)
+    try:
+        yield
+    finally:
+        loop.add_callback(every.stop)
 
 
 @contextlib.contextmanager
@@ -100,7 +137,8 @@ def scheduler_at(address: str) -> Iterator[Client]:
     """
     from distributed import Client
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    # Tells of a lost scheduler, which is ours to tell.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     try:
         # Client itself waits for ever where somebody takes the connection and says nothing.
         asyncio.run(asyncio.wait_for(_shake_hands(address), CONNECT_TIMEOUT_S))
@@ -167,8 +205,8 @@ def _outcome(future: Future) -> Outcome | None:
         return None
     except CampaignError:
         raise
-    except (CancelledError, OSError) as error:
-        raise CampaignError(f"the scheduler is lost ({_line(error)}); the same command goes on") from None
+    except (CancelledError, OSError):
+        raise CampaignError("the scheduler is lost; the same command goes on") from None
     except Exception as error:
         # A trial's own exceptions are in its outcome: this is the worker's, which lacks the package, say.
         raise CampaignError(f"a worker cannot run trials: {type(error).__name__}: {_line(error)}") from error

@@ -96,6 +96,17 @@ def test_trial_that_kills_every_worker_is_given_up_and_the_others_go_on(short_de
     assert [outcome and outcome.number for outcome in outcomes] == [None, 2]
 
 
+def test_lost_scheduler_is_told_in_one_line():
+    from distributed.client import FutureCancelledError
+
+    class Future:
+        def result(self):
+            raise FutureCancelledError("trial", "scheduler-connection-lost")
+
+    with pytest.raises(CampaignError, match=r"^the scheduler is lost; the same command goes on$"):
+        runner_module._outcome(Future())
+
+
 def test_more_trials_than_are_in_flight_at_once_all_run(short_design, two_workers, monkeypatch):
     monkeypatch.setattr(runner_module, "_MIN_IN_FLIGHT", 1)
     monkeypatch.setattr(two_workers, "ncores", dict)

@@ -150,7 +150,7 @@ def test_other_commands_do_not_wait_for_dask():
 
 def test_interrupted_campaign_completes_later(tmp_path):
     command = [sys.executable, "-m", "robotteamsim.cli", "campaign", "tutorial_arena", *NOISE]
-    command += ["--trials", "40", "--workers", "2", *SHORT, "--quiet", "--out"]
+    command += ["--trials", "20", "--workers", "2", *SHORT, "--quiet", "--out"]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen([*command, str(tmp_path / "c")], start_new_session=True, **pipes) as process:
         _wait_for_rows(process, tmp_path / "c", 3)
@@ -160,7 +160,7 @@ def test_interrupted_campaign_completes_later(tmp_path):
     kept = len(read_store(tmp_path / "c").outcomes)
     assert (process.returncode, out) == (130, "")
     assert lines == [
-        f"robotteamsim: {kept} of 80 trials are kept in {tmp_path}/c; the same command goes on",
+        f"robotteamsim: {kept} of 40 trials are kept in {tmp_path}/c; the same command goes on",
         "robotteamsim: interrupted",
     ]
     for folder in ("c", "undisturbed"):
