@@ -17,7 +17,7 @@ ARGS ?=
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint bench exactness fuzz wheel pictures clean
+.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint bench bench_ros exactness fuzz wheel pictures clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -74,7 +74,11 @@ lint: build ## ruff, mypy, clang-format
 bench: build ## measure the speed of the parts, as ratios, into bench/results/speed.csv
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_bench > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/run.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_bench --csv bench/results/speed.csv $(ARGS)
-	@$(ENV) for script in bench/*_bench.py; do $(PYTHON) $$script || exit 1; done
+	@$(ENV) for script in $(filter-out bench/ros_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
+
+bench_ros: build ## measure how fast worlds and missions run in ROS, with a client that hears all
+	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_ros_listener > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
+	@$(ENV) $(PYTHON) bench/ros_bench.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_ros_listener $(ARGS)
 
 exactness: build ## compare fast maps with one ray per cell, on 50 million cells; links with their way back
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_exactness > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }

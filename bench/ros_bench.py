@@ -1,7 +1,15 @@
-"""How much faster than real time a mission of three robots runs in ROS: in lockstep, and without, both flat out.
+"""How many times as fast as real time a world runs in ROS: with many robots that a client hears, and with missions.
 
-From the first step on; starting the nodes is not counted. Usage, with the build's devel/setup.sh sourced:
-python bench/ros_bench.py [--robots 3] [--runs 3] [--seconds 120]
+- `heard`: the world alone (world.launch), robots of the default kind (181 beams) at 10 Hz in the plan of
+  bench/world_bench.py, flat out. One C++ client hears every robot's odom, base_scan, base_pose_ground_truth and
+  contact, and /tf and /clock, and drives the robots. From the first message to the last one of the last step; `lost`
+  counts messages that are missing or out of order; busy times are of the two processes, per simulated second: on a
+  machine that others use, 1 / (the longer of them) tells more than the speed does.
+- `lockstep` and `free`: a mission of three robots, from its first step on, flat out.
+
+Starting the nodes is not counted. Usage, with the build's devel/setup.sh sourced:
+python bench/ros_bench.py LISTENER [--robots 30 100 300] [--steps 100] [--runs 3] [--mission-seconds 120]
+where LISTENER is build/devel/lib/robotteamsim/robotteamsim_ros_listener.
 """
 
 from __future__ import annotations
@@ -9,44 +17,148 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import signal
 import socket
 import statistics
 import subprocess
 import sys
 import tempfile
+import xmlrpc.client
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+from world_bench import free_robots, plan_of_rectangles
 
-def free_port() -> int:
+from robotteamsim.scenario.dumping import write_floor_plan
+
+ROSLAUNCH = (sys.executable, "-c", "import roslaunch; roslaunch.main()")
+STEP_S = 0.1
+TIMEOUT_S = 300
+GRACE_S = 30
+
+
+@dataclass(frozen=True)
+class Heard:
+    """What the client got; busy times are per simulated second."""
+
+    speed: float
+    messages: int
+    lost: int
+    world_busy: float
+    client_busy: float
+
+
+def environment(folder: str) -> tuple[int, dict[str, str]]:
+    """Return a free port for a master, and an environment in which nothing is left outside the folder."""
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
-        return probe.getsockname()[1]
+        port = probe.getsockname()[1]
+    uri = {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOSTNAME": "localhost"}
+    return port, os.environ | uri | {"ROS_HOME": folder, "ROS_LOG_DIR": f"{folder}/log", "PWD": folder}
 
 
-def speed(robots: int, seconds: float, lockstep: bool) -> float:
+def write_scenario(folder: str, count: int) -> None:
+    plan = plan_of_rectangles(np.random.default_rng(7))
+    write_floor_plan(plan, f"{folder}/plan.yaml")
+    robots = [
+        {"start_pose": [round(value, 6) for value in robot.start_pose], "cmd_vel_hold_s": 3.0}
+        for robot in free_robots(plan, count, np.random.default_rng(1))
+    ]
+    # JSON is YAML.
+    Path(folder, "many.yaml").write_text(json.dumps({"name": "many", "plan": "plan.yaml", "robots": robots}))
+
+
+def busy_s(pid: int) -> float:
+    """Return the busy time of a process so far."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def world_pid(master_uri: str) -> int:
+    _, _, uri = xmlrpc.client.ServerProxy(master_uri).lookupNode("/ros_bench", "/world")
+    return xmlrpc.client.ServerProxy(uri).getPid("/ros_bench")[2]
+
+
+def heard(listener: str, count: int, steps: int) -> Heard:
+    """Run a world that one client hears, and return what the client got."""
+    with tempfile.TemporaryDirectory() as folder:
+        port, env = environment(folder)
+        write_scenario(folder, count)
+        world = (
+            *ROSLAUNCH,
+            "-p",
+            str(port),
+            "robotteamsim",
+            "world.launch",
+            "speed:=0",
+            f"scenario:={folder}/many.yaml",
+        )
+        client = (listener, str(count), str(steps), str(round(STEP_S * 1e9)), str(TIMEOUT_S))
+        with (
+            open(f"{folder}/world.txt", "w") as log,
+            subprocess.Popen(world, env=env, cwd=folder, stdout=log, stderr=log) as launch,
+            subprocess.Popen(client, env=env, stdout=subprocess.PIPE, text=True) as counting,
+        ):
+            try:
+                while "first" not in counting.stdout.readline():  # roscpp tells of its master there, too
+                    if counting.poll() is not None:
+                        raise RuntimeError(f"the client ended:\n{Path(folder, 'world.txt').read_text()}")
+                pid = world_pid(env["ROS_MASTER_URI"])
+                before_s = busy_s(pid)
+                line = counting.stdout.readline()
+                world_busy_s = busy_s(pid) - before_s
+            finally:
+                for process in (counting, launch):
+                    process.send_signal(signal.SIGINT)
+                    process.wait(GRACE_S)
+    got = json.loads(line)
+    topics = 4 * count + 1
+    wanted = topics * steps
+    lost = max(0, wanted - (got["messages"] - got["clock"])) + got["out_of_order"]
+    sim_s = steps * STEP_S
+    return Heard(sim_s / got["wall_s"], got["messages"], lost, world_busy_s / sim_s, got["busy_s"] / sim_s)
+
+
+def mission_speed(robots: int, seconds: float, lockstep: bool) -> float:
     """Run a mission under roslaunch and return its simulated over its wall time."""
     with tempfile.TemporaryDirectory() as folder:
-        port = free_port()
-        command = [sys.executable, "-c", "import roslaunch; roslaunch.main()", "-p", str(port)]
-        command += ["robotteamsim", "garage_sar.launch", f"robots:={robots}", f"lockstep:={str(lockstep).lower()}"]
-        command += ["speed:=0", "rviz:=false", "seed:=7", f"set:=mission.time_limit_s={seconds}", f"out:={folder}/out"]
-        environment = os.environ | {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOME": folder}
-        subprocess.run(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
+        port, env = environment(folder)
+        command = [*ROSLAUNCH, "-p", str(port), "robotteamsim", "garage_sar.launch"]
+        command += [f"robots:={robots}", f"lockstep:={str(lockstep).lower()}", "speed:=0", "rviz:=false", "seed:=7"]
+        command += [f"set:=mission.time_limit_s={seconds}", f"out:={folder}/out"]
+        subprocess.run(command, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
         result = json.loads((Path(folder) / "out" / "mission.json").read_text())["result"]
         return result["sim_time_s"] / result["wall_s"]
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--robots", type=int, default=3)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("listener")
+    parser.add_argument("--robots", type=int, nargs="*", default=[30, 100, 300])
+    parser.add_argument("--steps", type=int, default=100)
     parser.add_argument("--runs", type=int, default=3)
-    parser.add_argument("--seconds", type=float, default=120.0)
+    parser.add_argument("--mission-robots", type=int, default=3)
+    parser.add_argument("--mission-seconds", type=float, default=120.0, help="0: no missions")
     options = parser.parse_args()
-    for name, lockstep in (("lockstep", True), ("free", False)):
-        speeds = [speed(options.robots, options.seconds, lockstep) for _ in range(options.runs)]
+    print(f"medians of {options.runs} runs, x real time")
+    print("       robots    speed  messages/s  lost  world [s/s]  client [s/s]")
+    for count in options.robots:
+        runs = [heard(options.listener, count, options.steps) for _ in range(options.runs)]
+        runs.sort(key=lambda run: run.speed)
+        run, lost = runs[len(runs) // 2], max(run.lost for run in runs)
+        per_s = run.messages * run.speed / (options.steps * STEP_S)
         print(
-            f"ros {name}, {options.robots} robots: {statistics.median(speeds):.1f} x real time (of {options.runs} runs)"
+            f"heard    {count:4d}  {run.speed:7.2f}  {per_s:10.0f}  {lost:4d}  {run.world_busy:11.3f}"
+            f"  {run.client_busy:12.3f}",
+            flush=True,
         )
+    if options.mission_seconds:
+        for name, lockstep in (("lockstep", True), ("free", False)):
+            speeds = [
+                mission_speed(options.mission_robots, options.mission_seconds, lockstep) for _ in range(options.runs)
+            ]
+            print(f"{name:8s} {options.mission_robots:4d}  {statistics.median(speeds):7.2f}", flush=True)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -21,12 +22,19 @@ class Topic:
         self.name = name
         self.messages: list[Any] = []
         self._changed = threading.Condition()
-        rospy.Subscriber(name, message_class, self._put, tcp_nodelay=True)
+        self._subscriber = rospy.Subscriber(name, message_class, self._put, tcp_nodelay=True)
 
     def _put(self, message: Any) -> None:
         with self._changed:
             self.messages.append(message)
             self._changed.notify_all()
+
+    def is_connected(self, timeout_s: float) -> bool:
+        """Wait until somebody publishes it; return whether somebody does in time [s, wall]."""
+        deadline_s = time.monotonic() + timeout_s
+        while not self._subscriber.get_num_connections() and time.monotonic() < deadline_s:
+            rospy.rostime.wallsleep(0.05)
+        return self._subscriber.get_num_connections() > 0
 
     def wait_for_count(self, count: int) -> Sequence[Any]:
         """Wait until so many messages have come, and return them."""

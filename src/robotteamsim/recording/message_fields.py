@@ -95,6 +95,20 @@ def odometry(make: Make, time_ns: int, robot_id: int, reading: OdometryReading) 
     return _odometry(make, time_ns, robot_frame(robot_id, "odom"), robot_id, reading)
 
 
+def pose_covariances(triangles: np.ndarray) -> np.ndarray:
+    """Return `OdometryReading.pose_covariance`, shape (..., 6), as ROS has it, shape (..., 36)."""
+    covariances = np.zeros((*triangles.shape[:-1], 36))
+    covariances[..., _PLANE_OF_36] = triangles[..., _OF_TRIANGLE]
+    return covariances
+
+
+def twist_covariances(variances: np.ndarray) -> np.ndarray:
+    """Return `OdometryReading.twist_variances`, shape (..., 2), as ROS has it, shape (..., 36)."""
+    covariances = np.zeros((*variances.shape[:-1], 36))
+    covariances[..., [0, 35]] = variances
+    return covariances
+
+
 def ground_truth(make: Make, time_ns: int, robot_id: int, reading: RobotReading) -> Any:
     """nav_msgs/Odometry, of `base_pose_ground_truth`."""
     return _odometry(make, time_ns, MAP_FRAME, robot_id, OdometryReading(reading.ground_truth, reading.twist))
@@ -130,23 +144,33 @@ def contact(make: Make, time_ns: int, robot_id: int, in_contact: bool, angles_ra
 
 
 def transforms(make: Make, time_ns: int, robots: Sequence[Robot], odometry: Iterable[OdometryReading]) -> Any:
-    """tf2_msgs/TFMessage: odom -> base_footprint -> base_link -> base_laser_link of all robots, in id order.
+    """tf2_msgs/TFMessage: the `robot_transforms` of all robots, in id order."""
+    return make(
+        "tf2_msgs/TFMessage",
+        transforms=[
+            transform
+            for robot_id, (robot, reading) in enumerate(zip(robots, odometry, strict=True))
+            for transform in robot_transforms(make, time_ns, robot_id, robot, reading)
+        ],
+    )
 
-    The frames of a robot's further sensors follow, base_link -> <name>_link.
+
+def robot_transforms(make: Make, time_ns: int, robot_id: int, robot: Robot, odometry: OdometryReading) -> list[Any]:
+    """geometry_msgs/TransformStamped[]: odom -> base_footprint -> base_link -> base_laser_link.
+
+    The frames of further sensors follow, base_link -> <name>_link.
     """
-    all_transforms = []
-    for robot_id, (robot, reading) in enumerate(zip(robots, odometry, strict=True)):
-        laser = PoseReading(robot.laser.forward_m, 0.0, 0.0, 1.0)
-        all_transforms += [
-            _transform(make, time_ns, robot_id, "odom", "base_footprint", reading.pose),
-            _transform(make, time_ns, robot_id, "base_footprint", "base_link", _IDENTITY),
-            _transform(make, time_ns, robot_id, "base_link", "base_laser_link", laser, robot.laser.height_m),
-        ]
-        for mount in robot.mounts:
-            place = PoseReading.from_pose(Pose(mount.forward_m, mount.left_m, mount.yaw_rad))
-            frame = f"{mount.name}_link"
-            all_transforms.append(_transform(make, time_ns, robot_id, "base_link", frame, place, mount.height_m))
-    return make("tf2_msgs/TFMessage", transforms=all_transforms)
+    laser = PoseReading(robot.laser.forward_m, 0.0, 0.0, 1.0)
+    links = [
+        _transform(make, time_ns, robot_id, "odom", "base_footprint", odometry.pose),
+        _transform(make, time_ns, robot_id, "base_footprint", "base_link", _IDENTITY),
+        _transform(make, time_ns, robot_id, "base_link", "base_laser_link", laser, robot.laser.height_m),
+    ]
+    for mount in robot.mounts:
+        place = PoseReading.from_pose(Pose(mount.forward_m, mount.left_m, mount.yaw_rad))
+        frame = f"{mount.name}_link"
+        links.append(_transform(make, time_ns, robot_id, "base_link", frame, place, mount.height_m))
+    return links
 
 
 def localization(make: Make, time_ns: int, robot_id: int, place: PoseReading) -> Any:
@@ -319,9 +343,8 @@ def _quaternion(make: Make, reading: PoseReading) -> Any:
 
 
 def _odometry(make: Make, time_ns: int, frame: str, robot_id: int, reading: OdometryReading) -> Any:
-    pose_covariance, twist_covariance = np.zeros(36), np.zeros(36)
-    pose_covariance[_PLANE_OF_36] = np.array(reading.pose_covariance)[_OF_TRIANGLE]
-    twist_covariance[[0, 35]] = reading.twist_variances
+    pose_covariance = pose_covariances(np.array(reading.pose_covariance))
+    twist_covariance = twist_covariances(np.array(reading.twist_variances))
     return make(
         "nav_msgs/Odometry",
         header=header(make, time_ns, frame),

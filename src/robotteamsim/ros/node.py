@@ -15,7 +15,8 @@ from pydantic import ValidationError
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.ros.inbox import Channel, Inbox, LatestInbox, LockstepInbox
 from robotteamsim.ros.msg_conversion import stamp_ns
-from robotteamsim.ros.prompt_connection import send_promptly
+from robotteamsim.ros.packed_messages import Serialized
+from robotteamsim.ros.prompt_connection import accept_all_at_once, answer_all_at_once, send_promptly
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.sections import Run, Team
@@ -45,6 +46,8 @@ class Settings:
     controllers: bool
     teleop: int
     silence_limit_s: float
+    mission: bool = True
+    """Whether there are an environment and a mission to wait for."""
 
     @property
     def controlled(self) -> range:
@@ -106,12 +109,29 @@ class Output:
         if not rospy.is_shutdown():
             self._publisher.publish(message)
 
+    def publish_bytes(self, data: memoryview) -> None:
+        """Send a message that is serialized already, with its length in front, unless the node is shutting down."""
+        if rospy.is_shutdown():
+            return
+        implementation = self._publisher.impl
+        with implementation.publock:
+            if self._latched:
+                implementation.latch = Serialized(bytes(data[4:]))
+            for connection in implementation.connections:
+                try:
+                    connection.write_data(data)
+                except Exception:
+                    connection.close()
+            implementation.message_data_sent += len(data)
+
 
 def run(name: str, serve: Callable[[], None]) -> None:
     """Run a node until it is done or told to stop; a user's mistake ends it in one line and status 2."""
     # Nodes take the time from the stamps that they work on. Not listening to /clock saves each node more messages
     # than all its other topics have.
+    answer_all_at_once()
     rospy.init_node(name, disable_rostime=True)
+    accept_all_at_once()
     send_promptly()
     _forward_logging()
     try:
@@ -170,7 +190,10 @@ def _read_settings() -> Settings:
         controllers=parameter(f"{PARAMETERS}/controllers", True),
         teleop=parameter(f"{PARAMETERS}/teleop", NOT_SET),
         silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
+        mission=parameter(f"{PARAMETERS}/mission", True),
     )
+    if settings.lockstep and not settings.mission:
+        raise ParameterError(f"{PARAMETERS}/lockstep: True; wanted False where there is no mission")
     if num_robots not in (NOT_SET, settings.num_robots):
         raise ParameterError(
             f"{PARAMETERS}/robots: {num_robots}; wanted {settings.num_robots}, the length of the robots' list in {name}"

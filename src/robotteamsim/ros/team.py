@@ -99,8 +99,8 @@ class FreeTeam(_Team):
         super().__init__(robots)
         self._follow = follow
         controllers = {f"/{robot_name(robot_id)}/controller": robot_id for robot_id in settings.controlled}
-        self._answers = Answers((*controllers, "/mission"))
-        self._environment = Answers(("/environment",))
+        self._answers = Answers((*controllers, "/mission") if settings.mission else controllers)
+        self._environment = Answers(("/environment",) if settings.mission else ())
         rospy.on_shutdown(self._answers.close)
         rospy.on_shutdown(self._environment.close)
         for robot_id in self._ids:

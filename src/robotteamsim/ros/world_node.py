@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
 
 import rospy
-from nav_msgs.msg import OccupancyGrid, Odometry
+from nav_msgs.msg import OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerResponse
-from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from robotteamsim.errors import PlacementError
-from robotteamsim.geometry import Pose, PoseReading
-from robotteamsim.msg import Contact
+from robotteamsim.geometry import Pose
 from robotteamsim.recording import message_fields as fields
-from robotteamsim.recording.sensor_fields import sensor_topics
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.gate import Gate, Pacer
 from robotteamsim.ros.node import SEED, Output, ParameterError, Settings, parameter, read_settings, run
 from robotteamsim.ros.scene_things import thing_markers
 from robotteamsim.ros.team import FreeTeam, LockstepTeam
+from robotteamsim.ros.team_outputs import TeamOutputs
 from robotteamsim.scenario import occupancy_grid
-from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.sensing.readings import RobotReading
+from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.srv import (
     ResetSeed,
@@ -77,9 +72,9 @@ class WorldNode:
         self._make = conversion.RosTypes()
         self._gate = Gate()
         self._pacer = _pacer()
-        self._localization = parameter("~localization", "none")
-        if self._localization not in ("none", "ground_truth"):
-            raise ParameterError(f"~localization: {self._localization!r}; wanted none or ground_truth")
+        localization = parameter("~localization", "none")
+        if localization not in ("none", "ground_truth"):
+            raise ParameterError(f"~localization: {localization!r}; wanted none or ground_truth")
         self._world_lock = threading.Lock()
         self._build()
         rospy.on_shutdown(self._gate.close)
@@ -88,11 +83,10 @@ class WorldNode:
             if settings.lockstep
             else FreeTeam(settings, self._robots, follow=lambda: self._pacer.is_flat_out)
         )
-        self._tf = Output("/tf", TFMessage)
         self._clock = Output("/clock", Clock, latched=True)
         self._things = Output("/world/things", MarkerArray)
         # In lockstep a late subscriber must still get the step that everybody waits for.
-        self._outputs = [RobotOutputs(i, robot, settings.lockstep, self._make) for i, robot in enumerate(self._robots)]
+        self._outputs = TeamOutputs(self._robots, latched=settings.lockstep, localized=localization == "ground_truth")
         self._offer_map()
         self._offer_services()
 
@@ -119,7 +113,7 @@ class WorldNode:
     def _await_listeners(self) -> None:
         """Wait until no new listener comes: a recorder is to get the first step, too."""
         connected = -1
-        while connected != (now_connected := sum(outputs.num_subscribers for outputs in self._outputs)):
+        while connected != (now_connected := self._outputs.num_subscribers):
             connected = now_connected
             self._gate.sleep(QUIET_S)
 
@@ -149,20 +143,11 @@ class WorldNode:
             if tick < ticks:
                 self._publish_clock(time_ns)
 
-    def _publish(self, readings: Sequence[RobotReading]) -> None:
+    def _publish(self, readings: TeamReadings) -> None:
         time_ns = self._world.sim_time_ns
-        for outputs, reading in zip(self._outputs, readings, strict=True):
-            outputs.publish(self._make, time_ns, reading)
         if self._scenario.things and self._things.wanted:
             self._things.publish(thing_markers(self._scenario.things, list(self._world.things().values())))
-        if self._tf.wanted:
-            transforms = fields.transforms(self._make, time_ns, self._robots, [r.odometry for r in readings])
-            if self._localization == "ground_truth":
-                transforms.transforms += [
-                    fields.localization(self._make, time_ns, robot_id, _map_from_odom(reading))
-                    for robot_id, reading in enumerate(readings)
-                ]
-            self._tf.publish(transforms)
+        self._outputs.publish(time_ns, readings)
         self._publish_clock(time_ns)
 
     def _publish_clock(self, time_ns: int) -> None:
@@ -242,52 +227,9 @@ class WorldNode:
         return SetDoorResponse(success=True, message="")
 
 
-class RobotOutputs:
-    """What the world publishes of one robot."""
-
-    def __init__(self, robot_id: int, robot: PlacedRobot, latched: bool, make: conversion.RosTypes) -> None:
-        self._robot_id = robot_id
-        self._laser = robot.laser
-        name = fields.robot_name(robot_id)
-        self._odom = Output(f"/{name}/odom", Odometry, latched=latched)
-        self._scan = Output(f"/{name}/base_scan", LaserScan, latched=latched)
-        self._ground_truth = Output(f"/{name}/base_pose_ground_truth", Odometry, latched=latched)
-        self._contact = Output(f"/{name}/contact", Contact, latched=latched)
-        self._sensors = [
-            (topic, Output(f"/{name}/{topic.name}", make.message_class(topic.type_name), latched=latched))
-            for topic in sensor_topics(robot)
-        ]
-
-    @property
-    def num_subscribers(self) -> int:
-        """How many connections they have."""
-        outputs = [self._odom, self._scan, self._ground_truth, self._contact, *(output for _, output in self._sensors)]
-        return sum(output.num_subscribers for output in outputs)
-
-    def publish(self, make: conversion.RosTypes, time_ns: int, reading: RobotReading) -> None:
-        """Publish one step's readings."""
-        robot_id = self._robot_id
-        if self._ground_truth.wanted:
-            self._ground_truth.publish(fields.ground_truth(make, time_ns, robot_id, reading))
-        if self._odom.wanted:
-            self._odom.publish(fields.odometry(make, time_ns, robot_id, reading.odometry))
-        if self._scan.wanted:
-            self._scan.publish(fields.scan(make, time_ns, robot_id, self._laser, reading.ranges_m))
-        if self._contact.wanted:
-            angles_rad = reading.contact_angles_rad
-            self._contact.publish(fields.contact(make, time_ns, robot_id, reading.in_contact, angles_rad))
-        for topic, output in self._sensors:
-            if output.wanted and (message := topic.message(make, time_ns, robot_id, reading.further)) is not None:
-                output.publish(message)
-
-
 def _pacer() -> Pacer:
     speed = parameter("~speed", 1.0)
     try:
         return Pacer(speed)
     except ValueError as error:
         raise ParameterError(f"~speed: {error}") from None
-
-
-def _map_from_odom(reading: RobotReading) -> PoseReading:
-    return PoseReading.from_pose(reading.ground_truth.pose @ reading.odometry.pose.pose.inverse())

@@ -9,7 +9,7 @@ from sensor_msgs.msg import Range
 
 from robotteamsim.geometry import Twist
 from robotteamsim.ros import msg_conversion as conversion
-from robotteamsim.ros import world_node
+from robotteamsim.ros import team_outputs, world_node
 from robotteamsim.ros.gate import Gate, Pacer
 from robotteamsim.ros.node import Settings
 from robotteamsim.scenario.scenario import Scenario
@@ -30,11 +30,15 @@ class FakeOutput:
 
     def __init__(self, topic: str, message_class: type, *, latched: bool = False) -> None:
         self._topic = topic
+        self._message_class = message_class
         self.wanted = True
         self.num_subscribers = 0
 
     def publish(self, message: Any) -> None:
         FakeOutput.sent.append((self._topic, message))
+
+    def publish_bytes(self, data: memoryview) -> None:
+        self.publish(self._message_class().deserialize(bytes(data[4:])))
 
 
 class FakeTeam:
@@ -67,6 +71,7 @@ def serve(monkeypatch, hall_scenario) -> Callable[..., None]:
     FakeGate.now_s = 0.0
     parameters = {"~speed": 0.0, "~localization": "ground_truth"}
     monkeypatch.setattr(world_node, "Output", FakeOutput)
+    monkeypatch.setattr(team_outputs, "Output", FakeOutput)
     monkeypatch.setattr(world_node, "FreeTeam", FakeTeam)
     monkeypatch.setattr(world_node, "parameter", lambda name, default: parameters[name])
     monkeypatch.setattr(world_node, "QUIET_S", 0.0)
