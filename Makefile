@@ -104,6 +104,7 @@ wheel: $(VENV)/.ready ## build dist/*.whl that carries Box2D inside and needs no
 
 pictures: build ## make the pictures of README and docs anew
 	@$(ENV) $(PYTHON) docs/draw_cases.py
+	@$(ENV) $(PYTHON) docs/draw_swarm.py
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field radio garage_sar --at 4,5 --at 30,36 --at 50,18 --png docs/images/field.png
 	@$(ENV) $(PYTHON) docs/make_pictures.py
 

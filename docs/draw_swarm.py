@@ -1,0 +1,85 @@
+"""Draw where swarms come to rest, by memory and coefficients: docs/images/swarm_stability.png.
+
+Every number in the picture is computed by the library when it is drawn. Run by `make pictures`; needs no display.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from robotteamsim.swarm import MemoryMode, RdpsoOptions, memory_coefficients
+from robotteamsim.swarm.adaptation import EXACT_LEVELS, PUBLISHED_LEVELS, Levels
+from robotteamsim.swarm.options import FRACTIONAL_ORDER
+from robotteamsim.swarm.stability import mean_radius, variance_radius
+
+PATH = Path(__file__).parent / "images" / "swarm_stability.png"
+ALPHAS = np.linspace(0.0, 1.0, 41)
+SUMS = np.linspace(0.1, 5.0, 50)
+"""c1 + c2, half of it each."""
+
+BOUND = 1.0 - 1e-9
+"""At alpha = 1 the exact memory has a radius of 1 and no side to fall on."""
+
+INK = "#16202e"
+COLOURS = ("#ffffff", "#f6c98f", "#9cc5e0")
+"""Diverges; the mean alone converges; comes to rest."""
+MARK = "#b3261e"
+
+
+def kinds(mode: MemoryMode, terms: int) -> np.ndarray:
+    """Return 0, 1 or 2 (see COLOURS) by c1 + c2 (rows) and alpha (columns)."""
+    found = np.zeros((len(SUMS), len(ALPHAS)), dtype=int)
+    for column, alpha in enumerate(ALPHAS.tolist()):
+        memory = memory_coefficients(mode, alpha, terms)
+        for row, c in enumerate((SUMS / 2.0).tolist()):
+            # Where the mean diverges, so does the variance: it need not be asked for.
+            if mean_radius(memory, c, c) < BOUND:
+                found[row, column] = 2 if variance_radius(memory, c, c) < BOUND else 1
+    return found
+
+
+def draw(axes: Axes, mode: MemoryMode, terms: int, title: str, levels: Levels) -> None:
+    """Draw one memory."""
+    axes.pcolormesh(ALPHAS, SUMS, kinds(mode, terms), cmap=ListedColormap(COLOURS), vmin=0, vmax=2, rasterized=True)
+    adapted = (levels.alpha_small, levels.alpha_nominal, levels.alpha_large)
+    axes.plot(adapted, (2.0, 2.0, 2.0), "o", color=INK, ms=6, label="levels of the adaptation, $c_T = 2$")
+    options = RdpsoOptions(memory=mode)
+    axes.plot(FRACTIONAL_ORDER[mode], options.c1 + options.c2, "*", color=MARK, ms=13, label="default")
+    if mode == "published":
+        axes.axvline(0.632, color=MARK, lw=1.2, ls="--")
+        axes.text(0.64, 4.7, "α = 0.632", color=MARK, fontsize=9)
+    axes.set_title(title, fontsize=10, color=INK)
+    axes.set_xlabel("fractional order α")
+    axes.set_xlim(0.0, 1.0)
+    axes.set_ylim(0.0, SUMS[-1])
+
+
+def main() -> None:
+    """Write the picture."""
+    figure = Figure(figsize=(11.0, 4.4), dpi=120, layout="constrained")
+    panels = figure.subplots(1, 3, sharey=True)
+    draw(panels[0], "published", 4, "published (24), 4 terms", PUBLISHED_LEVELS)
+    draw(panels[1], "grunwald_letnikov", 4, "Grünwald-Letnikov (23), 4 terms", EXACT_LEVELS)
+    draw(panels[2], "grunwald_letnikov", 2, "Grünwald-Letnikov (23), 2 terms", EXACT_LEVELS)
+    panels[0].set_ylabel("$c_1 + c_2$, half each")
+    handles, _ = panels[2].get_legend_handles_labels()
+    patches = [
+        Patch(facecolor=colour, edgecolor=INK, lw=0.5, label=label)
+        for colour, label in zip(
+            reversed(COLOURS), ("comes to rest", "mean converges, swings widen", "diverges"), strict=True
+        )
+    ]
+    figure.legend(handles=[*patches, *handles], loc="outside lower center", ncols=5, fontsize=9, frameon=False)
+    PATH.parent.mkdir(exist_ok=True)
+    figure.savefig(PATH)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
