@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import json
 import sys
+import textwrap
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from robotteamsim.cli.run_command import add_set_option
 DEFAULT_TRIALS = 30
 DEFAULT_SEED = 1
 EXIT_INCOMPLETE = 1
+_TOLD_FAILURES = 10
 
 _DESCRIPTION = """\
 Run many missions on all cores and tell what they gave. Results go into DIR as they
@@ -84,8 +86,11 @@ def run(options: argparse.Namespace) -> int:
     elif not options.quiet:
         _print_tables(design, outcomes)
         print(f"\nwritten {csv_path}")
-    for outcome in failed:
-        _complain(f"trial {outcome.number} of cell {outcome.cell} (seed {outcome.seed}) failed: {outcome.error}")
+    for outcome in failed[:_TOLD_FAILURES]:
+        error = textwrap.shorten(outcome.error, 200, placeholder=" ...")
+        _complain(f"trial {outcome.number} of cell {outcome.cell} (seed {outcome.seed}) failed: {error}")
+    if len(failed) > _TOLD_FAILURES:
+        _complain(f"{len(failed) - _TOLD_FAILURES} more trials failed; {csv_path} names them")
     for trial in given_up:
         _complain(f"trial {trial.number} of cell {trial.cell} (seed {trial.seed}) killed its workers; not stored")
     return EXIT_INCOMPLETE if failed or given_up else 0
