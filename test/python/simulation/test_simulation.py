@@ -32,7 +32,7 @@ class FakeParts:
     def names(self) -> list[str]:
         return [call[0] for call in self.calls]
 
-    def world(self, plan, robots, run, *, seed) -> FakeWorld:
+    def world(self, plan, robots, run, *, things, seed) -> FakeWorld:
         return FakeWorld(self)
 
     def sensors(self, world, robots, seed) -> FakeSensors:
