@@ -1,6 +1,12 @@
-"""Tells catkin where the Python package lies; pip reads pyproject.toml instead."""
+"""Tells catkin where the Python packages lie; pip reads pyproject.toml instead."""
 
 from catkin_pkg.python_setup import generate_distutils_setup
-from distutils.core import setup
+from setuptools import find_packages, setup
 
-setup(**generate_distutils_setup(packages=["robotteamsim"], package_dir={"": "src"}))
+setup(
+    **generate_distutils_setup(
+        packages=find_packages("src"),
+        package_dir={"": "src"},
+        package_data={"robotteamsim.campaign": ["data/*"]},
+    )
+)
