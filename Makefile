@@ -74,7 +74,7 @@ lint: build ## ruff, mypy, clang-format
 bench: build ## measure the speed of the parts, as ratios, into bench/results/speed.csv
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_bench > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/run.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_bench --csv bench/results/speed.csv $(ARGS)
-	@$(ENV) for script in $(filter-out bench/ros_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
+	@$(ENV) for script in bench/world_bench.py $(filter-out bench/ros_bench.py bench/world_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
 
 bench_ros: build ## measure how fast worlds and missions run in ROS, with a client that hears all
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_ros_listener > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
