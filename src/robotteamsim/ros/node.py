@@ -120,7 +120,7 @@ class Output:
             for connection in implementation.connections:
                 try:
                     connection.write_data(data)
-                except Exception:
+                except Exception:  # Whatever it is, this subscriber is lost; the others are not.
                     connection.close()
             implementation.message_data_sent += len(data)
 

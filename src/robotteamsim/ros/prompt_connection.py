@@ -74,7 +74,7 @@ class PromptConnection:
         while True:
             try:
                 self._connection.write_data(self._waiting[0])
-            except Exception:
+            except Exception:  # Whatever it is, this subscriber is lost; the others are not.
                 self._connection.close()
                 with self._lock:
                     self._waiting.clear()
