@@ -104,7 +104,7 @@ def check_folder(folder: Path, design: Design) -> None:
 
 @contextlib.contextmanager
 def open_store(folder: Path, design: Design) -> Iterator[Store]:
-    """Open the store of a folder for a design, made anew where there is none.
+    """Open the store of a folder for a design, made anew where there is none; it may grow by more trials of each cell.
 
     Raises: CampaignError: the folder holds something else, another campaign, or one that is running right now;
             the message names the difference. RecordingError: the folder cannot be written.
@@ -120,6 +120,11 @@ def open_store(folder: Path, design: Design) -> Iterator[Store]:
             database = sqlite3.connect(path)
         with contextlib.closing(database):
             with _as_campaign_errors(path):
+                # The design may have more trials than before.
+                with database:
+                    database.execute(
+                        "UPDATE campaign SET value = ? WHERE name = 'settings'", (json.dumps(design.settings()),)
+                    )
                 database.execute("PRAGMA journal_mode = WAL")
                 # A row that was kept outlives a power cut, too.
                 database.execute("PRAGMA synchronous = FULL")
@@ -177,7 +182,11 @@ def _check_same(folder: Path, stored: StoredCampaign, design: Design) -> None:
     if old != new:
         raise CampaignError(f"{folder}: holds a campaign of version {old}, not {new}; choose another folder")
     # As JSON has it: there, tuples are lists.
-    difference = settings_difference(stored.settings, json.loads(json.dumps(design.settings())))
+    wanted = json.loads(json.dumps(design.settings()))
+    known = stored.settings
+    if known["trials"] <= design.trials:
+        known = known | {"trials": design.trials}
+    difference = settings_difference(known, wanted)
     if difference:
         raise CampaignError(f"{folder}: holds a campaign with {difference}; choose another folder")
 

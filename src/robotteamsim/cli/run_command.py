@@ -13,6 +13,7 @@ from robotteamsim import scenario
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.parser import number, whole_number
 from robotteamsim.cli.progress import ProgressBar
+from robotteamsim.errors import ScenarioError
 from robotteamsim.recording import BagWriter, ResultWriter, TumWriter, result_summary
 from robotteamsim.recording.table import EventList, print_result
 from robotteamsim.simulation import Observer, Simulation
@@ -61,7 +62,7 @@ def add_set_option(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Run the mission."""
-    loaded = scenario.load(options.scenario, overrides(options))
+    loaded = _load(options)
     simulation = Simulation(loaded)
     events = EventList()
     observers: list[Observer] = [events, *_recorders(options)]
@@ -75,11 +76,27 @@ def run(options: argparse.Namespace) -> None:
         print_result(Console(), loaded, result, events.events, [options.out, options.bag])
 
 
-def overrides(options: argparse.Namespace) -> list[str]:
-    """Return all overrides of a command line; its own options come last and win."""
+def _load(options: argparse.Namespace) -> scenario.Scenario:
+    """Return the scenario with all overrides of the command line; options with a name come last and win.
+
+    Raises: ScenarioError: also where an option is wrong, under the name that was typed.
+    """
     noise_db = None if options.noise is None else f"{options.noise:g}"
-    named = {"run.seed": options.seed, "voice.noise_db": noise_db, "robots.count": options.robots}
-    return [*options.overrides, *(f"{key}={value}" for key, value in named.items() if value is not None)]
+    wanted = {
+        "--seed": ("run.seed", options.seed),
+        "--noise": ("voice.noise_db", noise_db),
+        "--robots": ("robots.count", options.robots),
+    }
+    given = {option: (key, value) for option, (key, value) in wanted.items() if value is not None}
+    try:
+        return scenario.load(
+            options.scenario, [*options.overrides, *(f"{key}={value}" for key, value in given.values())]
+        )
+    except ScenarioError as error:
+        for option, (key, _) in given.items():
+            if str(error).startswith(f"--set: {key}: "):
+                raise ScenarioError(str(error).replace(f"--set: {key}", option, 1)) from None
+        raise
 
 
 def _recorders(options: argparse.Namespace) -> list[Observer]:

@@ -81,8 +81,30 @@ def test_csv_does_not_depend_on_the_order_or_the_time_of_computing(short_design,
 def test_store_of_other_settings_is_refused(short_design, tmp_path):
     with open_store(tmp_path, short_design(SWEEP)):
         pass
-    wanted = f"{tmp_path}: holds a campaign with trials = 2, not 3; choose another folder"
-    assert refusal(tmp_path, short_design(SWEEP, trials=3)) == wanted
+    wanted = f"{tmp_path}: holds a campaign with seed = 1, not 2; choose another folder"
+    assert refusal(tmp_path, short_design(SWEEP, seed=2)) == wanted
+    assert refusal(tmp_path, short_design(SWEEP, seed=2, trials=3)) == wanted
+    assert read_store(tmp_path).settings["trials"] == 2
+
+
+def test_store_goes_on_with_more_trials_of_the_same_design(short_design, outcome_of, tmp_path):
+    design, more = short_design(SWEEP), short_design(SWEEP, trials=3)
+    outcomes = [outcome_of(trial) for trial in design.all_trials()]
+    with open_store(tmp_path, design) as store:
+        for outcome in outcomes:
+            store.keep(outcome)
+    with open_store(tmp_path, more) as store:
+        assert store.missing() == list(more.all_trials())[4:]
+        assert [trial.number for trial in store.missing()] == [3, 3]
+        assert store.outcomes() == tuple(sorted(outcomes, key=lambda outcome: (outcome.cell, outcome.number)))
+    assert read_store(tmp_path).settings["trials"] == 3
+
+
+def test_store_of_more_trials_is_refused(short_design, tmp_path):
+    with open_store(tmp_path, short_design(SWEEP, trials=3)):
+        pass
+    wanted = f"{tmp_path}: holds a campaign with trials = 3, not 2; choose another folder"
+    assert refusal(tmp_path, short_design(SWEEP, trials=2)) == wanted
 
 
 def test_store_of_another_version_is_refused(short_design, tmp_path, monkeypatch):
