@@ -65,30 +65,49 @@ class TeamOdometry {
   // Rows of motions, twists and noise are those of the robots; returns x, y, qz, qw, vx, vy, turn of each, then the
   // covariance of x, y, yaw (upper triangle), then the variances of vx and turn.
   py::array_t<double> Step(const Doubles& motions, const Doubles& twists, const Doubles& noise) {
-    const auto count = static_cast<py::ssize_t>(team_.size());
-    for (const Doubles* rows : {&motions, &twists, &noise}) {
-      if (rows->size() != 3 * count) throw std::invalid_argument("motions, twists and noise must be three per robot");
+    for (const Doubles* rows : {&motions, &twists, &noise}) CheckCount(static_cast<std::size_t>(rows->size()), 3);
+    const double *const motion = motions.data(), *const twist = twists.data(), *const normal = noise.data();
+    for (std::size_t i = 0, at = 0; i < team_.size(); ++i, at += 3) {
+      team_[i].Step({motion[at], motion[at + 1], motion[at + 2]}, {twist[at], twist[at + 1], twist[at + 2]},
+                    {normal[at], normal[at + 1], normal[at + 2]});
     }
-    py::array_t<double> readings({count, py::ssize_t{15}});
-    for (py::ssize_t i = 0; i < count; ++i) {
-      const double *const motion = motions.data() + 3 * i, *const twist = twists.data() + 3 * i;
-      const double* const normal = noise.data() + 3 * i;
-      team_[i].Step({motion[0], motion[1], motion[2]}, {twist[0], twist[1], twist[2]},
-                    {normal[0], normal[1], normal[2]});
-      double* const row = readings.mutable_data(i, 0);
-      WritePoseReading(team_[i].pose(), row);
-      row[4] = team_[i].twist().linear_x;
-      row[5] = team_[i].twist().linear_y;
-      row[6] = team_[i].twist().angular_z;
-      const PoseCovariance& p = team_[i].covariance();
+    return Readings();
+  }
+
+  // The same for the step that a world made last.
+  py::array_t<double> Follow(const World& world, const Doubles& noise) {
+    CheckCount(static_cast<std::size_t>(noise.size()), 3);
+    CheckCount(world.motions().size(), 1);
+    const double* const normal = noise.data();
+    for (std::size_t i = 0, at = 0; i < team_.size(); ++i, at += 3) {
+      team_[i].Step(world.motions()[i], world.twists()[i], {normal[at], normal[at + 1], normal[at + 2]});
+    }
+    return Readings();
+  }
+
+ private:
+  void CheckCount(std::size_t count, std::size_t per_robot) const {
+    if (count != per_robot * team_.size()) {
+      throw std::invalid_argument("motions, twists and noise must be three per robot");
+    }
+  }
+
+  py::array_t<double> Readings() const {
+    py::array_t<double> readings({static_cast<py::ssize_t>(team_.size()), py::ssize_t{15}});
+    double* row = readings.mutable_data();
+    for (const Odometry& odometry : team_) {
+      WritePoseReading(odometry.pose(), row);
+      row[4] = odometry.twist().linear_x;
+      row[5] = odometry.twist().linear_y;
+      row[6] = odometry.twist().angular_z;
+      const PoseCovariance& p = odometry.covariance();
       const double rest[] = {
-          p.xx, p.xy, p.x_yaw, p.yy, p.y_yaw, p.yaw_yaw, team_[i].speed_variance(), team_[i].turn_variance()};
-      std::copy(std::begin(rest), std::end(rest), row + 7);
+          p.xx, p.xy, p.x_yaw, p.yy, p.y_yaw, p.yaw_yaw, odometry.speed_variance(), odometry.turn_variance()};
+      row = std::copy(std::begin(rest), std::end(rest), row + 7);
     }
     return readings;
   }
 
- private:
   std::vector<Odometry> team_;
 };
 
@@ -109,7 +128,8 @@ void BindSensing(py::module_& m) {
       .def("nearest", &Nearest, py::arg("world"), py::arg("robot_ids"), py::arg("noise_m"));
   py::class_<TeamOdometry>(m, "TeamOdometry")
       .def(py::init<const std::vector<std::array<double, 4>>&, double>(), py::arg("alphas"), py::arg("step_s"))
-      .def("step", &TeamOdometry::Step, py::arg("motions"), py::arg("twists"), py::arg("noise"));
+      .def("step", &TeamOdometry::Step, py::arg("motions"), py::arg("twists"), py::arg("noise"))
+      .def("follow", &TeamOdometry::Follow, py::arg("world"), py::arg("noise"));
 }
 
 }  // namespace robotteamsim::bindings

@@ -2,7 +2,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <array>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -68,24 +70,25 @@ void Step(World& world, const Doubles& twists) {
 template <typename Row>
 py::array_t<double> ToArray(const std::vector<Row>& rows) {
   static_assert(sizeof(Row) == 3 * sizeof(double));
-  return py::array_t<double>({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}},
-                             reinterpret_cast<const double*>(rows.data()));
+  py::array_t<double> array({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}});
+  if (!rows.empty()) std::memcpy(array.mutable_data(), rows.data(), rows.size() * sizeof(Row));
+  return array;
 }
 
 // One row per robot: x, y, qz, qw.
 py::array_t<double> PoseReadings(const World& world) {
   py::array_t<double> rows({static_cast<py::ssize_t>(world.poses().size()), py::ssize_t{4}});
-  for (std::size_t i = 0; i < world.poses().size(); ++i) {
-    WritePoseReading(world.poses()[i], rows.mutable_data(static_cast<py::ssize_t>(i), 0));
+  double* row = rows.mutable_data();
+  for (const Pose& pose : world.poses()) {
+    WritePoseReading(pose, row);
+    row += 4;
   }
   return rows;
 }
 
 py::array_t<bool> InContact(const World& world) {
   py::array_t<bool> flags(static_cast<py::ssize_t>(world.in_contact().size()));
-  for (std::size_t i = 0; i < world.in_contact().size(); ++i) {
-    flags.mutable_at(static_cast<py::ssize_t>(i)) = world.in_contact()[i];
-  }
+  std::copy(world.in_contact().begin(), world.in_contact().end(), flags.mutable_data());
   return flags;
 }
 
@@ -96,6 +99,11 @@ py::dict ContactAngles(const World& world) {
     if (world.in_contact()[i]) angles[py::int_(i)] = py::tuple(py::cast(world.contact_angles(i)));
   }
   return angles;
+}
+
+// All that sensors of the body tell after a step, in one call: few robots step so fast that calls from Python count.
+py::tuple Readings(const World& world) {
+  return py::make_tuple(PoseReadings(world), ToArray(world.twists()), InContact(world), ContactAngles(world));
 }
 
 }  // namespace
@@ -126,6 +134,7 @@ void BindWorld(py::module_& m) {
       .def("motions", [](const World& world) { return ToArray(world.motions()); })
       .def("in_contact", &InContact)
       .def("contact_angles", &ContactAngles)
+      .def("readings", &Readings)
       .def(
           "set_pose",
           [](World& world, int robot_id, const Triple& pose) {

@@ -8,6 +8,7 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.scenario.sections import Odometry as OdometryModel
+from robotteamsim.world import World
 
 _STEPS_PER_DRAW = 64
 
@@ -48,10 +49,17 @@ class TeamOdometry:
         Args: motions: the ways of the step, seen from where they began, shape (n, 3): x, y [m], yaw [rad].
               twists: their mean velocities, in `base_link`, shape (n, 3).
         """
+        return self._core.step(motions, twists, self._next_noise())
+
+    def follow(self, world: World) -> np.ndarray:
+        """Return what `step` does, for the step that a world of as many robots made last."""
+        return self._core.follow(world.core, self._next_noise())
+
+    def _next_noise(self) -> np.ndarray:
         if not self._steps_left:
             for robot_id, generator in enumerate(self._generators):
                 self._noise[:, robot_id] = generator.standard_normal((_STEPS_PER_DRAW, 3))
             self._steps_left = _STEPS_PER_DRAW
         noise = self._noise[_STEPS_PER_DRAW - self._steps_left]
         self._steps_left -= 1
-        return self._core.step(motions, twists, noise)
+        return noise

@@ -88,7 +88,8 @@ class RobotReading:
     further: FurtherReadings = NOTHING_FURTHER
 
 
-@dataclass(frozen=True, eq=False)
+# Not frozen: each field of a frozen class costs a call when it is made, and this is made in every step.
+@dataclass(eq=False)
 class TeamReadings(Sequence[RobotReading]):
     """The readings of all robots in one step, in id order: as arrays, or one by one.
 
@@ -105,7 +106,7 @@ class TeamReadings(Sequence[RobotReading]):
     ground_truth: np.ndarray
     twists: np.ndarray
     odometry: np.ndarray
-    ranges_m: Sequence[np.ndarray]
+    ranges_m: Sequence[np.ndarray] | np.ndarray
     in_contact: np.ndarray
     contact_angles_rad: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
     further: Sequence[FurtherReadings] = ()

@@ -36,30 +36,39 @@ class RobotSensors:
 
         Odometry adds that step's motion, so this is called once after each step.
         """
-        core = self._world.core
-        twists = core.twists()
-        ranges_m: list[np.ndarray] = [np.empty(0)] * len(self._robots)
-        for laser, robot_ids in self._lasers:
-            scans = laser.scan(robot_ids, [self._laser_streams[robot_id] for robot_id in robot_ids])
-            for robot_id, scan in zip(robot_ids, scans, strict=True):
-                ranges_m[robot_id] = scan
+        ground_truth, twists, in_contact, contact_angles_rad = self._world.core.readings()
         return TeamReadings(
-            ground_truth=core.pose_readings(),
+            ground_truth=ground_truth,
             twists=twists,
-            odometry=self._odometry.step(core.motions(), twists),
-            ranges_m=ranges_m,
-            in_contact=core.in_contact(),
-            contact_angles_rad=self._world.contact_angles_rad(),
+            odometry=self._odometry.follow(self._world),
+            ranges_m=self._scan(),
+            in_contact=in_contact,
+            contact_angles_rad=contact_angles_rad,
             further=self._further.read(),
         )
 
     def reset(self) -> None:
         """Begin again as new, after `World.reset`: odometry at its origin, all random streams from their start."""
         self._further.reset()
-        ids = range(len(self._robots))
-        self._laser_streams = [stream(self._seed, "laser", robot_id) for robot_id in ids]
+        self._laser_streams = [
+            [stream(self._seed, "laser", robot_id) for robot_id in robot_ids] for _, robot_ids in self._lasers
+        ]
         self._odometry = TeamOdometry(
             [robot.odometry for robot in self._robots],
             self._world.step_ns * 1e-9,
-            [stream(self._seed, "odometry", robot_id) for robot_id in ids],
+            [stream(self._seed, "odometry", robot_id) for robot_id in range(len(self._robots))],
         )
+
+    def _scan(self) -> Sequence[np.ndarray] | np.ndarray:
+        """Return the scan of every robot, in id order; of robots of one kind as one array."""
+        scans = [
+            laser.scan(robot_ids, streams)
+            for (laser, robot_ids), streams in zip(self._lasers, self._laser_streams, strict=True)
+        ]
+        if len(scans) == 1:
+            return scans[0]
+        ranges_m: list[np.ndarray] = [np.empty(0)] * len(self._robots)
+        for (_, robot_ids), team_scans in zip(self._lasers, scans, strict=True):
+            for robot_id, scan in zip(robot_ids, team_scans, strict=True):
+                ranges_m[robot_id] = scan
+        return ranges_m

@@ -47,6 +47,25 @@ def test_without_noise_it_is_the_true_way_to_a_nanometre_over_five_minutes_of_co
     assert len(touched) >= 10
 
 
+def test_following_a_world_is_stepping_with_its_motions_and_twists():
+    plan, generator = load("garage_sar").plan, np.random.default_rng(32)
+    robots = [PlacedRobot(start_pose=robot.start_pose) for robot in load("garage_sar").placed_robots()]
+    world = World(plan, robots, Run())
+    one, other = (
+        TeamOdometry([MODEL] * len(robots), 0.1, [np.random.default_rng(seed) for seed in range(len(robots))])
+        for _ in range(2)
+    )
+    for _ in range(200):
+        world.step(random_twists(len(robots), generator))
+        assert np.array_equal(one.follow(world), other.step(world.core.motions(), world.core.twists()))
+
+
+def test_following_a_world_of_another_number_of_robots_is_refused():
+    world = World(CORRIDOR, [PlacedRobot(start_pose=(5.0, 1.0, 0.0))], Run())
+    with pytest.raises(ValueError, match="must be three per robot"):
+        TeamOdometry([MODEL] * 2, 0.1, [np.random.default_rng(seed) for seed in range(2)]).follow(world)
+
+
 def test_robot_that_slides_along_a_wall_reckons_with_the_way_it_really_went():
     robots = [PlacedRobot(start_pose=(5.0, 2.8, 0.5), odometry=EXACT)]
     world = World(CORRIDOR, robots, Run())
