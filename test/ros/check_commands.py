@@ -136,6 +136,21 @@ class CommandsTest(unittest.TestCase):
         self.assertTrue(call("/set_victim", SetVictim, name="eve", position=Point(6.0, 5.0, 0.0)).success)
         self.victims.wait_for_after(0, lambda message: "eve" in [victim.name for victim in message.victims], "eve")
 
+    def test_victims_are_added_while_the_mission_goes_on(self) -> None:
+        # They come while the node publishes: a status from before beside the victims of after would end it.
+        names = [f"caller_{index}" for index in range(40)]
+        set_victim = rospy.ServiceProxy("/mission/set_victim", SetVictim, persistent=True)
+        for name in names:
+            self.status.next()
+            self.assertTrue(set_victim(name=name, position=Point(6.0, 5.0, 0.0)).success)
+        set_victim.close()
+        self.victims.wait_for_after(
+            0, lambda message: set(names) <= {victim.name for victim in message.victims}, "all who called"
+        )
+        self.status.next()
+        call("/reset", Trigger)
+        self.victims.wait_for(lambda message: len(message.victims) == 4, "the scenario's victims")
+
     def test_mission_is_paused_resumed_aborted_and_begun_again(self) -> None:
         self.assertTrue(call("/mission/pause", Trigger).success)
         self.status.wait_for(lambda message: message.state == "paused", "state paused")

@@ -163,16 +163,19 @@ class MissionNode:
         self._publish(step.stamp_ns, events)
 
     def _publish(self, time_ns: int, events: Sequence[Event]) -> None:
-        make, scenario, mission = self._make, self._settings.scenario, self._trial.mission
-        status = mission.status
-        self._status.publish(fields.mission_status(make, time_ns, scenario.name, status, mission.noise_db))
+        make, scenario = self._make, self._settings.scenario
+        # One moment of the mission: services change it meanwhile.
+        with self._trial_lock:
+            mission = self._trial.mission
+            status, victims, noise_db = mission.status, mission.victims, mission.noise_db
+        self._status.publish(fields.mission_status(make, time_ns, scenario.name, status, noise_db))
         for event in events:
             self._events.publish(fields.mission_event(make, time_ns, event))
             rospy.loginfo(f"{event.time_s:.1f} s: {event.detail}")
-        shown = (mission.victims, status.victims, status.explored, status.target_area)
+        shown = (victims, status.victims, status.explored, status.target_area)
         if shown != self._published:
             self._published = shown
-            self._victims.publish(fields.victims(make, time_ns, mission.victims, status.victims))
+            self._victims.publish(fields.victims(make, time_ns, victims, status.victims))
             self._areas.publish(fields.areas(make, time_ns, scenario.mission.areas, status))
 
     def _report(self) -> None:
