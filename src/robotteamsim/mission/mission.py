@@ -9,7 +9,7 @@ import numpy as np
 
 from robotteamsim.control.controller import Decision, Task
 from robotteamsim.mission.status import Event, MissionEnd, MissionState, MissionStatus, VictimState
-from robotteamsim.network.messages import NetworkState
+from robotteamsim.network.messages import NetworkState, Refusal, Traffic
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import VoiceReading
@@ -53,6 +53,7 @@ class Mission:
         self._endangered_links = 0
         self._endangered: np.ndarray | None = None
         self._excluded: list[bool] = []
+        self._refusals: set[Refusal] = set()
         self._events: list[Event] = []
         self._status = self._make_status()
 
@@ -161,6 +162,7 @@ class Mission:
             self._judge_victims(voices, robot_ids[:num_victims], distances_m[:num_victims])
             self._judge_area(robot_ids[num_victims:], distances_m[num_victims:])
             self._judge_links(network)
+            self._judge_messages(network.traffic)
             self._judge_team(decisions)
             self._judge_end()
         self._team_was_running = self._state == "running"
@@ -210,6 +212,13 @@ class Mission:
             self._endangered_links += 1
             level = f"{network.rssi_dbm[i, j]:.1f} dBm"
             self._tell("link_endangered", f"{i}-{j}", NOBODY, f"link {i}-{j} is endangered at {level}")
+
+    def _judge_messages(self, traffic: Traffic) -> None:
+        for refusal in traffic.refused:
+            if refusal not in self._refusals:
+                self._refusals.add(refusal)
+                size = f"{refusal.num_bytes} bytes, the limit is {refusal.limit_bytes}"
+                self._tell("message_too_large", "", refusal.sender, f"robot {refusal.sender} cannot send {size}")
 
     def _judge_team(self, decisions: Sequence[Decision]) -> None:
         excluded = [decision.excluded for decision in decisions]

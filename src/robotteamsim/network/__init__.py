@@ -1,7 +1,8 @@
 """Who hears whom: links, hops, connectivity, delivery of messages."""
 
-from robotteamsim.network.graph import break_matrix, connectivity_matrix, fiedler_value, hop_count
-from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
+from robotteamsim.network.delivery import loss_probability
+from robotteamsim.network.graph import break_matrix, connectivity_matrix, fiedler_value, hop_count, next_hop
+from robotteamsim.network.messages import EVERYBODY, Message, NetworkState, Refusal, Traffic
 from robotteamsim.network.network import Network
 
 __all__ = [
@@ -9,8 +10,12 @@ __all__ = [
     "Message",
     "Network",
     "NetworkState",
+    "Refusal",
+    "Traffic",
     "break_matrix",
     "connectivity_matrix",
     "fiedler_value",
     "hop_count",
+    "loss_probability",
+    "next_hop",
 ]

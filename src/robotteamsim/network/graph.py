@@ -34,6 +34,18 @@ def connectivity_matrix(adjacency: np.ndarray) -> np.ndarray:
     return c
 
 
+def next_hop(hops: np.ndarray, rssi_dbm: np.ndarray, holder: int, receiver: int) -> int:
+    """Return to whom a robot passes a message on, so that it takes a shortest path; -1 where no path exists.
+
+    Of equally short ways the one with the strongest link, then the lowest id.
+    Args: hops: int32, shape (n, n), from `hop_count`.  rssi_dbm: float64, shape (n, n).
+    """
+    if hops[holder, receiver] < 1:
+        return -1
+    candidates = np.flatnonzero((hops[holder] == 1) & (hops[:, receiver] == hops[holder, receiver] - 1))
+    return int(candidates[np.argmax(rssi_dbm[holder, candidates])])
+
+
 def break_matrix(link: np.ndarray, hops: np.ndarray) -> np.ndarray:
     """Return the link matrix where no path exists and 0 elsewhere: C_break after eq. (21) [dissertation].
 

@@ -18,6 +18,38 @@ class Message:
     receiver: int
     payload: str
 
+    @property
+    def num_bytes(self) -> int:
+        """Size of the payload in UTF-8; what no UTF-8 has counts as one byte."""
+        return len(self.payload) if self.payload.isascii() else len(self.payload.encode(errors="replace"))
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """A message that was not sent, as it is larger than `network.max_message_bytes`, the limit."""
+
+    sender: int
+    num_bytes: int
+    limit_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class Traffic:
+    """What became of messages in one step, counted per receiver.
+
+    delivered:    arrived in this step.
+    lost:         lost on weak links, or on a path that broke while they were on their way.
+    cut_off:      given up because no path of links led to the receiver.
+    mean_delay_s: of those delivered, from the step of sending to this one [s]; 0 where nothing arrived.
+    refused:      too large to be sent.
+    """
+
+    delivered: int = 0
+    lost: int = 0
+    cut_off: int = 0
+    mean_delay_s: float = 0.0
+    refused: tuple[Refusal, ...] = ()
+
 
 @dataclass(frozen=True, slots=True)
 class NetworkState:
@@ -30,6 +62,7 @@ class NetworkState:
     break_matrix:        float64, shape (n, n), `link` where no path exists, else 0.
     fiedler_value:       algebraic connectivity, eq. (33); 0 exactly when the team is split.
     endangered:          bool, shape (n, n): links that exist but are below the endangered threshold.
+    traffic:             what became of messages.
     """
 
     rssi_dbm: np.ndarray
@@ -39,6 +72,7 @@ class NetworkState:
     break_matrix: np.ndarray
     fiedler_value: float
     endangered: np.ndarray
+    traffic: Traffic = Traffic()
 
     @property
     def num_endangered(self) -> int:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robotteamsim.network.delivery import Delivery, Links
 from robotteamsim.network.graph import break_matrix, fiedler_value, hop_count
-from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
+from robotteamsim.network.messages import EVERYBODY, Message, NetworkState, Refusal
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.sections import Network as NetworkSection
 
@@ -26,13 +27,24 @@ class Network:
     """The undirected radio network of `num_robots` robots [dissertation, 5.2.2].
 
     A link exists where the signal is at least `lost_below_dbm`, or, for links by distance, where the distance is at
-    most `max_distance_m`. It is endangered where its signal is below `endangered_below_dbm`.
+    most `max_distance_m`. It is endangered where its signal is below `endangered_below_dbm`. How messages travel over
+    links stands in `Delivery`.
     """
 
-    def __init__(self, radio_field: RadioField, network: NetworkSection, num_robots: int) -> None:
+    def __init__(
+        self,
+        radio_field: RadioField,
+        network: NetworkSection,
+        num_robots: int,
+        *,
+        seed: int = 0,
+        step_ns: int = 100_000_000,
+    ) -> None:
+        """Make a network without any message on its way; `seed` is that of the losses, `step_ns` a step [ns]."""
         self._radio_field = radio_field
         self._section = network
         self._num_robots = num_robots
+        self._delivery = Delivery(network, num_robots, seed, step_ns)
         self._topology: _Topology | None = None
 
     def step(
@@ -43,23 +55,18 @@ class Network:
         Args:
             positions_m: shape (n, 2), in `map` [m].
             outboxes:    messages sent in the step before, one sequence per robot in id order.
-        Returns: the state, and one inbox per robot in id order. A message arrives where a path of links exists now;
-                 an inbox is sorted by sender, then in the order of sending. Nobody receives his own messages.
+        Returns: the state, and one inbox per robot in id order: what arrives in this step, sorted by sender, then in
+                 the order of sending. Nobody receives his own messages; one that is too large is refused.
         Raises: ValueError: wrong number of robots; a position is not finite; a message with a sender that is not the
                 owner of the outbox, or a receiver that does not exist.
         """
         positions_m = np.asarray(positions_m, dtype=np.float64)
         if positions_m.shape != (self._num_robots, 2):
             raise ValueError(f"positions_m must have shape ({self._num_robots}, 2), got {positions_m.shape}")
-        self._check(outboxes)
-        state = self._state(positions_m)
-        return state, self._deliver(state.hop_count, outboxes)
-
-    def reset(self) -> None:
-        """Forget the last topology, as a new network."""
-        self._topology = None
-
-    def _state(self, positions_m: np.ndarray) -> NetworkState:
+        refused = self._check(outboxes)
+        if refused:
+            limit = self._section.max_message_bytes
+            outboxes = [[message for message in outbox if message.num_bytes <= limit] for outbox in outboxes]
         rssi_dbm = self._radio_field.rssi_matrix_dbm(positions_m)
         if self._section.link == "signal":
             link = rssi_dbm
@@ -69,7 +76,8 @@ class Network:
             adjacency = link <= self._section.max_distance_m
         np.fill_diagonal(adjacency, False)
         topology = self._topology_of(adjacency)
-        return NetworkState(
+        inboxes, traffic = self._delivery.step(Links(rssi_dbm, adjacency, topology.hops), outboxes, refused)
+        state = NetworkState(
             rssi_dbm=rssi_dbm,
             link=link,
             adjacency=adjacency,
@@ -77,16 +85,25 @@ class Network:
             break_matrix=break_matrix(link, topology.hops),
             fiedler_value=topology.fiedler,
             endangered=adjacency & (rssi_dbm < self._section.endangered_below_dbm),
+            traffic=traffic,
         )
+        return state, inboxes
+
+    def reset(self) -> None:
+        """Forget the last topology and messages on their way, as a new network."""
+        self._topology = None
+        self._delivery.reset()
 
     def _topology_of(self, adjacency: np.ndarray) -> _Topology:
         if self._topology is None or not np.array_equal(self._topology.adjacency, adjacency):
             self._topology = _Topology(adjacency, hop_count(adjacency), fiedler_value(adjacency))
         return self._topology
 
-    def _check(self, outboxes: Sequence[Sequence[Message]]) -> None:
+    def _check(self, outboxes: Sequence[Sequence[Message]]) -> tuple[Refusal, ...]:
+        """Return the messages that are too large. Raises: ValueError: as `step`."""
         if len(outboxes) != self._num_robots:
             raise ValueError(f"outboxes must hold one sequence per robot: {self._num_robots}, got {len(outboxes)}")
+        limit, refused = self._section.max_message_bytes, []
         for robot_id, outbox in enumerate(outboxes):
             for message in outbox:
                 if message.sender != robot_id:
@@ -96,23 +113,7 @@ class Network:
                         f"outbox of robot {robot_id}: receiver {message.receiver} does not exist; "
                         f"wanted 0..{self._num_robots - 1}, or {EVERYBODY} for everybody"
                     )
-
-    def _deliver(self, hops: np.ndarray, outboxes: Sequence[Sequence[Message]]) -> list[tuple[Message, ...]]:
-        sent = [message for outbox in outboxes for message in outbox]
-        if not all(message.receiver == EVERYBODY for message in sent):
-            return [
-                tuple(m for m in sent if m.receiver in (receiver, EVERYBODY) and hops[m.sender, receiver] > 0)
-                for receiver in range(self._num_robots)
-            ]
-        # Those who have a path to each other hear the same, but for what they sent themselves.
-        num_sent = np.array([len(outbox) for outbox in outboxes])
-        heard: dict[bytes, tuple[tuple[Message, ...], list[int]]] = {}
-        inboxes = []
-        for receiver, senders in enumerate(hops >= 0):
-            key = senders.tobytes()
-            if key not in heard:
-                messages = tuple(message for message in sent if senders[message.sender])
-                heard[key] = messages, np.cumsum(num_sent * senders).tolist()
-            messages, ends = heard[key]
-            inboxes.append(messages[: ends[receiver] - len(outboxes[receiver])] + messages[ends[receiver] :])
-        return inboxes
+                # A character takes 4 bytes at most, so most messages need not be counted.
+                if 4 * len(message.payload) > limit and message.num_bytes > limit:
+                    refused.append(Refusal(robot_id, message.num_bytes, limit))
+        return tuple(refused)

@@ -241,6 +241,7 @@ def network_messages(make: Make, time_ns: int, messages: Iterable[Message]) -> A
 
 def network_state(make: Make, time_ns: int, network: NetworkState) -> Any:
     """robotteamsim/NetworkState."""
+    traffic = network.traffic
     return make(
         "robotteamsim/NetworkState",
         header=header(make, time_ns, MAP_FRAME),
@@ -254,6 +255,13 @@ def network_state(make: Make, time_ns: int, network: NetworkState) -> Any:
         swarm_connectivity=float(network.swarm_connectivity),
         endangered=network.endangered.astype(np.uint8).ravel(),
         num_endangered=network.num_endangered,
+        delivered=traffic.delivered,
+        lost=traffic.lost,
+        cut_off=traffic.cut_off,
+        mean_delay_s=float(traffic.mean_delay_s),
+        refused_senders=np.array([refusal.sender for refusal in traffic.refused], dtype=np.uint32),
+        refused_bytes=np.array([refusal.num_bytes for refusal in traffic.refused], dtype=np.uint32),
+        max_message_bytes=traffic.refused[0].limit_bytes if traffic.refused else 0,
     )
 
 

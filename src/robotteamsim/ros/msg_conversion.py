@@ -18,7 +18,7 @@ import robotteamsim.msg
 from robotteamsim.control.controller import Decision, Task
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.mission.status import MissionStatus
-from robotteamsim.network.messages import Message, NetworkState
+from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.sensing.readings import OdometryReading, VoiceReading
 
 _PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_msgs, robotteamsim)
@@ -112,6 +112,16 @@ def network_state(message: robotteamsim.msg.NetworkState) -> NetworkState:
         break_matrix=matrix(message.break_matrix, np.float64),
         fiedler_value=message.fiedler_value,
         endangered=np.frombuffer(message.endangered, dtype=np.uint8).reshape(shape).astype(bool),
+        traffic=Traffic(
+            delivered=message.delivered,
+            lost=message.lost,
+            cut_off=message.cut_off,
+            mean_delay_s=message.mean_delay_s,
+            refused=tuple(
+                Refusal(sender, num_bytes, message.max_message_bytes)
+                for sender, num_bytes in zip(message.refused_senders, message.refused_bytes, strict=True)
+            ),
+        ),
     )
 
 

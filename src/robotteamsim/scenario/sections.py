@@ -157,6 +157,17 @@ class Network(Model):
     lost_below_dbm: float = Field(default=-94.0, ge=-200.0, le=20.0, description="a weaker link does not exist [dBm]")
     link: Literal["signal", "distance"] = Field(default="signal", description="what makes a link (eq. 16)")
     max_distance_m: float = Field(default=25.0, gt=0.0, le=10_000.0, description="d_max, for links by distance [m]")
+    hop_delay_s: float = Field(
+        default=0.0, ge=0.0, le=60.0, description="time per hop; at least a step passes in any case [s]"
+    )
+    loss: Literal["none", "signal"] = Field(
+        default="none",
+        description="no message is lost on a link, or with a probability from 0 at endangered_below_dbm to 1 at "
+        "lost_below_dbm, per hop",
+    )
+    max_message_bytes: int = Field(
+        default=65_507, ge=1, le=2**31 - 1, description="a larger message is not sent; by default a datagram of UDP"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Network:

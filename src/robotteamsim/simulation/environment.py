@@ -20,7 +20,8 @@ class Environment:
     def __init__(self, scenario: Scenario) -> None:
         self._radio = RadioField(scenario.plan, scenario.radio)
         self._voice = VoiceSensor(scenario.plan, scenario.voice, scenario.mission.victims, scenario.run.seed)
-        self._network = Network(self._radio, scenario.network, len(scenario.placed_robots()))
+        num_robots, run = len(scenario.placed_robots()), scenario.run
+        self._network = Network(self._radio, scenario.network, num_robots, seed=run.seed, step_ns=run.step_ns)
 
     @property
     def voice_map_changes(self) -> int:
@@ -38,7 +39,7 @@ class Environment:
     def step(
         self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]], saved: Collection[str]
     ) -> tuple[tuple[VoiceReading, ...], NetworkState, tuple[tuple[Message, ...], ...]]:
-        """Let each robot hear, and deliver what robots sent in the last step over the links of this one.
+        """Let each robot hear, and carry what robots sent on over the links of this step.
 
         Args:
             positions_m: true positions in `map`, shape (n, 2) [m].

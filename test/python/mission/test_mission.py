@@ -8,7 +8,7 @@ import pytest
 
 from robotteamsim.control.controller import Decision, Task
 from robotteamsim.mission import Mission
-from robotteamsim.network.messages import NetworkState
+from robotteamsim.network.messages import NetworkState, Refusal, Traffic
 from robotteamsim.scenario import sections
 from robotteamsim.sensing.readings import VoiceReading
 
@@ -284,3 +284,16 @@ def test_two_missions_with_equal_inputs_tell_equal_events(hall_scenario):
         return [dataclasses.asdict(event) for place in walk for event in course.step(positions=[place])]
 
     assert events() == events()
+
+
+def test_a_message_that_is_too_large_is_told_once_with_robot_size_and_limit(mission):
+    course = Course(mission)
+    course.step()
+    refused = dataclasses.replace(network(2), traffic=Traffic(refused=(Refusal(1, 70_000, 65_507),)))
+    told = []
+    for _ in range(3):
+        course.sim_time_ns += STEP_NS
+        told += mission.step(course.sim_time_ns, np.array([FAR_M] * 2), [SILENCE] * 2, refused, [Decision()] * 2)
+    assert [(e.kind, e.robot_id, e.detail) for e in told] == [
+        ("message_too_large", 1, "robot 1 cannot send 70000 bytes, the limit is 65507")
+    ]

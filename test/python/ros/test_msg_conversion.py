@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import genpy
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from robotteamsim.control.controller import Decision, Task
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.mission.status import Event, MissionStatus
-from robotteamsim.network.messages import Message, NetworkState
+from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
@@ -103,7 +104,8 @@ def test_network_keeps_its_matrices(make):
     levels = np.array([[0.0, -80.1, -99.0], [-80.1, 0.0, -1.0 / 3.0], [-99.0, -1.0 / 3.0, 0.0]])
     linked = np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], dtype=bool)
     hops = np.array([[0, 1, 2], [1, 0, 1], [2, 1, 0]], dtype=np.int32)
-    network = NetworkState(levels, levels, linked, hops, np.zeros((3, 3)), 1.0, linked & (levels < -80.0))
+    traffic = Traffic(5, 2, 1, 0.3, (Refusal(0, 70_000, 65_507), Refusal(2, 65_508, 65_507)))
+    network = NetworkState(levels, levels, linked, hops, np.zeros((3, 3)), 1.0, linked & (levels < -80.0), traffic)
     message = sent(fields.network_state(make, TIME_NS, network))
     back = conversion.network_state(message)
     for name in ("rssi_dbm", "link", "adjacency", "hop_count", "break_matrix", "endangered"):
@@ -111,6 +113,9 @@ def test_network_keeps_its_matrices(make):
         assert got.dtype == expected.dtype, name
         np.testing.assert_array_equal(got, expected, err_msg=name)
     assert (back.fiedler_value, message.num_endangered) == (1.0, 1)
+    assert back.traffic == traffic
+    quiet = conversion.network_state(sent(fields.network_state(make, TIME_NS, replace(network, traffic=Traffic()))))
+    assert quiet.traffic == Traffic()
 
 
 @pytest.mark.parametrize("goal_m", [(1.0, 2.0), None])

@@ -1,0 +1,217 @@
+"""How messages travel: hop by hop over the links of each step, with a delay per hop and losses on weak links."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robotteamsim import rng
+from robotteamsim.network.graph import next_hop
+from robotteamsim.network.messages import EVERYBODY, Message, Refusal, Traffic
+from robotteamsim.scenario.sections import Network as NetworkSection
+
+Inboxes = list[tuple[Message, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class Links:
+    """What messages need to know of the network of one step; shapes (n, n), as in `NetworkState`."""
+
+    rssi_dbm: np.ndarray
+    adjacency: np.ndarray
+    hop_count: np.ndarray
+
+
+@dataclass(slots=True, eq=False)
+class _Flight:
+    """A message on its way.
+
+    sent_step: the step in which it was sent.       number: its place in the outbox of that step.
+    hops:      that it has made.                    reached: bool, shape (n,): who has had it.
+    holders:   who pass it on in the next hop; of a message to one robot, the one that has it now.
+    """
+
+    message: Message
+    sent_step: int
+    number: int
+    reached: np.ndarray
+    holders: np.ndarray
+    hops: int = 0
+
+
+def loss_probability(rssi_dbm: np.ndarray, network: NetworkSection) -> np.ndarray:
+    """Return how likely a message is lost on links of these signals [dBm], in one hop; same shape.
+
+    It rises linearly from 0 at `endangered_below_dbm` to 1 at `lost_below_dbm`; where both are one, no link loses any.
+    """
+    if network.loss == "none" or network.endangered_below_dbm == network.lost_below_dbm:
+        return np.zeros_like(rssi_dbm)
+    band_db = network.endangered_below_dbm - network.lost_below_dbm
+    return np.clip((network.endangered_below_dbm - rssi_dbm) / band_db, 0.0, 1.0)
+
+
+class Delivery:
+    """Carries messages between `num_robots` robots.
+
+    A message to one robot takes, at each hop, a link of the shortest path of that moment, of equal ones the strongest,
+    and is dropped where none leads on. A message to everybody floods: who gets it passes it on once, to all in reach.
+    Losses are drawn per link from the stream ("network", step, transmitter), so they follow from the seed, the step,
+    the pair and how much the transmitter has sent in that step, and from nothing else.
+    """
+
+    def __init__(self, network: NetworkSection, num_robots: int, seed: int, step_ns: int) -> None:
+        self._section = network
+        self._num_robots = num_robots
+        self._seed = seed
+        self._step_ns = step_ns
+        self._hop_delay_ns = round(network.hop_delay_s * 1e9)
+        # Then every message that can arrive does so in the step after, and nothing is drawn or kept.
+        self._is_instant = network.loss == "none" and self._hop_delay_ns * (num_robots - 1) <= step_ns
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget messages on their way and begin with the first step."""
+        self._step = 0
+        self._flights: list[_Flight] = []
+        self._generators: dict[int, np.random.Generator] = {}
+
+    def step(
+        self, links: Links, outboxes: Sequence[Sequence[Message]], refused: tuple[Refusal, ...]
+    ) -> tuple[Inboxes, Traffic]:
+        """Take what was sent in the last step, carry all that is on its way, and return what arrives in this one."""
+        self._step += 1
+        if not self._is_instant:
+            return self._carry(links, outboxes, refused)
+        inboxes = deliver_at_once(links.hop_count, outboxes)
+        delivered = sum(map(len, inboxes))
+        return inboxes, Traffic(
+            delivered=delivered,
+            cut_off=self._num_copies(outboxes) - delivered,
+            mean_delay_s=self._step_ns / 1e9 if delivered else 0.0,
+            refused=refused,
+        )
+
+    def _num_copies(self, outboxes: Sequence[Sequence[Message]]) -> int:
+        """Return how many robots should hear something, summed over messages."""
+        others = self._num_robots - 1
+        return sum(others if m.receiver == EVERYBODY else m.receiver != m.sender for box in outboxes for m in box)
+
+    def _carry(
+        self, links: Links, outboxes: Sequence[Sequence[Message]], refused: tuple[Refusal, ...]
+    ) -> tuple[Inboxes, Traffic]:
+        self._generators.clear()
+        loss = loss_probability(links.rssi_dbm, self._section)
+        self._flights += [
+            self._take_off(message, number)
+            for outbox in outboxes
+            for number, message in enumerate(outbox)
+            if message.receiver != message.sender
+        ]
+        arrivals: list[list[_Flight]] = [[] for _ in range(self._num_robots)]
+        lost = cut_off = 0
+        going = []
+        for flight in self._flights:
+            if self._advance(flight, links, loss, arrivals):
+                going.append(flight)
+            else:
+                missed, apart = self._missed(flight, links.hop_count)
+                lost, cut_off = lost + missed, cut_off + apart
+        self._flights = going
+        delays_steps = [self._step - flight.sent_step for arrived in arrivals for flight in arrived]
+        for arrived in arrivals:
+            arrived.sort(key=lambda flight: (flight.message.sender, flight.sent_step, flight.number))
+        return [tuple(flight.message for flight in arrived) for arrived in arrivals], Traffic(
+            delivered=len(delays_steps),
+            lost=lost,
+            cut_off=cut_off,
+            mean_delay_s=sum(delays_steps) * self._step_ns / 1e9 / max(len(delays_steps), 1),
+            refused=refused,
+        )
+
+    def _take_off(self, message: Message, number: int) -> _Flight:
+        reached = np.zeros(self._num_robots, dtype=bool)
+        reached[message.sender] = True
+        return _Flight(message, self._step - 1, number, reached, np.array([message.sender]))
+
+    def _advance(self, flight: _Flight, links: Links, loss: np.ndarray, arrivals: list[list[_Flight]]) -> bool:
+        """Let a message make the hops that are due and note whom it reaches; whether it is still on its way."""
+        time_ns = (self._step - flight.sent_step) * self._step_ns
+        due = self._num_robots if self._hop_delay_ns == 0 else time_ns // self._hop_delay_ns
+        while flight.hops < due and len(flight.holders):
+            flight.hops += 1
+            if flight.message.receiver == EVERYBODY:
+                flight.holders = self._flood(flight, links, loss)
+                for robot_id in flight.holders.tolist():
+                    arrivals[robot_id].append(flight)
+                if flight.reached.all():
+                    return False
+            else:
+                flight.holders = self._pass_on(flight, links, loss)
+                if flight.reached[flight.message.receiver]:
+                    arrivals[flight.message.receiver].append(flight)
+                    return False
+        return len(flight.holders) > 0
+
+    def _flood(self, flight: _Flight, links: Links, loss: np.ndarray) -> np.ndarray:
+        """Let all holders pass a message on; return the ids of those who get it for the first time."""
+        heard = links.adjacency[flight.holders] & ~flight.reached
+        for row, holder in enumerate(flight.holders.tolist()):
+            heard[row] &= self._survives(holder, loss)
+        fresh: np.ndarray = heard.any(axis=0)
+        flight.reached |= fresh
+        return np.flatnonzero(fresh)
+
+    def _pass_on(self, flight: _Flight, links: Links, loss: np.ndarray) -> np.ndarray:
+        """Let the one holder pass a message on towards its receiver; return who has it then: one robot or none."""
+        holder = int(flight.holders[0])
+        robot_id = next_hop(links.hop_count, links.rssi_dbm, holder, flight.message.receiver)
+        if robot_id < 0 or not self._survives(holder, loss)[robot_id]:
+            return np.array([], dtype=np.int64)
+        flight.reached[robot_id] = True
+        return np.array([robot_id])
+
+    def _survives(self, transmitter: int, loss: np.ndarray) -> np.ndarray:
+        """Draw for one transmission who in reach would get it; bool, shape (n,)."""
+        if not loss[transmitter].any():
+            return np.ones(self._num_robots, dtype=bool)
+        generator = self._generators.get(transmitter)
+        if generator is None:
+            generator = rng.stream(self._seed, "network", self._step, transmitter)
+            self._generators[transmitter] = generator
+        return np.asarray(generator.random(self._num_robots) >= loss[transmitter])
+
+    def _missed(self, flight: _Flight, hops: np.ndarray) -> tuple[int, int]:
+        """Return how many copies of an ended flight were lost on the way, and how many had no path of links."""
+        sender, receiver = flight.message.sender, flight.message.receiver
+        if receiver == EVERYBODY:
+            missing = ~flight.reached
+            lost = int(np.count_nonzero(missing & (hops[sender] > 0)))
+            return lost, int(np.count_nonzero(missing)) - lost
+        if flight.reached[receiver]:
+            return 0, 0
+        had_path = hops[sender, receiver] > 0 or flight.hops > 1
+        return (1, 0) if had_path else (0, 1)
+
+
+def deliver_at_once(hops: np.ndarray, outboxes: Sequence[Sequence[Message]]) -> Inboxes:
+    """Return who gets what where every message arrives at everybody whom a path of links leads to."""
+    sent = [message for outbox in outboxes for message in outbox]
+    if not all(message.receiver == EVERYBODY for message in sent):
+        return [
+            tuple(m for m in sent if m.receiver in (receiver, EVERYBODY) and hops[m.sender, receiver] > 0)
+            for receiver in range(len(hops))
+        ]
+    # Those who have a path to each other hear the same, but for what they sent themselves.
+    num_sent = np.array([len(outbox) for outbox in outboxes])
+    heard: dict[bytes, tuple[tuple[Message, ...], list[int]]] = {}
+    inboxes = []
+    for receiver, senders in enumerate(hops >= 0):
+        key = senders.tobytes()
+        if key not in heard:
+            messages = tuple(message for message in sent if senders[message.sender])
+            heard[key] = messages, np.cumsum(num_sent * senders).tolist()
+        messages, ends = heard[key]
+        inboxes.append(messages[: ends[receiver] - len(outboxes[receiver])] + messages[ends[receiver] :])
+    return inboxes
