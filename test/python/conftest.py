@@ -86,6 +86,7 @@ def outcome_of() -> Callable[..., Outcome]:
             "steps": 1001,
             "trajectory_hash": "ab" * 32,
             "details": "{}",
+            "paths": None,
             "wall_s": 0.5,
         }
         return Outcome(trial.cell, trial.number, trial.seed, **(fields | figures))

@@ -24,7 +24,8 @@ FLOORS = (
     ("mission",),
     ("simulation",),
     ("recording",),
-    ("campaign", "analysis"),
+    ("campaign",),
+    ("analysis",),
     ("cli", "ros"),
 )
 FLOOR_OF = {part: floor for floor, parts in enumerate(FLOORS) for part in parts}

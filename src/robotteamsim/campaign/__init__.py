@@ -1,6 +1,7 @@
 """Many trials of a scenario: their design, their run on many processes, their store, their tables."""
 
 from robotteamsim.campaign.design import Cell, Design, Trial, make_design
+from robotteamsim.campaign.paths import decode_paths
 from robotteamsim.campaign.store import Store, StoredCampaign, check_folder, open_store, read_store
 from robotteamsim.campaign.trial import Outcome, run_trial
 
@@ -12,6 +13,7 @@ __all__ = [
     "StoredCampaign",
     "Trial",
     "check_folder",
+    "decode_paths",
     "make_design",
     "open_store",
     "read_store",

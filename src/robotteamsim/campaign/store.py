@@ -28,7 +28,8 @@ _LOCK_NAME = ".lock"
 _OUR_FILES = {STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", f".part-{STORE_NAME}", _LOCK_NAME}
 _OUR_FILES |= {f".part-{STORE_NAME}-journal", CSV_NAME, f".part-{CSV_NAME}"}
 
-_FORMAT = 1
+_FORMAT = 2
+_LACKS = {1: "the robots' paths"}
 _APPLICATION_ID = 0x52545343  # "RTSC": tells `file` and us whose database it is.
 _COLUMNS = tuple(field.name for field in dataclasses.fields(Outcome))
 _SCHEMA = f"""
@@ -37,7 +38,7 @@ CREATE TABLE campaign (name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE trial (
   cell INTEGER, number INTEGER, seed INTEGER, "end" TEXT, time_s REAL, areas_explored INTEGER, num_areas INTEGER,
   victims_saved INTEGER, num_victims INTEGER, endangered_links INTEGER, distance_m REAL, contact_s REAL, steps INTEGER,
-  trajectory_hash TEXT, details TEXT, error TEXT NOT NULL, traceback TEXT NOT NULL, wall_s REAL NOT NULL,
+  trajectory_hash TEXT, details TEXT, paths BLOB, error TEXT NOT NULL, traceback TEXT NOT NULL, wall_s REAL NOT NULL,
   PRIMARY KEY (cell, number)
 );
 """
@@ -45,7 +46,7 @@ _SELECT = f"SELECT {', '.join(_COLUMNS)} FROM trial ORDER BY cell, number".repla
 _INSERT = f"INSERT INTO trial VALUES ({', '.join('?' * len(_COLUMNS))})"
 
 # Not in trials.csv: what is not the same in equal trials, and what is a document of its own.
-_CSV_COLUMNS = tuple(name for name in _COLUMNS if name not in ("cell", "details", "traceback", "wall_s"))
+_CSV_COLUMNS = tuple(name for name in _COLUMNS if name not in ("cell", "details", "paths", "traceback", "wall_s"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,8 +141,9 @@ def read_store(folder: Path) -> StoredCampaign:
         if database.execute("PRAGMA application_id").fetchone()[0] != _APPLICATION_ID:
             raise CampaignError(f"{path}: is no store of a campaign")
         known = dict(database.execute("SELECT name, value FROM campaign").fetchall())
-        if int(known["format"]) != _FORMAT:
-            raise CampaignError(f"{path}: has format {known['format']}, wanted {_FORMAT}")
+        if (number := int(known["format"])) != _FORMAT:
+            lacks = f", which lacks {_LACKS[number]}" if number in _LACKS else ""
+            raise CampaignError(f"{path}: has format {number}{lacks}; wanted {_FORMAT}: choose another folder")
         return StoredCampaign(json.loads(known["settings"]), json.loads(known["versions"]), _outcomes(database))
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import time
 import traceback
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import robotteamsim
 from robotteamsim.campaign.design import Trial
+from robotteamsim.campaign.paths import PathLog
 from robotteamsim.errors import CampaignError
 from robotteamsim.mission.status import Event
 from robotteamsim.scenario.scenario import Scenario
@@ -21,6 +22,7 @@ class Outcome:
 
     details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null where that
              never happened) and `robots` (distance_m, contact_s, excluded_s, longest_stay_s of each).
+    paths:   where the robots went, for `decode_paths`.
     wall_s:  what computing it took, the one figure that differs between equal trials.
     """
 
@@ -39,6 +41,7 @@ class Outcome:
     steps: int | None = None
     trajectory_hash: str | None = None
     details: str | None = None
+    paths: bytes | None = field(default=None, repr=False)
     error: str = ""
     traceback: str = ""
     wall_s: float = 0.0
@@ -60,15 +63,15 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
         raise CampaignError(f"a worker has robotteamsim {robotteamsim.__version__}, wanted {version}")
     start_s = time.perf_counter()
     seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": trial.seed})})
-    times = _EventTimes()
+    times, paths = _EventTimes(), PathLog()
     try:
-        result = Simulation(seeded).run([times])
+        result = Simulation(seeded).run([times, paths])
     except Exception as error:  # Whatever it is, the other trials go on.
         wall_s = time.perf_counter() - start_s
         line = " ".join(f"{type(error).__name__}: {error}".split())
         trace = traceback.format_exc()
         return Outcome(trial.cell, trial.number, trial.seed, error=line, traceback=trace, wall_s=wall_s)
-    return _outcome(trial, result, times.details(result), time.perf_counter() - start_s)
+    return _outcome(trial, result, times.details(result), paths.encoded(), time.perf_counter() - start_s)
 
 
 class _EventTimes:
@@ -113,7 +116,7 @@ class _EventTimes:
         return json.dumps({"areas": self._areas, "victims": self._victims, "robots": robots}, ensure_ascii=False)
 
 
-def _outcome(trial: Trial, result: Result, details: str, wall_s: float) -> Outcome:
+def _outcome(trial: Trial, result: Result, details: str, paths: bytes, wall_s: float) -> Outcome:
     return Outcome(
         cell=trial.cell,
         number=trial.number,
@@ -130,5 +133,6 @@ def _outcome(trial: Trial, result: Result, details: str, wall_s: float) -> Outco
         steps=result.steps,
         trajectory_hash=result.trajectory_hash,
         details=details,
+        paths=paths,
         wall_s=wall_s,
     )

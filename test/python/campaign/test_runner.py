@@ -42,6 +42,7 @@ def test_workers_compute_what_this_process_computes(short_design, two_workers, t
         ):
             here = run_trial(design.cells[trial.cell].scenario, trial, "0.1.0")
             assert (outcome.trajectory_hash, outcome.details) == (here.trajectory_hash, here.details)
+            assert outcome.paths == here.paths
 
 
 def test_workers_have_one_thread_each(two_workers):

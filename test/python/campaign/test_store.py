@@ -155,3 +155,15 @@ def test_checking_a_folder_leaves_nothing(short_design, tmp_path):
 def test_reading_a_folder_without_a_store_is_refused(tmp_path):
     with pytest.raises(CampaignError, match=r"holds no campaign: there is no campaign\.sqlite$"):
         read_store(tmp_path)
+
+
+def test_store_of_the_older_format_is_refused_with_what_it_lacks(short_design, tmp_path):
+    path = tmp_path / "campaign.sqlite"
+    with open_store(tmp_path, short_design(SWEEP)):
+        pass
+    with contextlib.closing(sqlite3.connect(path)) as database, database:
+        database.execute("UPDATE campaign SET value = '1' WHERE name = 'format'")
+    wanted = f"{path}: has format 1, which lacks the robots' paths; wanted 2: choose another folder"
+    assert refusal(tmp_path, short_design(SWEEP)) == wanted
+    with pytest.raises(CampaignError, match="which lacks the robots' paths"):
+        read_store(tmp_path)

@@ -1,0 +1,68 @@
+"""Where the robots of a trial went, in few bytes."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+
+import numpy as np
+
+from robotteamsim.errors import CampaignError
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.simulation import Result, StepRecord
+
+PERIOD_S = 1.0
+"""Between two positions that are kept; a whole number of steps, and at least one."""
+
+_UNIT_M = 0.01
+_HEADER = struct.Struct("<II")
+
+
+class PathLog:
+    """Notes the true positions of all robots once a second, to a centimetre."""
+
+    def begin(self, scenario: Scenario) -> None:
+        """Begin anew."""
+        self._every = steps_between(scenario)
+        self._positions_m: list[list[tuple[float, float]]] = []
+
+    def step(self, record: StepRecord) -> None:
+        """Take in one step; the first is kept, and then every so many."""
+        if (record.step_index - 1) % self._every == 0:
+            self._positions_m.append([(r.ground_truth.x_m, r.ground_truth.y_m) for r in record.readings])
+
+    def end(self, result: Result) -> None:
+        """Nothing is left to do."""
+
+    def abandon(self) -> None:
+        """Nothing is left to do."""
+
+    def encoded(self) -> bytes:
+        """Return the paths, as `decode_paths` reads them."""
+        return encode_paths(np.array(self._positions_m, dtype=np.float64))
+
+
+def steps_between(scenario: Scenario) -> int:
+    """Return how many steps lie between two kept positions."""
+    return max(round(PERIOD_S / scenario.run.step_s), 1)
+
+
+def encode_paths(positions_m: np.ndarray) -> bytes:
+    """Return paths as bytes, the same for the same paths: some 2 per robot and second.
+
+    Two little-endian uint32, samples and robots; then, deflated, the differences from sample to sample as little-endian
+    int32 [cm], from (0, 0) at first. Args: positions_m: shape (samples, robots, 2), in `map` [m].
+    """
+    units = np.rint(positions_m / _UNIT_M).astype("<i4")
+    differences = np.diff(units, axis=0, prepend=np.zeros_like(units[:1]))
+    return _HEADER.pack(*units.shape[:2]) + zlib.compress(differences.tobytes(), level=6)
+
+
+def decode_paths(data: bytes) -> np.ndarray:
+    """Return positions [m] in `map`, shape (samples, robots, 2), to a centimetre. Raises: CampaignError: no paths."""
+    try:
+        samples, robots = _HEADER.unpack_from(data)
+        differences = np.frombuffer(zlib.decompress(data[_HEADER.size :]), dtype="<i4").reshape(samples, robots, 2)
+    except (struct.error, zlib.error, ValueError) as error:
+        raise CampaignError(f"stored paths cannot be read: {error}") from None
+    return np.asarray(np.cumsum(differences, axis=0, dtype=np.int64) * _UNIT_M)
