@@ -8,7 +8,14 @@ import sys
 from collections.abc import Sequence
 
 import robotteamsim
-from robotteamsim.cli import campaign_command, field_command, plan_command, run_command, scenario_command
+from robotteamsim.cli import (
+    analyse_command,
+    campaign_command,
+    field_command,
+    plan_command,
+    run_command,
+    scenario_command,
+)
 from robotteamsim.cli.parser import Parser
 from robotteamsim.errors import RobotTeamSimError
 
@@ -22,6 +29,7 @@ examples:
   robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
   robotteamsim run my.yaml --set control.alpha=0.5 --json
   robotteamsim campaign garage_sar --noise 10 --noise 20 --trials 30 --out DIR
+  robotteamsim analyse mission.bag                   what a bag tells, of a headless run or of ROS
   robotteamsim scenario show garage_sar              every key with its value
   robotteamsim field voice garage_sar --png voice.png
   robotteamsim plan import map.yaml --out plan.yaml  a map_server image as walls
@@ -57,6 +65,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"robotteamsim {robotteamsim.__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (run_command, campaign_command, scenario_command, plan_command, field_command):
+    for command in (run_command, campaign_command, scenario_command, plan_command, field_command, analyse_command):
         command.add_to(commands)
     return parser

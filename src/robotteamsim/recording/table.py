@@ -61,14 +61,15 @@ def print_result(
 ) -> None:
     """Print the events in order and the figures of a mission."""
     title = f"{result.scenario}: {len(result.robots)} robots, {result.noise_db:g} dB noise, seed {result.seed}"
-    console.print(_event_table(title, events))
+    console.print(event_table(title, events))
     console.print(_figure_table(result))
     console.print(Text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)
     for path in filter(None, written):
         console.print(Text(f"  written      {path}"), soft_wrap=True)
 
 
-def _event_table(title: str, events: Sequence[Event]) -> Table:
+def event_table(title: str, events: Sequence[Event]) -> Table:
+    """Return the events in order; where there are many, endangered links are only counted."""
     table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, caption_justify="left")
     table.add_column("time", justify="right", no_wrap=True)
     table.add_column("what happened")

@@ -1,0 +1,135 @@
+"""Paths of robots, out of poses that are true, or measured and placed by tf."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from robotteamsim.recording.message_fields import MAP_FRAME
+
+Source = Literal["truth", "odom and tf", "odom"]
+PoseSample = tuple[str, float, float, float, float, float, float]
+"""Frame, x, y [m], and x, y, z, w of the unit quaternion."""
+
+_ALWAYS_NS = -(2**62)
+"""Stamp of transforms that hold at all times."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """Where a robot was.
+
+    frame:     "map", or the odometry's own where nothing tells where that is in the map.
+    stamps_ns: int64, shape (n,), ascending.
+    poses:     float64, shape (n, 3): x, y [m], yaw [rad] in `frame`.
+    turns:     float64, shape (n, 2): z and w of the quaternions as recorded.
+    driven_m:  float64, shape (n,): length of the path so far [m], in the odometry's frame where there is one: the place
+               of that in the map may jump.
+    """
+
+    source: Source
+    frame: str
+    stamps_ns: np.ndarray
+    poses: np.ndarray
+    turns: np.ndarray
+    driven_m: np.ndarray
+
+    @property
+    def is_on_map(self) -> bool:
+        """Whether the poses are in `map`."""
+        return self.frame == MAP_FRAME
+
+    def index_at(self, stamp_ns: int) -> int:
+        """Return the index of the last pose at or before a stamp, or of the first one [ns]."""
+        return max(int(np.searchsorted(self.stamps_ns, stamp_ns, side="right")) - 1, 0)
+
+
+class Transforms:
+    """What /tf and /tf_static tell of frames in `map`."""
+
+    def __init__(self) -> None:
+        self._places: dict[str, list[tuple[int, float, float, float]]] = defaultdict(list)
+
+    def add(self, message: Any, is_static: bool) -> None:
+        """Take in a tf2_msgs/TFMessage."""
+        for transform in message.transforms:
+            if transform.header.frame_id.lstrip("/") == MAP_FRAME:
+                stamp = transform.header.stamp
+                stamp_ns = _ALWAYS_NS if is_static else stamp.sec * 10**9 + stamp.nanosec
+                place, q = transform.transform.translation, transform.transform.rotation
+                yaw_rad = float(_yaw_rad(q.x, q.y, q.z, q.w))
+                self._places[transform.child_frame_id.lstrip("/")].append((stamp_ns, place.x, place.y, yaw_rad))
+
+    def of(self, frame: str) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return stamps [ns], ascending, and x, y [m], yaw [rad] of a frame in `map`; None where nothing is told."""
+        if frame not in self._places:
+            return None
+        places = sorted(self._places[frame])
+        return np.array([place[0] for place in places]), np.array([place[1:] for place in places])
+
+
+def from_truth(samples: Sequence[tuple[int, PoseSample]]) -> Track | None:
+    """Return the track of true poses in `map`; None where no pose is finite."""
+    finite = _finite(samples)
+    if not finite:
+        return None
+    stamps_ns, poses, turns = _arrays(finite)
+    return Track("truth", MAP_FRAME, stamps_ns, poses, turns, _driven_m(poses))
+
+
+def from_odometry(samples: Sequence[tuple[int, PoseSample]], transforms: Transforms) -> Track | None:
+    """Return the track of an odometry: in `map` from when on /tf places its frame there, else in its own frame."""
+    finite = _finite(samples)
+    if not finite:
+        return None
+    frame = finite[0][1][0]
+    stamps_ns, poses, turns = _arrays(finite)
+    driven_m = _driven_m(poses)
+    placed = transforms.of(frame)
+    if placed is None:
+        return Track("odom", frame, stamps_ns, poses, turns, driven_m)
+    place_stamps_ns, places = placed
+    # Before its first place is known, a robot is nowhere on the map.
+    first = int(np.searchsorted(stamps_ns, place_stamps_ns[0]))
+    if first == len(stamps_ns):
+        return Track("odom", frame, stamps_ns, poses, turns, driven_m)
+    stamps_ns, poses, turns, driven_m = stamps_ns[first:], poses[first:], turns[first:], driven_m[first:]
+    place = places[np.searchsorted(place_stamps_ns, stamps_ns, side="right") - 1]
+    cos, sin = np.cos(place[:, 2]), np.sin(place[:, 2])
+    on_map = np.column_stack(
+        (
+            place[:, 0] + cos * poses[:, 0] - sin * poses[:, 1],
+            place[:, 1] + sin * poses[:, 0] + cos * poses[:, 1],
+            place[:, 2] + poses[:, 2],
+        )
+    )
+    return Track("odom and tf", MAP_FRAME, stamps_ns, on_map, turns, driven_m)
+
+
+def _finite(samples: Sequence[tuple[int, PoseSample]]) -> list[tuple[int, PoseSample]]:
+    """Return the samples without those of a robot that has lost itself, which tells so by NaN."""
+    return [sample for sample in samples if all(map(math.isfinite, sample[1][1:]))]
+
+
+def _arrays(samples: Sequence[tuple[int, PoseSample]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    stamps_ns = np.array([stamp_ns for stamp_ns, _ in samples])
+    values = np.array([pose[1:] for _, pose in samples])
+    yaw_rad = _yaw_rad(*values[:, 2:].T)
+    return stamps_ns, np.column_stack((values[:, :2], yaw_rad)), values[:, 4:]
+
+
+def _driven_m(poses: np.ndarray) -> np.ndarray:
+    """Return the length of the path so far, the same sum in the same order as a trial's own figures."""
+    places = poses[:, :2].tolist()
+    steps_m = [math.dist(place, before) for before, place in itertools.pairwise(places)]
+    return np.cumsum([0.0, *steps_m])
+
+
+def _yaw_rad(x: Any, y: Any, z: Any, w: Any) -> Any:
+    return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

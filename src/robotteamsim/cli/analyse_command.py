@@ -1,0 +1,106 @@
+"""`robotteamsim analyse`: what bags tell of missions, without ROS."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from robotteamsim.cli.parser import UsageError
+from robotteamsim.recording.files import check_replaceable, prepare_folder, write_atomically
+
+if TYPE_CHECKING:
+    from robotteamsim.analysis.recorded_run import RecordedRun
+    from robotteamsim.analysis.run_figures import RunFigures
+
+_DESCRIPTION = """\
+Tell what bags hold: how the mission went, what the robots drove, how the network held. Bags of
+ROS runs and of headless runs, of real robots or of another world with the same topics; compressed
+or not. What a bag does not tell is left out and named."""
+
+_EPILOG = """\
+Topics: /mission/status, events, victims, areas; /network/state; of each robot odom or
+base_pose_ground_truth, contact, controller/status; /map, /tf. Paths come from the true poses,
+else from odometry with what /tf tells of it in map.
+
+examples:
+  robotteamsim analyse mission.bag
+  robotteamsim analyse one.bag two.bag three.bag --json -
+  robotteamsim analyse mission.bag --csv tables
+  robotteamsim analyse --join mission_0.bag mission_1.bag mission_2.bag"""
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser(
+        "analyse", help="figures, tables and pictures of bags", description=_DESCRIPTION, epilog=_EPILOG
+    )
+    parser.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="a bag; several are summarised in one table")
+    parser.add_argument(
+        "--join", action="store_true", help="the bags are parts of one recording (rosbag record --split)"
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures and events; - prints them instead")
+    parser.add_argument("--csv", type=Path, metavar="DIR", help="write figures, events and values over time as tables")
+    parser.set_defaults(command=analyse)
+
+
+def analyse(options: argparse.Namespace) -> None:
+    """Read all bags, then write what is asked for and print a table."""
+    # Imported late: not every command reads bags.
+    from robotteamsim.analysis.recorded_run import read_run
+    from robotteamsim.analysis.run_figures import figures
+
+    _check(options)
+    runs = [read_run(paths) for paths in ([options.bags] if options.join else [[bag] for bag in options.bags])]
+    all_figures = [figures(run) for run in runs]
+    written = _write(options, runs, all_figures)
+    if options.json != Path("-"):
+        _print(runs, all_figures)
+        for path in written:
+            print(path)
+
+
+def _check(options: argparse.Namespace) -> None:
+    """Refuse what would fail after the bags are read. Raises: UsageError, RecordingError."""
+    names = [bag.resolve() for bag in options.bags]
+    twice = next((bag for bag, name in zip(options.bags, names, strict=True) if names.count(name) > 1), None)
+    if twice:
+        raise UsageError(f"{twice} is given twice")
+    for path in _files(options):
+        check_replaceable(path)
+        if not path.parent.is_dir():
+            raise UsageError(f"{path}: cannot be written: {path.parent} is no folder")
+    if options.csv:
+        prepare_folder(options.csv)
+
+
+def _files(options: argparse.Namespace) -> list[Path]:
+    """Return the files to write."""
+    return [path for path in (options.json,) if path and path != Path("-")]
+
+
+def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], figures: Sequence[RunFigures]) -> list[Path]:
+    from robotteamsim.analysis.run_files import document, write_tables
+
+    written = write_tables(options.csv, runs, figures) if options.csv else []
+    if options.json:
+        text = json.dumps(document(runs, figures), indent=1, ensure_ascii=False)
+        if options.json == Path("-"):
+            print(text)
+        else:
+            write_atomically(options.json, text + "\n")
+            written.append(options.json)
+    return written
+
+
+def _print(runs: Sequence[RecordedRun], figures: Sequence[RunFigures]) -> None:
+    from robotteamsim.analysis.run_tables import print_run, print_runs
+
+    if len(runs) == 1:
+        print_run(Console(), runs[0], figures[0])
+    else:
+        print_runs(Console(), figures)

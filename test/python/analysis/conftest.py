@@ -1,0 +1,90 @@
+"""Bags to analyse: of a short run in which much happens, and made by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rosbags.rosbag1 import Writer
+
+from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.mission.status import Event
+from robotteamsim.recording import BagWriter
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.table import EventList
+from robotteamsim.scenario import load
+from robotteamsim.sensing.readings import OdometryReading
+from robotteamsim.simulation import Result, Simulation
+
+Sample = tuple[str, str, int, Any]
+"""Topic, type, time of recording [ns], message."""
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A bag, and what the run itself said."""
+
+    bag: Path
+    result: Result
+    events: list[Event]
+
+
+@pytest.fixture(scope="session")
+def busy(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+    """Five robots with weak radios wander for 25 s: links break, walls are touched."""
+    path, events = tmp_path_factory.mktemp("busy") / "busy.bag", EventList()
+    weak = ["robots.count=5", "control.algorithm=wander", "radio.tx_power_dbm=-30"]
+    result = Simulation(load("garage_sar", [*weak, "voice.noise_db=5", "mission.time_limit_s=25"])).run(
+        [BagWriter(path), events]
+    )
+    return Recorded(path, result, events.events)
+
+
+@pytest.fixture(scope="session")
+def write_bag() -> Callable[..., Path]:
+    """Write samples into a bag; `compression` is "bz2" or "lz4"."""
+
+    def write(path: Path, samples: Iterable[Sample], compression: str | None = None) -> Path:
+        typestore, connections = BagTypes().typestore, {}
+        bag = Writer(path)
+        if compression:
+            bag.set_compression(Writer.CompressionFormat[compression.upper()])
+        with bag:
+            for topic, kind, time_ns, message in samples:
+                kind = kind.replace("/", "/msg/")
+                if topic not in connections:
+                    connections[topic] = bag.add_connection(topic, kind, typestore=typestore)
+                bag.write(connections[topic], time_ns, typestore.serialize_ros1(message, kind))
+        return path
+
+    return write
+
+
+@pytest.fixture(scope="session")
+def odometry() -> Callable[..., Any]:
+    """Make a nav_msgs/Odometry; `frame` replaces that of robot 0."""
+    make = BagTypes()
+
+    def message(time_ns: int, x_m: float, y_m: float, yaw_rad: float = 0.0, frame: str = "robot_0/odom") -> Any:
+        reading = OdometryReading(PoseReading.from_pose(Pose(x_m, y_m, yaw_rad)), Twist())
+        built = fields.odometry(make, time_ns, 0, reading)
+        built.header.frame_id = frame
+        return built
+
+    return message
+
+
+@pytest.fixture(scope="session")
+def placed_at() -> Callable[..., Any]:
+    """Make a tf2_msgs/TFMessage that places robot 0's odometry in map."""
+    make = BagTypes()
+
+    def message(time_ns: int, x_m: float, y_m: float, yaw_rad: float) -> Any:
+        place = fields.localization(make, time_ns, 0, PoseReading.from_pose(Pose(x_m, y_m, yaw_rad)))
+        return make("tf2_msgs/TFMessage", transforms=[place])
+
+    return message

@@ -1,0 +1,159 @@
+"""What bags tell, of this simulation and of others."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from robotteamsim.analysis.recorded_run import read_run
+from robotteamsim.analysis.run_figures import figures
+from robotteamsim.errors import RecordingError
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.scenario.plan import OccupancyGrid
+
+STEP_NS = 100_000_000
+MAKE = BagTypes()
+
+
+def odometry_samples(odometry, topic="/robot_0/odom", steps=21, **fields_of_message):
+    """A robot that drives 2 m east in 2 s."""
+    for step in range(steps):
+        time_ns = 10**9 + step * STEP_NS
+        yield topic, "nav_msgs/Odometry", time_ns, odometry(time_ns, 0.1 * step, 0.0, **fields_of_message)
+
+
+def test_bag_of_a_run_tells_all_of_it(busy):
+    run = read_run([busy.bag])
+    assert [robot.name for robot in run.robots] == [f"robot_{i}" for i in range(5)]
+    assert all(robot.track.source == "truth" and robot.track.is_on_map for robot in run.robots)
+    assert [event for _, event in run.events] == busy.events
+    assert len(run.statuses) == busy.result.steps
+    assert (run.start_ns, run.end_ns) == (STEP_NS, busy.result.steps * STEP_NS)
+    assert [area.name for area in run.areas] == [f"area_{i}" for i in range(1, 6)]
+    assert run.grid.cells.shape == (800, 1200)
+    assert run.unread == ()
+    assert figures(run).left_out == ()
+
+
+def test_standard_topics_alone_give_paths_and_name_what_is_missing(write_bag, odometry, tmp_path):
+    run = read_run([write_bag(tmp_path / "real.bag", odometry_samples(odometry))])
+    (robot,) = run.robots
+    assert (robot.name, robot.robot_id, robot.track.source, robot.track.frame) == ("robot_0", 0, "odom", "robot_0/odom")
+    assert robot.track.driven_m[-1] == pytest.approx(2.0)
+    assert figures(run).left_out == (
+        "mission, areas and victims over time: no /mission/status",
+        "events: no /mission/events",
+        "network: no /network/state",
+        "path of robot_0 on the plan: nothing on /tf tells where robot_0/odom is in map",
+        "collisions: no contact of any robot",
+        "time excluded: no controller/status of any robot",
+        "plan under the paths: no /map",
+    )
+
+
+def test_tf_places_an_odometry_on_the_map_from_when_on_it_is_told(write_bag, odometry, placed_at, tmp_path):
+    moved = [("/tf", "tf2_msgs/TFMessage", t_ns, placed_at(t_ns, *place)) for t_ns, place in PLACES]
+    run = read_run([write_bag(tmp_path / "real.bag", [*odometry_samples(odometry), *moved])])
+    track = run.robots[0].track
+    assert (track.source, track.frame) == ("odom and tf", "map")
+    assert track.stamps_ns[0] == 1_500_000_000
+    # Turned by a quarter to the left, 2 m east is 2 m north.
+    np.testing.assert_allclose(track.poses[0], (5.0, 6.5, math.pi / 2), atol=1e-12)
+    np.testing.assert_allclose(track.poses[-1], (5.5, 8.0, math.pi / 2), atol=1e-12)
+    # What localisation corrects is not driven.
+    assert track.driven_m[-1] == pytest.approx(2.0)
+
+
+PLACES = ((1_500_000_000, (5.0, 6.0, math.pi / 2)), (2_500_000_000, (5.5, 6.0, math.pi / 2)))
+
+
+def test_odometry_in_map_needs_no_tf(write_bag, odometry, tmp_path):
+    run = read_run([write_bag(tmp_path / "slam.bag", odometry_samples(odometry, frame="/map"))])
+    assert run.robots[0].track.is_on_map
+
+
+def test_truth_wins_over_odometry(write_bag, odometry, tmp_path):
+    samples = [*odometry_samples(odometry), *odometry_samples(odometry, "/robot_0/base_pose_ground_truth", steps=11)]
+    (robot,) = read_run([write_bag(tmp_path / "stage.bag", samples)]).robots
+    assert (robot.track.source, robot.track.driven_m[-1]) == ("truth", pytest.approx(1.0))
+
+
+def test_robots_may_have_any_namespace_or_none(write_bag, odometry, tmp_path):
+    topics = ("/odom", "/robot_10/odom", "/robot_2/odom", "/floor/husky/odom")
+    samples = [sample for topic in topics for sample in odometry_samples(odometry, topic)]
+    run = read_run([write_bag(tmp_path / "mixed.bag", samples)])
+    assert [(robot.name, robot.robot_id) for robot in run.robots] == [
+        ("robot", None),
+        ("floor/husky", None),
+        ("robot_2", 2),
+        ("robot_10", 10),
+    ]
+
+
+def test_poses_of_a_lost_robot_are_left_out(write_bag, odometry, tmp_path):
+    samples = list(odometry_samples(odometry))
+    samples[5][3].pose.pose.position.x = math.nan
+    track = read_run([write_bag(tmp_path / "lost.bag", samples)]).robots[0].track
+    assert len(track.stamps_ns) == 20
+    assert track.driven_m[-1] == pytest.approx(2.0)
+
+
+def test_map_is_read_as_it_stands(write_bag, odometry, tmp_path):
+    cells = np.array([[0, 100, -1], [0, 0, 100]], dtype=np.int8)
+    grid = fields.occupancy_grid(MAKE, 0, OccupancyGrid((-1.0, 2.0), 0.5, cells))
+    samples = [("/map", "nav_msgs/OccupancyGrid", 1, grid), *odometry_samples(odometry)]
+    run = read_run([write_bag(tmp_path / "map.bag", samples)])
+    assert (run.grid.origin_m, run.grid.resolution_m) == ((-1.0, 2.0), 0.5)
+    np.testing.assert_array_equal(run.grid.cells, cells)
+
+
+def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry, tmp_path):
+    def status(time_ns, state):
+        return MAKE(
+            "robotteamsim/MissionStatus",
+            header=fields.header(MAKE, time_ns, "map"),
+            scenario="hall",
+            state=state,
+            end="aborted" if state == "ended" else "",
+            time_s=(time_ns - 10**9) / 1e9,
+            explored=np.zeros(1, dtype=np.uint8),
+            victims=["heard"],
+            target_area=0,
+            endangered_links=0,
+            noise_db=10.0,
+            running=state == "running",
+            epoch=0,
+            has_area=False,
+            area_center=fields.point(MAKE, (0.0, 0.0)),
+            area_radius_m=0.0,
+        )
+
+    states = [(1_000_000_000, "running"), (2_000_000_000, "ended"), (3_000_000_000, "ended")]
+    samples = [("/mission/status", "robotteamsim/MissionStatus", t, status(t, state)) for t, state in states]
+    run = read_run([write_bag(tmp_path / "m.bag", [*samples, *odometry_samples(odometry)])])
+    assert (run.start_ns, run.end_ns) == (1_000_000_000, 2_000_000_000)
+    assert run.robots[0].track.driven_m[-1] == pytest.approx(1.0)
+    assert figures(run).mission.end == "aborted"
+
+
+def test_bag_without_the_topics_is_refused(write_bag, tmp_path):
+    path = write_bag(tmp_path / "clock.bag", [("/clock", "rosgraph_msgs/Clock", 1, fields.clock(MAKE, 1))])
+    with pytest.raises(RecordingError) as refused:
+        read_run([path])
+    wanted = "wanted odom or base_pose_ground_truth of a robot, /mission/status or /network/state"
+    assert str(refused.value) == f"{path}: {wanted}; it holds /clock"
+
+
+def test_empty_bag_is_refused(write_bag, tmp_path):
+    with pytest.raises(RecordingError, match=r"/network/state; it is empty$"):
+        read_run([write_bag(tmp_path / "empty.bag", [])])
+
+
+def test_bag_of_two_runs_is_refused(write_bag, odometry, tmp_path):
+    first, second = list(odometry_samples(odometry)), list(odometry_samples(odometry))
+    again = [(topic, kind, time_ns + 3 * 10**9, message) for topic, kind, time_ns, message in second]
+    with pytest.raises(RecordingError, match=r"/robot_0/odom: time goes back from 3\.0 to 1\.0 s; wanted one run per"):
+        read_run([write_bag(tmp_path / "two.bag", [*first, *again])])

@@ -1,0 +1,108 @@
+"""Figures out of bags, against those of the run itself, and against other ways to compute them."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import json
+import math
+
+import networkx
+import numpy as np
+import pytest
+
+from robotteamsim.analysis import run_figures
+from robotteamsim.analysis.recorded_run import read_run
+from robotteamsim.analysis.run_figures import figures
+from robotteamsim.analysis.run_files import document, write_tables
+
+
+@pytest.fixture(scope="module")
+def run(busy):
+    return read_run([busy.bag])
+
+
+def test_mission_figures_are_those_of_the_run(busy, run):
+    mission, result = figures(run).mission, busy.result
+    for name in ("scenario", "noise_db", "end", "time_s", "areas_explored", "num_areas"):
+        assert getattr(mission, name) == getattr(result, name)
+    for name in ("victims_saved", "num_victims", "endangered_links"):
+        assert getattr(mission, name) == getattr(result, name)
+    assert result.endangered_links > 0
+
+
+def test_robot_figures_are_those_of_the_run_to_the_bit(busy, run):
+    for robot, said in zip(figures(run).robots, busy.result.robots, strict=True):
+        assert (robot.distance_m, robot.contact_s, robot.excluded_s) == (
+            said.distance_m,
+            said.contact_s,
+            said.excluded_s,
+        )
+    assert sum(robot.contact_s for robot in figures(run).robots) > 0.0
+
+
+def test_hash_of_the_trajectories_is_that_of_the_run(busy, run):
+    assert figures(run).trajectory_hash == busy.result.trajectory_hash
+
+
+def test_links_that_become_endangered_are_counted_as_the_mission_counts_them(busy, run):
+    assert figures(run).network.endangered_links == busy.result.endangered_links
+
+
+def test_length_of_a_path_is_that_of_its_pieces(run):
+    for robot in run.robots:
+        pieces_m = [math.hypot(*(b - a)) for a, b in itertools.pairwise(robot.track.poses[:, :2])]
+        assert robot.track.driven_m[-1] == pytest.approx(math.fsum(pieces_m), rel=1e-12)
+
+
+def test_fiedler_values_links_hops_and_splits_are_those_of_networkx(run):
+    network = run.network
+    split = run_figures.is_split(network)
+    assert 0 < np.count_nonzero(split) < len(split)
+    for index in range(0, len(network.stamps_ns), 5):
+        graph = networkx.from_numpy_array(network.adjacency[index])
+        parts = [graph.subgraph(part) for part in networkx.connected_components(graph)]
+        assert split[index] == (len(parts) > 1)
+        assert run_figures.links(network)[index] == graph.number_of_edges()
+        assert run_figures.max_hops(network)[index] == max(networkx.diameter(part) for part in parts)
+        algebraic = np.sort(networkx.laplacian_spectrum(graph))[1]
+        assert network.fiedler_value[index] == pytest.approx(algebraic, abs=1e-9)
+
+
+def test_collisions_are_counted_when_they_begin():
+    touches = np.array([True, True, False, False, True, False, True, True])
+    assert run_figures.onsets(touches).tolist() == [True, False, False, False, True, False, True, False]
+
+
+def test_speed_is_the_mean_of_each_second(run):
+    robot = run.robots[0]
+    middles_ns, speeds = run_figures.speeds_mps(robot)
+    ten_steps_m = robot.track.driven_m[10::10] - robot.track.driven_m[:-10:10]
+    np.testing.assert_allclose(speeds, ten_steps_m[: len(speeds)], rtol=1e-9)
+    assert middles_ns[0] - robot.track.stamps_ns[0] == 500_000_000
+
+
+def test_document_holds_figures_and_events_and_null_for_what_is_not_told(busy, run):
+    (bag,) = json.loads(json.dumps(document([run], [figures(run)])))["bags"]
+    assert bag["mission"]["time_s"] == busy.result.time_s
+    assert bag["events"][0]["kind"] == "start"
+    assert bag["robots"][2]["distance_m"] == busy.result.robots[2].distance_m
+
+
+def test_tables_hold_every_value_over_time(busy, run, tmp_path):
+    def rows(name):
+        with (tmp_path / f"{name}.csv").open(newline="") as file:
+            return list(csv.DictReader(file))
+
+    written = write_tables(tmp_path, [run], [figures(run)])
+    assert sorted(path.name for path in written) == sorted(path.name for path in tmp_path.iterdir())
+    assert rows("bags")[0]["trajectory_hash"] == busy.result.trajectory_hash
+    assert len(rows("robots")) == 5
+    assert [row["detail"] for row in rows("events")] == [event.detail for event in busy.events]
+    assert len(rows("progress")) == len(rows("network")) == busy.result.steps
+    assert rows("progress")[-1]["state"] == "ended"
+    assert float(rows("progress")[-1]["mission_time_s"]) == busy.result.time_s
+    paths = rows("paths")
+    assert len(paths) == 5 * busy.result.steps
+    assert float(paths[-1]["driven_m"]) == busy.result.robots[4].distance_m
+    assert min(float(row["fiedler_value"]) for row in rows("network")) == figures(run).network.min_fiedler_value

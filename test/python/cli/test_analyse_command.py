@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from robotteamsim.cli import main
+
+SHORT = ("--set", "mission.time_limit_s=2", "--quiet")
+
+
+@pytest.fixture(scope="module")
+def bags(tmp_path_factory) -> tuple[Path, Path]:
+    folder = tmp_path_factory.mktemp("bags")
+    paths = folder / "one.bag", folder / "two.bag"
+    for seed, path in enumerate(paths, 1):
+        assert main(["run", "garage_sar", "--seed", str(seed), *SHORT, "--bag", str(path)]) == 0
+    return paths
+
+
+def refusal(capsys, *arguments: object) -> str:
+    """Return the one line with which a command is refused."""
+    assert main(["analyse", *map(str, arguments)]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    return captured.err.removeprefix("robotteamsim: ").rstrip("\n")
+
+
+def test_one_bag_is_told_in_detail(capsys, bags):
+    assert main(["analyse", str(bags[0])]) == 0
+    out = capsys.readouterr().out
+    assert "one: garage_sar, 3 robots, 10 dB noise" in out
+    assert "0.0 s   mission starts: 5 areas, 4 victims, 10 dB noise" in out
+    assert "the time was up" in out
+    assert "robot_2" in out
+    assert "left out" not in out
+
+
+def test_several_bags_are_one_table_with_their_means(capsys, bags):
+    assert main(["analyse", *map(str, bags)]) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert [words[:3] for words in lines if words[:1] in (["one"], ["two"])] == [
+        ["one", "time", "limit"],
+        ["two", "time", "limit"],
+    ]
+    assert ["mean", "0.00", "0.00", "2.0"] in [words[:4] for words in lines]
+
+
+def test_json_is_printed_alone_or_written(capsys, bags, tmp_path):
+    assert main(["analyse", str(bags[0]), "--json", "-"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["bags"][0]["mission"]["time_s"] == 2.0
+    assert main(["analyse", str(bags[0]), "--json", str(tmp_path / "a.json")]) == 0
+    assert json.loads((tmp_path / "a.json").read_text()) == printed
+
+
+def test_csv_goes_into_a_folder_that_is_made(capsys, bags, tmp_path):
+    assert main(["analyse", *map(str, bags), "--csv", str(tmp_path / "new")]) == 0
+    names = ["bags.csv", "events.csv", "network.csv", "paths.csv", "progress.csv", "robots.csv"]
+    assert sorted(os.listdir(tmp_path / "new")) == names
+    assert len((tmp_path / "new" / "bags.csv").read_text().splitlines()) == 3
+
+
+def test_wrong_bag_leaves_nothing_behind(capsys, bags, tmp_path):
+    broken = tmp_path / "broken.bag"
+    broken.write_bytes(bags[0].read_bytes()[:100_000])
+    outputs = ("--json", tmp_path / "a.json", "--csv", tmp_path / "tables")
+    assert refusal(capsys, bags[1], broken, *outputs).startswith(f"{broken}: is damaged; `rosbag reindex")
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == [broken]
+
+
+def test_output_that_cannot_be_written_is_refused_before_bags_are_read(capsys, tmp_path):
+    path = tmp_path / "no" / "a.json"
+    assert refusal(capsys, "no.bag", "--json", path) == f"{path}: cannot be written: {path.parent} is no folder"
+
+
+def test_bag_given_twice_is_refused(capsys):
+    assert refusal(capsys, "a.bag", "./a.bag") == "a.bag is given twice"
+
+
+def test_two_runs_are_no_parts_of_a_recording(capsys, bags):
+    assert refusal(capsys, "--join", *bags).endswith("overlap in time, so are no parts of a recording")

@@ -1,0 +1,143 @@
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from rosbags.rosbag1 import Reader, Writer
+
+from robotteamsim.errors import RecordingError
+from robotteamsim.recording import BagWriter
+from robotteamsim.recording.bag_reader import BagReader
+from robotteamsim.recording.bag_types import bag_typestore
+
+
+@pytest.fixture
+def bag(trial, tmp_path) -> Path:
+    path = tmp_path / "mission.bag"
+    trial.play(BagWriter(path), steps=5)
+    return path
+
+
+def rewritten(bag: Path, name: str, first_ns: int = 0, last_ns: int = 2**62, compression: str | None = None) -> Path:
+    """Copy the messages of a time into another bag."""
+    path, typestore, connections = bag.with_name(name), bag_typestore(), {}
+    writer = Writer(path)
+    if compression:
+        writer.set_compression(Writer.CompressionFormat[compression])
+    with writer, Reader(bag) as reader:
+        for connection, time_ns, data in reader.messages():
+            if first_ns <= time_ns <= last_ns:
+                if connection.topic not in connections:
+                    known = writer.add_connection(connection.topic, connection.msgtype, typestore=typestore)
+                    connections[connection.topic] = known
+                writer.write(connections[connection.topic], time_ns, data)
+    return path
+
+
+def stamps(*paths: Path, topic: str = "/robot_0/odom") -> list[int]:
+    with BagReader(paths) as reader:
+        return [stamp_ns for _, stamp_ns, _ in reader.messages({topic})]
+
+
+def refusal(*paths: Path) -> str:
+    with pytest.raises(RecordingError) as refused, BagReader(paths) as reader:
+        list(reader.messages(reader.topics))
+    assert "\n" not in str(refused.value)
+    return str(refused.value)
+
+
+def test_reader_tells_topics_and_types(bag):
+    with BagReader([bag]) as reader:
+        assert reader.topics["/robot_1/odom"] == "nav_msgs/Odometry"
+        assert list(reader.topics) == sorted(reader.topics)
+
+
+def test_stamps_are_those_of_headers_and_else_of_recording(bag):
+    assert stamps(bag) == [100_000_000 * step for step in range(1, 6)]
+    assert stamps(bag, topic="/robot_0/cmd_vel") == [100_000_000 * step for step in range(1, 6)]
+
+
+@pytest.mark.parametrize("compression", ["BZ2", "LZ4"])
+def test_compressed_bags_hold_the_same(bag, compression):
+    assert stamps(rewritten(bag, "packed.bag", compression=compression)) == stamps(bag)
+
+
+def test_parts_of_a_recording_are_one_in_any_order(bag):
+    first, second = rewritten(bag, "a.bag", last_ns=299_999_999), rewritten(bag, "b.bag", first_ns=300_000_000)
+    assert stamps(second, first) == stamps(bag)
+
+
+def test_bags_that_overlap_are_no_parts(bag):
+    first, second = rewritten(bag, "a.bag", last_ns=300_000_000), rewritten(bag, "b.bag", first_ns=200_000_000)
+    assert refusal(first, second) == f"{first}, {second}: overlap in time, so are no parts of a recording"
+
+
+def test_type_of_another_version_is_not_known(bag, tmp_path):
+    path = tmp_path / "old.bag"
+    with Writer(path) as writer:
+        ours = writer.add_connection(
+            "/network/state", "robotteamsim/msg/NetworkState", msgdef="uint32 num_robots\n", md5sum="0" * 32
+        )
+        other = writer.add_connection("/grip", "other_msgs/msg/Grip", msgdef="bool closed\n", md5sum="1" * 32)
+        writer.write(ours, 1, b"\0\0\0\0")
+        writer.write(other, 2, b"\0")
+    with BagReader([path]) as reader:
+        assert not reader.is_known("/network/state")
+        assert not reader.is_known("/grip")
+    with BagReader([bag]) as reader:
+        assert reader.is_known("/network/state")
+
+
+def test_missing_file_is_refused(tmp_path):
+    path = tmp_path / "no.bag"
+    assert refusal(path) == f"{path}: cannot be read: No such file or directory; wanted a bag"
+
+
+def test_folder_is_refused(tmp_path):
+    assert refusal(tmp_path) == f"{tmp_path}: cannot be read: Is a directory; wanted a bag"
+
+
+@pytest.mark.parametrize(("content", "why"), [(b"", "is empty, wanted a bag"), (b"PNG\r\n", "is no ROS 1 bag")])
+def test_file_that_is_no_bag_is_refused(tmp_path, content, why):
+    path = tmp_path / "picture.bag"
+    path.write_bytes(content)
+    assert refusal(path) == f"{path}: {why}"
+
+
+def test_bag_of_an_old_format_is_refused(tmp_path):
+    path = tmp_path / "old.bag"
+    path.write_bytes(b"#ROSBAG V1.2\n" + bytes(100))
+    assert refusal(path) == f"{path}: Bag version 102 is not supported"
+
+
+@pytest.mark.parametrize("share", [0.001, 0.2, 0.6, 0.99])
+def test_truncated_bag_is_refused_with_its_cure(bag, share):
+    content = bag.read_bytes()
+    bag.write_bytes(content[: round(share * len(content))])
+    assert refusal(bag) == f"{bag}: is damaged; `rosbag reindex {bag}` saves what can be read"
+
+
+def test_bag_of_a_recording_that_was_broken_off_is_refused_with_its_cure(trial, tmp_path):
+    path, writer = tmp_path / "mission.bag", BagWriter(tmp_path / "mission.bag")
+    writer.begin(trial.scenario)
+    writer.step(trial.record(1))
+    broken = tmp_path / "broken.bag"
+    shutil.copy(path.with_name("mission.bag.active"), broken)
+    writer.abandon()
+    why = "has no index, because its recording was broken off"
+    assert refusal(broken) == f"{broken}: {why}; `rosbag reindex {broken}` saves what can be read"
+
+
+def test_bytes_changed_anywhere_give_one_line_or_can_be_read(bag):
+    content = bag.read_bytes()
+    refused = []
+    for place in range(13, len(content) - 8, len(content) // 150):
+        bag.write_bytes(content[:place] + b"\xff" * 8 + content[place + 8 :])
+        try:
+            with BagReader([bag]) as reader:
+                list(reader.messages(reader.topics))
+        except RecordingError as error:
+            refused.append(str(error))
+    assert refused
+    assert all(line.startswith(f"{bag}: ") for line in refused)
