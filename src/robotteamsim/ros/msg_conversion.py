@@ -19,7 +19,7 @@ from robotteamsim.control.controller import Decision, Task
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.mission.status import MissionStatus
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
-from robotteamsim.sensing.readings import OdometryReading, VoiceReading
+from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
 
 _PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_msgs, robotteamsim)
 
@@ -85,6 +85,16 @@ def odometry_reading(message: nav_msgs.msg.Odometry) -> OdometryReading:
 def ranges_m(message: sensor_msgs.msg.LaserScan) -> np.ndarray:
     """Return the ranges of a scan as float32, shape (beams,) [m]."""
     return np.asarray(message.ranges, dtype=np.float32)
+
+
+def sonar_m(message: sensor_msgs.msg.Range) -> float:
+    """Return the range that a sonar told, a float32 [m]."""
+    return message.range
+
+
+def fix(message: sensor_msgs.msg.NavSatFix) -> Fix:
+    """Return what a receiver of satellites told."""
+    return Fix(message.latitude, message.longitude, message.altitude, message.position_covariance[0])
 
 
 def voice_reading(message: robotteamsim.msg.Voice) -> VoiceReading:

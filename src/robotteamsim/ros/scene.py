@@ -10,24 +10,21 @@ import numpy as np
 import rospy
 import tf2_ros
 from geometry_msgs.msg import TransformStamped
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import LaserScan, PointCloud2
+from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import Marker, MarkerArray
 
-from robotteamsim.geometry import Pose
 from robotteamsim.msg import (
     Areas,
-    Contact,
-    ControllerStatus,
     FloatMap,
     MissionEvent,
     MissionStatus,
     NetworkState,
     Victims,
 )
-from robotteamsim.ros import msg_conversion, scene_laser, scene_mission, scene_plan, scene_team
+from robotteamsim.ros import msg_conversion, scene_laser, scene_mission, scene_plan, scene_sensors, scene_team
 from robotteamsim.ros.node import Output, parameter, read_settings, run
-from robotteamsim.ros.scene_feed import GROUND_TRUTH, Feed, robot_topics
+from robotteamsim.ros.scene_feed import Feed, robot_topics
+from robotteamsim.ros.scene_robot import RobotFeed
 from robotteamsim.ros.scene_shapes import FRAME, Shown
 from robotteamsim.scenario import Bounds, Scenario, occupancy_grid
 from robotteamsim.scenario.plan import OCCUPIED
@@ -46,6 +43,8 @@ RESEND_DELAY_S = 1.0
 TRAIL_POINTS = 6_000
 """Of all robots together."""
 WALL_HEIGHT_M = 1.1
+SENSORS = ("sonars", "gps")
+"""Layers of sensors that not every robot has."""
 
 
 def main() -> None:
@@ -75,93 +74,19 @@ class Canvas:
         self._markers = list(markers)
         self._output.publish(MarkerArray(self._shown.update(self._markers)))
 
+    @property
+    def watched(self) -> bool:
+        """Whether somebody looks at it right now."""
+        return self._output.num_subscribers > 0
+
+    @property
+    def shows(self) -> bool:
+        """Whether there is anything on it."""
+        return bool(self._markers)
+
     def draw_again(self) -> None:
         """Send what the topic shows."""
         self.draw(self._markers)
-
-
-class RobotFeed:
-    """What the scene knows of one robot."""
-
-    def __init__(self, robot_id: int, prefix: str, robot: Robot) -> None:
-        self._id = robot_id
-        self._prefix = prefix
-        self._robot = robot
-        self._truth = Feed(prefix + GROUND_TRUTH, Odometry, keep=1000)
-        self._status = Feed(f"{prefix}controller/status", ControllerStatus)
-        self._contact = Feed(f"{prefix}contact", Contact)
-        self._scan: Feed | None = None
-        self._recent: dict[int, Pose] = {}
-        self._excluded = False
-        self._contact_angles_rad: tuple[float, ...] = ()
-        self.stamp_ns = 0
-        self.trail = scene_team.Trail()
-
-    def look(self, trail_points: int) -> bool:
-        """Take in what came; return whether anything did."""
-        truths = self._truth.take(at_most=20)
-        for truth in truths:
-            pose = msg_conversion.odometry_reading(truth).pose.pose
-            stamp_ns = msg_conversion.stamp_ns(truth)
-            self.trail.add(pose.x_m, pose.y_m, 1e-9 * stamp_ns, self._robot.drive.max_speed_mps, trail_points)
-            if stamp_ns < self.stamp_ns:
-                self._recent.clear()
-            self.stamp_ns = stamp_ns
-            self._recent[stamp_ns] = pose
-        for old in list(self._recent)[:-10]:
-            del self._recent[old]
-        status = self._status.newest()
-        if status is not None:
-            self._excluded = status.excluded
-        contact = self._contact.newest()
-        if contact is not None:
-            self._contact_angles_rad = tuple(contact.angles_rad)
-        return bool(truths) or status is not None
-
-    def view(self) -> scene_team.RobotView | None:
-        """Return what to draw of it; None before it has told where it is."""
-        if not self._recent:
-            return None
-        pose = next(reversed(self._recent.values()))
-        robot = self._robot
-        return scene_team.RobotView(
-            self._id,
-            pose,
-            robot.reach_m,
-            robot.height_m,
-            self._excluded,
-            corners_m=robot.corners_m,
-            contact_angles_rad=self._contact_angles_rad,
-        )
-
-    def scan(self, wanted: bool) -> scene_laser.ScanView | None:
-        """Return the newest scan where it was taken; scans are subscribed to only while they are wanted."""
-        if wanted and self._scan is None:
-            self._scan = Feed(f"{self._prefix}base_scan", LaserScan)
-        elif not wanted and self._scan is not None:
-            self._scan.close()
-            self._scan = None
-        scan = self._scan.newest() if self._scan is not None else None
-        if scan is None or not self._recent:
-            return None
-        newest = next(reversed(self._recent.values()))
-        base = self._recent.get(msg_conversion.stamp_ns(scan), newest)
-        return scene_laser.ScanView(
-            robot_id=self._id,
-            laser=base @ Pose(self._robot.laser.forward_m, 0.0, 0.0),
-            height_m=self._robot.laser.height_m,
-            angle_min_rad=scan.angle_min,
-            angle_step_rad=scan.angle_increment,
-            range_min_m=scan.range_min,
-            range_max_m=scan.range_max,
-            ranges_m=np.asarray(scan.ranges),
-        )
-
-    def close(self) -> None:
-        """Unsubscribe from everything."""
-        for feed in (self._truth, self._status, self._contact, self._scan):
-            if feed is not None:
-                feed.close()
 
 
 class Scene:
@@ -171,7 +96,7 @@ class Scene:
         self._scenario = scenario
         self._wall_height_m = wall_height_m
         self._placed = scenario.placed_robots()
-        layers = ("building", "doors", "voice", "areas", "victims", "trails", "links", "robots", "headline")
+        layers = ("building", "doors", "voice", "areas", "victims", "trails", "links", "robots", "headline", *SENSORS)
         self._canvas = {layer: Canvas(f"/scene/{layer}") for layer in layers}
         self._laser = Output("/scene/laser", PointCloud2)
         self._robots: dict[int, RobotFeed] = {}
@@ -183,7 +108,7 @@ class Scene:
         self._network = Feed("/network/state", NetworkState)
         self._voice = Feed("/voice_map/values", FloatMap)
         self._links: list[scene_team.LinkView] = []
-        self._scans: dict[int, scene_laser.ScanView] = {}
+        self._scans: dict[tuple[int, str], scene_laser.ScanView] = {}
         self._num_endangered = 0
         self._stamp_ns = 0
         self._discovery_due_s = self._trails_due_s = self._resend_due_s = 0.0
@@ -204,7 +129,7 @@ class Scene:
         areas = [scene_mission.AreaView(area.name, area.center, area.radius_m) for area in mission.areas]
         self._draw_areas(areas)
         self._draw_victims([scene_mission.VictimView(victim.name, victim.position) for victim in mission.victims])
-        for layer in ("voice", "trails", "links", "robots", "headline"):
+        for layer in ("voice", "trails", "links", "robots", "headline", *SENSORS):
             self._canvas[layer].draw([])
 
     def _draw_areas(self, areas: list[scene_mission.AreaView]) -> None:
@@ -250,7 +175,7 @@ class Scene:
         gone = self._robots.keys() - found.keys()
         for robot_id in gone & self._missing:  # seen missing twice: a run that ends takes back its topics one by one
             self._robots.pop(robot_id).close()
-            self._scans.pop(robot_id, None)
+            self._scans = {key: scan for key, scan in self._scans.items() if key[0] != robot_id}
         self._missing = gone
         for robot_id in found.keys() - self._robots.keys():
             robot = self._placed[robot_id] if robot_id < len(self._placed) else Robot()
@@ -314,6 +239,7 @@ class Scene:
             positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
             self._canvas["robots"].draw(scene_team.team_markers(views, self._names_m + self._numbers_m))
             self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m))
+            self._draw_sensors()
             self._trails_stale = True
         if self._trails_stale and now_s >= self._trails_due_s:
             self._trails_stale, self._trails_due_s = False, now_s + TRAIL_PERIOD_S
@@ -322,12 +248,26 @@ class Scene:
                 scene_team.trail_marker(robot_id, points) for robot_id, points in trails.items() if len(points) > 1
             )
 
+    def _draw_sensors(self) -> None:
+        watched = self._canvas["sonars"].watched
+        sonars = {robot_id: robot.sonars(watched) for robot_id, robot in self._robots.items()}
+        fixes = {robot_id: robot.fixes() for robot_id, robot in self._robots.items()}
+        for layer, markers in (
+            ("sonars", scene_sensors.sonar_markers(sonars)),
+            ("gps", scene_sensors.fix_markers(fixes)),
+        ):
+            if markers or self._canvas[layer].shows:
+                self._canvas[layer].draw(markers)
+
     def _draw_laser(self) -> None:
-        new = {robot_id: robot.scan(self._laser.wanted) for robot_id, robot in self._robots.items()}
-        fresh = {robot_id: scan for robot_id, scan in new.items() if scan is not None}
+        fresh = {
+            (robot_id, name): scan
+            for robot_id, robot in self._robots.items()
+            for name, scan in robot.scans(self._laser.wanted).items()
+        }
         if fresh:
             self._scans |= fresh
-            self._laser.publish(scene_laser.cloud([self._scans[i] for i in sorted(self._scans)]))
+            self._laser.publish(scene_laser.cloud([self._scans[key] for key in sorted(self._scans)]))
 
 
 def _publish_frame(bounds: Bounds) -> tf2_ros.StaticTransformBroadcaster:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
@@ -57,6 +58,12 @@ RING_MARGIN_M = 0.55
 """A robot is a few pixels wide when the whole building is in view; a ring this far around it shows where it is."""
 RING_WIDTH_M = 0.14
 RING_Z_M = TRAIL_Z_M - 0.01
+BUMPER_HALF_RAD = 0.35
+HIT_WIDTH_M = 0.3
+TURRET_M = 0.25
+"""Lasers of large robots are no larger than this allows."""
+MAX_LASERS = 17
+"""That a robot can have: `robots.laser` and sixteen of `robots.lasers`."""
 LABEL_DISTANCE_M = 1.6
 LABEL_M = 1.1
 
@@ -73,6 +80,8 @@ class RobotView:
     corners_m: Corners = ()
     """Of a body that is no disc, counter-clockwise in base_link; radius_m is then how far it reaches."""
     contact_angles_rad: tuple[float, ...] = ()
+    lasers_m: tuple[tuple[float, float], ...] = ()
+    """Where its lasers sit in base_link; none known: one, a little ahead."""
 
 
 def robot_colour(robot_id: int) -> Colour:
@@ -108,18 +117,18 @@ def team_markers(views: Sequence[RobotView], written_m: Sequence[tuple[float, fl
 def robot_markers(
     view: RobotView, label_offset_m: tuple[float, float] = (0.0, LABEL_DISTANCE_M), label_m: float = LABEL_M
 ) -> list[Marker]:
-    """Return body, deck, heading wedge, laser, number, and a ring with an arrow to find the robot from far away.
+    """Return body, deck, heading wedge, lasers, number, and a ring with an arrow to find the robot from far away.
 
     An excluded robot has a grey ring, arrow and number; its deck keeps its colour. Where it touches something, its rim
-    is red.
+    is red, and a red arc lies before its ring.
     """
     tint = robot_colour(view.robot_id)
     sign = EXCLUDED if view.excluded else tint
     pose, radius_m, height_m = view.pose, view.radius_m, view.height_m
     x, y = pose.x_m, pose.y_m
-    laser = pose @ Pose(0.45 * radius_m, 0.0, 0.0)
-    bumpers = [corner for angle in view.contact_angles_rad for corner in _bumper(radius_m, angle)]
     ring_m = radius_m + RING_MARGIN_M
+    bumpers = [corner for angle in view.contact_angles_rad for corner in _bumper(view, angle)]
+    hits = [corner for angle in view.contact_angles_rad for corner in _hit(ring_m, angle)]
 
     def part(name: str, kind: int, tint: Colour, at: Position, size: Position) -> Marker:
         return marker(name, view.robot_id, kind, tint, position=at, yaw_rad=pose.yaw_rad, scale=size)
@@ -135,16 +144,15 @@ def robot_markers(
 
     ring = flat("rings", Marker.LINE_STRIP, sign, RING_Z_M, circle_points(ring_m, 24, closed=True))
     ring.scale.x = RING_WIDTH_M
-    turret = cylinder("lasers", BODY, height_m + 0.05, 0.35 * radius_m, 0.1)
-    turret.pose.position.x, turret.pose.position.y = laser.x_m, laser.y_m
+    touching = [("bumpers", height_m + 0.014, bumpers), ("hits", RING_Z_M + 0.02, hits)]
     return [
         cylinder("halos", faded(sign, 0.25), RING_Z_M, ring_m, 0.01),
         ring,
         flat("arrows", Marker.TRIANGLE_LIST, sign, RING_Z_M, _arrow(ring_m)),
         *_body(view, tint, cylinder),
-        turret,
+        *_turrets(view),
         flat("wedges", Marker.TRIANGLE_LIST, WHITE, height_m + 0.012, _wedge(radius_m)),
-        *([flat("bumpers", Marker.TRIANGLE_LIST, BUMPER, height_m + 0.014, bumpers)] if bumpers else []),
+        *(flat(name, Marker.TRIANGLE_LIST, BUMPER, z_m, corners) for name, z_m, corners in touching if corners),
         label(
             "robot_ids",
             view.robot_id,
@@ -179,11 +187,46 @@ def _wedge(radius_m: float) -> list[tuple[float, float]]:
     return [nose, left, tail, nose, tail, right]
 
 
-def _bumper(radius_m: float, angle_rad: float) -> list[tuple[float, float]]:
+def _turrets(view: RobotView) -> list[Marker]:
+    """Return a small drum for each laser."""
+    places_m = view.lasers_m or ((0.45 * view.radius_m, 0.0),)
+    width_m = (0.7 if len(places_m) == 1 else 0.5) * min(view.radius_m, TURRET_M)
+    drums = []
+    for i, (x_m, y_m) in enumerate(places_m):
+        at = view.pose @ Pose(x_m, y_m, 0.0)
+        position, scale = (at.x_m, at.y_m, view.height_m + 0.05), (width_m, width_m, 0.1)
+        drums.append(
+            marker("lasers", MAX_LASERS * view.robot_id + i, Marker.CYLINDER, BODY, position=position, scale=scale)
+        )
+    return drums
+
+
+def _bumper(view: RobotView, angle_rad: float) -> list[tuple[float, float]]:
     """Return the triangles of the part of the rim that is within 0.35 rad of an angle."""
-    angles_rad = angle_rad + np.linspace(-0.35, 0.35, 8)
-    rim = np.column_stack([np.cos(angles_rad), np.sin(angles_rad)])
-    inner, outer = (list(map(tuple, (share * radius_m * rim).tolist())) for share in (0.75, 1.1))
+    angles_rad = angle_rad + np.linspace(-BUMPER_HALF_RAD, BUMPER_HALF_RAD, 8)
+    outline = shapely.Polygon(view.corners_m).exterior if view.corners_m else None
+    rims_m = [view.radius_m if outline is None else _rim_m(outline, angle) for angle in angles_rad.tolist()]
+    return _band(angles_rad, 0.75 * np.array(rims_m), 1.1 * np.array(rims_m))
+
+
+def _rim_m(outline: shapely.LinearRing, angle_rad: float) -> float:
+    """Return how far a body reaches in a direction."""
+    far_m = 2.0 * max(math.hypot(x, y) for x, y in outline.coords)
+    beam = shapely.LineString([(0.0, 0.0), (far_m * math.cos(angle_rad), far_m * math.sin(angle_rad))])
+    return float(shapely.hausdorff_distance(shapely.Point(0.0, 0.0), shapely.intersection(outline, beam)))
+
+
+def _hit(ring_m: float, angle_rad: float) -> list[tuple[float, float]]:
+    """Return the triangles of an arc outside the ring, wide enough to be seen with the whole building in view."""
+    angles_rad = angle_rad + np.linspace(-BUMPER_HALF_RAD, BUMPER_HALF_RAD, 8)
+    inner_m = np.full(8, ring_m + 0.5 * RING_WIDTH_M)
+    return _band(angles_rad, inner_m, inner_m + HIT_WIDTH_M)
+
+
+def _band(angles_rad: np.ndarray, inner_m: np.ndarray, outer_m: np.ndarray) -> list[tuple[float, float]]:
+    """Return the triangles between two curves around the origin, given by their distances at some angles."""
+    directions = np.column_stack([np.cos(angles_rad), np.sin(angles_rad)])
+    inner, outer = (list(map(tuple, (reach_m[:, None] * directions).tolist())) for reach_m in (inner_m, outer_m))
     pieces = zip(inner, outer, inner[1:], outer[1:], strict=False)
     return [corner for a, b, c, d in pieces for corner in (a, b, c, c, b, d)]
 

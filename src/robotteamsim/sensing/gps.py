@@ -48,6 +48,26 @@ def geodetic(east_m: float, north_m: float, datum_lat_deg: float, datum_lon_deg:
     return math.degrees(latitude), math.degrees(math.atan2(y, x)), height_m
 
 
+def tangent(
+    latitude_deg: float, longitude_deg: float, altitude_m: float, datum_lat_deg: float, datum_lon_deg: float
+) -> tuple[float, float]:
+    """Return how far east and north of the datum a geodetic place lies in the plane of `geodetic` [m]; its inverse."""
+    x, y, z = _earth_centred(latitude_deg, longitude_deg, altitude_m)
+    x0, y0, z0 = _earth_centred(datum_lat_deg, datum_lon_deg, 0.0)
+    phi, lam = math.radians(datum_lat_deg), math.radians(datum_lon_deg)
+    outward_m = math.cos(lam) * (x - x0) + math.sin(lam) * (y - y0)
+    east_m = -math.sin(lam) * (x - x0) + math.cos(lam) * (y - y0)
+    return east_m, -math.sin(phi) * outward_m + math.cos(phi) * (z - z0)
+
+
+def _earth_centred(latitude_deg: float, longitude_deg: float, height_m: float) -> tuple[float, float, float]:
+    phi, lam = math.radians(latitude_deg), math.radians(longitude_deg)
+    normal_m = _SEMI_MAJOR_M / math.sqrt(1.0 - _ECCENTRICITY2 * math.sin(phi) ** 2)
+    across_m = (normal_m + height_m) * math.cos(phi)
+    along_m = (normal_m * (1.0 - _ECCENTRICITY2) + height_m) * math.sin(phi)
+    return across_m * math.cos(lam), across_m * math.sin(lam), along_m
+
+
 def is_due(model: Gps, sim_time_ns: int, step_ns: int) -> bool:
     """Return whether a fix falls into the step that ends at a time: the k-th is due at k / rate."""
     now, before = (

@@ -64,6 +64,30 @@ def test_rim_is_red_where_a_robot_touches_something_and_nowhere_else():
     assert not named(robot_markers(RobotView(0, Pose(1.0, 2.0, 0.5))), "bumpers")
 
 
+def test_rim_of_a_body_with_corners_is_red_along_its_footprint():
+    corners_m = ((1.0, 0.3), (-1.0, 0.3), (-1.0, -0.3), (1.0, -0.3))
+    view = RobotView(0, Pose(0.0, 0.0, 0.0), radius_m=1.05, corners_m=corners_m, contact_angles_rad=(math.pi / 2,))
+    (bumper,) = named(robot_markers(view), "bumpers")
+    assert {round(point.y, 6) for point in bumper.points} == {0.225, 0.33}
+
+
+def test_arc_outside_the_ring_lies_in_the_direction_of_a_contact():
+    markers = robot_markers(RobotView(0, Pose(1.0, 2.0, 0.5), radius_m=0.3, contact_angles_rad=(2.0,)))
+    (hit,), (ring,) = named(markers, "hits"), named(markers, "rings")
+    away_m = [math.hypot(point.x, point.y) for point in hit.points]
+    assert min(away_m) > max(math.hypot(point.x, point.y) for point in ring.points)
+    assert np.mean([math.atan2(point.y, point.x) for point in hit.points]) == pytest.approx(2.0, abs=0.05)
+    assert not named(robot_markers(RobotView(0, Pose(1.0, 2.0, 0.5))), "hits")
+
+
+def test_each_laser_is_a_drum_at_its_place():
+    view = RobotView(1, Pose(2.0, 0.0, math.pi / 2), radius_m=0.5, lasers_m=((0.4, 0.0), (0.0, 0.3)))
+    drums = named(robot_markers(view), "lasers")
+    places = [(drum.pose.position.x, drum.pose.position.y) for drum in drums]
+    assert places == [pytest.approx((2.0, 0.4)), pytest.approx((1.7, 0.0))]
+    assert len({drum.id for drum in drums}) == 2
+
+
 def test_heading_shows_in_the_pose_of_wedge_and_arrow():
     for namespace in ("wedges", "arrows"):
         (item,) = named(robot_markers(RobotView(0, Pose(0.0, 0.0, 1.0))), namespace)

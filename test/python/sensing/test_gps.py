@@ -7,7 +7,7 @@ from robotteamsim.geometry import Twist
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Gps
-from robotteamsim.sensing.gps import geodetic
+from robotteamsim.sensing.gps import geodetic, tangent
 from robotteamsim.sensing.readings import Fix
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
@@ -109,3 +109,9 @@ def test_seed_decides_the_fixes():
     gps = Gps(datum_lat_deg=COIMBRA[0], datum_lon_deg=COIMBRA[1], rate_hz=10.0)
     assert fixes(gps, 5) == fixes(gps, 5)
     assert fixes(gps, 5) != fixes(gps, 5, seed=2)
+
+
+@pytest.mark.parametrize("datum", [COIMBRA, (0.0, 0.0), (-33.9, 151.2), (78.2, 179.999), (89.0, -120.0)])
+def test_place_in_the_plane_comes_back_from_its_geodetic_place(datum):
+    for place_m in ((0.0, 0.0), (120.0, -0.5), (-800.0, 700.0)):
+        assert tangent(*geodetic(*place_m, *datum), *datum) == pytest.approx(place_m, abs=1e-6)
