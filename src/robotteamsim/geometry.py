@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
 def normalise_angle(angle_rad: float) -> float:
@@ -12,8 +12,7 @@ def normalise_angle(angle_rad: float) -> float:
     return math.pi if wrapped_rad == -math.pi else wrapped_rad
 
 
-@dataclass(frozen=True, slots=True)
-class Pose:
+class Pose(NamedTuple):
     """A rigid transform of the plane; `a_T_b @ b_T_c` is `a_T_c`."""
 
     x_m: float
@@ -38,8 +37,7 @@ class Pose:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class PoseReading:
+class PoseReading(NamedTuple):
     """A pose as ROS messages carry it: position and the unit quaternion (0, 0, qz, qw).
 
     Everything that a controller or a recorder reads goes through this form, so that headless runs and ROS runs
@@ -63,8 +61,7 @@ class PoseReading:
         return Pose(self.x_m, self.y_m, normalise_angle(2.0 * math.atan2(self.qz, self.qw)))
 
 
-@dataclass(frozen=True, slots=True)
-class Twist:
+class Twist(NamedTuple):
     """A velocity in `base_link`: forward and left [m/s], counter-clockwise [rad/s]."""
 
     linear_x_mps: float = 0.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from robotteamsim.geometry import Twist
 from robotteamsim.network.messages import Message
@@ -27,8 +27,7 @@ class Task:
     area_radius_m: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Decision:
+class Decision(NamedTuple):
     """What a controller decides in one step.
 
     twist:        command in `base_link`.

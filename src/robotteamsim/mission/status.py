@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from robotteamsim.control.controller import Task
 
@@ -30,8 +30,7 @@ class Event:
     detail: str
 
 
-@dataclass(frozen=True, slots=True)
-class MissionStatus:
+class MissionStatus(NamedTuple):
     """The mission after a step; time_s counts from its start.
 
     victims: state of each, in the scenario's order.  explored: whether each area is, in the scenario's order.

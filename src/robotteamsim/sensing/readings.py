@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import overload
+from typing import NamedTuple, overload
 
 import numpy as np
 
 from robotteamsim.geometry import PoseReading, Twist
 
 
-@dataclass(frozen=True, slots=True)
-class OdometryReading:
+class OdometryReading(NamedTuple):
     """A pose in `odom` and the twist in `base_link` that the wheels measured.
 
     pose_covariance: of x, y [m] and yaw [rad], the upper triangle row by row: xx, xy, x yaw, yy, y yaw, yaw yaw.
@@ -26,8 +25,7 @@ class OdometryReading:
     twist_variances: tuple[float, ...] = (0.0,) * 2
 
 
-@dataclass(frozen=True, slots=True)
-class VoiceReading:
+class VoiceReading(NamedTuple):
     """What a robot hears.
 
     level_db:            voice level at the robot [dB]; 0 where no voice is above the noise.
@@ -69,8 +67,7 @@ class FurtherReadings:
 NOTHING_FURTHER = FurtherReadings()
 
 
-@dataclass(frozen=True, slots=True)
-class RobotReading:
+class RobotReading(NamedTuple):
     """What the world gives one robot in one step.
 
     ranges_m: float32, shape (beams,), first beam at angle_min; no return as the scenario says.
@@ -153,8 +150,7 @@ def _odometry_reading(row: list[float]) -> OdometryReading:
     return OdometryReading(PoseReading(*row[:4]), Twist(*row[4:7]), tuple(row[7:13]), tuple(row[13:]))
 
 
-@dataclass(frozen=True, slots=True)
-class Observation:
+class Observation(NamedTuple):
     """All that a controller is told of the world in one step; sim_time_ns is the stamp of every part."""
 
     robot_id: int

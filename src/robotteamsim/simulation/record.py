@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from robotteamsim.control.controller import Decision
 from robotteamsim.mission.status import Event, MissionEnd, MissionStatus
@@ -15,8 +15,7 @@ from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
 
 
-@dataclass(frozen=True, slots=True)
-class StepRecord:
+class StepRecord(NamedTuple):
     """All that happened in one step; sequences are in robot id order.
 
     step_index: 1 for the first step.     sim_time_ns: its stamp [ns].
