@@ -16,4 +16,18 @@ void MirrorRows(Eigen::Index top, Eigen::Index end, Matrix* matrix) {
   }
 }
 
+/// Copies rows whose values right of the diagonal are filled in to rows top .. end - 1 of a square matrix, and below
+/// its diagonal; on it are zeros.
+template <typename Rows, typename Matrix>
+void PlaceMirrored(const Rows& rows, Eigen::Index top, Eigen::Index end, Matrix* matrix) {
+  for (Eigen::Index row = top; row < end; ++row) {
+    const Eigen::Index after = matrix->cols() - row - 1;
+    (*matrix)(row, row) = 0;
+    matrix->row(row).tail(after) = rows.row(row - top).tail(after);
+  }
+  for (Eigen::Index row = top + 1; row < matrix->rows(); ++row) {
+    for (Eigen::Index col = top; col < std::min(end, row); ++col) (*matrix)(row, col) = rows(col - top, row);
+  }
+}
+
 }  // namespace robotteamsim

@@ -2,58 +2,79 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace robotteamsim {
 namespace {
 
-constexpr int kLanes = TargetBlock::kLanes;
+constexpr int kLanes = kLinkLanes;
 
 /// Of a target at the source, which nothing shades, and of no target.
 constexpr double kNoDirection = 4.5;
 constexpr double kNoTarget = 9.0;
 
+/// Before and after all directions.
+constexpr double kBeforeAll = -1.0;
+constexpr double kAfterAll = 5.0;
+
 /// Less than the least difference of two directions.
 constexpr double kLittle = 0x1p-50;
 
-/// The targets behind a face: in directions from `from` to before `to`, and beyond its line.
-struct Shadow {
-  double from, to, normal_x, normal_y, beyond, weight;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+ROBOTTEAMSIM_INLINE double DirectionOf(double dx, double dy) {
+  const double length = std::abs(dx) + std::abs(dy);
+  const double along_y = dy / std::max(length, 1.0);
+  const double direction = (dx < 0.0 ? 2.0 - along_y : along_y) + 1.0;
+  return length > 0.0 ? direction : kNoDirection;
+}
+
+ROBOTTEAMSIM_INLINE std::int32_t BinOf(double direction, double bins_per_quarter, std::int32_t last_bin) {
+  return std::min(static_cast<std::int32_t>(direction * bins_per_quarter), last_bin);
+}
+
+/// A corner of each of eight screens, and what is found there.
+struct Ends {
+  alignas(64) double x[kLanes];  // [mm]
+  alignas(64) double y[kLanes];
+  alignas(64) double parts_at[kLanes];     // the direction: targets below it are before the end
+  alignas(32) std::int32_t first[kLanes];  // targets in the bin of the direction, from
+  alignas(32) std::int32_t end[kLanes];    // .. to before
 };
 
 struct Loops {
   static ROBOTTEAMSIM_INLINE void FindDirections(const LinkSource& source, const double* __restrict x,
-                                                 const double* __restrict y, int count, double* __restrict directions,
+                                                 const double* __restrict y, double* __restrict directions,
                                                  std::int32_t* __restrict bins) {
     const double source_x = source.x;
     const double source_y = source.y;
     const double bins_per_quarter = source.num_bins / 4.0;
-    const int last_bin = source.num_bins - 1;
+    const std::int32_t last_bin = source.num_bins - 1;
+    const int count = source.num_targets;
     for (int i = 0; i < count; ++i) {
-      const double dx = x[i] - source_x;
-      const double dy = y[i] - source_y;
-      const double length = std::abs(dx) + std::abs(dy);
-      const double along_y = dy / std::max(length, 1.0);
-      const double direction = (dx < 0.0 ? 2.0 - along_y : along_y) + 1.0;
-      directions[i] = length > 0.0 ? direction : kNoDirection;
-      bins[i] = std::min(static_cast<std::int32_t>(directions[i] * bins_per_quarter), last_bin);
+      directions[i] = DirectionOf(x[i] - source_x, y[i] - source_y);
+      bins[i] = BinOf(directions[i], bins_per_quarter, last_bin);
     }
   }
 
   static ROBOTTEAMSIM_INLINE void FillBlocks(const LinkSource& source, const double* __restrict x,
                                              const double* __restrict y, const double* __restrict directions,
-                                             const std::int32_t* __restrict order, int count,
-                                             TargetBlock* __restrict blocks) {
+                                             const std::int32_t* __restrict order, TargetBlock* __restrict blocks) {
     const double source_x = source.x;
     const double source_y = source.y;
+    const int count = source.num_targets;
     const int whole = count / kLanes;
     for (int b = 0; b < whole; ++b) {
       const std::int32_t* const targets = order + b * kLanes;
-      TargetBlock& block = blocks[b];
-      for (int i = 0; i < kLanes; ++i) block.x[i] = x[targets[i]] - source_x;
-      for (int i = 0; i < kLanes; ++i) block.y[i] = y[targets[i]] - source_y;
-      for (int i = 0; i < kLanes; ++i) block.direction[i] = directions[targets[i]];
-      for (int i = 0; i < kLanes; ++i) block.weight[i] = 0.0;
+      TargetBlock& __restrict block = blocks[b];
+#pragma GCC unroll 1  // unrolled at once, the lanes would be loaded one by one
+      for (int i = 0; i < kLanes; ++i) {
+        block.x[i] = x[targets[i]] - source_x;
+        block.y[i] = y[targets[i]] - source_y;
+        block.direction[i] = directions[targets[i]];
+        block.weight[i] = 0.0;
+      }
     }
     TargetBlock& last = blocks[whole];
     for (int i = 0; i < kLanes; ++i) {
@@ -65,131 +86,191 @@ struct Loops {
     }
   }
 
-  /// A target on the ray through a corner: in the upper half (and against x) the corner, moved by (eps, eps^2), is
-  /// right of the ray, in the lower half (and along x) left of it.
-  static ROBOTTEAMSIM_INLINE void FindRuns(const LinkSource& source, const std::int32_t* __restrict bins, int count,
-                                           double* __restrict directions, std::int32_t* __restrict first_run,
-                                           std::int32_t* __restrict end_run) {
-    const std::int32_t* __restrict const bin_start = source.bin_start;
-    for (int i = 0; i < count; ++i) {
-      const double direction = directions[i];
-      directions[i] = ((direction <= 1.0) | (direction > 3.0)) ? direction + kLittle : direction;
-      first_run[i] = bin_start[bins[i]];
-      end_run[i] = bin_start[bins[i] + 1];
-    }
-  }
-
-  static ROBOTTEAMSIM_INLINE void LookAtFaces(const LinkSource& source, LinkFaces* faces) {
+  /// Finds which faces are near and what is beyond each.
+  template <int kFaces>
+  static ROBOTTEAMSIM_INLINE void FindSides(const LinkSource& source, ScreenBlock<kFaces>* block,
+                                            double (*is_near)[kLanes]) {
     const double source_x = source.x;
     const double source_y = source.y;
-    const double* __restrict const start_x = faces->start_x.data();
-    const double* __restrict const start_y = faces->start_y.data();
-    const double* __restrict const along_x = faces->along_x.data();
-    const double* __restrict const along_y = faces->along_y.data();
-    const double* __restrict const tie_is_left = faces->tie_is_left.data();
-    const std::int32_t* __restrict const start = faces->start.data();
-    const std::int32_t* __restrict const end = faces->end.data();
-    double* __restrict const side = faces->side.data();
-    double* __restrict const normal_x = faces->normal_x.data();
-    double* __restrict const normal_y = faces->normal_y.data();
-    double* __restrict const beyond = faces->beyond.data();
-    std::int32_t* __restrict const right = faces->right.data();
-    std::int32_t* __restrict const left = faces->left.data();
-    const auto count = static_cast<int>(faces->weight.size());
-    for (int i = 0; i < count; ++i) {
-      const double s = along_y[i] * (start_x[i] - source_x) - along_x[i] * (start_y[i] - source_y);
-      const double sign = s > 0.0 ? 1.0 : -1.0;
-      const double if_left = tie_is_left[i], if_right = 1.0 - if_left;
-      side[i] = s;
-      normal_x[i] = sign * along_y[i];
-      normal_y[i] = -sign * along_x[i];
-      beyond[i] = sign * s + (s > 0.0 ? if_left : if_right);
-    }
-    for (int i = 0; i < count; ++i) {
-      const std::int32_t first = start[i], last = end[i];
-      right[i] = side[i] > 0.0 ? first : last;
-      left[i] = side[i] > 0.0 ? last : first;
-    }
-  }
-
-  /// Lists the faces between whose ends there are targets, or that may be around straight down.
-  static ROBOTTEAMSIM_INLINE int FindSeen(const LinkCorners& corners, LinkFaces* faces) {
-    const std::int32_t* __restrict const first_run = corners.first_run.data();
-    const std::int32_t* __restrict const end_run = corners.end_run.data();
-    const std::int32_t* __restrict const bin = corners.bin.data();
-    const std::int32_t* __restrict const right = faces->right.data();
-    const std::int32_t* __restrict const left = faces->left.data();
-    std::int32_t* __restrict const seen = faces->seen.data();
-    const auto count = static_cast<int>(faces->weight.size());
-    int num_seen = 0;
-    for (int i = 0; i < count; ++i) {
-      seen[num_seen] = i;  // stays if counted
-      num_seen += (first_run[right[i]] < end_run[left[i]]) | (bin[right[i]] > bin[left[i]]);
-    }
-    return num_seen;
-  }
-
-  static ROBOTTEAMSIM_INLINE void Shade(const Shadow& shadow, std::int32_t first, std::int32_t end,
-                                        TargetBlock* blocks) {
-    const Shadow s = shadow;
-    const std::int32_t end_block = (end + kLanes - 1) / kLanes;
-    for (std::int32_t b = first / kLanes; b < end_block; ++b) {
-      TargetBlock& __restrict block = blocks[b];
+    ScreenBlock<kFaces>& __restrict b = *block;
+    for (int j = 0; j < kFaces; ++j) {
 #pragma GCC unroll 1  // unrolled at once, the lanes would be computed one by one
       for (int i = 0; i < kLanes; ++i) {
-        const bool is_behind = (block.direction[i] >= s.from) & (block.direction[i] < s.to) &
-                               (s.normal_x * block.x[i] + s.normal_y * block.y[i] >= s.beyond);
-        block.weight[i] += is_behind ? s.weight : 0.0;
+        const double from_left = b.normal_x[j][i] * (source_x - b.x[j][i]) + b.normal_y[j][i] * (source_y - b.y[j][i]) -
+                                 b.least_left[j][i];  // a whole number, left where it is not below 0
+        const double beyond_if_far = from_left + 1.0;
+        const bool is_right = from_left < 0.0;
+        const double sign = is_right ? 1.0 : -1.0;
+        b.away_x[j][i] = sign * b.normal_x[j][i];
+        b.away_y[j][i] = sign * b.normal_y[j][i];
+        is_near[j][i] = is_right ? 1.0 : 0.0;
+        if constexpr (kFaces == 1) {
+          is_near[1][i] = is_right ? 0.0 : 1.0;
+          b.near_from[j][i] = is_right ? -from_left : beyond_if_far;
+        } else {
+          b.near_from[j][i] = is_right ? -from_left : -kInfinity;
+          b.far_from[j][i] = is_right ? kInfinity : beyond_if_far;
+        }
       }
     }
   }
 
-  static ROBOTTEAMSIM_INLINE void AddWeights(const LinkSource& source, LinkCorners* corners, LinkFaces* faces,
-                                             int count, TargetBlock* blocks) {
-    const auto num_corners = static_cast<int>(corners->x.size());
-    FindDirections(source, corners->x.data(), corners->y.data(), num_corners, corners->direction.data(),
-                   corners->bin.data());
-    FindRuns(source, corners->bin.data(), num_corners, corners->direction.data(), corners->first_run.data(),
-             corners->end_run.data());
-    LookAtFaces(source, faces);
-    const int num_seen = FindSeen(*corners, faces);
-    for (int k = 0; k < num_seen; ++k) {
-      const std::int32_t i = faces->seen[k];
-      if (faces->side[i] == 0.0) continue;
-      const std::int32_t right = faces->right[i];
-      const std::int32_t left = faces->left[i];
-      Shadow shadow{corners->direction[right], corners->direction[left], faces->normal_x[i],
-                    faces->normal_y[i],        faces->beyond[i],         faces->weight[i]};
-      if (shadow.from < shadow.to) {
-        Shade(shadow, corners->first_run[right], corners->end_run[left], blocks);
-        continue;
+  /// Finds the outermost corners of eight screens: where the last near face ends, and where the first one starts.
+  template <int kFaces>
+  static ROBOTTEAMSIM_INLINE void FindEnds(const ScreenBlock<kFaces>& block, const double (*is_near)[kLanes],
+                                           Ends* __restrict right, Ends* __restrict left) {
+    constexpr int kCorners = ScreenBlock<kFaces>::kCorners;
+    for (int j = 0; j < kCorners; ++j) {
+      const int before = (j + kCorners - 1) % kCorners;
+#pragma GCC unroll 1
+      for (int i = 0; i < kLanes; ++i) {
+        const bool is_right = is_near[j][i] < is_near[before][i];
+        const bool is_left = is_near[j][i] > is_near[before][i];
+        right->x[i] = is_right ? block.x[j][i] : right->x[i];
+        right->y[i] = is_right ? block.y[j][i] : right->y[i];
+        left->x[i] = is_left ? block.x[j][i] : left->x[i];
+        left->y[i] = is_left ? block.y[j][i] : left->y[i];
       }
-      const double to = shadow.to;  // beyond straight down: in two parts
-      shadow.to = 5.0;
-      Shade(shadow, corners->first_run[right], count, blocks);
-      shadow.from = -1.0;
-      shadow.to = to;
-      Shade(shadow, 0, corners->end_run[left], blocks);
     }
+  }
+
+  /// Finds the targets in the bin of each end, and the direction at which an end parts targets.
+  static ROBOTTEAMSIM_INLINE void FindRuns(const LinkSource& source, Ends* __restrict ends) {
+    const double source_x = source.x;
+    const double source_y = source.y;
+    const double bins_per_quarter = source.num_bins / 4.0;
+    const std::int32_t last_bin = source.num_bins - 1;
+    const std::int32_t* __restrict const bin_start = source.bin_start;
+    alignas(64) double directions[kLanes];
+#pragma GCC unroll 1
+    for (int i = 0; i < kLanes; ++i) directions[i] = DirectionOf(ends->x[i] - source_x, ends->y[i] - source_y);
+#pragma GCC unroll 1
+    for (int i = 0; i < kLanes; ++i) ends->first[i] = bin_start[BinOf(directions[i], bins_per_quarter, last_bin)];
+#pragma GCC unroll 1
+    for (int i = 0; i < kLanes; ++i) ends->end[i] = bin_start[BinOf(directions[i], bins_per_quarter, last_bin) + 1];
+      // A target on the ray through a corner: in the upper half (and against x) the corner, moved by (eps, eps^2), is
+      // right of the ray, in the lower half (and along x) left of it: such targets are before it.
+#pragma GCC unroll 1
+    for (int i = 0; i < kLanes; ++i) {
+      const double direction = directions[i];
+      ends->parts_at[i] = ((direction <= 1.0) | (direction > 3.0)) ? direction + kLittle : direction;
+    }
+  }
+
+  /// Finds what eight screens cover, as seen from a source.
+  template <int kFaces>
+  static ROBOTTEAMSIM_INLINE void LookAtBlock(const LinkSource& source, ScreenBlock<kFaces>* block) {
+    alignas(64) double is_near[ScreenBlock<kFaces>::kCorners][kLanes];
+    alignas(64) double is_around[kLanes];
+    Ends right = {}, left = {};
+    FindSides(source, block, is_near);
+    FindEnds(*block, is_near, &right, &left);
+    FindRuns(source, &right);
+    FindRuns(source, &left);
+    ScreenBlock<kFaces>& __restrict b = *block;
+#pragma GCC unroll 1
+    for (int i = 0; i < kLanes; ++i) {
+      double near_faces = 0.0;
+#pragma GCC unroll 4
+      for (int j = 0; j < ScreenBlock<kFaces>::kCorners; ++j) near_faces += is_near[j][i];
+      const bool is_in = near_faces == 0.0;  // the source is in the ring
+      const bool is_on_end = (right.parts_at[i] >= kNoDirection) | (left.parts_at[i] >= kNoDirection);
+      is_around[i] = is_in ? 1.0 : 0.0;
+      b.from[i] = is_in ? kBeforeAll : right.parts_at[i];
+      b.to[i] = is_in ? kAfterAll : left.parts_at[i];
+      b.near_from[0][i] = is_in ? kInfinity : b.near_from[0][i];
+      b.left_out[i] = ((!is_in) & is_on_end) ? b.weight[i] : 0.0;
+    }
+    const std::int32_t num_targets = source.num_targets;
+#pragma GCC unroll 1
+    for (int i = 0; i < kLanes; ++i) {
+      const bool is_in = is_around[i] > 0.0;
+      b.first[i] = is_in ? 0 : right.first[i];
+      b.end[i] = is_in ? num_targets : left.end[i];
+      // Directions may go around straight down; a face seen edge on covers none.
+      const bool has_targets = ((b.from[i] < b.to[i]) & (b.first[i] < b.end[i])) | (b.from[i] > b.to[i]);
+      b.is_seen[i] = (has_targets & (b.weight[i] > b.left_out[i])) ? 1 : 0;
+    }
+  }
+
+  template <int kFaces>
+  static ROBOTTEAMSIM_INLINE void Shade(const ScreenBlock<kFaces>& screen, int lane, double from, double to,
+                                        std::int32_t first, std::int32_t end, TargetBlock* targets) {
+    double away_x[kFaces], away_y[kFaces], near_from[kFaces], far_from[kFaces];
+    for (int j = 0; j < kFaces; ++j) {
+      away_x[j] = screen.away_x[j][lane];
+      away_y[j] = screen.away_y[j][lane];
+      near_from[j] = screen.near_from[j][lane];
+      far_from[j] = kFaces > 1 ? screen.far_from[j][lane] : kInfinity;
+    }
+    const double weight = screen.weight[lane];
+    const std::int32_t end_block = (end + kLanes - 1) / kLanes;
+    for (std::int32_t b = first / kLanes; b < end_block; ++b) {
+      TargetBlock& __restrict block = targets[b];
+#pragma GCC unroll 1
+      for (int i = 0; i < kLanes; ++i) {
+        const bool is_covered = (block.direction[i] >= from) & (block.direction[i] < to);
+        bool is_beyond_near = is_covered;
+        bool is_before_far = true;
+#pragma GCC unroll 4
+        for (int j = 0; j < kFaces; ++j) {
+          const double away = away_x[j] * block.x[i] + away_y[j] * block.y[i];
+          is_beyond_near &= away >= near_from[j];
+          if constexpr (kFaces > 1) is_before_far &= away < far_from[j];
+        }
+        double crossed = is_beyond_near ? weight : 0.0;
+        if constexpr (kFaces > 1) crossed += (is_covered & !is_before_far) ? weight : 0.0;
+        block.weight[i] += crossed;
+      }
+    }
+  }
+
+  template <int kFaces>
+  static ROBOTTEAMSIM_INLINE bool AddScreens(const LinkSource& source, ScreenBlock<kFaces>* screens, int num_blocks,
+                                             std::int32_t* __restrict seen, TargetBlock* targets) {
+    std::int32_t num_seen = 0, num_left_out = 0;
+    for (int b = 0; b < num_blocks; ++b) {
+      LookAtBlock(source, &screens[b]);
+      for (int i = 0; i < kLanes; ++i) {
+        seen[num_seen] = b * kLanes + i;  // stays if counted
+        num_seen += screens[b].is_seen[i];
+        num_left_out += screens[b].left_out[i] > 0.0 ? 1 : 0;
+      }
+    }
+    for (std::int32_t k = 0; k < num_seen; ++k) {
+      const ScreenBlock<kFaces>& screen = screens[seen[k] / kLanes];
+      const int i = seen[k] % kLanes;
+      if (screen.from[i] < screen.to[i]) {
+        Shade(screen, i, screen.from[i], screen.to[i], screen.first[i], screen.end[i], targets);
+      } else {  // around straight down: in two parts
+        Shade(screen, i, screen.from[i], kAfterAll, screen.first[i], source.num_targets, targets);
+        Shade(screen, i, kBeforeAll, screen.to[i], 0, screen.end[i], targets);
+      }
+    }
+    return num_left_out > 0;
   }
 };
 
 // A function inlines into one of a target that has all of its own target's instructions.
 #define ROBOTTEAMSIM_KERNELS(Target, attributes)                                                                      \
   struct Target {                                                                                                     \
-    attributes static void Find(const LinkSource& source, const double* x, const double* y, int count,                \
-                                double* directions, std::int32_t* bins) {                                             \
-      Loops::FindDirections(source, x, y, count, directions, bins);                                                   \
+    attributes static void Find(const LinkSource& source, const double* x, const double* y, double* directions,       \
+                                std::int32_t* bins) {                                                                 \
+      Loops::FindDirections(source, x, y, directions, bins);                                                          \
     }                                                                                                                 \
     attributes static void Fill(const LinkSource& source, const double* x, const double* y, const double* directions, \
-                                const std::int32_t* order, int count, TargetBlock* blocks) {                          \
-      Loops::FillBlocks(source, x, y, directions, order, count, blocks);                                              \
+                                const std::int32_t* order, TargetBlock* blocks) {                                     \
+      Loops::FillBlocks(source, x, y, directions, order, blocks);                                                     \
     }                                                                                                                 \
-    attributes static void Add(const LinkSource& source, LinkCorners* corners, LinkFaces* faces, int count,           \
-                               TargetBlock* blocks) {                                                                 \
-      Loops::AddWeights(source, corners, faces, count, blocks);                                                       \
+    attributes static bool AddFaces(const LinkSource& source, ScreenBlock<1>* screens, int num_blocks,                \
+                                    std::int32_t* scratch, TargetBlock* targets) {                                    \
+      return Loops::AddScreens(source, screens, num_blocks, scratch, targets);                                        \
     }                                                                                                                 \
-    static constexpr LinkKernels kKernels{Find, Fill, Add};                                                           \
+    attributes static bool AddRings(const LinkSource& source, ScreenBlock<4>* screens, int num_blocks,                \
+                                    std::int32_t* scratch, TargetBlock* targets) {                                    \
+      return Loops::AddScreens(source, screens, num_blocks, scratch, targets);                                        \
+    }                                                                                                                 \
+    static constexpr LinkKernels kKernels{Find, Fill, AddFaces, AddRings};                                            \
   };
 
 ROBOTTEAMSIM_KERNELS(Portable, )

@@ -1,6 +1,7 @@
 #include "robotteamsim/propagation/link_weights.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <utility>
 
@@ -10,120 +11,151 @@ namespace {
 /// Products of coordinates up to here, and their sums, are whole numbers below 2^53.
 constexpr std::int64_t kExactCoordinateMm = 1 << 22;
 
-/// Fewer targets than this are counted one by one.
-constexpr std::size_t kFewTargets = 8;
+/// So few points are not worth looking at the faces first.
+constexpr std::size_t kFewPoints = 8;
 
 /// As many bins of directions as targets, within these limits.
-constexpr int kMinBins = 512;
+constexpr int kMinBins = 128;
 constexpr int kMaxBins = 8192;
 
 bool IsExactInDoubles(PointMm point) { return std::max(std::abs(point.x), std::abs(point.y)) <= kExactCoordinateMm; }
 
-bool IsOnFace(const Face& face, PointMm point) {
-  const auto is_between = [](std::int64_t a, std::int64_t b, std::int64_t value) {
-    return std::min(a, b) <= value && value <= std::max(a, b);
-  };
-  return is_between(face.start.x, face.end.x, point.x) && is_between(face.start.y, face.end.y, point.y);
+/// Returns twice the area to the left of the way from a over b to c.
+std::int64_t TurnToLeft(PointMm a, PointMm b, PointMm c) {
+  return (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x);
+}
+
+/// Which way around four faces go.
+enum class Turn { kNone, kLeft, kRight };
+
+/// Returns the way that four faces from `first` on go where they are a convex ring, else kNone.
+Turn TurnOfRing(const FaceSet& faces, std::size_t first) {
+  if (first + 4 > faces.Size()) return Turn::kNone;
+  const std::array<Face, 4> ring = {faces.At(first), faces.At(first + 1), faces.At(first + 2), faces.At(first + 3)};
+  int lefts = 0, rights = 0;
+  for (int j = 0; j < 4; ++j) {
+    const Face& next = ring[(j + 1) % 4];
+    if (ring[j].end_vertex != next.start_vertex || ring[j].weight != next.weight) return Turn::kNone;
+    const std::int64_t turn = TurnToLeft(ring[j].start, ring[j].end, next.end);
+    lefts += turn > 0 ? 1 : 0;
+    rights += turn < 0 ? 1 : 0;
+  }
+  if (lefts == 4) return Turn::kLeft;
+  return rights == 4 ? Turn::kRight : Turn::kNone;
 }
 
 }  // namespace
 
 LinkWeights::LinkWeights(const FaceSet& faces, std::vector<PointMm> points, Simd simd)
     : face_set_(faces), points_(std::move(points)), kernels_(LinkKernelsFor(simd)) {
+  point_x_.reserve(points_.size());
+  point_y_.reserve(points_.size());
   for (const PointMm& point : points_) {
     exact_in_doubles_ = exact_in_doubles_ && IsExactInDoubles(point);
     point_x_.push_back(static_cast<double>(point.x));
     point_y_.push_back(static_cast<double>(point.y));
   }
-  if (points_.size() <= kFewTargets) return;
-  for (std::size_t i = 0; i < faces.Size(); ++i) {
-    if (faces.Weights()[i] == 0) continue;
-    AddFace(faces.At(i));
-    number_in_set_.push_back(i);
+  for (const PointMm& corner : faces.Vertices()) exact_in_doubles_ = exact_in_doubles_ && IsExactInDoubles(corner);
+  if (points_.size() > kFewPoints && exact_in_doubles_) AddFaces();
+}
+
+void LinkWeights::AddFaces() {
+  std::size_t i = 0;
+  while (i < face_set_.Size()) {
+    const Turn turn = TurnOfRing(face_set_, i);
+    if (face_set_.Weights()[i] > 0) {
+      if (turn == Turn::kNone) AddScreen(i, false, &faces_);
+      if (turn != Turn::kNone) AddScreen(i, turn == Turn::kRight, &rings_);
+    }
+    i += turn == Turn::kNone ? 1 : 4;
   }
-  const std::size_t num_faces = faces_.weight.size();
-  for (auto* const seen : {&faces_.side, &faces_.normal_x, &faces_.normal_y, &faces_.beyond}) seen->resize(num_faces);
-  for (auto* const ends : {&faces_.right, &faces_.left}) ends->resize(num_faces);
-  faces_.seen.resize(num_faces + 1);
-  const std::size_t num_corners = corners_.x.size();
-  corners_.direction.resize(num_corners);
-  for (auto* const runs : {&corners_.bin, &corners_.first_run, &corners_.end_run}) runs->resize(num_corners);
+  scratch_.resize(kLinkLanes * std::max(faces_.blocks.size(), rings_.blocks.size()) + 1);
 }
 
-void LinkWeights::AddFace(const Face& face) {
-  const auto& [start, end, weight, start_vertex, end_vertex] = face;
-  exact_in_doubles_ = exact_in_doubles_ && IsExactInDoubles(start) && IsExactInDoubles(end);
-  faces_.start.push_back(AddCorner(start));
-  faces_.end.push_back(AddCorner(end));
-  faces_.start_x.push_back(static_cast<double>(start.x));
-  faces_.start_y.push_back(static_cast<double>(start.y));
-  faces_.along_x.push_back(static_cast<double>(end.x - start.x));
-  faces_.along_y.push_back(static_cast<double>(end.y - start.y));
-  faces_.tie_is_left.push_back(IsLeftOf(face, start) ? 1.0 : 0.0);
-  faces_.weight.push_back(static_cast<double>(weight));
-}
-
-std::int32_t LinkWeights::AddCorner(PointMm corner) {
-  const auto x = static_cast<double>(corner.x);
-  const auto y = static_cast<double>(corner.y);
-  // Outlines are chains: mostly a face starts where the last one ended.
-  if (corners_.x.empty() || corners_.x.back() != x || corners_.y.back() != y) {
-    corners_.x.push_back(x);
-    corners_.y.push_back(y);
+template <int kFaces>
+void LinkWeights::AddScreen(std::size_t first_face, bool is_reversed, Screens<kFaces>* screens) {
+  const std::size_t lane = screens->first_face.size() % kLinkLanes;
+  if (lane == 0) screens->blocks.emplace_back(ScreenBlock<kFaces>{});
+  screens->first_face.push_back(first_face);
+  ScreenBlock<kFaces>& block = screens->blocks.back();
+  block.weight[lane] = static_cast<double>(face_set_.Weights()[first_face]);
+  for (int j = 0; j < kFaces; ++j) {
+    Face face = face_set_.At(first_face + (is_reversed ? kFaces - 1 - j : j));
+    if (is_reversed) std::swap(face.start, face.end);
+    block.x[j][lane] = static_cast<double>(face.start.x);
+    block.y[j][lane] = static_cast<double>(face.start.y);
+    block.normal_x[j][lane] = static_cast<double>(face.start.y - face.end.y);
+    block.normal_y[j][lane] = static_cast<double>(face.end.x - face.start.x);
+    block.least_left[j][lane] = IsLeftOf(face, face.start) ? 0.0 : 1.0;
+    const int next = (j + 1) % ScreenBlock<kFaces>::kCorners;
+    block.x[next][lane] = static_cast<double>(face.end.x);
+    block.y[next][lane] = static_cast<double>(face.end.y);
   }
-  return static_cast<std::int32_t>(corners_.x.size()) - 1;
 }
 
-const std::vector<double>& LinkWeights::After(std::size_t source) {
+LinkTargets LinkWeights::After(std::size_t source) {
   const std::size_t count = points_.size() - source - 1;
-  weights_.resize(count);
-  if (!exact_in_doubles_ || count < kFewTargets) {
+  order_.resize(count);
+  blocks_.resize(count / kLinkLanes + 1);
+  if (points_.size() <= kFewPoints || !exact_in_doubles_) {
     CountOneByOne(source);
-    return weights_;
+  } else {
+    SortTargets(source);
+    const auto num_faces = static_cast<int>(faces_.blocks.size());
+    const auto num_rings = static_cast<int>(rings_.blocks.size());
+    if (kernels_.add_faces(seen_from_, faces_.blocks.data(), num_faces, scratch_.data(), blocks_.data())) {
+      AddScreensAt(source, faces_);
+    }
+    if (kernels_.add_rings(seen_from_, rings_.blocks.data(), num_rings, scratch_.data(), blocks_.data())) {
+      AddScreensAt(source, rings_);
+    }
   }
-  int num_bins = kMinBins;
-  while (num_bins < kMaxBins && num_bins < static_cast<int>(count)) num_bins *= 2;
-  bin_start_.assign(num_bins + 1, 0);
-  const LinkSource seen_from{point_x_[source], point_y_[source], num_bins, bin_start_.data()};
-  SortTargets(seen_from, source + 1);
-  kernels_.add_weights(seen_from, &corners_, &faces_, static_cast<int>(count), blocks_.data());
-  for (std::size_t k = 0; k < count; ++k) {
-    weights_[order_[k]] = blocks_[k / TargetBlock::kLanes].weight[k % TargetBlock::kLanes];
-  }
-  AddFacesAt(source);
-  return weights_;
+  return {static_cast<int>(count), blocks_.data(), order_.data()};
 }
 
 void LinkWeights::CountOneByOne(std::size_t source) {
-  for (std::size_t i = 0; i < weights_.size(); ++i) {
-    weights_[i] = static_cast<double>(face_set_.WeightBetween(points_[source], points_[source + 1 + i]));
+  const PointMm from = points_[source];
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    const PointMm to = points_[source + 1 + k];
+    TargetBlock& block = blocks_[k / kLinkLanes];
+    const std::size_t lane = k % kLinkLanes;
+    order_[k] = static_cast<std::int32_t>(k);
+    block.x[lane] = static_cast<double>(to.x - from.x);
+    block.y[lane] = static_cast<double>(to.y - from.y);
+    block.weight[lane] = static_cast<double>(face_set_.WeightBetween(from, to));
   }
 }
 
-void LinkWeights::SortTargets(const LinkSource& source, std::size_t first) {
-  const auto count = static_cast<std::int32_t>(weights_.size());
+void LinkWeights::SortTargets(std::size_t source) {
+  const auto count = static_cast<std::int32_t>(order_.size());
+  int num_bins = kMinBins;
+  while (num_bins < kMaxBins && 4 * num_bins < count) num_bins *= 2;
+  bin_start_.assign(num_bins + 1, 0);
+  seen_from_ = {point_x_[source], point_y_[source], num_bins, bin_start_.data(), count};
+  const double* const x = point_x_.data() + source + 1;
+  const double* const y = point_y_.data() + source + 1;
   directions_.resize(count);
   bins_.resize(count);
-  order_.resize(count);
-  kernels_.find_directions(source, &point_x_[first], &point_y_[first], count, directions_.data(), bins_.data());
+  kernels_.find_directions(seen_from_, x, y, directions_.data(), bins_.data());
   // Places in bin b are handed out from bin_start_[b + 1], which so becomes the end of the bin.
   for (const std::int32_t bin : bins_) ++bin_start_[bin + 1];
   std::int32_t start = 0;
-  for (int bin = 1; bin <= source.num_bins; ++bin) start += std::exchange(bin_start_[bin], start);
+  for (int bin = 1; bin <= num_bins; ++bin) start += std::exchange(bin_start_[bin], start);
   for (std::int32_t i = 0; i < count; ++i) order_[bin_start_[bins_[i] + 1]++] = i;
-  blocks_.resize(count / TargetBlock::kLanes + 1);
-  kernels_.fill_blocks(source, &point_x_[first], &point_y_[first], directions_.data(), order_.data(), count,
-                       blocks_.data());
+  kernels_.fill_blocks(seen_from_, x, y, directions_.data(), order_.data(), blocks_.data());
 }
 
-void LinkWeights::AddFacesAt(std::size_t source) {
-  for (std::size_t i = 0; i < faces_.side.size(); ++i) {
-    // From elsewhere on its line, a face is seen edge on: a ray has both ends on the same side.
-    if (faces_.side[i] != 0.0 || !IsOnFace(face_set_.At(number_in_set_[i]), points_[source])) continue;
-    const Face face = face_set_.At(number_in_set_[i]);
-    const FaceSet alone({{face.start.x, face.start.y, face.end.x, face.end.y}}, {face.weight});
-    for (std::size_t k = 0; k < weights_.size(); ++k) {
-      weights_[k] += static_cast<double>(alone.WeightBetween(points_[source], points_[source + 1 + k]));
+template <int kFaces>
+void LinkWeights::AddScreensAt(std::size_t source, const Screens<kFaces>& screens) {
+  for (std::size_t s = 0; s < screens.first_face.size(); ++s) {
+    if (screens.blocks[s / kLinkLanes].left_out[s % kLinkLanes] == 0.0) continue;
+    for (int j = 0; j < kFaces; ++j) {
+      const Face face = face_set_.At(screens.first_face[s] + j);
+      const FaceSet alone({{face.start.x, face.start.y, face.end.x, face.end.y}}, {face.weight});
+      for (std::size_t k = 0; k < order_.size(); ++k) {
+        const auto weight = alone.WeightBetween(points_[source], points_[source + 1 + order_[k]]);
+        blocks_[k / kLinkLanes].weight[k % kLinkLanes] += static_cast<double>(weight);
+      }
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "robotteamsim/propagation/large_pages.hpp"
 #include "robotteamsim/propagation/link_weights.hpp"
 #include "robotteamsim/propagation/log10.hpp"
 #include "robotteamsim/propagation/mirror.hpp"
@@ -22,32 +23,28 @@ ROBOTTEAMSIM_INLINE double LossDb(const RadioModel& model, double dx_mm, double 
   return one_slope_db + wall_units / kRadioUnitsPerDb;                                                   // (3), (4)
 }
 
-/// Positions of robots [mm], one list per axis.
-struct Places {
-  std::vector<double> x, y;
-};
-
-/// Writes the signal between a robot and each of those after it.
-ROBOTTEAMSIM_INLINE void WriteSignals(const RadioModel& model, const Places& places, std::size_t robot,
-                                      const std::vector<double>& wall_units, double* __restrict rssi_dbm) {
+/// Writes the signals of the links from a robot into the places of those after it.
+ROBOTTEAMSIM_INLINE void WriteSignals(const RadioModel& model, const LinkTargets& targets,
+                                      double* __restrict rssi_dbm) {
   const RadioModel m = model;
-  const double robot_x = places.x[robot];
-  const double robot_y = places.y[robot];
-  const double* __restrict const x = places.x.data() + robot + 1;
-  const double* __restrict const y = places.y.data() + robot + 1;
-  const double* __restrict const units = wall_units.data();
-  const std::size_t count = wall_units.size();
-  for (std::size_t j = 0; j < count; ++j) {
-    rssi_dbm[j] = m.tx_power_dbm - LossDb(m, x[j] - robot_x, y[j] - robot_y, units[j]);
+  for (int first = 0; first < targets.count; first += kLinkLanes) {
+    const TargetBlock& block = targets.blocks[first / kLinkLanes];
+    alignas(64) double signals_dbm[kLinkLanes];
+#pragma GCC unroll 1  // unrolled at once, the lanes would be computed one by one
+    for (int i = 0; i < kLinkLanes; ++i) {
+      signals_dbm[i] = m.tx_power_dbm - LossDb(m, block.x[i], block.y[i], block.weight[i]);
+    }
+    const std::int32_t* const places = targets.order + first;
+    const int count = std::min(kLinkLanes, targets.count - first);
+    for (int i = 0; i < count; ++i) rssi_dbm[places[i]] = signals_dbm[i];
   }
 }
 
-using Signals = void (*)(const RadioModel&, const Places&, std::size_t, const std::vector<double>&, double*);
+using Signals = void (*)(const RadioModel&, const LinkTargets&, double*);
 
-#define ROBOTTEAMSIM_SIGNALS(Name, attributes)                                           \
-  attributes void Name(const RadioModel& model, const Places& places, std::size_t robot, \
-                       const std::vector<double>& wall_units, double* rssi_dbm) {        \
-    WriteSignals(model, places, robot, wall_units, rssi_dbm);                            \
+#define ROBOTTEAMSIM_SIGNALS(Name, attributes)                                                  \
+  attributes void Name(const RadioModel& model, const LinkTargets& targets, double* rssi_dbm) { \
+    WriteSignals(model, targets, rssi_dbm);                                                     \
   }
 ROBOTTEAMSIM_SIGNALS(PortableSignals, )
 #if ROBOTTEAMSIM_HAS_X86_TARGETS
@@ -83,20 +80,19 @@ CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Ei
                          Simd simd) {
   const Eigen::Index n = positions.rows();
   std::vector<PointMm> points;
-  Places places;
+  points.reserve(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     points.push_back(RoundToMm({positions(i, 0), positions(i, 1)}, "position of robot " + std::to_string(i)));
-    places.x.push_back(static_cast<double>(points.back().x));
-    places.y.push_back(static_cast<double>(points.back().y));
   }
   LinkWeights links(faces, std::move(points), simd);
   const Signals write_signals = SignalsFor(simd);
   CellValues rssi_dbm(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    rssi_dbm(i, i) = 0.0;
-    write_signals(model, places, i, links.After(i), rssi_dbm.data() + i * n + i + 1);
-    const bool is_last = i + 1 == n;
-    if (is_last || (i + 1) % kMirroredRows == 0) MirrorRows(i / kMirroredRows * kMirroredRows, i + 1, &rssi_dbm);
+  AskForLargePages(rssi_dbm.data(), static_cast<std::size_t>(n * n) * sizeof(double));
+  CellValues rows(std::min(n, kMirroredRows), n);
+  for (Eigen::Index top = 0; top < n; top += kMirroredRows) {
+    const Eigen::Index end = std::min(top + kMirroredRows, n);
+    for (Eigen::Index i = top; i < end; ++i) write_signals(model, links.After(i), &rows(i - top, 0) + i + 1);
+    PlaceMirrored(rows, top, end, &rssi_dbm);
   }
   return rssi_dbm;
 }

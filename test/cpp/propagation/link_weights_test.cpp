@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <stdexcept>
 #include <vector>
@@ -27,15 +28,22 @@ void ExpectExact(const FaceSet& faces, const std::vector<PointMm>& points) {
     if (!IsSupported(simd)) continue;
     LinkWeights links(faces, points, simd);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const std::vector<double>& weights = links.After(i);
-      ASSERT_EQ(weights.size(), points.size() - i - 1);
-      for (std::size_t k = 0; k < weights.size(); ++k) {
+      const LinkTargets targets = links.After(i);
+      ASSERT_EQ(targets.count, points.size() - i - 1);
+      std::vector<bool> is_there(targets.count, false);
+      for (int k = 0; k < targets.count; ++k) {
         const PointMm a = points[i];
-        const PointMm b = points[i + 1 + k];
-        ASSERT_EQ(weights[k], static_cast<double>(faces.WeightBetween(a, b)))
+        const PointMm b = points.at(i + 1 + targets.order[k]);
+        const TargetBlock& block = targets.blocks[k / kLinkLanes];
+        const int lane = k % kLinkLanes;
+        is_there.at(targets.order[k]) = true;
+        ASSERT_EQ(block.x[lane], static_cast<double>(b.x - a.x));
+        ASSERT_EQ(block.y[lane], static_cast<double>(b.y - a.y));
+        ASSERT_EQ(block.weight[lane], static_cast<double>(faces.WeightBetween(a, b)))
             << "(" << a.x << ", " << a.y << ") to (" << b.x << ", " << b.y << ")";
-        ASSERT_EQ(weights[k], static_cast<double>(faces.WeightBetween(b, a)));
+        ASSERT_EQ(block.weight[lane], static_cast<double>(faces.WeightBetween(b, a)));
       }
+      EXPECT_EQ(std::count(is_there.begin(), is_there.end(), false), 0);
     }
   }
 }
@@ -55,6 +63,35 @@ TEST(LinkWeights, AreThoseOfEachLinkOnALattice) {
   for (int floor = 0; floor < 150; ++floor) {
     const std::int64_t size = 3 + floor % 12;
     ExpectExact(scenes::Lattice(&generator, 1 + floor % 40, size, 7), Points(&generator, 60, size, size, {-1, -1}));
+  }
+}
+
+TEST(LinkWeights, AreThoseOfEachLinkAmongRingsOfFourOnALattice) {
+  std::mt19937 generator(19);
+  for (int floor = 0; floor < 300; ++floor) {
+    const std::int64_t size = 2 + floor % 12;
+    FaceSet faces = scenes::LatticeQuads(&generator, 1 + floor % 40, size, 7);
+    const std::vector<PointMm> points = Points(&generator, 60, size + 1, size + 1, {-1, -1});
+    ExpectExact(faces, points);
+    for (std::size_t face = floor % 5; face < faces.Size(); face += 5) faces.SetActive(face, false);
+    ExpectExact(faces, points);
+  }
+}
+
+TEST(LinkWeights, AreThoseOfEachLinkThroughARectangleWhicheverWayAround) {
+  std::vector<PointMm> points;
+  for (std::int64_t x = -2; x <= 6; ++x) {
+    for (std::int64_t y = -2; y <= 5; ++y) points.push_back({x, y});
+  }
+  std::vector<PointMm> corners = {{0, 0}, {4, 0}, {4, 3}, {0, 3}};
+  for (int turn = 0; turn < 2; ++turn) {
+    for (int first = 0; first < 4; ++first) {
+      scenes::Outline outline;
+      outline.AddRing(corners, 5);
+      ExpectExact(FaceSet(outline.ends, outline.weights), points);
+      std::rotate(corners.begin(), corners.begin() + 1, corners.end());
+    }
+    std::reverse(corners.begin(), corners.end());
   }
 }
 

@@ -54,6 +54,20 @@ inline FaceSet Lattice(std::mt19937* generator, int count, std::int64_t size, st
   return FaceSet(outline.ends, outline.weights);
 }
 
+/// Rings of four corners on whole numbers from 0 to size - 1: convex ones, others, and some that cross themselves.
+inline FaceSet LatticeQuads(std::mt19937* generator, int count, std::int64_t size, std::int32_t max_weight) {
+  Outline outline;
+  for (int i = 0; i < count; ++i) {
+    std::vector<PointMm> corners;
+    for (int j = 0; j < 4; ++j) {
+      const std::int64_t x = Draw(generator, 0, size - 1);
+      corners.push_back({x, Draw(generator, 0, size - 1)});
+    }
+    outline.AddRing(corners, static_cast<std::int32_t>(Draw(generator, 1, max_weight)));
+  }
+  return FaceSet(outline.ends, outline.weights);
+}
+
 /// Walls of the four classes of Table 3 in 60 x 40 m, in units of 0.05 dB per face; a share of them oblique [percent].
 inline FaceSet Walls(std::mt19937* generator, int count, int oblique_percent, std::int64_t max_length_mm = 6000) {
   constexpr std::int32_t kWeights[4] = {38, 39, 57, 124};
