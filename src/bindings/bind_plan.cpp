@@ -2,9 +2,14 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <cmath>
+#include <limits>
 #include <optional>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
+#include "arrays.hpp"
 #include "bindings.hpp"
 #include "robotteamsim/plan/grid.hpp"
 
@@ -44,9 +49,34 @@ py::array_t<Value> ToArray(const std::vector<Value>& values, const GridShape& sh
   return array;
 }
 
+// For each place, shape (m, 2): which of the points, shape (n, 2), is nearest, the first of equals, and how far it is.
+std::pair<std::vector<int>, std::vector<double>> Nearest(const Doubles& points_m, const Doubles& places_m) {
+  for (const Doubles* rows : {&points_m, &places_m}) {
+    if (rows->ndim() != 2 || rows->shape(1) != 2) throw std::invalid_argument("points must have shape (n, 2)");
+  }
+  if (points_m.shape(0) == 0) throw std::invalid_argument("of no points, none is nearest");
+  std::pair<std::vector<int>, std::vector<double>> nearest;
+  for (const double* place = places_m.data(); place != places_m.data() + places_m.size(); place += 2) {
+    int best = 0;
+    double best_m = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < static_cast<int>(points_m.shape(0)); ++i) {
+      const double* const point = points_m.data() + 2 * i;
+      const double distance_m = std::hypot(point[0] - place[0], point[1] - place[1]);
+      if (distance_m < best_m) {
+        best = i;
+        best_m = distance_m;
+      }
+    }
+    nearest.first.push_back(best);
+    nearest.second.push_back(best_m);
+  }
+  return nearest;
+}
+
 }  // namespace
 
 void BindPlan(py::module_& m) {
+  m.def("nearest", &Nearest, py::arg("points_m"), py::arg("places_m"));
   py::class_<PlanningGrid>(m, "PlanningGrid")
       .def(py::init(&MakeGrid), py::arg("occupied"), py::arg("origin_m"), py::arg("resolution_m"),
            py::arg("inflation_m"))

@@ -3,8 +3,11 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
 #include <utility>
 
+#include "arrays.hpp"
 #include "bindings.hpp"
 #include "robotteamsim/propagation/face_set.hpp"
 #include "robotteamsim/propagation/radio.hpp"
@@ -34,6 +37,29 @@ GridShape GridOf(const XY& origin, double resolution_m, const MapView& maps, std
   return {ToPoint(origin), resolution_m,
           static_cast<int>(maps.rows() / std::max<Eigen::Index>(static_cast<Eigen::Index>(count), 1)),
           static_cast<int>(maps.cols())};
+}
+
+// Of each robot: the value of its own cell, 0 beyond the map; whether a cell within the radius is above 0; the centre
+// of the highest such cell, or where the robot is; its value, or 0.
+py::list Hear(const XY& origin, double resolution_m, const Eigen::Ref<const MapValues>& values,
+              const Doubles& positions_m, double radius_m) {
+  const GridShape grid{ToPoint(origin), resolution_m, static_cast<int>(values.rows()), static_cast<int>(values.cols())};
+  if (positions_m.ndim() != 2 || positions_m.shape(1) != 2) throw std::invalid_argument("positions_m must be (n, 2)");
+  py::list heard;
+  for (py::ssize_t i = 0; i < positions_m.shape(0); ++i) {
+    const Point at{positions_m.at(i, 0), positions_m.at(i, 1)};
+    if (!std::isfinite(at.x) || !std::isfinite(at.y)) {
+      throw py::value_error(py::str("position_m must be finite, got ({}, {})").format(at.x, at.y));
+    }
+    const double row = std::floor((at.y - origin.second) / resolution_m);
+    const double col = std::floor((at.x - origin.first) / resolution_m);
+    const bool is_inside = row >= 0.0 && row < grid.rows && col >= 0.0 && col < grid.cols;
+    const double own = is_inside ? values(static_cast<int>(row), static_cast<int>(col)) : 0.0F;
+    const std::optional<Cell> cell = LoudestCell(grid, values, at, radius_m);
+    const Point best = cell ? CellCenter(grid, cell->row, cell->col) : at;
+    heard.append(py::make_tuple(own, cell.has_value(), py::make_tuple(best.x, best.y), cell ? cell->value : 0.0));
+  }
+  return heard;
 }
 
 void BindRadio(py::module_& m) {
@@ -96,16 +122,8 @@ void BindVoice(py::module_& m) {
           const py::gil_scoped_release released;
           WriteVoiceMap(faces, model, sources, GridOf(origin, resolution_m, map, 1), solid, map, {threads});
         });
-  m.def("loudest_cell",
-        [](const XY& origin, double resolution_m, const Eigen::Ref<const MapValues>& values, const XY& at,
-           double radius_m) -> py::object {
-          const GridShape grid{ToPoint(origin), resolution_m, static_cast<int>(values.rows()),
-                               static_cast<int>(values.cols())};
-          const std::optional<Cell> cell = LoudestCell(grid, values, ToPoint(at), radius_m);
-          if (!cell) return py::none();
-          const Point center = CellCenter(grid, cell->row, cell->col);
-          return py::make_tuple(py::make_tuple(center.x, center.y), cell->value);
-        });
+  m.def("hear", &Hear, py::arg("origin"), py::arg("resolution_m"), py::arg("values"), py::arg("positions_m"),
+        py::arg("radius_m"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.control.controller import Decision, Task
 from robotteamsim.mission.status import Event, MissionEnd, MissionState, MissionStatus, VictimState
 from robotteamsim.network.messages import NetworkState, Refusal, Traffic
@@ -70,8 +71,10 @@ class Mission:
     @property
     def saved_victims(self) -> tuple[str, ...]:
         """Names of the victims who are saved, and therefore silent."""
+        if "saved" not in self._victim_states:
+            return ()
         return tuple(
-            victim.name for victim, state in zip(self._victims, self._victim_states, strict=True) if state == "saved"
+            [victim.name for victim, state in zip(self._victims, self._victim_states, strict=True) if state == "saved"]
         )
 
     @property
@@ -157,7 +160,7 @@ class Mission:
             self._elapsed_ns += sim_time_ns - self._last_step_ns
         self._last_step_ns = sim_time_ns
         if self._state == "running":
-            robot_ids, distances_m = _nearest(positions_m, self._places_m)
+            robot_ids, distances_m = _core.nearest(positions_m, self._places_m)
             num_victims = len(self._victims)
             self._judge_victims(voices, robot_ids[:num_victims], distances_m[:num_victims])
             self._judge_area(robot_ids[num_victims:], distances_m[num_victims:])
@@ -205,7 +208,7 @@ class Mission:
 
     def _judge_links(self, network: NetworkState) -> None:
         before, self._endangered = self._endangered, network.endangered
-        if not network.endangered.any():
+        if not np.count_nonzero(network.endangered):  # cheaper than any()
             return
         fresh = network.endangered if before is None else network.endangered & ~before
         for i, j in np.argwhere(np.triu(fresh, 1)).tolist():
@@ -222,6 +225,8 @@ class Mission:
 
     def _judge_team(self, decisions: Sequence[Decision]) -> None:
         excluded = [decision.excluded for decision in decisions]
+        if excluded == self._excluded:
+            return
         for robot_id, (before, now) in enumerate(zip(self._excluded or [False] * len(excluded), excluded, strict=True)):
             if now and not before:
                 self._tell("robot_excluded", "", robot_id, f"robot {robot_id} is excluded from its swarm")
@@ -256,27 +261,24 @@ class Mission:
         self._events.append(Event(self._elapsed_ns / 1e9, kind, subject, robot_id, detail))
 
     def _make_status(self) -> MissionStatus:
-        target = self._num_explored if self._num_explored < len(self._areas) else -1
-        area = self._areas[target] if target >= 0 else None
-        task = Task(
+        num_left = len(self._areas) - self._num_explored
+        return MissionStatus(
+            state=self._state,
+            end=self._end,
+            time_s=self._elapsed_ns / 1e9,
+            explored=(True,) * self._num_explored + (False,) * num_left,
+            victims=tuple(self._victim_states),
+            target_area=self._num_explored if num_left else -1,
+            endangered_links=self._endangered_links,
+            task=self._make_task(),
+        )
+
+    def _make_task(self) -> Task:
+        """Return what is asked of the team."""
+        area = self._areas[self._num_explored] if self._num_explored < len(self._areas) else None
+        return Task(
             running=self._state == "running",
             epoch=self._epoch,
             area_center_m=area.center if area else None,
             area_radius_m=area.radius_m if area else 0.0,
         )
-        return MissionStatus(
-            state=self._state,
-            end=self._end,
-            time_s=self._elapsed_ns / 1e9,
-            explored=tuple(i < self._num_explored for i in range(len(self._areas))),
-            victims=tuple(self._victim_states),
-            target_area=target,
-            endangered_links=self._endangered_links,
-            task=task,
-        )
-
-
-def _nearest(positions_m: np.ndarray, places_m: np.ndarray) -> tuple[list[int], list[float]]:
-    """Return for each place, shape (m, 2), which robot is nearest, the first of equals, and how far it is [m]."""
-    distances_m = np.hypot(positions_m[:, 0, None] - places_m[:, 0], positions_m[:, 1, None] - places_m[:, 1])
-    return distances_m.argmin(axis=0).tolist(), distances_m.min(axis=0).tolist()

@@ -14,6 +14,8 @@ from robotteamsim.scenario.sections import Network as NetworkSection
 
 Inboxes = list[tuple[Message, ...]]
 
+_NO_TRAFFIC = Traffic()
+
 
 @dataclass(frozen=True, slots=True)
 class Links:
@@ -84,6 +86,8 @@ class Delivery:
         self._step += 1
         if not self._is_instant:
             return self._carry(links, outboxes, refused)
+        if not any(outboxes):
+            return [()] * self._num_robots, Traffic(refused=refused) if refused else _NO_TRAFFIC
         inboxes = deliver_at_once(links.hop_count, outboxes)
         delivered = sum(map(len, inboxes))
         return inboxes, Traffic(

@@ -16,9 +16,9 @@ from robotteamsim.scenario.sections import Network as NetworkSection
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Topology:
-    """What follows from the adjacency alone; kept while no link comes or goes."""
+    """What follows from the adjacency alone, whose bytes are `links`; kept while no link comes or goes."""
 
-    adjacency: np.ndarray
+    links: bytes
     hops: np.ndarray
     fiedler: float
 
@@ -46,6 +46,7 @@ class Network:
         self._num_robots = num_robots
         self._delivery = Delivery(network, num_robots, seed, step_ns)
         self._topology: _Topology | None = None
+        self._is_pair = ~np.eye(num_robots, dtype=bool)
 
     def step(
         self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]]
@@ -74,7 +75,7 @@ class Network:
         else:
             link = np.hypot(*(positions_m[:, None, :] - positions_m[None, :, :]).transpose(2, 0, 1))
             adjacency = link <= self._section.max_distance_m
-        np.fill_diagonal(adjacency, False)
+        adjacency &= self._is_pair
         topology = self._topology_of(adjacency)
         inboxes, traffic = self._delivery.step(Links(rssi_dbm, adjacency, topology.hops), outboxes, refused)
         state = NetworkState(
@@ -82,7 +83,8 @@ class Network:
             link=link,
             adjacency=adjacency,
             hop_count=topology.hops,
-            break_matrix=break_matrix(link, topology.hops),
+            # With one piece there is nothing to look for, and most teams are one piece most of the time.
+            break_matrix=np.zeros(link.shape) if topology.fiedler > 0.0 else break_matrix(link, topology.hops),
             fiedler_value=topology.fiedler,
             endangered=adjacency & (rssi_dbm < self._section.endangered_below_dbm),
             traffic=traffic,
@@ -95,8 +97,9 @@ class Network:
         self._delivery.reset()
 
     def _topology_of(self, adjacency: np.ndarray) -> _Topology:
-        if self._topology is None or not np.array_equal(self._topology.adjacency, adjacency):
-            self._topology = _Topology(adjacency, hop_count(adjacency), fiedler_value(adjacency))
+        links = adjacency.tobytes()
+        if self._topology is None or self._topology.links != links:
+            self._topology = _Topology(links, hop_count(adjacency), fiedler_value(adjacency))
         return self._topology
 
     def _check(self, outboxes: Sequence[Sequence[Message]]) -> tuple[Refusal, ...]:

@@ -123,27 +123,25 @@ class TeamReadings(Sequence[RobotReading]):
 
     @cached_property
     def _one_by_one(self) -> tuple[RobotReading, ...]:
-        rows = zip(
-            self.ground_truth.tolist(),
-            self.twists.tolist(),
-            self.odometry.tolist(),
-            self.ranges_m,
-            self.in_contact.tolist(),
-            self.further or (NOTHING_FURTHER,) * len(self),
-            strict=True,
-        )
         return tuple(
-            RobotReading(
-                ground_truth=PoseReading(*truth),
-                twist=Twist(*twist),
-                odometry=_odometry_reading(believed),
-                ranges_m=ranges_m,
-                in_contact=in_contact,
-                contact_angles_rad=self.contact_angles_rad.get(robot_id, ()),
-                further=further,
+            map(
+                RobotReading,
+                map(PoseReading._make, self.ground_truth.tolist()),
+                map(Twist._make, self.twists.tolist()),
+                map(_odometry_reading, self.odometry.tolist()),
+                self.ranges_m,
+                self.in_contact.tolist(),
+                [self.contact_angles_rad.get(robot_id, ()) for robot_id in range(len(self))],
+                self.further or (NOTHING_FURTHER,) * len(self),
             )
-            for robot_id, (truth, twist, believed, ranges_m, in_contact, further) in enumerate(rows)
         )
+
+
+def ground_truth_rows(readings: Sequence[RobotReading]) -> np.ndarray:
+    """Return the true poses as `TeamReadings` has them: float64, shape (n, 4)."""
+    if isinstance(readings, TeamReadings):
+        return readings.ground_truth
+    return np.array([reading.ground_truth for reading in readings], dtype=np.float64).reshape(-1, 4)
 
 
 def _odometry_reading(row: list[float]) -> OdometryReading:

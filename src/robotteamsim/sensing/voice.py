@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 
+import numpy as np
+
 from robotteamsim import _core
 from robotteamsim.propagation import FieldMap, VoiceField, VoiceSource
 from robotteamsim.rng import stream
@@ -52,21 +54,19 @@ class VoiceSensor:
         equal ones the lowest row, then the lowest column. Beyond the map nothing is heard.
         Raises: ValueError: the position is not finite.
         """
-        if not all(map(math.isfinite, position_m)):
-            raise ValueError(f"position_m must be finite, got {position_m}")
+        return self.read_team(np.array([position_m], dtype=np.float64))[0]
+
+    def read_team(self, positions_m: np.ndarray) -> tuple[VoiceReading, ...]:
+        """Return what `read` does for the position of each robot, shape (n, 2)."""
         voice_map = self.map()
-        level_db = voice_map.value_at(*position_m) if voice_map.contains(*position_m) else 0.0
-        loudest = _core.loudest_cell(
+        heard = _core.hear(
             voice_map.origin_m,
             voice_map.resolution_m,
             voice_map.values,
-            position_m,
+            positions_m,
             self._voice.local_best_radius_m,
         )
-        if loudest is None:
-            return VoiceReading(level_db, False, position_m, 0.0)
-        local_best_m, local_best_level_db = loudest
-        return VoiceReading(level_db, True, local_best_m, local_best_level_db)
+        return tuple(map(VoiceReading._make, heard))
 
     def silence(self, name: str) -> None:
         """Let a victim fall silent. Raises: ValueError: no such victim."""

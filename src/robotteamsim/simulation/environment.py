@@ -48,9 +48,8 @@ class Environment:
         Returns: voice readings in id order, the network, and the inbox of each robot in id order.
         """
         self._voice.set_silenced(saved)
-        voices = tuple(self._voice.read((x, y)) for x, y in positions_m.tolist())
         network, inboxes = self._network.step(positions_m, outboxes)
-        return voices, network, tuple(inboxes)
+        return self._voice.read_team(positions_m), network, tuple(inboxes)
 
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door for radio and voices. Raises: ValueError: no such door."""

@@ -22,7 +22,7 @@ class TeamFigures:
     def update(self, readings: Sequence[RobotReading], decisions: Sequence[Decision], running: bool) -> None:
         """Take in one step, in id order. Staying counts only while the mission runs."""
         for log, reading, decision in zip(self._logs, readings, decisions, strict=True):
-            log.move((reading.ground_truth.x_m, reading.ground_truth.y_m), running)
+            log.move(reading.ground_truth[:2], running)
             log.contact_steps += reading.in_contact
             log.excluded_steps += decision.excluded
 
@@ -57,4 +57,5 @@ class _RobotLog:
             self._anchor_m, self.stay_steps = position_m, 0
         if running:
             self.stay_steps += 1
-            self.longest_stay_steps = max(self.longest_stay_steps, self.stay_steps)
+            if self.stay_steps > self.longest_stay_steps:
+                self.longest_stay_steps = self.stay_steps

@@ -11,7 +11,7 @@ from robotteamsim.control.controller import Controller, Decision, Task
 from robotteamsim.mission import Mission
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import Observation, RobotReading
+from robotteamsim.sensing.readings import Observation, RobotReading, ground_truth_rows
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.record import Observer, Result, StepRecord
@@ -132,4 +132,4 @@ class Simulation:
 
 def true_positions_m(readings: Sequence[RobotReading]) -> np.ndarray:
     """Return the robots' true positions in `map`, float64 of shape (n, 2) [m]."""
-    return np.array([(reading.ground_truth.x_m, reading.ground_truth.y_m) for reading in readings])
+    return ground_truth_rows(readings)[:, :2]

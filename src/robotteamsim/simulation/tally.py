@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.sensing.readings import ground_truth_rows
 from robotteamsim.simulation.figures import TeamFigures
 from robotteamsim.simulation.record import Result, StepRecord
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
@@ -23,7 +24,7 @@ class Tally:
     def add(self, record: StepRecord) -> None:
         """Take in one step."""
         self._last = record
-        self._hash.update(record.sim_time_ns, [reading.ground_truth for reading in record.readings])
+        self._hash.update(record.sim_time_ns, ground_truth_rows(record.readings))
         self._figures.update(record.readings, record.decisions, record.mission.state == "running")
 
     def result(self) -> Result:

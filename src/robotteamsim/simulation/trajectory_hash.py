@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import struct
-from collections.abc import Iterable
+from collections.abc import Sequence
+
+import numpy as np
 
 from robotteamsim.geometry import PoseReading
 
@@ -19,11 +21,10 @@ class TrajectoryHash:
     def __init__(self) -> None:
         self._sha256 = hashlib.sha256()
 
-    def update(self, sim_time_ns: int, ground_truth: Iterable[PoseReading]) -> None:
-        """Take in one step."""
+    def update(self, sim_time_ns: int, ground_truth: Sequence[PoseReading] | np.ndarray) -> None:
+        """Take in one step. Args: ground_truth: as an array: shape (n, 4)."""
         self._sha256.update(struct.pack("<q", sim_time_ns))
-        for pose in ground_truth:
-            self._sha256.update(struct.pack("<4d", pose.x_m, pose.y_m, pose.qz, pose.qw))
+        self._sha256.update(np.asarray(ground_truth, dtype="<f8").tobytes())
 
     def hexdigest(self) -> str:
         """Return the hash of the steps so far, 64 hexadecimal digits."""

@@ -85,8 +85,7 @@ class World:
         Raises: ValueError: the number of twists is wrong, or one is not finite; nothing has moved then.
         """
         if not isinstance(twists, np.ndarray):
-            rows = [(twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps) for twist in twists]
-            twists = np.array(rows).reshape(-1, 3)
+            twists = np.array(twists, dtype=np.float64).reshape(-1, 3)
         self.core.step(twists)
         self._step_index += 1
 
