@@ -10,6 +10,9 @@ from robotteamsim.geometry import Twist
 from robotteamsim.network.messages import Message
 from robotteamsim.sensing.readings import Observation
 
+OUTSIDE = -1
+"""In place of its swarm: the robot is socially excluded."""
+
 
 @dataclass(frozen=True, slots=True)
 class Task:
@@ -36,6 +39,8 @@ class Decision(NamedTuple):
     goal_m:       where it drives to, in `map` [m]; None when it has no goal.
     local_best:   value of its local best (larger is better), for display.
     search_counter: SC of its swarm, for display.
+    swarm:        number of the swarm that it belongs to, OUTSIDE where excluded; 0 where there are no swarms.
+    fault:        why its controller was given up, in one line; "": it works. The robot then stands still.
     """
 
     twist: Twist = Twist()
@@ -44,6 +49,8 @@ class Decision(NamedTuple):
     goal_m: tuple[float, float] | None = None
     local_best: float = 0.0
     search_counter: int = 0
+    swarm: int = 0
+    fault: str = ""
 
 
 class Controller(Protocol):

@@ -13,6 +13,7 @@ from robotteamsim.control.controller import Decision, Task
 from robotteamsim.control.doors import DoorBeliefs
 from robotteamsim.control.known_map import known_map
 from robotteamsim.control.link_keeper import LinkKeeper
+from robotteamsim.control.local_best import find_local_best
 from robotteamsim.control.localisation import Localiser, body_of
 from robotteamsim.control.navigation import Navigator
 from robotteamsim.control.report import Best, Report, parse_report
@@ -22,6 +23,7 @@ from robotteamsim.control.wander import Wander
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Control
 from robotteamsim.sensing.readings import Observation
 from robotteamsim.swarm import (
     Attractors,
@@ -77,7 +79,7 @@ class RdpsoController:
         self._links = LinkKeeper(scenario)
         self._ruled_out = RuledOut(scenario)
         self._rules = ExclusionRules(exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots)
-        self._memory = memory_coefficients(control.memory, control.alpha, control.memory_terms)
+        self._memory = self.memory(control)
         self._rng = rng.stream(scenario.run.seed, "rdpso", robot_id)
         self._wander = Wander(rng.stream(scenario.run.seed, "wander", robot_id), control.max_step_speed_mps)
 
@@ -101,6 +103,11 @@ class RdpsoController:
         self._last_position: Vector | None = None
         self._goal: Vector | None = None
         self._speed_mps = control.max_step_speed_mps
+
+    @staticmethod
+    def memory(control: Control) -> tuple[float, ...]:
+        """Return the weights of v[t], v[t-1], ... in v[t+1]."""
+        return memory_coefficients(control.memory, control.alpha, control.memory_terms)
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
         """Take in what the robot perceives, the messages that arrived, and the mission's task."""
@@ -148,7 +155,8 @@ class RdpsoController:
         voice = self._observation.voice
         loudest = voice.local_best_m if voice.heard else None
         self._ruled_out.add(position, loudest)
-        self._local_best = self._find_local_best(position)
+        area = self._task.area_center_m
+        self._local_best = find_local_best(self._scenario, self._map, self._ruled_out, voice, area, position)
         return Report(
             robot_id=self._robot_id,
             iteration=self._iteration,
@@ -161,21 +169,6 @@ class RdpsoController:
             swarm=self._swarm,
             doors=self._doors.sightings,
         )
-
-    def _find_local_best(self, position: Vector) -> Best | None:
-        """Return the loudest cell around; where no voice is heard, the cell nearest to the area to explore [5.3]."""
-        assert self._observation is not None
-        voice, area = self._observation.voice, self._task.area_center_m
-        if voice.heard and not self._ruled_out.covers(voice.local_best_m):
-            return Best(voice.local_best_level_db, voice.local_best_m)
-        if area is None:
-            return None
-        radius_m = self._scenario.voice.local_best_radius_m
-        if self._control.navigation == "straight":
-            cell = self._map.nearest_by_sight(area, position, radius_m)
-            return Best(-math.dist(area, cell), cell)
-        cell = self._map.nearest_by_path(area, position, radius_m)
-        return Best(-self._map.distance_m(area, cell), cell)
 
     def _choose_next_point(self, pose: Pose, ranges_m: np.ndarray, own: Report) -> None:
         """Phase 2: share the bests, judge the swarm, and set the goal to x[t+1]."""
@@ -219,8 +212,11 @@ class RdpsoController:
 
     def _highest(self, bests: Sequence[Best | None]) -> Best | None:
         """Return the best that is not ruled out, the first of equals; none where there is none."""
-        valid = (best for best in bests if best and not (best.is_voice and self._ruled_out.covers(best.position)))
-        return max(valid, key=lambda best: best.value, default=None)
+        # Highest first: of a hundred robots' bests, only the first few must be asked about.
+        for best in sorted(filter(None, bests), key=_value, reverse=True):
+            if not (best.is_voice and self._ruled_out.covers(best.position)):
+                return best
+        return None
 
     def _judge(self, improved: bool, reports: dict[int, Report]) -> None:
         """Let the rules of social exclusion and inclusion act, on the word of the first member that was heard."""
@@ -305,3 +301,7 @@ class RdpsoController:
             local_best=self._local_best.value if self._local_best else 0.0,
             search_counter=self._swarm.search_counter,
         )
+
+
+def _value(best: Best) -> float:
+    return best.value

@@ -1,20 +1,12 @@
-"""Wandering at random: what an excluded robot does, and a controller that does nothing else."""
+"""Wandering at random: what an excluded robot does, and one that knows nothing better."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
-from robotteamsim import rng
-from robotteamsim.control.controller import Decision, Task
-from robotteamsim.control.known_map import GRID_RESOLUTION_M, KnownMap, known_map
-from robotteamsim.control.localisation import Localiser, body_of
-from robotteamsim.control.navigation import Navigator
-from robotteamsim.network.messages import Message
-from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import Observation
+from robotteamsim.control.known_map import GRID_RESOLUTION_M, KnownMap
 from robotteamsim.swarm import Vector
 
 LONGEST_LEG_M = 8.0
@@ -67,31 +59,3 @@ def free_end(free_space: KnownMap, start: Vector, heading_rad: float, length_m: 
             break
         end = point
     return end
-
-
-class WanderController:
-    """A random walk over the known map; it hears and says nothing."""
-
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
-        body = body_of(robot_id, scenario)
-        self._localiser = Localiser(robot_id, scenario)
-        self._map = known_map(scenario.plan, body.reach_m)
-        self._navigator = Navigator(body, robot_id, scenario.control.navigation)
-        self._speed_mps = scenario.control.max_step_speed_mps
-        self._wander = Wander(rng.stream(scenario.run.seed, "wander", robot_id), self._speed_mps)
-        self._observation: Observation | None = None
-        self._task = Task()
-
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Take in what the robot perceives."""
-        self._observation, self._task = observation, task
-
-    def decide(self) -> Decision:
-        """Return the command towards the end of the present leg."""
-        if self._observation is None or not self._task.running:
-            return Decision()
-        robot = self._observation.robot
-        pose, time_s = self._localiser.map_T_base_link(robot), self._observation.sim_time_ns * 1e-9
-        goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), time_s)
-        twist = self._navigator.drive(self._map, pose, robot.ranges_m, goal, self._speed_mps, time_s, {})
-        return Decision(twist=twist, goal_m=goal)

@@ -55,6 +55,7 @@ class Mission:
         self._endangered: np.ndarray | None = None
         self._excluded: list[bool] = []
         self._refusals: set[Refusal] = set()
+        self._failed: set[int] = set()
         self._events: list[Event] = []
         self._status = self._make_status()
 
@@ -233,6 +234,10 @@ class Mission:
             elif before and not now:
                 self._tell("robot_included", "", robot_id, f"robot {robot_id} is taken back into the swarm")
         self._excluded = excluded
+        for robot_id, decision in enumerate(decisions):
+            if decision.fault and robot_id not in self._failed:
+                self._failed.add(robot_id)
+                self._tell("controller_failed", "", robot_id, f"robot {robot_id} is stopped: {decision.fault}")
 
     def _judge_end(self) -> None:
         if self._areas and self._num_explored == len(self._areas):

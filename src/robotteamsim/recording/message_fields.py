@@ -272,10 +272,12 @@ def controller_status(make: Make, time_ns: int, robot_id: int, decision: Decisio
         header=header(make, time_ns, MAP_FRAME),
         robot_id=robot_id,
         excluded=bool(decision.excluded),
+        swarm=int(decision.swarm),
         has_goal=decision.goal_m is not None,
         goal=point(make, decision.goal_m or (0.0, 0.0)),
         local_best=float(decision.local_best),
         search_counter=int(decision.search_counter),
+        fault=decision.fault,
     )
 
 

@@ -30,6 +30,7 @@ _STYLES = {
     "victim_heard": "yellow",
     "link_endangered": "red",
     "robot_excluded": "magenta",
+    "controller_failed": "red",
     "robot_included": "magenta",
     "end": "bold",
 }

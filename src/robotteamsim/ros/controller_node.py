@@ -1,13 +1,19 @@
-"""The node `controller`: drives one robot. It runs in the robot's namespace, in simulation or on a real robot."""
+"""The nodes `controller` and `controllers`: drive one robot, or the whole team, in simulation or real.
+
+The first runs in its robot's namespace; the second, in the namespace of all, hosts the same class for each robot.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
 
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
-from robotteamsim.control import make_controller
+from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.controller import Decision, Task
 from robotteamsim.msg import Contact, ControllerStatus, MissionStatus, NetworkMessages, Voice
 from robotteamsim.network.messages import Message
@@ -27,85 +33,97 @@ from robotteamsim.ros.node import (
 )
 from robotteamsim.sensing.readings import Observation, RobotReading
 
-GROUND_TRUTH = "base_pose_ground_truth"
 STATUS = "/mission/status"
 
 
 def main() -> None:
-    """Run the node."""
-    run("controller", lambda: ControllerNode(read_settings()).serve())
+    """Run the node of one robot, `~robot_id`; its topics are relative."""
+    run("controller", _serve_robot)
 
 
-class ControllerNode:
-    """Steps one robot's controller by what the robot senses and what reaches it over the network."""
+def main_of_team() -> None:
+    """Run the node of all robots; their topics are in their namespaces."""
+    run("controllers", _serve_team)
 
-    def __init__(self, settings: Settings) -> None:
-        self._robot_id = parameter("~robot_id", -1)
-        if not 0 <= self._robot_id < settings.num_robots:
-            raise ParameterError(f"~robot_id: {self._robot_id}; wanted 0 to {settings.num_robots - 1}")
-        self._settings = settings
+
+def _serve_robot() -> None:
+    settings = read_settings()
+    robot_id = parameter("~robot_id", -1)
+    if not 0 <= robot_id < settings.num_robots:
+        raise ParameterError(f"~robot_id: {robot_id}; wanted 0 to {settings.num_robots - 1}")
+    ControllerNode(settings, [Seat(settings, robot_id, "")]).serve()
+
+
+def _serve_team() -> None:
+    settings = read_settings()
+    seats = [Seat(settings, robot_id, f"/{fields.robot_name(robot_id)}/") for robot_id in range(settings.num_robots)]
+    ControllerNode(settings, seats).serve()
+
+
+class Seat:
+    """Where one robot's controller sits: its topics, each with `prefix` before its name, and the controller."""
+
+    def __init__(self, settings: Settings, robot_id: int, prefix: str) -> None:
+        self._robot_id = robot_id
         self._make = conversion.RosTypes()
-        self._build()
-        self._inbox = make_inbox(settings, self._inputs())
+        self._by_truth = settings.scenario.control.localisation == "ground_truth"
+        self._odom, self._scan, self._truth = (
+            f"{prefix}{name}" for name in ("odom", "base_scan", "base_pose_ground_truth")
+        )
+        self._contact, self._voice, self._received = (f"{prefix}{name}" for name in ("contact", "voice", "network/rx"))
+        self.build(settings)
         latched = settings.lockstep
-        self._answer = Output("cmd_vel_stamped", TwistStamped, latched=True)
-        self._messages = Output("network/tx", NetworkMessages, latched=latched)
-        self._status = Output("controller/status", ControllerStatus, latched=latched)
-        self._command = Output("cmd_vel", TwistMessage) if settings.drives(self._robot_id) else None
-        # An answer to no step yet: it says that the controller is there.
-        self._answer.publish(fields.twist_stamped(self._make, 0, self._robot_id, Decision().twist))
+        self._answer = Output(f"{prefix}cmd_vel_stamped", TwistStamped, latched=True)
+        self._messages = Output(f"{prefix}network/tx", NetworkMessages, latched=latched)
+        self._status = Output(f"{prefix}controller/status", ControllerStatus, latched=latched)
+        self._command = Output(f"{prefix}cmd_vel", TwistMessage) if settings.drives(robot_id) else None
 
-    def serve(self) -> None:
-        """Step until the node is shut down."""
-        while (step := self._inbox.take()) is not None:
-            if step.restarted:
-                self._settings = read_seed(self._settings)
-                self._build()
-            self._controller.observe(self._observation(step), self._received(step), self._task_of(step))
-            self._publish(step.stamp_ns, self._controller.decide())
-
-    def _inputs(self) -> list[Input]:
-        by_truth = self._settings.scenario.control.localisation == "ground_truth"
+    @property
+    def inputs(self) -> list[Input]:
+        """The topics that it needs."""
         return [
-            Input(Channel("odom", needed=True), Odometry),
-            Input(Channel("base_scan", needed=True), LaserScan),
-            Input(Channel(GROUND_TRUTH, needed=by_truth), Odometry),
-            Input(Channel("contact"), Contact),
-            Input(Channel("voice", needed=True), Voice),
-            Input(Channel("network/rx"), NetworkMessages),
-            Input(Channel(STATUS, of_last_step=True), MissionStatus),
+            Input(Channel(self._odom, needed=True), Odometry),
+            Input(Channel(self._scan, needed=True), LaserScan),
+            Input(Channel(self._truth, needed=self._by_truth), Odometry),
+            Input(Channel(self._contact), Contact),
+            Input(Channel(self._voice, needed=True), Voice),
+            Input(Channel(self._received), NetworkMessages),
         ]
 
-    def _build(self) -> None:
-        self._controller = make_controller(self._robot_id, self._settings.scenario)
-        self._task = Task()
+    def build(self, settings: Settings) -> None:
+        """Make the controller, or make it anew."""
+        make = partial(make_controller, self._robot_id, settings.scenario)
+        self._controller = Guard(self._robot_id, settings.num_robots, make)
+
+    def greet(self) -> None:
+        """Answer no step yet: it says that the controller is there."""
+        self._answer.publish(fields.twist_stamped(self._make, 0, self._robot_id, Decision().twist))
+
+    def step(self, step: Step, task: Task) -> None:
+        """Let the controller perceive and decide, and publish what it decided."""
+        self._controller.observe(self._observation(step), self._inbox(step), task)
+        self._publish(step.stamp_ns, self._controller.decide())
 
     def _observation(self, step: Step) -> Observation:
-        odometry = conversion.odometry_reading(step.latest("odom"))
+        odometry = conversion.odometry_reading(step.latest(self._odom))
         # A real robot that navigates by odometry has no ground truth.
-        truth = step.latest(GROUND_TRUTH)
+        truth = step.latest(self._truth)
         ground_truth = odometry if truth is None else conversion.odometry_reading(truth)
-        contact = step.latest("contact")
+        contact = step.latest(self._contact)
         robot = RobotReading(
             ground_truth=ground_truth.pose,
             twist=ground_truth.twist,
             odometry=odometry,
-            ranges_m=conversion.ranges_m(step.latest("base_scan")),
+            ranges_m=conversion.ranges_m(step.latest(self._scan)),
             in_contact=contact is not None and contact.in_contact,
             contact_angles_rad=() if contact is None else tuple(contact.angles_rad),
         )
-        return Observation(self._robot_id, step.stamp_ns, robot, conversion.voice_reading(step.latest("voice")))
+        return Observation(self._robot_id, step.stamp_ns, robot, conversion.voice_reading(step.latest(self._voice)))
 
-    def _received(self, step: Step) -> list[Message]:
+    def _inbox(self, step: Step) -> list[Message]:
         return [
-            received for message in step.messages["network/rx"] for received in conversion.network_messages(message)
+            received for message in step.messages[self._received] for received in conversion.network_messages(message)
         ]
-
-    def _task_of(self, step: Step) -> Task:
-        status = step.latest(STATUS)
-        if status is not None:
-            self._task = conversion.task(status)
-        return self._task
 
     def _publish(self, time_ns: int, decision: Decision) -> None:
         make = self._make
@@ -116,3 +134,30 @@ class ControllerNode:
             self._status.publish(fields.controller_status(make, time_ns, self._robot_id, decision))
         if self._command is not None and self._command.wanted:
             self._command.publish(fields.twist(make, decision.twist))
+
+
+class ControllerNode:
+    """Steps the controllers of its seats by what the robots sense and what reaches them over the network."""
+
+    def __init__(self, settings: Settings, seats: Sequence[Seat]) -> None:
+        self._settings = settings
+        self._seats = seats
+        self._task = Task()
+        inputs = [an_input for seat in seats for an_input in seat.inputs]
+        self._inbox = make_inbox(settings, [*inputs, Input(Channel(STATUS, of_last_step=True), MissionStatus)])
+        for seat in seats:
+            seat.greet()
+
+    def serve(self) -> None:
+        """Step until the node is shut down."""
+        while (step := self._inbox.take()) is not None:
+            if step.restarted:
+                self._settings = read_seed(self._settings)
+                self._task = Task()
+                for seat in self._seats:
+                    seat.build(self._settings)
+            status = step.latest(STATUS)
+            if status is not None:
+                self._task = conversion.task(status)
+            for seat in self._seats:
+                seat.step(step, self._task)

@@ -139,9 +139,11 @@ def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
     """Return what is told of a decision; its twist and outbox travel on topics of their own."""
     return Decision(
         excluded=message.excluded,
+        swarm=message.swarm,
         goal_m=_point(message.goal) if message.has_goal else None,
         local_best=message.local_best,
         search_counter=message.search_counter,
+        fault=message.fault,
     )
 
 

@@ -32,6 +32,10 @@ WORLD_TELLS_S = 5.0
 NOT_SET = -1
 """Number of robots, or id of the one driven by hand, where none is given."""
 
+NO_CONTROLLERS = "false"
+HOSTED = ("per_robot", "team", NO_CONTROLLERS)
+"""Where controllers run: a process for each robot, one for all, or none at all."""
+
 
 class ParameterError(RobotTeamSimError):
     """A parameter of a node is missing or wrong."""
@@ -187,7 +191,7 @@ def _read_settings() -> Settings:
     settings = Settings(
         scenario,
         lockstep=parameter(f"{PARAMETERS}/lockstep", False),
-        controllers=parameter(f"{PARAMETERS}/controllers", True),
+        controllers=_has_controllers(),
         teleop=parameter(f"{PARAMETERS}/teleop", NOT_SET),
         silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
         mission=parameter(f"{PARAMETERS}/mission", True),
@@ -201,6 +205,14 @@ def _read_settings() -> Settings:
     if settings.teleop not in range(NOT_SET, settings.num_robots):
         raise ParameterError(f"{PARAMETERS}/teleop: {settings.teleop}; wanted 0 to {settings.num_robots - 1}")
     return read_seed(settings)
+
+
+def _has_controllers() -> bool:
+    """Return whether there are controllers, in whichever processes. Raises: ParameterError."""
+    hosted = parameter(f"{PARAMETERS}/controllers", "per_robot")
+    if hosted.lower() not in HOSTED:
+        raise ParameterError(f"{PARAMETERS}/controllers: {hosted}; wanted {', '.join(HOSTED)}")
+    return hosted.lower() != NO_CONTROLLERS
 
 
 def parameter(name: str, default: Any) -> Any:

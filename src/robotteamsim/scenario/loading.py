@@ -14,6 +14,7 @@ from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.scenario.base import Model
 from robotteamsim.scenario.door_places import misplaced_doors
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.patrol import read_patrol_graph
 from robotteamsim.scenario.placement import check_places
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.scenario import Scenario
@@ -49,6 +50,7 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     if isinstance(data.get("plan"), str):
         plan_path, plan_place = _plan_file(data["plan"], folder, "--set" if ("plan",) in set_keys else place)
         data["plan"] = _read_plan(plan_path, plan_place)
+    _read_patrol_graph(data, path.parent, place, set_keys)
     scenario = _validated(Scenario, data, place, set_keys)
     if plan_path is not None:
         scenario = scenario.with_plan_file(str(plan_path.resolve()))
@@ -140,6 +142,22 @@ def _read_plan(path: Path, place: str) -> FloorPlan:
     plan = _validated(FloorPlan, data, place)
     _check_doors(plan, "", place)
     return plan
+
+
+def _read_patrol_graph(data: Any, folder: Path, place: str, set_keys: Sequence[tuple[str | int, ...]]) -> None:
+    """Put the graph itself where the data name its file, which is relative to the folder as a plan's is."""
+    key = ("control", "patrol", "graph")
+    section = data
+    for part in key[:-1]:
+        section = section.get(part) if isinstance(section, dict) else None
+    if not isinstance(section, dict) or not isinstance(section.get("graph"), str):
+        return
+    name = section["graph"]
+    is_set = key in set_keys
+    path = (Path() if is_set else folder) / name
+    if not is_file(path):
+        raise ScenarioError(f"{'--set' if is_set else place}: {'.'.join(key)}: there is no file {shown(name)}")
+    section["graph"] = read_patrol_graph(path, name)
 
 
 def _check_doors(plan: FloorPlan, prefix: str, place: str, set_keys: Sequence[tuple[str | int, ...]] = ()) -> None:

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from robotteamsim.scenario.base import Interval, LossDb, Many, Model, PlanarPose, Point, first_repeated, wrong
 from robotteamsim.scenario.body import Body, check_footprint, disc_at, polygon_at
 from robotteamsim.scenario.drives import AnyDrive, Drive
+from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.sensors import Gps, Laser, Mount, MountedLaser, Sonar, check_names
 
@@ -195,15 +196,19 @@ class SocialExclusion(Model):
 
 
 class Control(Model):
-    """The controller of each robot: RDPSO [dissertation, eq. 22, 24, 25] over a go-to-point."""
+    """The controller of each robot: RDPSO [dissertation, eq. 22, 24, 25] over a go-to-point, or another."""
 
-    algorithm: str = Field(default="rdpso", description="name of the controller")
+    algorithm: str = Field(
+        default="rdpso",
+        description="rdpso, random_walk, greedy, pso, rpso, sebs; the name of an installed one, or module:Class",
+    )
     iteration_s: float = Field(default=1.0, gt=0.0, le=60.0, description="period of the swarm's iterations [s]")
     memory: Literal["published", "grunwald_letnikov"] = Field(
         default="published", description="fractional memory (24) or (23)"
     )
     alpha: float = Field(default=0.38, ge=0.0, le=1.0, description="fractional order")
     memory_terms: int = Field(default=4, ge=1, le=20, description="r: truncation; `published` has 4 at most")
+    inertia: float = Field(default=0.6, ge=0.0, le=1.0, description="w of `pso` and `rpso`, in place of the memory")
     c1: float = Field(default=0.08, ge=0.0, le=2.0, description="cognitive weight")
     c2: float = Field(default=0.11, ge=0.0, le=2.0, description="social weight")
     c3: float = Field(default=0.29, ge=0.0, le=2.0, description="obstacle weight")
@@ -217,6 +222,7 @@ class Control(Model):
         default="ground_truth", description="what the robot takes for its pose"
     )
     exclusion: SocialExclusion = SocialExclusion()
+    patrol: Patrol = Patrol()
 
     @model_validator(mode="after")
     def _check(self) -> Control:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
-from robotteamsim.control import make_controller
-from robotteamsim.control.controller import Controller, Decision, Task
+from robotteamsim.control import Guard, make_controller
+from robotteamsim.control.controller import Decision, Task
 from robotteamsim.mission import Mission
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
@@ -34,7 +35,7 @@ class Simulation:
         self.world = World(scenario.plan, robots, scenario.run, things=scenario.things, seed=seed)
         self.sensors = RobotSensors(self.world, robots, seed)
         self.environment = Environment(scenario)
-        self.controllers: list[Controller] = [make_controller(robot_id, scenario) for robot_id in range(len(robots))]
+        self.controllers = [Guard(i, len(robots), partial(make_controller, i, scenario)) for i in range(len(robots))]
         self.mission = Mission(scenario)
         self._decisions: tuple[Decision, ...] = tuple(Decision() for _ in robots)
         self._task = Task()

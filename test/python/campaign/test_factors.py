@@ -7,8 +7,8 @@ from robotteamsim.errors import RobotTeamSimError
 
 
 def test_values_are_read_as_yaml():
-    factor = parse_sweep("control.algorithm=rdpso, wander,'7', 1e-1, true")
-    assert (factor.key, factor.values) == ("control.algorithm", ("rdpso", "wander", "7", 0.1, True))
+    factor = parse_sweep("control.algorithm=rdpso, random_walk,'7', 1e-1, true")
+    assert (factor.key, factor.values) == ("control.algorithm", ("rdpso", "random_walk", "7", 0.1, True))
     assert parse_override("a.b=[1, 2]").values == ([1, 2],)
 
 

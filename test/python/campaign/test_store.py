@@ -52,7 +52,7 @@ def test_growing_store_can_be_read(short_design, outcome_of, tmp_path):
 
 
 def test_csv_has_a_line_per_trial_by_cell_then_number(short_design, outcome_of, failed_outcome_of, tmp_path):
-    design = short_design("control.algorithm=rdpso,wander", "voice.noise_db=10")
+    design = short_design("control.algorithm=rdpso,random_walk", "voice.noise_db=10")
     trials = list(design.all_trials())
     with open_store(tmp_path, design) as store:
         store.keep(failed_outcome_of(trials[3]))
@@ -62,7 +62,7 @@ def test_csv_has_a_line_per_trial_by_cell_then_number(short_design, outcome_of, 
         "control.algorithm,voice.noise_db,trial,seed,end,time_s,areas_explored,num_areas,victims_saved,num_victims,"
         "endangered_links,distance_m,contact_s,steps,trajectory_hash,error",
         f"rdpso,10.0,1,{trials[0].seed},areas_explored,100.0,4,4,1,1,0,20.0,0.0,1001,{'ab' * 32},",
-        f"wander,10.0,2,{trials[3].seed},,,,,,,,,,,,KeyError: 7",
+        f"random_walk,10.0,2,{trials[3].seed},,,,,,,,,,,,KeyError: 7",
     ]
 
 

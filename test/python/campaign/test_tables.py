@@ -78,7 +78,7 @@ def test_only_the_garage_under_noise_is_the_dissertations(short_design):
 
 
 def test_summary_has_a_line_per_cell(short_design, outcome_of, failed_outcome_of):
-    design = short_design("control.algorithm=rdpso,wander", trials=3)
+    design = short_design("control.algorithm=rdpso,random_walk", trials=3)
     trials = list(design.all_trials())
     outcomes = [outcome_of(trials[0], time_s=90.0), outcome_of(trials[2], time_s=110.0, end="time_limit")]
     outcomes += [failed_outcome_of(trials[1]), outcome_of(trials[3])]
@@ -87,5 +87,5 @@ def test_summary_has_a_line_per_cell(short_design, outcome_of, failed_outcome_of
     assert lines[3].startswith(
         "rdpso              2             1.00 ± 0.00 [1.00, 1.00]  100.00 ± 14.14 [-27.06, 227.06]"
     )
-    assert lines[4].startswith("wander             1 + 1 failed  1.00                      100.00 ")
+    assert lines[4].startswith("random_walk        1 + 1 failed  1.00                      100.00 ")
     assert lines[-1] == "1 missions ended at the time limit, which counts as their time"

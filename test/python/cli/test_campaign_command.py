@@ -73,7 +73,7 @@ def test_design_file_and_options_make_one_design(capsys, tmp_path, on_two_worker
     design = tmp_path / "design.yaml"
     design.write_text(
         "trials: 5\nseed: 3\nset: {mission.time_limit_s: 1}\nsweep: {voice.noise_db: [10]}\n"
-        "cells:\n  - {control.algorithm: wander}\n  - {control.alpha: 0.5}\n"
+        "cells:\n  - {control.algorithm: random_walk}\n  - {control.alpha: 0.5}\n"
     )
     command = ["campaign", "tutorial_arena", "--design", str(design), "--trials", "1", "--sweep", "robots.count=1,2"]
     assert main([*command, "--quiet", "--out", str(tmp_path / "c")]) == 0
@@ -81,7 +81,9 @@ def test_design_file_and_options_make_one_design(capsys, tmp_path, on_two_worker
     assert (settings["trials"], settings["seed"]) == (1, 3)
     assert settings["keys"] == ["control.algorithm", "control.alpha", "voice.noise_db", "robots.count"]
     assert settings["cells"] == [
-        [algorithm, alpha, 10.0, count] for algorithm, alpha in (("wander", 0.38), ("rdpso", 0.5)) for count in (1, 2)
+        [algorithm, alpha, 10.0, count]
+        for algorithm, alpha in (("random_walk", 0.38), ("rdpso", 0.5))
+        for count in (1, 2)
     ]
 
 

@@ -29,6 +29,8 @@ class Team:
         self.decisions = [Decision() for _ in robots]
         self.hear: Callable[[tuple[float, float]], VoiceReading] = silence
         """What a robot hears at a position."""
+        self.hear_messages: list[Message] = []
+        """What else arrives at every robot in each step."""
         area = scenario.mission.areas[0]
         self.task = Task(running=True, epoch=1, area_center_m=area.center, area_radius_m=area.radius_m)
         self._sensors = RobotSensors(self.world, robots, scenario.run.seed)
@@ -40,7 +42,7 @@ class Team:
         for robot_id, (controller, reading) in enumerate(zip(self.controllers, readings, strict=True)):
             position = (reading.ground_truth.x_m, reading.ground_truth.y_m)
             observation = Observation(robot_id, self.world.sim_time_ns, reading, self.hear(position))
-            inbox = [message for message in sent if message.sender != robot_id]
+            inbox = [message for message in (*sent, *self.hear_messages) if message.sender != robot_id]
             controller.observe(observation, inbox, self.task)
         self.decisions = [controller.decide() for controller in self.controllers]
         return self.decisions

@@ -184,7 +184,7 @@ def test_robot_by_odometry_takes_its_start_and_what_it_drove_for_its_pose(hall_s
 
 
 def test_algorithm_that_does_not_exist_is_refused_with_the_choices(hall_scenario):
-    with pytest.raises(ScenarioError, match=r"hall: control.algorithm: 'rdspo' is not known; wanted one of: rdpso, w"):
+    with pytest.raises(ScenarioError, match=r"hall: control.algorithm: 'rdspo' is not known; wanted one of: rdpso, r"):
         make_controller(0, hall_scenario(control=Control(algorithm="rdspo")))
 
 
@@ -271,7 +271,7 @@ def test_nobody_is_excluded_when_exclusion_is_off(team, hall_scenario):
     assert not any(decision.excluded for decision in hall.decisions)
 
 
-@pytest.mark.parametrize("algorithm", ["rdpso", "wander"])
+@pytest.mark.parametrize("algorithm", ["rdpso", "random_walk"])
 def test_path_of_the_team_is_a_function_of_the_seed(team, hall_scenario, algorithm):
     def poses(seed: int) -> list[Pose]:
         hall = team(hall_scenario(seed=seed, control=Control(algorithm=algorithm)))

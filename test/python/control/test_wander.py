@@ -34,7 +34,7 @@ def test_leg_that_takes_too_long_is_given_up(hall_scenario):
 
 
 def test_wanderers_get_around_and_send_nothing(team, hall_scenario):
-    hall = team(hall_scenario(control=Control(algorithm="wander")))
+    hall = team(hall_scenario(control=Control(algorithm="random_walk")))
     cells = set()
     for _ in range(1200):
         decisions = hall.step()
@@ -44,6 +44,6 @@ def test_wanderers_get_around_and_send_nothing(team, hall_scenario):
 
 
 def test_wanderers_stand_still_while_the_task_does_not_run(team, hall_scenario):
-    hall = team(hall_scenario(control=Control(algorithm="wander")))
+    hall = team(hall_scenario(control=Control(algorithm="random_walk")))
     hall.task = Task()
     assert {decision.twist for decision in hall.step()} == {Twist()}

@@ -1,0 +1,36 @@
+"""The best place that one robot perceives around it [dissertation, 5.3]."""
+
+from __future__ import annotations
+
+import math
+
+from robotteamsim.control.known_map import KnownMap
+from robotteamsim.control.report import Best
+from robotteamsim.control.ruled_out import RuledOut
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.swarm import Vector
+
+
+def find_local_best(
+    scenario: Scenario,
+    known_map: KnownMap,
+    ruled_out: RuledOut,
+    voice: VoiceReading,
+    area: Vector | None,
+    position: Vector,
+) -> Best | None:
+    """Return the loudest cell around; where no voice is heard, the cell nearest to the area to explore [5.3].
+
+    A voice that is ruled out counts as none; without an area, nothing draws the robot then. Places in `map` [m].
+    """
+    if voice.heard and not ruled_out.covers(voice.local_best_m):
+        return Best(voice.local_best_level_db, voice.local_best_m)
+    if area is None:
+        return None
+    radius_m = scenario.voice.local_best_radius_m
+    if scenario.control.navigation == "straight":
+        cell = known_map.nearest_by_sight(area, position, radius_m)
+        return Best(-math.dist(area, cell), cell)
+    cell = known_map.nearest_by_path(area, position, radius_m)
+    return Best(-known_map.distance_m(area, cell), cell)

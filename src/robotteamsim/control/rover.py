@@ -1,0 +1,76 @@
+"""What the simpler controllers share: a robot that knows where it is, holds the map, and drives to a point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from robotteamsim import rng
+from robotteamsim.control.controller import Decision, Task
+from robotteamsim.control.known_map import known_map
+from robotteamsim.control.localisation import Localiser, body_of
+from robotteamsim.control.navigation import Navigator
+from robotteamsim.control.wander import Wander
+from robotteamsim.geometry import Pose
+from robotteamsim.network.messages import Message
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.sensing.readings import Observation
+from robotteamsim.swarm import Vector
+
+
+class Rover:
+    """Base of a controller that says where to go; the way there, and standing still on demand, are done here."""
+
+    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+        body = body_of(robot_id, scenario)
+        self.robot_id = robot_id
+        self.scenario = scenario
+        self.map = known_map(scenario.plan, body.reach_m)
+        self.speed_mps = scenario.control.max_step_speed_mps
+        self._localiser = Localiser(robot_id, scenario)
+        self._navigator = Navigator(body, robot_id, scenario.control.navigation)
+        self._wander = Wander(rng.stream(scenario.run.seed, "wander", robot_id), self.speed_mps)
+        self._observation: Observation | None = None
+        self.inbox: Sequence[Message] = ()
+        self.task = Task()
+
+    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        """Take in what the robot perceives, the messages that arrived, and the mission's task."""
+        self._observation, self.inbox, self.task = observation, inbox, task
+
+    @property
+    def observation(self) -> Observation:
+        """What was perceived in this step."""
+        assert self._observation is not None, "observe comes before decide"
+        return self._observation
+
+    @property
+    def is_running(self) -> bool:
+        """Whether there is anything to do."""
+        return self._observation is not None and self.task.running
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time of this step [s]."""
+        return self.observation.sim_time_ns * 1e-9
+
+    def pose(self) -> Pose:
+        """Return where the robot takes itself to be, in `map`."""
+        return self._localiser.map_T_base_link(self.observation.robot)
+
+    def drive(
+        self,
+        pose: Pose,
+        goal: Vector | None,
+        outbox: tuple[Message, ...] = (),
+        *,
+        local_best: float = 0.0,
+        teammates: Mapping[int, Vector] | None = None,
+    ) -> Decision:
+        """Return the decision to drive to a goal in `map` [m] at full speed, or to wander where there is none."""
+        if goal is None:
+            goal = self._wander.goal(self.map, (pose.x_m, pose.y_m), self.time_s)
+        else:
+            self._wander.stop()
+        ranges_m = self.observation.robot.ranges_m
+        twist = self._navigator.drive(self.map, pose, ranges_m, goal, self.speed_mps, self.time_s, teammates or {})
+        return Decision(twist, outbox, goal_m=goal, local_best=local_best)

@@ -1,0 +1,149 @@
+"""The graph that a team patrols, and the files that patrolling_sim keeps it in."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import Field, model_validator
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.base import Many, Model, Point, wrong
+from robotteamsim.scenario.yaml_text import shown
+
+MAX_VERTICES = 10_000
+
+Number = TypeVar("Number", int, float)
+
+
+class PatrolVertex(Model):
+    """A place to visit again and again."""
+
+    position: Point = Field(description="[x, y] in the map frame [m]")
+    neighbours: Many[int] = Field(default=(), description="indices of the vertices that it has edges to")
+    lengths_m: Many[float] = Field(default=(), description="lengths of these edges, in the same order [m]")
+
+    @model_validator(mode="after")
+    def _check(self) -> PatrolVertex:
+        if len(self.lengths_m) != len(self.neighbours):
+            raise wrong("lengths_m", f"{len(self.lengths_m)} lengths for {len(self.neighbours)} neighbours")
+        for index, length_m in enumerate(self.lengths_m):
+            if not length_m > 0.0:
+                raise wrong(f"lengths_m.{index}", f"{length_m:g} is not above 0")
+        return self
+
+
+class PatrolGraph(Model):
+    """Vertices and edges."""
+
+    vertices: Many[PatrolVertex] = Field(min_length=1, max_length=MAX_VERTICES, description="places, by index")
+
+    @model_validator(mode="after")
+    def _check(self) -> PatrolGraph:
+        last = len(self.vertices) - 1
+        for index, vertex in enumerate(self.vertices):
+            for place, neighbour in enumerate(vertex.neighbours):
+                if not 0 <= neighbour <= last or neighbour == index:
+                    raise wrong(
+                        f"vertices.{index}.neighbours.{place}", f"{neighbour} is no other vertex; wanted 0 to {last}"
+                    )
+            if last > 0 and not vertex.neighbours:
+                raise wrong(f"vertices.{index}.neighbours", "a vertex without neighbours is never left")
+        return self
+
+
+class Patrol(Model):
+    """How a graph is patrolled by SEBS [portugal2013]."""
+
+    graph: PatrolGraph | None = Field(
+        default=None, description="a .graph file of patrolling_sim; without one, places all over the plan are linked"
+    )
+    spacing_m: float = Field(default=6.0, ge=1.0, le=100.0, description="between these places, without a file [m]")
+    g1: float = Field(default=0.1, gt=0.0, lt=1.0, description="G1: probability of a vertex that gains nothing")
+    g2: float = Field(default=100.0, gt=0.0, le=1e6, description="G2: from this gain on the probability is 1 [s/m]")
+    edge_min_m: float = Field(default=1.0, gt=0.0, le=100.0, description="shorter edges count as this [m]")
+
+
+def read_patrol_graph(path: Path, place: str) -> dict[str, object]:
+    """Return the data of a PatrolGraph from a graph file of patrolling_sim.
+
+    The file has numbers one per line: how many vertices, width and height of the map [px], its resolution [m] and
+    offset [m, m]; for each vertex id, x, y [px, y up], degree, and for each edge neighbour, direction, cost [px].
+
+    Args: place: what messages call the file.
+    Raises: ScenarioError: one line that names the line of the file, what stands there and what was wanted.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{place}: cannot be read as a patrol graph: {error}") from None
+    words = _Words(lines, place)
+    count = words.number(int, "the number of vertices")
+    if not 1 <= count <= MAX_VERTICES:
+        raise words.error(f"{count} vertices; wanted 1 to {MAX_VERTICES}")
+    for what in ("the map's width [px]", "the map's height [px]"):
+        words.number(int, what)
+    resolution_m = words.number(float, "the resolution [m]")
+    if not resolution_m > 0.0:
+        raise words.error(f"resolution {resolution_m:g} is not above 0")
+    offset_m = words.number(float, "the offset in x [m]"), words.number(float, "the offset in y [m]")
+    vertices = [_vertex(words, index, resolution_m, offset_m) for index in range(count)]
+    words.end()
+    return {"vertices": vertices}
+
+
+def _vertex(words: _Words, index: int, resolution_m: float, offset_m: tuple[float, float]) -> dict[str, object]:
+    number = words.number(int, f"the id of vertex {index}")
+    if number != index:
+        raise words.error(f"vertex {number}; wanted {index}: ids count from 0")
+    x_px, y_px = words.number(float, f"x of vertex {index} [px]"), words.number(float, f"y of vertex {index} [px]")
+    neighbours: list[int] = []
+    lengths_m: list[float] = []
+    for _ in range(words.number(int, f"the degree of vertex {index}")):
+        neighbours.append(words.number(int, f"a neighbour of vertex {index}"))
+        words.next(f"the direction of an edge of vertex {index}")
+        lengths_m.append(words.number(float, f"the cost of an edge of vertex {index} [px]") * resolution_m)
+    position = [x_px * resolution_m + offset_m[0], y_px * resolution_m + offset_m[1]]
+    return {"position": position, "neighbours": neighbours, "lengths_m": lengths_m}
+
+
+class _Words:
+    """The words of a file, one after the other, and where the last one stood."""
+
+    def __init__(self, lines: list[str], place: str) -> None:
+        numbered = ([(number, word) for word in line.split()] for number, line in enumerate(lines, 1))
+        self._words: Iterator[tuple[int, str]] = itertools.chain.from_iterable(numbered)
+        self._place = place
+        self._line = 1
+
+    def next(self, what: str) -> str:
+        """Return the next word. Raises: ScenarioError: there is none."""
+        self._line, word = next(self._words, (self._line, ""))
+        if not word:
+            raise self.error(f"the file ends here; wanted {what}")
+        return word
+
+    def number(self, kind: type[Number], what: str) -> Number:
+        """Return the next word as a finite number. Raises: ScenarioError."""
+        word = self.next(what)
+        try:
+            number = kind(word)
+            if math.isfinite(number):
+                return number
+        except ValueError:
+            pass
+        raise self.error(f"{shown(word)} is no {'whole ' if kind is int else ''}number; wanted {what}")
+
+    def end(self) -> None:
+        """Raises: ScenarioError: words are left."""
+        line, word = next(self._words, (0, ""))
+        if word:
+            self._line = line
+            raise self.error(f"{shown(word)} follows after the last vertex; wanted the end of the file")
+
+    def error(self, text: str) -> ScenarioError:
+        """Return the error that names the line of the last word."""
+        return ScenarioError(f"{self._place}:{self._line}: {text}")

@@ -1,0 +1,39 @@
+"""A controller to begin with: drive on, turn away from what is ahead, steer towards voices."""
+
+import json
+import math
+
+from robotteamsim.control import Decision, Task
+from robotteamsim.geometry import Twist
+from robotteamsim.network.messages import EVERYBODY, Message
+
+
+class MyController:
+    def __init__(self, robot_id, scenario):
+        self.robot_id = robot_id
+        self.near_m = 0.6
+        self.observation = None
+        self.task = Task()
+        self.heard_of = {}  # what teammates said that they hear, by robot id
+
+    def observe(self, observation, inbox, task):
+        self.observation, self.task = observation, task
+        for message in inbox:
+            self.heard_of[message.sender] = json.loads(message.payload)["level_db"]
+
+    def decide(self):
+        if self.observation is None or not self.task.running:
+            return Decision()  # stands still
+        robot, voice = self.observation.robot, self.observation.voice
+        third = len(robot.ranges_m) // 3
+        if robot.ranges_m[third:-third].min() < self.near_m:  # the middle of the scan, which goes from right to left
+            twist = Twist(0.0, 0.0, 1.0)
+        elif voice.heard:
+            pose = robot.ground_truth.pose
+            x_m, y_m = voice.local_best_m
+            wanted_rad = math.remainder(math.atan2(y_m - pose.y_m, x_m - pose.x_m) - pose.yaw_rad, math.tau)
+            twist = Twist(0.4, 0.0, max(-0.5, min(0.5, wanted_rad)))
+        else:
+            twist = Twist(0.4)
+        report = Message(self.robot_id, EVERYBODY, json.dumps({"level_db": voice.level_db}))
+        return Decision(twist, outbox=(report,) if voice.heard else (), local_best=voice.level_db)

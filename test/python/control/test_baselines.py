@@ -1,0 +1,124 @@
+"""The greedy climber, PSO and RPSO on robots: what each of them leaves out."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from robotteamsim.control import Decision, Task, make_controller
+from robotteamsim.control.known_map import known_map
+from robotteamsim.control.local_best import find_local_best
+from robotteamsim.control.report import Best
+from robotteamsim.control.ruled_out import RuledOut
+from robotteamsim.scenario.sections import Area, Control, Mission
+from robotteamsim.sensing.readings import VoiceReading
+
+VICTIM = (9.0, 8.0)
+
+
+def of(algorithm: str, **keys: float) -> Control:
+    return Control(algorithm=algorithm, **keys)
+
+
+def voice_of_victim(position: tuple[float, float]) -> VoiceReading:
+    """Return what a robot hears of a victim: the louder the nearer, the loudest 1.5 m ahead."""
+    away_m = math.dist(position, VICTIM)
+    if away_m > 6.0:
+        return VoiceReading(0.0, False, position, 0.0)
+    share = min(1.0, 1.5 / max(away_m, 1e-9))
+    loudest = tuple(a + share * (b - a) for a, b in zip(position, VICTIM, strict=True))
+    return VoiceReading(10.0 - away_m, True, loudest, 10.0 - math.dist(loudest, VICTIM))
+
+
+def test_local_best_is_the_voice_unless_it_is_ruled_out(hall_scenario):
+    scenario = hall_scenario()
+    ruled_out, carried = RuledOut(scenario), known_map(scenario.plan, 0.2)
+    voice, here = VoiceReading(5.0, True, (4.0, 4.0), 7.0), (3.0, 4.0)
+    assert find_local_best(scenario, carried, ruled_out, voice, (16.0, 5.0), here) == Best(7.0, (4.0, 4.0))
+    ruled_out.add((4.1, 4.0), (4.0, 4.0))
+    best = find_local_best(scenario, carried, ruled_out, voice, (16.0, 5.0), here)
+    # 13.04 m as the crow flies, less the radius of 1.5 m; paths on a grid are a little longer.
+    assert best.value == pytest.approx(-11.54, abs=0.4)
+    assert 1.3 < math.dist(best.position, here) <= 1.5
+    assert find_local_best(scenario, carried, ruled_out, voice, None, here) is None
+
+
+def test_greedy_robot_climbs_to_the_voice_and_says_nothing(team, hall_scenario):
+    hall = team(hall_scenario(control=of("greedy")))
+    hall.hear = voice_of_victim
+    nearest_m = math.inf
+    for _ in range(400):
+        assert not any(decision.outbox or decision.excluded for decision in hall.step())
+        nearest_m = min(nearest_m, *(math.dist((pose.x_m, pose.y_m), VICTIM) for pose in hall.world.poses()))
+    assert nearest_m < 1.0
+
+
+def test_greedy_robot_without_a_voice_goes_to_the_area_and_without_both_wanders(team, hall_scenario):
+    hall = team(hall_scenario(control=of("greedy")))
+    hall.run(40.0)
+    assert min(math.dist((pose.x_m, pose.y_m), (16.0, 5.0)) for pose in hall.world.poses()) < 2.0
+    hall.task = Task(running=True, epoch=2)
+    goals = {decision.goal_m for _ in range(300) for decision in hall.step()}
+    assert len(goals) > 3
+
+
+def test_pso_has_an_inertia_in_place_of_the_memory_and_neither_obstacles_nor_network(hall_scenario):
+    control = of("pso", c3=0.3, c4=0.4, inertia=0.7, alpha=0.9)
+    pso = make_controller(0, hall_scenario(control=control))
+    assert pso._memory == (0.7,)
+    assert (pso._control.c1, pso._control.c2, pso._control.c3, pso._control.c4) == (0.08, 0.11, 0.0, 0.0)
+    assert not pso._control.exclusion.enabled
+
+
+def test_rpso_is_pso_with_the_obstacle_term(hall_scenario):
+    rpso = make_controller(0, hall_scenario(control=of("rpso", c3=0.3, inertia=0.5)))
+    assert rpso._memory == (0.5,)
+    assert (rpso._control.c3, rpso._control.c4) == (0.3, 0.0)
+    assert not rpso._control.exclusion.enabled
+
+
+def test_rpso_without_obstacle_weight_drives_as_pso(team, hall_scenario):
+    def poses(algorithm: str) -> list:
+        hall = team(hall_scenario(control=of(algorithm, c3=0.0)))
+        hall.run(20.0)
+        return hall.world.poses()
+
+    assert poses("pso") == poses("rpso")
+
+
+def test_rdpso_of_one_memory_term_is_rpso_of_that_inertia(team, hall_scenario):
+    # alpha is the weight of the newest velocity; two robots side by side keep their link, so c4 is silent.
+    def poses(control: Control) -> list:
+        hall = team(hall_scenario(control=control))
+        hall.run(10.0)
+        return hall.world.poses()
+
+    assert poses(of("rdpso", alpha=0.6, memory_terms=1)) == poses(of("rpso", inertia=0.6))
+
+
+@pytest.mark.parametrize("algorithm", ["pso", "rpso"])
+def test_nobody_leaves_a_swarm_without_exclusion(team, hall_scenario, algorithm):
+    mission = Mission(areas=(Area(name="here", center=(3.5, 5.0)),))
+    hall = team(hall_scenario(mission=mission, control=of(algorithm)))
+    hall.run(40.0)
+    assert not any(decision.excluded for decision in hall.decisions)
+
+
+@pytest.mark.parametrize("algorithm", ["greedy", "pso", "sebs"])
+def test_robots_stand_still_and_are_silent_while_the_task_does_not_run(team, hall_scenario, algorithm):
+    hall = team(hall_scenario(control=of(algorithm)))
+    hall.task = Task()
+    assert set(hall.step()) == {Decision()}
+
+
+@pytest.mark.parametrize(("algorithm", "differs"), [("greedy", False), ("pso", True), ("rpso", True)])
+def test_path_of_a_baseline_is_a_function_of_the_seed(team, hall_scenario, algorithm, differs):
+    def poses(seed: int) -> list:
+        hall = team(hall_scenario(seed=seed, control=of(algorithm)))
+        hall.run(15.0)
+        return hall.world.poses()
+
+    assert poses(5) == poses(5)
+    # Greedy robots draw nothing at random.
+    assert (poses(5) != poses(6)) == differs

@@ -1,0 +1,104 @@
+"""A faulty controller stops its robot; why is told in one line."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+
+from robotteamsim.control import Decision, Guard, Task
+from robotteamsim.errors import ScenarioError
+from robotteamsim.geometry import Twist
+from robotteamsim.network.messages import EVERYBODY, Message
+
+FORWARD = Decision(Twist(0.5))
+
+
+class Scripted:
+    """Decides what it is told to, one after the other; an exception is raised."""
+
+    def __init__(self, *decisions: object) -> None:
+        self.decisions = list(decisions)
+        self.num_observed = 0
+
+    def observe(self, observation, inbox, task) -> None:
+        self.num_observed += 1
+
+    def decide(self):
+        decision = self.decisions.pop(0)
+        if isinstance(decision, Exception):
+            raise decision
+        return decision
+
+
+def guard(*decisions: object) -> Guard:
+    return Guard(1, 3, lambda: Scripted(*decisions))
+
+
+def test_decisions_of_a_sound_controller_pass_unchanged():
+    said = Decision(Twist(0.1, 0.2, 0.3), (Message(1, EVERYBODY, "hello"), Message(1, 2, "you")), goal_m=(1.0, 2.0))
+    assert guard(said).decide() is said
+
+
+@pytest.mark.parametrize(
+    ("decision", "fault"),
+    [
+        (ZeroDivisionError("division by zero"), "ZeroDivisionError: division by zero (test_guard.py:"),
+        (ValueError("two\n  lines"), "ValueError: two lines (test_guard.py:"),
+        (Decision(Twist(math.nan)), "decide returned Twist(linear_x_mps=nan, "),
+        (Decision(Twist(0.0, 0.0, math.inf)), "decide returned Twist(linear_x_mps=0.0, "),
+        (Decision(Twist("fast")), "decide returned Twist(linear_x_mps='fast', "),
+        (Decision((0.5, 0.0, 0.0)), "decide returned (0.5, 0.0, 0.0); wanted a Twist of finite numbers"),
+        (None, "decide returned None; wanted a Decision"),
+        (Decision(goal_m=(math.nan, 0.0)), "decide returned the goal (nan, 0.0); wanted finite (x, y), or None"),
+        (Decision(outbox=("hello",)), "decide returned 'hello' to send; wanted a Message with text"),
+        (
+            Decision(outbox=(Message(0, EVERYBODY, ""),)),
+            "decide returned a message from sender 0; wanted 1, the robot itself",
+        ),
+        (
+            Decision(outbox=(Message(1, 3, ""),)),
+            "decide returned a message to receiver 3; wanted 0 to 2, or -1 for everybody",
+        ),
+    ],
+)
+def test_faulty_decision_stops_the_robot_for_good_and_says_why(decision, fault):
+    guarded = guard(FORWARD, decision, FORWARD)
+    assert guarded.decide() == FORWARD
+    told = [guarded.decide(), guarded.decide()]
+    assert told[0].fault.startswith(fault)
+    assert "\n" not in told[0].fault
+    assert told[0] == told[1] == Decision(fault=told[0].fault)
+
+
+def test_controller_that_failed_is_not_asked_any_more():
+    guarded = guard(ValueError("no"))
+    guarded.observe(None, (), Task())
+    guarded.decide()
+    guarded.observe(None, (), Task())
+    assert guarded.controller.num_observed == 1
+
+
+def test_controller_that_raises_in_observe_or_when_made_stops_its_robot():
+    class Deaf(Scripted):
+        def observe(self, observation, inbox, task):
+            raise KeyError("voice")
+
+    def unmade():
+        raise RuntimeError("no licence")
+
+    deaf = Guard(0, 1, Deaf)
+    deaf.observe(None, (), Task())
+    assert re.fullmatch(r"KeyError: 'voice' \(test_guard.py:\d+\)", deaf.decide().fault)
+    never = Guard(0, 1, unmade)
+    never.observe(None, (), Task())
+    assert re.fullmatch(r"RuntimeError: no licence \(test_guard.py:\d+\)", never.decide().fault)
+
+
+def test_mistake_of_the_user_concerns_all_and_passes():
+    def make():
+        raise ScenarioError("there is no such algorithm")
+
+    with pytest.raises(ScenarioError, match="there is no such algorithm"):
+        Guard(0, 1, make)

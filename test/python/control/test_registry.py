@@ -1,0 +1,104 @@
+"""Controllers by name: those of this package, of installed packages, and any class by its place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from robotteamsim.control import ALGORITHMS, algorithm_names, make_controller
+from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.sections import Control
+
+OTHERS = """
+from robotteamsim.control import Decision
+
+class Still:
+    def __init__(self, robot_id, scenario):
+        pass
+
+    def observe(self, observation, inbox, task):
+        pass
+
+    def decide(self):
+        return Decision()
+
+class Mute:
+    def __init__(self, robot_id, scenario):
+        pass
+
+number = 3
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder on Python's path with the modules `others` and `broken`, and a package that names some of them."""
+    (tmp_path / "others_of_test.py").write_text(OTHERS)
+    (tmp_path / "broken_of_test.py").write_text("import no_such_module_at_all\n")
+    info = tmp_path / "others-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: others\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(
+        "[robotteamsim.controllers]\nstill = others_of_test:Still\nrdpso = others_of_test:Still\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    return tmp_path
+
+
+def make(hall_scenario, name: str):
+    return make_controller(0, hall_scenario(control=Control(algorithm=name)))
+
+
+@pytest.mark.parametrize("name", ALGORITHMS)
+def test_each_algorithm_of_the_package_observes_and_decides(hall_scenario, name):
+    controller = make(hall_scenario, name)
+    assert type(controller) is ALGORITHMS[name]
+    assert controller.decide().twist.linear_x_mps == 0.0
+
+
+@pytest.mark.usefixtures("folder")
+def test_controller_of_an_installed_package_is_found_by_its_entry_point(hall_scenario):
+    assert type(make(hall_scenario, "still")).__name__ == "Still"
+    assert algorithm_names()[-1] == "still"
+
+
+@pytest.mark.usefixtures("folder")
+def test_no_package_takes_a_name_of_ours(hall_scenario):
+    assert type(make(hall_scenario, "rdpso")) is ALGORITHMS["rdpso"]
+
+
+@pytest.mark.usefixtures("folder")
+def test_class_is_found_by_its_place(hall_scenario):
+    assert type(make(hall_scenario, "others_of_test:Still")).__name__ == "Still"
+
+
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        (
+            "rdspo",
+            "'rdspo' is not known; wanted one of: rdpso, random_walk, greedy, pso, rpso, sebs, still, or module:Class",
+        ),
+        ("no_such_module:Class", "'no_such_module:Class': ModuleNotFoundError: No module named 'no_such_module'"),
+        (
+            "others_of_test:Walker",
+            "'others_of_test:Walker': AttributeError: module 'others_of_test' has no attribute 'Walker'",
+        ),
+        (
+            "broken_of_test:Class",
+            "'broken_of_test:Class': ModuleNotFoundError: No module named 'no_such_module_at_all'",
+        ),
+        ("others_of_test:number", "'others_of_test:number' is 3; wanted a class"),
+        ("others_of_test:Mute", "'others_of_test:Mute' makes a Mute, which has no observe and no decide"),
+        (
+            ":Still",
+            "':Still' is not known; wanted one of: rdpso, random_walk, greedy, pso, rpso, sebs, still, or module:Class",
+        ),
+    ],
+)
+@pytest.mark.usefixtures("folder")
+def test_algorithm_that_cannot_be_had_is_told_in_one_line(hall_scenario, name, line):
+    with pytest.raises(ScenarioError) as raised:
+        make(hall_scenario, name)
+    assert str(raised.value) == f"hall: control.algorithm: {line}"

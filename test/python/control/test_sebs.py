@@ -1,0 +1,121 @@
+"""SEBS: the gain and posterior by hand, the graph, and a patrol."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import pytest
+
+from robotteamsim.control import make_controller
+from robotteamsim.control.patrol_graph import patrol_graph
+from robotteamsim.control.sebs import Visit, gain, parse_visit, visit_probability
+from robotteamsim.errors import ScenarioError
+from robotteamsim.network.messages import Message
+from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
+from robotteamsim.scenario.patrol import Patrol, PatrolGraph, PatrolVertex
+from robotteamsim.scenario.sections import Control, PlacedRobot
+
+PATROL = Patrol()
+
+
+def square(**keys: object) -> Patrol:
+    """A square of 4 m with one diagonal, 0-2."""
+    corners = ((4.0, 3.0), (8.0, 3.0), (8.0, 7.0), (4.0, 7.0))
+    neighbours = ((1, 3, 2), (0, 2), (1, 3, 0), (0, 2))
+    vertices = tuple(
+        PatrolVertex(position=place, neighbours=others, lengths_m=tuple(math.dist(place, corners[i]) for i in others))
+        for place, others in zip(corners, neighbours, strict=True)
+    )
+    return Patrol(graph=PatrolGraph(vertices=vertices), **keys)
+
+
+def test_gain_is_idleness_over_length_and_short_edges_count_as_the_shortest():
+    assert gain(60.0, 4.0, PATROL) == 15.0
+    assert gain(60.0, 0.2, PATROL) == 60.0
+
+
+def test_posterior_of_hand_worked_gains():
+    # 0.1 exp(ln(10) 50 / 100) = sqrt(0.1); a team of two: 2^2 / (2^2 - 1).
+    assert visit_probability(50.0, 0, 2, PATROL) == pytest.approx(math.sqrt(0.1) * 4.0 / 3.0)
+    assert visit_probability(0.0, 0, 2, PATROL) == pytest.approx(0.1 * 4.0 / 3.0)
+    assert visit_probability(100.0, 1, 2, PATROL) == pytest.approx(2.0 / 3.0)
+    assert visit_probability(1e9, 2, 2, PATROL) == pytest.approx(1.0 / 3.0)
+
+
+def test_posterior_is_finite_for_any_team():
+    assert visit_probability(200.0, 0, 3000, PATROL) == 1.0
+    assert visit_probability(200.0, 3000, 3000, PATROL) == 0.0
+
+
+def test_visit_survives_the_network_and_nonsense_does_not():
+    assert parse_visit(Visit(2, -1, 7).to_json()) == Visit(2, -1, 7)
+    assert all(parse_visit(text) is None for text in ("", "[]", "{}", '{"sebs": [1, 2]}', '{"sebs": "abc"}', "3"))
+
+
+def test_lone_robot_visits_every_vertex_again_and_again_and_tells_of_each(team, hall_scenario):
+    robots = (PlacedRobot(start_pose=(5.0, 3.0, 0.0)),)
+    hall = team(hall_scenario(robots=robots, control=Control(algorithm="sebs", patrol=square())))
+    told = [parse_visit(m.payload) for _ in range(1500) for decision in hall.step() for m in decision.outbox]
+    assert told[0] == Visit(0, -1, 0)
+    reached = [visit.reached for visit in told[1:]]
+    assert {reached.count(vertex) for vertex in range(4)} > {0} or min(map(reached.count, range(4))) >= 3
+    neighbours = [vertex.neighbours for vertex in square().graph.vertices]
+    assert all(after in neighbours[before] for before, after in pairwise(reached))
+    assert [visit.intends for visit in told[:-1]] == reached
+
+
+def test_vertex_that_a_teammate_goes_to_is_left_to_it(team, hall_scenario):
+    # From corner 1, the corners 0 and 2 are equally far and idle.
+    for other, chosen in ((0, 2), (2, 0)):
+        robots = (PlacedRobot(start_pose=(8.0, 3.0, 0.0)),)
+        hall = team(hall_scenario(robots=robots, control=Control(algorithm="sebs", patrol=square())))
+        told = [parse_visit(hall.step()[0].outbox[0].payload)]
+        hall.hear_messages = [Message(1, -1, Visit(1, -1, other).to_json()), Message(1, -1, "hello")]
+        told += [parse_visit(hall.step()[0].outbox[0].payload)]
+        assert told == [Visit(0, -1, 1), Visit(0, 1, chosen)]
+
+
+def test_robot_that_cannot_come_to_its_vertex_chooses_another(team, hall_scenario):
+    robots = (PlacedRobot(start_pose=(5.0, 3.0, 0.0)),)
+    patrol = square()
+    behind_the_wall = patrol.graph.vertices[0].model_copy(update={"position": (4.0, -5.0)})
+    graph = patrol.graph.model_copy(update={"vertices": (behind_the_wall, *patrol.graph.vertices[1:])})
+    control = Control(algorithm="sebs", patrol=Patrol(graph=graph))
+    hall = team(hall_scenario(robots=robots, control=control))
+    hall.controllers[0]._graph = patrol_graph(hall_scenario(control=control), 0.2)
+    hall.controllers[0]._goal, hall.controllers[0]._until_s = 0, 20.0
+    told = [parse_visit(m.payload) for _ in range(1200) for decision in hall.step() for m in decision.outbox]
+    assert {1, 2, 3} <= {visit.reached for visit in told}
+
+
+def test_graph_of_a_plan_covers_it_with_linked_places(hall_scenario):
+    graph = patrol_graph(hall_scenario(control=Control(patrol=Patrol(spacing_m=4.0))), 0.2)
+    # 20 x 10 m by 4 m: five columns, two rows; 5 + 2 * 4 edges, each from both ends.
+    assert len(graph.places) == 10
+    assert sum(map(len, graph.edges)) == 2 * 13
+    assert all(length_m == pytest.approx(4.0, abs=0.2) for edges in graph.edges for _, length_m in edges)
+    assert all((i, length_m) in graph.edges[j] for i, edges in enumerate(graph.edges) for j, length_m in edges)
+
+
+def test_no_edge_of_a_plan_leads_through_a_wall(hall_scenario):
+    hall = hall_scenario().plan
+    wall = Wall(name="middle", start=(10.0, 0.2), end=(10.0, 6.0))
+    scenario = hall_scenario(plan=hall.model_copy(update={"walls": (*hall.walls, wall)}))
+    graph = patrol_graph(scenario, 0.2)
+    crossing = [
+        (graph.places[i], graph.places[j])
+        for i, edges in enumerate(graph.edges)
+        for j, _ in edges
+        if graph.places[i][0] < 10.0 < graph.places[j][0]
+    ]
+    assert crossing
+    assert all(start[1] > 6.0 or end[1] > 6.0 for start, end in crossing)
+
+
+def test_plan_without_room_for_two_places_is_refused(hall_scenario):
+    closet = FloorPlan(name="closet", bounds=Bounds(max=(2.0, 2.0)))
+    robots = (PlacedRobot(start_pose=(1.0, 1.0, 0.0)),)
+    scenario = hall_scenario(plan=closet, robots=robots, control=Control(algorithm="sebs"))
+    with pytest.raises(ScenarioError, match=r"hall: control.patrol.spacing_m: 6 m leaves no two places of the plan"):
+        make_controller(0, scenario)
