@@ -161,15 +161,18 @@ def read_run(paths: Sequence[Path]) -> RecordedRun:
 
 def _read(bag: BagReader, name: str) -> RecordedRun:
     wanted = _wanted(bag.topics)
-    unread = tuple(topic for topic in wanted if not bag.is_known(topic))
+    unread = {topic for topic in wanted if not bag.is_known(topic)}
     taken: dict[str, list[tuple[int, Any]]] = defaultdict(list)
     transforms = Transforms()
-    for topic, stamp_ns, message in bag.messages(set(wanted) - set(unread)):
+    for topic, stamp_ns, message in bag.messages(set(wanted) - unread):
         if topic in _TF_TYPES:
             transforms.add(message, is_static=topic == "/tf_static")
-        else:
+            continue
+        try:
             taken[topic].append((stamp_ns, _TAKERS[wanted[topic]](message)))
-    return _run(name, taken, transforms, unread, tuple(bag.topics))
+        except AttributeError:  # A version of the type without a field that is needed.
+            unread.add(topic)
+    return _run(name, taken, transforms, tuple(sorted(unread)), tuple(bag.topics))
 
 
 def _wanted(topics: Mapping[str, str]) -> dict[str, str]:

@@ -231,9 +231,8 @@ def left_out(run: RecordedRun) -> tuple[str, ...]:
         lines.append("network: no /network/state")
     if not run.robots:
         lines.append(f"paths, distances, speeds: no {TRUTH} and no odom of any robot")
-    for robot in run.robots:
-        if not robot.track.is_on_map:
-            lines.append(f"path of {robot.name} on the plan: nothing on /tf tells where {robot.track.frame} is in map")
+    if lost := [robot.track.frame for robot in run.robots if not robot.track.is_on_map]:
+        lines.append(f"paths on the plan: nothing on /tf places {', '.join(lost)} in map")
     lines += _missing("collisions", "contact", [r.name for r in run.robots if r.contact is None], len(run.robots))
     lines += _missing(
         "time excluded", "controller/status", [r.name for r in run.robots if r.excluded is None], len(run.robots)

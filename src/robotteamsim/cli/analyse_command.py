@@ -10,12 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
+from robotteamsim import scenario
 from robotteamsim.cli.parser import UsageError
-from robotteamsim.recording.files import check_replaceable, prepare_folder, write_atomically
+from robotteamsim.recording.files import atomically, check_replaceable, prepare_folder, write_atomically
 
 if TYPE_CHECKING:
     from robotteamsim.analysis.recorded_run import RecordedRun
     from robotteamsim.analysis.run_figures import RunFigures
+
+MAX_DRAWN = 6
+"""Bags beside each other in a picture."""
 
 _DESCRIPTION = """\
 Tell what bags hold: how the mission went, what the robots drove, how the network held. Bags of
@@ -30,7 +34,7 @@ else from odometry with what /tf tells of it in map.
 examples:
   robotteamsim analyse mission.bag
   robotteamsim analyse one.bag two.bag three.bag --json -
-  robotteamsim analyse mission.bag --csv tables
+  robotteamsim analyse mission.bag --png mission.png --csv tables
   robotteamsim analyse --join mission_0.bag mission_1.bag mission_2.bag"""
 
 
@@ -45,6 +49,8 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write figures and events; - prints them instead")
     parser.add_argument("--csv", type=Path, metavar="DIR", help="write figures, events and values over time as tables")
+    parser.add_argument("--png", type=Path, metavar="FILE", help=f"draw paths and curves, of up to {MAX_DRAWN} bags")
+    parser.add_argument("--scenario", metavar="SCENARIO", help="draw its plan instead of the bag's /map")
     parser.set_defaults(command=analyse)
 
 
@@ -55,9 +61,16 @@ def analyse(options: argparse.Namespace) -> None:
     from robotteamsim.analysis.run_figures import figures
 
     _check(options)
+    plan = scenario.load(options.scenario).plan if options.scenario else None
     runs = [read_run(paths) for paths in ([options.bags] if options.join else [[bag] for bag in options.bags])]
     all_figures = [figures(run) for run in runs]
     written = _write(options, runs, all_figures)
+    if options.png:
+        from robotteamsim.analysis.run_picture import draw_runs
+
+        with atomically(options.png) as part:
+            draw_runs(runs, all_figures, plan).savefig(part, format="png")
+        written.append(options.png)
     if options.json != Path("-"):
         _print(runs, all_figures)
         for path in written:
@@ -74,13 +87,15 @@ def _check(options: argparse.Namespace) -> None:
         check_replaceable(path)
         if not path.parent.is_dir():
             raise UsageError(f"{path}: cannot be written: {path.parent} is no folder")
+    if options.png and not options.join and len(options.bags) > MAX_DRAWN:
+        raise UsageError(f"--png: {len(options.bags)} bags do not fit beside each other; wanted at most {MAX_DRAWN}")
     if options.csv:
         prepare_folder(options.csv)
 
 
 def _files(options: argparse.Namespace) -> list[Path]:
     """Return the files to write."""
-    return [path for path in (options.json,) if path and path != Path("-")]
+    return [path for path in (options.json, options.png) if path and path != Path("-")]
 
 
 def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], figures: Sequence[RunFigures]) -> list[Path]:

@@ -10,6 +10,8 @@ from typing import Any
 
 from rosbags.rosbag1 import Reader
 from rosbags.rosbag1.reader import ReaderError
+from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag_types import bag_typestore
@@ -28,6 +30,7 @@ class BagReader:
         self._stack = contextlib.ExitStack()
         self._readers: list[Reader] = []
         self._typestore = bag_typestore()
+        self._types: dict[tuple[str, str], Typestore | None] = {}
 
     def __enter__(self) -> BagReader:
         """Open the files. Raises: RecordingError: no bag, without an index, or parts that are none of one recording."""
@@ -60,9 +63,9 @@ class BagReader:
         return dict(sorted(types.items()))
 
     def is_known(self, topic: str) -> bool:
-        """Whether the messages of a topic are of a type, and a version of it, that can be read."""
+        """Whether the messages of a topic can be read: all types but ROS's own are those that the bag defines."""
         return all(
-            self._is_of_known_type(connection)
+            self._types_of(connection) is not None
             for reader in self._readers
             for connection in reader.connections
             if connection.topic == topic
@@ -79,14 +82,36 @@ class BagReader:
                 continue  # rosbags takes no choice for all
             with _damage_told(reader):
                 for connection, time_ns, data in reader.messages(chosen):
-                    message: Any = self._typestore.deserialize_ros1(data, connection.msgtype)
+                    types = self._types_of(connection)
+                    assert types is not None, f"{connection.topic} is not known"
+                    message: Any = types.deserialize_ros1(data, connection.msgtype)
                     yield connection.topic, _stamp_ns(message) or time_ns, message
 
-    def _is_of_known_type(self, connection: Any) -> bool:
+    def _types_of(self, connection: Any) -> Typestore | None:
+        """Return the types with which the messages of a connection are read; None where that is not possible."""
+        key = connection.msgtype, connection.digest
+        if key not in self._types:
+            self._types[key] = self._typestore if self._is_ours(connection) else _own_types(connection)
+        return self._types[key]
+
+    def _is_ours(self, connection: Any) -> bool:
         if connection.msgtype not in self._typestore.types:
             return False
         _, digest = self._typestore.generate_msgdef(connection.msgtype)
         return connection.digest in (digest, "*")
+
+
+def _own_types(connection: Any) -> Typestore | None:
+    """Return ROS's types and those that a bag defines beside them, such as older versions of this package's."""
+    types = get_typestore(Stores.ROS1_NOETIC)
+    if connection.msgtype in types.types:
+        return None  # ROS's own types never change; this is something else under their name.
+    try:
+        defined = get_types_from_msg(connection.msgdef.data, connection.msgtype)
+        types.register({name: kind for name, kind in defined.items() if name not in types.types})
+    except TypesysError:
+        return None
+    return types
 
 
 @contextlib.contextmanager

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from rosbags.rosbag1 import Writer
 
 from robotteamsim.analysis.recorded_run import read_run
 from robotteamsim.analysis.run_figures import figures
@@ -47,7 +48,7 @@ def test_standard_topics_alone_give_paths_and_name_what_is_missing(write_bag, od
         "mission, areas and victims over time: no /mission/status",
         "events: no /mission/events",
         "network: no /network/state",
-        "path of robot_0 on the plan: nothing on /tf tells where robot_0/odom is in map",
+        "paths on the plan: nothing on /tf places robot_0/odom in map",
         "collisions: no contact of any robot",
         "time excluded: no controller/status of any robot",
         "plan under the paths: no /map",
@@ -99,6 +100,21 @@ def test_poses_of_a_lost_robot_are_left_out(write_bag, odometry, tmp_path):
     track = read_run([write_bag(tmp_path / "lost.bag", samples)]).robots[0].track
     assert len(track.stamps_ns) == 20
     assert track.driven_m[-1] == pytest.approx(2.0)
+
+
+def test_topic_of_a_version_without_the_needed_fields_is_named(odometry, tmp_path):
+    path, typestore = tmp_path / "old.bag", MAKE.typestore
+    with Writer(path) as bag:
+        kind = "nav_msgs/msg/Odometry"
+        odom = bag.add_connection("/robot_0/odom", kind, typestore=typestore)
+        for _, _, time_ns, message in odometry_samples(odometry):
+            bag.write(odom, time_ns, typestore.serialize_ros1(message, kind))
+        state = "robotteamsim/msg/NetworkState"
+        network = bag.add_connection("/network/state", state, msgdef="uint32 num_robots\n", md5sum="0" * 32)
+        bag.write(network, 10**9, b"\3\0\0\0")
+    run = read_run([path])
+    assert (run.network, run.unread) == (None, ("/network/state",))
+    assert figures(run).left_out[0] == "/network/state: its type, or this version of it, is not known"
 
 
 def test_map_is_read_as_it_stands(write_bag, odometry, tmp_path):

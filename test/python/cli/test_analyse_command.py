@@ -4,6 +4,7 @@ import json
 import os
 from pathlib import Path
 
+import cv2
 import pytest
 
 from robotteamsim.cli import main
@@ -64,10 +65,22 @@ def test_csv_goes_into_a_folder_that_is_made(capsys, bags, tmp_path):
     assert len((tmp_path / "new" / "bags.csv").read_text().splitlines()) == 3
 
 
+def test_png_is_drawn_of_several_bags_too(capsys, bags, tmp_path):
+    assert main(["analyse", *map(str, bags), "--png", str(tmp_path / "a.png"), "--scenario", "garage_sar"]) == 0
+    assert cv2.imread(str(tmp_path / "a.png")).shape[0] > 800
+    assert os.listdir(tmp_path) == ["a.png"]
+
+
+def test_more_bags_than_fit_into_a_picture_are_refused(capsys):
+    names = [f"{number}.bag" for number in range(7)]
+    line = "--png: 7 bags do not fit beside each other; wanted at most 6"
+    assert refusal(capsys, *names, "--png", "a.png") == line
+
+
 def test_wrong_bag_leaves_nothing_behind(capsys, bags, tmp_path):
     broken = tmp_path / "broken.bag"
     broken.write_bytes(bags[0].read_bytes()[:100_000])
-    outputs = ("--json", tmp_path / "a.json", "--csv", tmp_path / "tables")
+    outputs = ("--json", tmp_path / "a.json", "--csv", tmp_path / "tables", "--png", tmp_path / "a.png")
     assert refusal(capsys, bags[1], broken, *outputs).startswith(f"{broken}: is damaged; `rosbag reindex")
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == [broken]
 

@@ -73,20 +73,25 @@ def test_bags_that_overlap_are_no_parts(bag):
     assert refusal(first, second) == f"{first}, {second}: overlap in time, so are no parts of a recording"
 
 
-def test_type_of_another_version_is_not_known(bag, tmp_path):
+def test_types_that_are_not_ours_are_read_as_the_bag_defines_them(tmp_path):
     path = tmp_path / "old.bag"
     with Writer(path) as writer:
-        ours = writer.add_connection(
-            "/network/state", "robotteamsim/msg/NetworkState", msgdef="uint32 num_robots\n", md5sum="0" * 32
-        )
-        other = writer.add_connection("/grip", "other_msgs/msg/Grip", msgdef="bool closed\n", md5sum="1" * 32)
-        writer.write(ours, 1, b"\0\0\0\0")
-        writer.write(other, 2, b"\0")
+        kind, text = "robotteamsim/msg/NetworkState", "uint32 num_robots\nstring only_then\n"
+        ours = writer.add_connection("/network/state", kind, msgdef=text, md5sum="0" * 32)
+        writer.write(ours, 7, b"\3\0\0\0\2\0\0\0ok")
     with BagReader([path]) as reader:
-        assert not reader.is_known("/network/state")
-        assert not reader.is_known("/grip")
-    with BagReader([bag]) as reader:
         assert reader.is_known("/network/state")
+        ((_, stamp_ns, message),) = reader.messages({"/network/state"})
+    assert (stamp_ns, message.num_robots, message.only_then) == (7, 3, "ok")
+
+
+@pytest.mark.parametrize(("kind", "text"), [("nav_msgs/msg/Odometry", "bool x\n"), ("a/msg/B", "no/such C\n{")])
+def test_types_that_contradict_ros_or_cannot_be_read_are_not_known(tmp_path, kind, text):
+    path = tmp_path / "odd.bag"
+    with Writer(path) as writer:
+        writer.write(writer.add_connection("/odd", kind, msgdef=text, md5sum="0" * 32), 7, b"\0")
+    with BagReader([path]) as reader:
+        assert not reader.is_known("/odd")
 
 
 def test_missing_file_is_refused(tmp_path):

@@ -1,0 +1,114 @@
+"""Pictures of recorded runs show what the bags hold, and nothing else."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from robotteamsim.analysis.recorded_run import read_run
+from robotteamsim.analysis.run_figures import figures
+from robotteamsim.analysis.run_picture import draw_runs, headline, outcome
+from robotteamsim.analysis.run_plan import extent_m, robot_colour
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.scenario import load
+from robotteamsim.scenario.plan import OccupancyGrid
+
+MAKE = BagTypes()
+
+
+@pytest.fixture(scope="module")
+def run(busy):
+    return read_run([busy.bag])
+
+
+@pytest.fixture(scope="module")
+def real(write_bag, odometry, tmp_path_factory):
+    """One robot that turns a circle, and a map of which little is known."""
+    path = tmp_path_factory.mktemp("real") / "real.bag"
+    cells = np.full((400, 400), -1, dtype=np.int8)
+    cells[180:220, 190:260] = 0
+    cells[180, 190:260] = 100
+    grid = fields.occupancy_grid(MAKE, 0, OccupancyGrid((-10.0, -10.0), 0.05, cells))
+    samples = [("/map", "nav_msgs/OccupancyGrid", 1, grid)]
+    for step in range(200):
+        angle, time_ns = step / 30.0, 10**9 + step * 10**8
+        pose = odometry(time_ns, 0.5 * math.cos(angle), 0.5 * math.sin(angle), frame="map")
+        samples.append(("/odom", "nav_msgs/Odometry", time_ns, pose))
+    return read_run([write_bag(path, samples)])
+
+
+def names(figure: Figure) -> list[str]:
+    """Return the labels of the axes, top to bottom."""
+    return [axes.get_ylabel() for axes in figure.axes]
+
+
+def legend(figure: Figure) -> set[str]:
+    return {text.get_text() for text in figure.legends[0].get_texts()}
+
+
+def test_one_run_has_its_plan_and_all_curves(run, busy):
+    figure = draw_runs([run], [figures(run)])
+    assert names(figure) == ["y [m]", "mission", "network", "Fiedler value", "speed [m/s]", "driven [m]"]
+    assert figure.axes[0].get_aspect() == 1.0
+    assert len([patch for patch in figure.axes[0].patches if isinstance(patch, Circle)]) == 5
+    assert f"robot_0: {busy.result.robots[0].distance_m:.0f} m" in " ".join(legend(figure))
+    assert {"victim waiting", "collision"} <= legend(figure)
+
+
+def test_path_is_drawn_where_the_robot_was(run):
+    figure = draw_runs([run], [figures(run)])
+    paths = [line for line in figure.axes[0].lines if len(line.get_xdata()) > 100]
+    assert [line.get_color() for line in paths] == [robot_colour(index) for index in range(5)]
+    for robot, line in zip(run.robots, paths, strict=True):
+        np.testing.assert_array_equal(line.get_xydata(), robot.track.poses[:, :2])
+
+
+def test_bag_without_mission_and_network_has_neither_curve(real):
+    figure = draw_runs([real], [figures(real)])
+    assert names(figure) == ["y [m]", "speed [m/s]", "driven [m]"]
+    title = figure.legends[0].get_title().get_text()
+    assert "network: no /network/state" in title
+    assert "collision" not in legend(figure)
+
+
+def test_only_what_is_known_of_a_map_is_shown(real):
+    x0, x1, y0, y1 = extent_m(real, None)
+    assert (x0, x1) == pytest.approx((-0.605, 3.105), abs=0.3)
+    assert (y1 - y0) < 5.0
+
+
+def test_plan_of_a_scenario_replaces_the_map(run):
+    plan = load("garage_sar").plan
+    with_plan = draw_runs([run], [figures(run)], plan).axes[0]
+    assert len(with_plan.images) == 0
+    assert len(draw_runs([run], [figures(run)]).axes[0].images) == 1
+    assert len(with_plan.patches) > len(plan.walls)
+
+
+def test_runs_beside_each_other_share_the_scales_and_say_what_one_lacks(run, real):
+    figure = draw_runs([run, real], [figures(run), figures(real)])
+    rows = np.reshape(figure.axes, (5, 2))
+    assert rows[4, 0].get_xlim() == rows[4, 1].get_xlim()
+    assert rows[4, 0].get_ylim() == rows[4, 1].get_ylim()
+    assert [text.get_text() for text in rows[1, 1].texts] == ["not in this bag"]
+
+
+def test_words_tell_how_the_mission_went(run, real, busy):
+    assert headline(figures(run)) == "busy: garage_sar, 5 robots, 5 dB noise"
+    assert outcome(figures(run)) == "0/5 areas, 0/4 victims in 25.0 s: the time was up"
+    assert headline(figures(real)) == "real: 1 robot, 20 s"
+    assert outcome(figures(real)) == ""
+
+
+def test_picture_has_colour_where_paths_are(run, tmp_path):
+    draw_runs([run], [figures(run)]).savefig(tmp_path / "run.png")
+    image = cv2.imread(str(tmp_path / "run.png"))
+    assert image.shape[1] > 1500
+    blue = np.all(np.abs(image.astype(int) - (0xEB, 0x6F, 0x1F)) < 12, axis=-1)
+    assert blue.sum() > 200
