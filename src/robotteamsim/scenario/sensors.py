@@ -22,6 +22,11 @@ _TAKEN = frozenset(
 """Topics that a robot has anyhow, and names whose frames it has."""
 
 
+def is_free_name(name: str) -> bool:
+    """Whether a sensor may have this name."""
+    return _NAME.fullmatch(name) is not None and name not in _TAKEN
+
+
 def _as_topic(name: str) -> str:
     if not _NAME.fullmatch(name):
         text = f"'{name}' cannot be a topic; wanted a lower-case letter, then letters, digits and _"

@@ -12,10 +12,11 @@ import numpy as np
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.drives import AnyDrive
 from robotteamsim.scenario.floor_plan import Block, Door, Wall
-from robotteamsim.scenario.plan import OCCUPIED, grid_shape, occupancy_grid
+from robotteamsim.scenario.plan import OCCUPIED, Corners, grid_shape, occupancy_grid
 from robotteamsim.scenario.plan_export import RESOLUTION_M
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot
+from robotteamsim.scenario.things import Thing
 
 MAX_PIXELS = 100_000_000
 """Of a bitmap: what Stage, which looks at every pixel of it, still loads in minutes."""
@@ -40,7 +41,8 @@ def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTI
     """Return a scenario as Stage 4 and stage_ros read it.
 
     Walls and closed doors become a bitmap, cut to the solid cells as Stage itself would cut it, so that a cell stays
-    where it is. Every robot becomes a position model with one ranger, in id order: stage_ros calls them robot_0, ...
+    where it is. Every robot becomes a position model, in id order: stage_ros calls them robot_0, ... Its rangers are
+    its laser, its further lasers and its sonars. Things become models that stand still.
 
     Args:   bitmap: the name of the PNG, relative to the world file. resolution_m: edge of a pixel.
     Raises: ScenarioError: the plan has no solid, or a robot is a car. PlacementError: a robot stands badly.
@@ -75,6 +77,8 @@ def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTI
     ]
     for number, kind in enumerate(kinds):
         lines += _defined(f"robot_kind_{number}", kind, lowest_m, scenario.run.step_ns)
+    for thing in scenario.things:
+        lines += _thing(thing)
     lines.append("")
     for i, robot in enumerate(robots):
         x, y, yaw = robot.start_pose
@@ -91,12 +95,16 @@ def _notes(scenario: Scenario, robots: Sequence[PlacedRobot]) -> tuple[str, ...]
         notes.append("odometry drifts by the alphas here, and by a fixed share of every motion in Stage: odom_error")
     if scenario.plan.doors:
         notes.append("doors stay as they are at the start: Stage has none that move, so closed ones are walls")
-    if any(robot.footprint_m for robot in robots):
-        notes.append("footprint_m: a robot with corners becomes the disc around base_link that holds it")
-    if any(robot.laser.no_return == "inf" for robot in robots):
+    if scenario.things:
+        notes.append("things stay where they are: Stage pushes nothing")
+    if any(laser.no_return == "inf" for robot in robots for laser in (robot.laser, *robot.lasers)):
         notes.append("laser.no_return: Stage says range_max where nothing is hit, never inf")
-    if any(robot.mounts or robot.gps for robot in robots):
-        notes.append("lasers, sonars, gps: only the first laser of a robot is written")
+    if any(robot.sonars for robot in robots):
+        notes.append("sonars: Stage has no cones; a ranger tells every ray, of which the nearest is the sonar's")
+    if any(robot.mounts for robot in robots):
+        notes.append("lasers, sonars: stage_ros numbers the scans of such a robot, the first laser's is base_scan_0")
+    if any(robot.gps for robot in robots):
+        notes.append("gps: Stage has no receiver of satellites: left out")
     if len(robots) == 1:
         notes.append("stage_ros leaves out robot_0/ in the names of topics where there is one robot")
     return tuple(notes)
@@ -130,32 +138,65 @@ def _floor_plan(scenario: Scenario, bitmap: str, size: Sequence[float], middle: 
     ]
 
 
+def _thing(thing: Thing) -> list[str]:
+    x, y, yaw = thing.pose
+    size = thing.size_m or (2.0 * thing.reach_m, 2.0 * thing.reach_m)
+    return [
+        "",
+        "model",
+        "(",
+        f'  name "{_text(thing.name)}"',
+        f"  size {_tuple(*size, thing.height_m)}",
+        *_outline(thing.corners_m or _disc(thing.reach_m)),
+        f"  pose {_tuple(x, y, 0.0, math.degrees(yaw))}",
+        f'  color "{"brown" if thing.kind == "box" else "gray50"}"',
+        ")",
+    ]
+
+
+def _disc(radius_m: float) -> Corners:
+    angles = [2.0 * math.pi * i / _DISC_CORNERS for i in range(_DISC_CORNERS)]
+    return tuple((radius_m * math.cos(angle), radius_m * math.sin(angle)) for angle in angles)
+
+
+def _outline(corners: Corners) -> list[str]:
+    return [
+        f"  block( points {len(corners)}",
+        *(f"    point[{i}] {_tuple(x, y)}" for i, (x, y) in enumerate(corners)),
+        "    z [ 0 1 ]",
+        "  )",
+    ]
+
+
+def _body(robot: PlacedRobot) -> list[str]:
+    """Return size, place and outline of a body; Stage stretches blocks to the size, around the origin."""
+    corners = robot.corners_m or _disc(robot.radius_m)
+    low, high = ([pick(axis) for axis in zip(*corners, strict=True)] for pick in (min, max))
+    size = [b - a for a, b in zip(low, high, strict=True)]
+    middle = [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
+    return [
+        f"  size {_tuple(*size, robot.height_m)}",
+        *([f"  origin {_tuple(*middle, 0.0, 0.0)}"] if robot.footprint_m else ["  # a disc"]),
+        *_outline(corners),
+    ]
+
+
 def _defined(name: str, robot: PlacedRobot, lowest_m: float, step_ns: int) -> list[str]:
     """Return the definition of a kind of robot.
 
     Args: lowest_m: height of the lowest robot; rays pass below it, so that robots see each other as they do here.
     """
-    # Stage takes whole milliseconds.
-    update = f"  update_interval {max(step_ns // 1_000_000, 1)}"
-    diameter = 2.0 * robot.reach_m
-    angles = [2.0 * math.pi * i / _DISC_CORNERS for i in range(_DISC_CORNERS)]
-    points = [(robot.reach_m * math.cos(angle), robot.reach_m * math.sin(angle)) for angle in angles]
     return [
         "",
         f"define {name} position",
         "(",
-        f"  size {_tuple(diameter, diameter, robot.height_m)}",
-        "  # a disc",
-        f"  block( points {_DISC_CORNERS}",
-        *(f"    point[{i}] {_tuple(x, y)}" for i, (x, y) in enumerate(points)),
-        "    z [ 0 1 ]",
-        "  )",
+        *_body(robot),
         "  gui_nose 1",
-        update,
+        f"  {_update(step_ns)}",
         f"  mass {_number(robot.mass_kg)}",
         *_drive(robot.drive),
         *_odometry(robot.odometry),
-        *_ranger(robot.laser, robot.height_m, lowest_m, update),
+        *_rangers(robot, lowest_m, step_ns),
         ")",
     ]
 
@@ -182,28 +223,79 @@ def _odometry(odometry: Odometry) -> list[str]:
     return ['  localization "odom"', f"  odom_error {_tuple(share, share, 0.0, turn_share)}"]
 
 
-def _ranger(laser: Laser, height_m: float, lowest_m: float, update: str) -> list[str]:
-    middle = 0.5 * (laser.angle_min_rad + laser.angle_max_rad)
-    fov = laser.angle_max_rad - laser.angle_min_rad
+def _rangers(robot: PlacedRobot, lowest_m: float, step_ns: int) -> list[str]:
+    """Return the first laser, the further lasers and the sonars, in this order."""
+    lines = _laser(robot.laser, (robot.laser.forward_m, 0.0, 0.0), "", robot.height_m, lowest_m, step_ns)
+    for laser in robot.lasers:
+        mount = (laser.forward_m, laser.left_m, laser.yaw_rad)
+        lines += _laser(laser, mount, laser.name, robot.height_m, lowest_m, laser.every_steps * step_ns)
+    for sonar in robot.sonars:
+        # By its name `import-stage` tells a sonar from a laser.
+        name = sonar.name if "sonar" in sonar.name else f"sonar_{sonar.name}"
+        pose = (sonar.forward_m, sonar.left_m, sonar.yaw_rad)
+        beams = _Beams(sonar.range_min_m, sonar.range_max_m, sonar.opening_rad, sonar.rays, sonar.noise_m)
+        lines += _ranger(beams, pose, name, (sonar.height_m, robot.height_m, lowest_m), step_ns)
+    return lines
+
+
+def _laser(
+    laser: Laser,
+    mount: tuple[float, float, float],
+    name: str,
+    robot_height_m: float,
+    lowest_m: float,
+    interval_ns: int,
+) -> list[str]:
+    middle_rad = 0.5 * (laser.angle_min_rad + laser.angle_max_rad)
+    fov_rad = laser.angle_max_rad - laser.angle_min_rad
+    beams = _Beams(laser.range_min_m, laser.range_max_m, fov_rad, laser.beams, laser.noise_m)
+    pose = (mount[0], mount[1], mount[2] + middle_rad)
+    return _ranger(beams, pose, name, (laser.height_m, robot_height_m, lowest_m), interval_ns)
+
+
+@dataclass(frozen=True, slots=True)
+class _Beams:
+    range_min_m: float
+    range_max_m: float
+    fov_rad: float
+    samples: int
+    noise_m: float
+
+
+def _ranger(
+    beams: _Beams,
+    pose: tuple[float, float, float],
+    name: str,
+    heights_m: tuple[float, float, float],
+    interval_ns: int,
+) -> list[str]:
+    """Args: pose: of the middle beam, in base_link. heights_m: of the sensor, of the robot, of the lowest robot."""
+    height_m, robot_m, lowest_m = heights_m
     # stage_ros takes tf from the ranger's pose, rays start at the sensor's: one may stand right, the other see robots.
-    ray_m = laser.height_m if laser.height_m < 0.9 * lowest_m else 0.5 * lowest_m
-    noise = [f"      noise {_tuple(laser.noise_m**2, 0.0, 0.0)}  # a variance [m^2]"] if laser.noise_m else []
+    ray_m = height_m if height_m < 0.9 * lowest_m else 0.5 * lowest_m
+    noise = [f"      noise {_tuple(beams.noise_m**2, 0.0, 0.0)}  # a variance [m^2]"] if beams.noise_m else []
     return [
         "  ranger",
         "  (",
-        f"    pose {_tuple(laser.forward_m, 0.0, laser.height_m - height_m, math.degrees(middle))}",
-        f"  {update}",
+        *([f'    name "{name}"'] if name else []),
+        f"    pose {_tuple(pose[0], pose[1], height_m - robot_m, math.degrees(pose[2]))}",
+        f"    {_update(interval_ns)}",
         "    sensor",
         "    (",
-        f"      pose {_tuple(0.0, 0.0, ray_m - laser.height_m, 0.0)}",
+        f"      pose {_tuple(0.0, 0.0, ray_m - height_m, 0.0)}",
         "      size [ 0.02 0.02 0 ]",
-        f"      range {_tuple(laser.range_min_m, laser.range_max_m)}",
-        f"      fov {_number(math.degrees(fov))}",
-        f"      samples {laser.beams}",
+        f"      range {_tuple(beams.range_min_m, beams.range_max_m)}",
+        f"      fov {_number(math.degrees(beams.fov_rad))}",
+        f"      samples {beams.samples}",
         *noise,
         "    )",
         "  )",
     ]
+
+
+def _update(interval_ns: int) -> str:
+    """Stage takes whole milliseconds."""
+    return f"update_interval {max(interval_ns // 1_000_000, 1)}"
 
 
 def _tuple(*values: float) -> str:

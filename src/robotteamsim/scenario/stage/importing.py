@@ -39,6 +39,9 @@ _TAKEN = """
 _SILENT = re.compile(r"name|size|origin|z|point\[\d+\]")
 """Where these are not read, they belong to the look of a ranger or to a robot's number."""
 
+DEFAULT_STEP_MS = 100.0
+"""Of a world that does not say `interval_sim` (Stage 4)."""
+
 _NO_SECTION = ("block", "sensor", "window", "gripper", "actuator", "puck", "charger")
 _MODELS = ("model", "position", "ranger", "laser", *DEVICES, *_NO_SECTION)
 
@@ -74,7 +77,7 @@ def import_world(world: str | os.PathLike[str]) -> StageImport:
         raise ScenarioError(
             f"{path}: {len(positions)} robots, as models of kind position are; wanted 1 to {MAX_ROBOTS}"
         )
-    reader = RobotReader(values, notes)
+    reader = RobotReader(values, notes, values.number(root, "interval_sim", "f", DEFAULT_STEP_MS))
     robots = tuple(reader.read(position) for position in positions)
     plan = _plan(root, path, max(robot.height_m for robot in robots), values, notes)
     _check_poses(plan, robots, positions)
@@ -141,7 +144,7 @@ def _team_or_list(robots: tuple[PlacedRobot, ...]) -> Any:
     poses = [robot.pop("start_pose") for robot in data]
     if any(robot != data[0] for robot in data):
         return [{"start_pose": pose, **robot} for pose, robot in zip(poses, data, strict=True)]
-    widest_m = 2.0 * robots[0].radius_m
+    widest_m = 2.0 * robots[0].reach_m
     spacing = {"spacing_m": widest_m} if widest_m > Team.model_fields["spacing_m"].default else {}
     return {"count": len(robots), "start_poses": poses, **spacing, **data[0]}
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from robotteamsim.scenario.body import MAX_CORNERS
 from robotteamsim.scenario.drives import AnyDrive, Drive, OmniDrive
-from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot
-from robotteamsim.scenario.stage.solids import DEFAULT_SIZE_M, body_of, disc_radius_m, reach_m
-from robotteamsim.scenario.stage.values import Notes, Values, checked, compose, tidy
+from robotteamsim.scenario.sections import Odometry, PlacedRobot
+from robotteamsim.scenario.stage.rangers import RangerReader
+from robotteamsim.scenario.stage.solids import DEFAULT_SIZE_M, body_of, disc_radius_m, footprint_m, reach_m
+from robotteamsim.scenario.stage.values import ASIDE_M, Notes, Values, checked, tidy
 from robotteamsim.scenario.stage.world_file import Entity
 
 DEVICES = (
@@ -19,21 +21,15 @@ DEVICES = (
 
 _BOUNDS = ("x", "y", "z", "turning")
 _DEFAULT_BOUNDS = (-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -math.pi / 2.0, math.pi / 2.0)
-_DEFAULT_FOV_RAD = 0.1
-"""Of a sensor that says nothing (Stage 4)."""
-
-_LASER_DEFAULTS = (0.0, 8.0, math.pi, 180)
-"""range_min, range_max, fov and samples of the `laser` model (Stage 3)."""
-
-_ASIDE_M = 1e-6
-"""A ranger this near to the robot's axis stands on it."""
 
 
 class RobotReader:
     """Makes robots of position models."""
 
-    def __init__(self, values: Values, notes: Notes) -> None:
+    def __init__(self, values: Values, notes: Notes, step_ms: float) -> None:
+        """Args: step_ms: length of a step of the world [ms]."""
         self._values, self._notes = values, notes
+        self._rangers = RangerReader(values, notes, step_ms)
 
     def read(self, entity: Entity) -> PlacedRobot:
         """Return one robot.
@@ -43,7 +39,7 @@ class RobotReader:
         values = self._values
         self._check_parts(entity)
         pose, z = values.pose(entity, "pose")
-        if abs(z) > _ASIDE_M:
+        if abs(z) > ASIDE_M:
             self._notes.say(entity.place_of("pose"), f"pose: z {z:g} counts as 0; robots drive on the floor")
         keys: dict[str, Any] = {
             "start_pose": (tidy(pose[0]), tidy(pose[1]), pose[2]),
@@ -51,10 +47,9 @@ class RobotReader:
             "drive": self._drive(entity),
             "odometry": self._odometry(entity),
         }
-        laser = self._laser(entity)
-        if laser is not None:
-            keys["laser"] = laser
-        said_by = {"start_pose": "pose", "radius_m": "size", "height_m": "size", "mass_kg": "mass"}
+        keys |= self._rangers.read(entity)
+        said_by = {"start_pose": "pose", "mass_kg": "mass"}
+        said_by |= dict.fromkeys(("radius_m", "footprint_m", "height_m"), "size")
         return checked(PlacedRobot, keys, {key: (entity, name) for key, name in said_by.items()})
 
     def _check_parts(self, entity: Entity) -> None:
@@ -70,17 +65,16 @@ class RobotReader:
             key = "obstacle_return" if entity.get("obstacle_return") else "ranger_return"
             raise entity.place_of(key).wrong(f"{key}: robots that others pass through or do not see are not simulated")
 
-    def _body(self, entity: Entity) -> dict[str, float]:
+    def _body(self, entity: Entity) -> dict[str, Any]:
+        """Return a disc, or a polygon where the body is convex, has few corners and holds the robot's origin."""
         size = self._values.size(entity, DEFAULT_SIZE_M)
         body = body_of(entity, self._values)
-        radius = disc_radius_m(body)
-        if radius is None:
+        radius, corners = disc_radius_m(body), footprint_m(body)
+        if radius is None and not corners:
             radius = reach_m(body)
-            self._notes.say(
-                entity.place_of("size"),
-                f"size: robots are round here: '{entity.called}' becomes the disc around its body, of {radius:.3g} m",
-            )
-        keys = {"radius_m": tidy(radius)}
+            text = f"has no body of 3 to {MAX_CORNERS} corners around its origin, convex: it becomes the disc around it"
+            self._notes.say(entity.place_of("size"), f"size: '{entity.called}' {text}, of {radius:.3g} m")
+        keys: dict[str, Any] = {"footprint_m": corners} if radius is None else {"radius_m": tidy(radius)}
         if size[2] > 0.0:
             keys["height_m"] = tidy(size[2])
         mass = self._values.number(entity, "mass", "f", 0.0)
@@ -134,81 +128,3 @@ class RobotReader:
         )
         keys = {"alpha1": tidy(error[3] ** 2), "alpha2": 0.0, "alpha3": tidy(error[0] ** 2), "alpha4": 0.0}
         return checked(Odometry, keys, dict.fromkeys(keys, (entity, "odom_error")))
-
-    def _laser(self, entity: Entity) -> Laser | None:
-        rangers = entity.of_kind("ranger", "laser")
-        if not rangers:
-            text = f"'{entity.called}' carries no ranger; every robot has one here, so it gets the default laser"
-            self._notes.say(entity.place, text)
-            return None
-        if len(rangers) > 1:
-            text = f"{rangers[1].called}: '{entity.called}' carries {len(rangers)} rangers; a robot has one laser here"
-            raise rangers[1].place.wrong(text)
-        ranger = rangers[0]
-        if ranger.kind == "laser":
-            sensor, range_m, fov, samples, noise_m = self._old_laser(ranger)
-        else:
-            sensor, range_m, fov, samples, noise_m = self._sensor(ranger)
-        return self._placed(entity, ranger, sensor, (range_m, fov, samples, noise_m))
-
-    def _sensor(self, ranger: Entity) -> tuple[Entity, tuple[float, float], float, int, float]:
-        sensors = ranger.of_kind("sensor")
-        if not sensors:
-            raise ranger.place.wrong(f"{ranger.called}: a ranger without a sensor( ... ) measures nothing")
-        for other in sensors[1:]:
-            self._notes.say(other.place, f"{other.called}: stage_ros publishes a ranger's first sensor only, as here")
-        values, sensor = self._values, sensors[0]
-        low, high = values.numbers(sensor, "range", "ll", (0.0, 5.0))
-        fov = values.number(sensor, "fov", "a", _DEFAULT_FOV_RAD)
-        samples = values.whole(sensor, "samples", 1)
-        variance, share, angle = values.numbers(sensor, "noise", "lfa", (0.0, 0.0, 0.0))
-        if share != 0.0 or angle != 0.0:
-            text = "noise: only the constant part is simulated, not the share of the range or the angle"
-            self._notes.say(sensor.place_of("noise"), text)
-        if variance < 0.0:
-            raise sensor.place_of("noise").wrong(f"noise: {variance:g} is below 0")
-        return sensor, (low, high), fov, samples, math.sqrt(variance)
-
-    def _old_laser(self, laser: Entity) -> tuple[Entity, tuple[float, float], float, int, float]:
-        values = self._values
-        low, high, fov, samples = _LASER_DEFAULTS
-        range_m = (values.number(laser, "range_min", "l", low), values.number(laser, "range_max", "l", high))
-        return laser, range_m, values.number(laser, "fov", "a", fov), values.whole(laser, "samples", int(samples)), 0.0
-
-    def _placed(
-        self, robot: Entity, ranger: Entity, sensor: Entity, beams: tuple[tuple[float, float], float, int, float]
-    ) -> Laser:
-        """Return the laser where ranger and sensor stand on the robot."""
-        values = self._values
-        (low, high), fov, samples, noise_m = beams
-        pose, z = values.pose(ranger, "pose")
-        origin, origin_z = values.pose(ranger, "origin")
-        mount = compose(pose, origin)
-        if sensor is not ranger:
-            mount = compose(mount, values.pose(sensor, "pose")[0])
-        if abs(mount[1]) > _ASIDE_M:
-            text = f"pose: '{ranger.called}' stands {mount[1]:.3g} m beside the robot's axis; lasers stand on it here"
-            raise ranger.place_of("pose").wrong(text)
-        base_m = values.size(robot, DEFAULT_SIZE_M)[2] if values.whole(robot, "stack_children", 1) else 0.0
-        keys = {
-            "beams": samples,
-            "angle_min_rad": mount[2] - 0.5 * fov,
-            "angle_max_rad": mount[2] + 0.5 * fov,
-            "range_min_m": tidy(low),
-            "range_max_m": tidy(high),
-            "forward_m": tidy(mount[0]),
-            "height_m": tidy(base_m + z + origin_z),
-            "noise_m": tidy(noise_m),
-        }
-        bounds = ("range_min", "range_max") if sensor is ranger else ("range", "range")
-        said_by = {
-            "beams": (sensor, "samples"),
-            "angle_min_rad": (sensor, "fov"),
-            "angle_max_rad": (sensor, "fov"),
-            "range_min_m": (sensor, bounds[0]),
-            "range_max_m": (sensor, bounds[1]),
-            "forward_m": (ranger, "pose"),
-            "height_m": (ranger, "pose"),
-            "noise_m": (sensor, "noise"),
-        }
-        return checked(Laser, keys, said_by)

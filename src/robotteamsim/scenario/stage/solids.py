@@ -11,11 +11,12 @@ import numpy as np
 import shapely
 from pydantic import ValidationError
 
+from robotteamsim.scenario.body import MAX_CORNERS
 from robotteamsim.scenario.floor_plan import Block, Wall
-from robotteamsim.scenario.plan import wall_corners
+from robotteamsim.scenario.plan import Corners, counter_clockwise, wall_corners
 from robotteamsim.scenario.plan_import import solid_pieces, without_corner_contacts
 from robotteamsim.scenario.problems import problems
-from robotteamsim.scenario.stage.values import Notes, Pose2, Values, compose
+from robotteamsim.scenario.stage.values import Notes, Pose2, Values, compose, tidy
 from robotteamsim.scenario.stage.world_file import Entity
 from robotteamsim.scenario.yaml_text import is_file, shown
 
@@ -32,6 +33,9 @@ _FREE_ABOVE = 127
 """A lighter pixel of a bitmap is free."""
 
 _MAX_HEIGHT_M = 20.0
+
+MAX_GAP_SHARE = 0.01
+"""A body is convex when no more than this of its convex hull is missing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,6 +227,20 @@ def disc_radius_m(body: Body) -> float | None:
     inner = shapely.LinearRing(body.outlines[0]).distance(shapely.Point(0.0, 0.0))
     round_enough = distances.max() - distances.min() < 0.02 * distances.max() and inner > 0.9 * distances.max()
     return float(distances.max()) if round_enough else None
+
+
+def footprint_m(body: Body) -> Corners:
+    """Return the corners of a body as a robot can have it, around the model's pose; none: it is no such polygon."""
+    shapes = [shapely.Polygon(outline) for outline in body.outlines]
+    if not shapes or not all(shape.is_valid for shape in shapes):
+        return ()
+    # Straight corners are none; whole nanometres: no digits from rounding.
+    hull = shapely.convex_hull(shapely.union_all(shapes)).simplify(1e-9)
+    corners = tuple((tidy(x), tidy(y)) for x, y in hull.exterior.coords[:-1])
+    is_whole = hull.area - shapely.union_all(shapes).area <= MAX_GAP_SHARE * hull.area
+    if not is_whole or len(corners) > MAX_CORNERS or not hull.contains(shapely.Point(0.0, 0.0)):
+        return ()
+    return counter_clockwise(corners)
 
 
 def reach_m(body: Body) -> float:

@@ -19,6 +19,9 @@ M = TypeVar("M", bound=Model)
 Pose2 = tuple[float, float, float]
 """x, y, yaw [m, m, rad]."""
 
+ASIDE_M = 1e-6
+"""What is this near to 0 is there."""
+
 MAX_NUMBER = 1e6
 """No length, angle, time or count of a world is larger."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -9,9 +10,11 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+import shapely
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario import Scenario, load, occupancy_grid
+from robotteamsim.scenario.body import corners_at
 from robotteamsim.scenario.stage import StageExport, StageImport, export_world, import_world
 from robotteamsim.scenario.yaml_text import parse
 
@@ -148,3 +151,60 @@ def test_car_is_refused():
     scenario = load("garage_sar", ["robots.drive={kind: car, wheelbase_m: 0.3, max_steering_rad: 0.6}"])
     with pytest.raises(ScenarioError, match=r"^garage_sar: robots\.drive\.kind: a car of Stage takes a steering angle"):
         export_world(scenario, "garage.png")
+
+
+EQUIPPED = [
+    "robots.spacing_m=1.5",
+    "robots.footprint_m=[[-0.1, -0.2], [0.5, -0.2], [0.6, 0.0], [0.5, 0.2], [-0.1, 0.2]]",
+    "robots.lasers=[{name: rear, forward_m: -0.1, left_m: 0.05, yaw_rad: 3.0, beams: 91, every_steps: 3},"
+    " {name: low, height_m: 0.1, angle_min_rad: -0.5, angle_max_rad: 0.5, range_max_m: 8.0, noise_m: 0.02}]",
+    "robots.sonars=[{name: sonar_left, left_m: 0.2, yaw_rad: 1.5, rays: 9, opening_rad: 0.4},"
+    " {name: sonar_right, left_m: -0.2, yaw_rad: -1.5, range_max_m: 2.0, noise_m: 0.01}]",
+]
+
+
+def test_bodies_lasers_and_sonars_come_back_as_they_were(tmp_path):
+    scenario = load("tutorial_arena", EQUIPPED)
+    _, back = _round_trip(scenario, tmp_path)
+    (before,), (after,) = scenario.placed_robots(), back.scenario.placed_robots()
+    one, other = (robot.model_dump(exclude={"odometry", "footprint_m", "radius_m"}) for robot in (before, after))
+    assert _flat(other) == pytest.approx(_flat(one), abs=1e-8)
+    np.testing.assert_allclose(sorted(after.corners_m), sorted(before.corners_m), atol=1e-8)
+
+
+def test_laser_whose_beams_lie_to_one_side_keeps_where_they_point(tmp_path):
+    laser = "{name: side, yaw_rad: 0.3, angle_min_rad: 0.2, angle_max_rad: 1.4, beams: 7}"
+    _, back = _round_trip(load("tutorial_arena", [f"robots.lasers=[{laser}]"]), tmp_path)
+    (after,) = back.scenario.placed_robots()[0].lasers
+    ends = (after.yaw_rad + after.angle_min_rad, after.yaw_rad + after.angle_max_rad)
+    assert ends == pytest.approx((0.5, 1.7))
+
+
+def test_things_come_back_as_solids_at_their_places(tmp_path):
+    things = (
+        "[{name: crate, size_m: [0.6, 0.4], pose: [2.0, 2.0, 0.5]},"
+        " {name: drum, kind: barrel, radius_m: 0.3, height_m: 0.9, pose: [4.0, 4.0, 0.0]}]"
+    )
+    scenario = load("tutorial_arena", [f"things={things}"])
+    export, back = _round_trip(scenario, tmp_path)
+    solid = {
+        block.name: shapely.Polygon(block.polygon) for block in back.plan.blocks if block.name in ("crate", "drum")
+    }
+    crate = shapely.Polygon(corners_at(scenario.things[0].corners_m, scenario.things[0].pose))
+    assert shapely.symmetric_difference(solid["crate"], crate).area < 1e-5
+    assert (solid["drum"].centroid.x, solid["drum"].centroid.y) == pytest.approx((4.0, 4.0))
+    assert solid["drum"].area == pytest.approx(math.pi * 0.3**2, rel=0.03)
+    assert "things stay where they are: Stage pushes nothing" in export.notes
+
+
+def test_what_stage_cannot_tell_is_said_in_one_line_each():
+    gps = "robots.gps={datum_lat_deg: 40.0, datum_lon_deg: -8.0}"
+    notes = export_world(load("garage_sar", [*EQUIPPED, gps]), "w.png").notes
+    assert [note.partition(": ")[0] for note in notes] == [
+        "odometry drifts by the alphas here, and by a fixed share of every motion in Stage",
+        "doors stay as they are at the start",
+        "sonars",
+        "lasers, sonars",
+        "gps",
+    ]
+    assert all("\n" not in note for note in notes)

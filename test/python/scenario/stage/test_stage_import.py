@@ -150,11 +150,49 @@ def test_gps_is_exact_odometry(world_of):
     assert (odometry.alpha1, odometry.alpha2, odometry.alpha3, odometry.alpha4) == (0.0, 0.0, 0.0, 0.0)
 
 
-def test_disc_of_blocks_is_round_and_a_box_becomes_the_disc_around_it(world_of):
-    found = world_of(ROOM + ROBOT)
+def test_box_is_a_body_with_corners(world_of):
+    found = world_of(ROOM + ROBOT.replace("size [ 0.4 0.4", "origin [ 0.1 0 0 0 ] size [ 0.4 0.2"))
+    corners_m = found.scenario.placed_robots()[0].corners_m
+    expected = [(-0.1, -0.1), (-0.1, 0.1), (0.3, -0.1), (0.3, 0.1)]
+    np.testing.assert_allclose(sorted(corners_m), expected, atol=1e-9)
+    assert found.notes == ()
+
+
+def test_body_that_is_not_convex_becomes_the_disc_around_it(world_of):
+    corners = ["[ 0 0 ]", "[ 2 0 ]", "[ 2 2 ]", "[ 1 0.5 ]", "[ 0 2 ]"]
+    points = " ".join(f"point[{i}] {corner}" for i, corner in enumerate(corners))
+    found = world_of(ROOM + _robot(f"block( points 5 {points} )"))
     assert found.scenario.placed_robots()[0].radius_m == pytest.approx(0.2 * math.sqrt(2.0))
-    message = "a.world:2: size: robots are round here: 'position' becomes the disc around its body, of 0.283 m"
-    assert found.notes == (message,)
+    assert found.notes == (
+        "a.world:2: size: 'position' has no body of 3 to 8 corners around its origin, convex: it becomes the disc "
+        "around it, of 0.283 m",
+    )
+
+
+def test_further_rangers_are_lasers_and_those_called_sonar_are_sonars(world_of):
+    more = (
+        'ranger( name "Sonar 1" pose [ 0 0.2 0 90 ] sensor( range [ 0.1 3 ] fov 30 samples 7 ) )'
+        " ranger( pose [ -0.2 0 0 180 ] update_interval 300 sensor( range [ 0 4 ] fov 90 samples 91 ) )"
+        ' ranger( name "fix" sensor( range [ 0 4 ] fov 90 samples 91 ) )'
+    )
+    robot = world_of(ROOM + _robot(more)).scenario.placed_robots()[0]
+    assert [(laser.name, laser.beams, laser.every_steps) for laser in robot.lasers] == [
+        ("ranger_fix", 91, 1),
+        ("ranger_2", 181, 1),
+    ]
+    assert (robot.laser.beams, robot.laser.forward_m) == (91, -0.2)
+    (sonar,) = robot.sonars
+    assert (sonar.name, sonar.rays, sonar.left_m, sonar.range_min_m) == ("sonar_1", 7, 0.2, 0.1)
+    assert (sonar.opening_rad, sonar.yaw_rad) == pytest.approx((math.radians(30.0), math.pi / 2))
+
+
+def test_sonar_of_one_ray_becomes_a_cone_and_a_lone_one_the_laser(world_of):
+    sonar = 'ranger( name "sonar" sensor( range [ 0 3 ] fov 20 samples 1 ) )'
+    found = world_of(ROOM + _robot(sonar))
+    assert found.scenario.placed_robots()[0].sonars[0].rays == 15
+    assert found.notes == ("a.world:2: samples: one ray along the middle in Stage; a sonar here is a cone of rays",)
+    lone = world_of(ROOM + f"position( pose [ 2 2 0 0 ] {sonar} )").scenario.placed_robots()[0]
+    assert (lone.laser.beams, lone.sonars) == (1, ())
 
 
 def test_model_that_hangs_above_the_robots_is_left_out(world_of):
@@ -198,8 +236,8 @@ def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
         ),
         (ROOM + _robot('drive "dif"'), "a.world:2: drive: 'dif' is not one of diff, omni, car; did you mean 'diff'?"),
         (
-            ROOM + _robot("ranger( sensor() )"),
-            "a.world:2: ranger: 'position' carries 2 rangers; a robot has one laser here",
+            ROOM + _robot("ranger( pose [0 9 0 0] sensor( range [ 0 5 ] fov 90 samples 9 ) )"),
+            "a.world:2: pose: 'ranger' stands 9 m beside the robot's axis; the first laser stands on it here",
         ),
         (ROOM + _robot("gripper()"), "a.world:2: gripper: a robot with a 'gripper' on it is not simulated"),
         (ROOM + _robot("ragner()"), "a.world:2: ragner: unknown model 'ragner'; did you mean 'ranger'?"),
@@ -213,7 +251,7 @@ def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
         ),
         (ROOM + _robot("mass -1"), "a.world:2: mass: mass_kg: -1.0 is not above 0"),
         (ROOM + ROBOT.replace("0.4 0.4", "0 0.4"), "a.world:2: size: x 0 is not above 0"),
-        (ROOM + ROBOT.replace("0.4 0.4", "9 9"), "a.world:2: size: radius_m: 6.363961031 is above 5"),
+        (ROOM + ROBOT.replace("0.4 0.4", "9 9"), "a.world:2: size: footprint_m: reaches 6.36396 m from base_link"),
         (ROOM + ROBOT.replace("2 2 0 0", "2 2 0"), "a.world:2: pose: [2 2 0] is not 4 numbers, [x y z heading]"),
         (
             ROOM + ROBOT.replace("2 2 0 0", '2 2 0 "a"'),
@@ -225,7 +263,7 @@ def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
         ),
         (
             ROOM + ROBOT.replace("2 2 0 0", "0.1 2 0 0"),
-            "a.world:2: pose: [0.1, 2]: robot 0 of radius 0.282843 m stands in",
+            "a.world:2: pose: [0.1, 2]: robot 0 stands in wall",
         ),
         (ROOM + ROBOT + ROBOT, "a.world:3: pose: [2, 2]: robot 1 stands in robot 0"),
         (ROOM + ROBOT.replace("181", "0"), "a.world:2: samples: beams: 0 is below 1"),
