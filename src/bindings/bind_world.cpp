@@ -43,6 +43,26 @@ Thing ToThing(double radius_m, double mass_kg, double friction, const Triple& st
   return {radius_m, mass_kg, friction, {start[0], start[1], start[2]}, ToPolygon(corners_m)};
 }
 
+using Pair = std::pair<double, double>;
+
+Door ToDoor(const Solid& leaf, bool closed, double time_s, double angle_rad, const Pair& shift_m, const Pair& hinge_m) {
+  return {leaf, closed, {time_s, angle_rad, {shift_m.first, shift_m.second}, {hinge_m.first, hinge_m.second}}};
+}
+
+// By the indices of doors that swing or slide: opening, whether it shall close, whether it is held.
+py::dict Leaves(const World& world) {
+  py::dict leaves;
+  for (const MovingLeaf& leaf : world.leaves()) {
+    leaves[py::int_(leaf.door)] = py::make_tuple(leaf.opening, leaf.shall_close, leaf.is_held);
+  }
+  return leaves;
+}
+
+int CheckedThing(const World& world, int thing) {
+  if (thing < 0 || thing >= static_cast<int>(world.things().size())) throw py::index_error("there is no such thing");
+  return thing;
+}
+
 DriveKind ToKind(const std::string& name) {
   if (name == "differential") return DriveKind::kDifferential;
   if (name == "omni") return DriveKind::kOmni;
@@ -110,7 +130,9 @@ py::tuple Readings(const World& world) {
 
 void BindWorld(py::module_& m) {
   py::class_<Solid>(m, "Solid").def(py::init(&ToSolid), py::arg("outline_m"), py::arg("pieces_m"));
-  py::class_<Door>(m, "Door").def(py::init<Solid, bool>(), py::arg("leaf"), py::arg("closed"));
+  py::class_<Door>(m, "Door").def(py::init(&ToDoor), py::arg("leaf"), py::arg("closed"), py::kw_only(),
+                                  py::arg("time_s") = 0.0, py::arg("angle_rad") = 0.0, py::arg("shift_m") = Pair(),
+                                  py::arg("hinge_m") = Pair());
   py::class_<DriveLimits>(m, "Drive")
       .def(py::init(&ToDrive), py::kw_only(), py::arg("kind"), py::arg("max_speed_mps"),
            py::arg("max_acceleration_mps2"), py::arg("max_turn_radps") = 0.0,
@@ -143,6 +165,17 @@ void BindWorld(py::module_& m) {
           py::arg("robot_id"), py::arg("pose"))
       .def("set_door", &World::SetDoorClosed, py::arg("door"), py::arg("closed"))
       .def("door_closed", [](const World& world, int door) { return world.doors().at(door).closed; })
+      .def("leaves", &Leaves)
+      .def("add_thing", &World::AddThing, py::arg("thing"))
+      .def(
+          "remove_thing", [](World& world, int thing) { world.RemoveThing(CheckedThing(world, thing)); },
+          py::arg("thing"))
+      .def(
+          "set_thing_pose",
+          [](World& world, int thing, const Triple& pose) {
+            world.SetThingPose(CheckedThing(world, thing), {pose[0], pose[1], pose[2]});
+          },
+          py::arg("thing"), py::arg("pose"))
       .def("reset", &World::Reset);
 }
 

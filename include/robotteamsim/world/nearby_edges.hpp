@@ -18,7 +18,7 @@ struct Edge {
 /// Returns the distance between a point and the nearest point of a segment [m].
 double DistanceToSegment(const Point& point, const Segment& segment);
 
-/// Returns the sides of all solids and door leaves.
+/// Returns the sides of all solids, and of the leaves that do not swing or slide.
 std::vector<Edge> EdgesOf(const std::vector<Solid>& solids, const std::vector<Door>& doors);
 
 /// Which edges are near a point: each square cell of the floor keeps the list for all points in it.

@@ -17,6 +17,12 @@ double ReachOf(const Polygon& corners);
 /// Returns half the smallest width of a convex polygon [m].
 double HalfWidth(const Polygon& corners);
 
+/// Returns how far two convex polygons are apart [m]; 0 where they overlap.
+double GapBetween(const Polygon& a, const Polygon& b);
+
+/// Returns how far a point is from a convex polygon [m]; 0 inside it.
+double GapBetween(const Polygon& polygon, const Point& point);
+
 /// Throws std::invalid_argument unless a polygon is convex and counter-clockwise, with 3 to 8 corners, and has the
 /// origin in it. Args: what: whose outline it is, for the message.
 void CheckFootprint(const Polygon& corners, const char* what);

@@ -5,10 +5,12 @@
 
 #include "robotteamsim/plan/types.hpp"
 #include "robotteamsim/world/disc_grid.hpp"
+#include "robotteamsim/world/doors.hpp"
 #include "robotteamsim/world/drive.hpp"
 #include "robotteamsim/world/nearby_edges.hpp"
 #include "robotteamsim/world/outline.hpp"
 #include "robotteamsim/world/solid.hpp"
+#include "robotteamsim/world/things.hpp"
 
 class b2Body;
 class b2World;
@@ -22,15 +24,6 @@ struct Robot {
   DriveLimits drive;
   Pose start;
   Polygon footprint = {};  ///< in base_link, 3 to 8 corners counter-clockwise around it [m]; none: it is round
-};
-
-/// Something that robots push: it slides and turns until the friction of the ground has stopped it.
-struct Thing {
-  double radius = 0.2;    ///< [m]; a world makes it that of the disc around its middle that holds the corners
-  double mass = 1.0;      ///< [kg]
-  double friction = 0.5;  ///< of the ground, per weight
-  Pose start;             ///< of its middle
-  Polygon corners = {};   ///< around its middle, 3 to 8 counter-clockwise [m]; none: it is round
 };
 
 /// What is true: walls, doors, robots, and what they do to each other.
@@ -54,9 +47,11 @@ class World {
   void Step(const std::vector<Twist>& commands);
 
   const std::vector<Solid>& solids() const { return solids_; }
-  const std::vector<Door>& doors() const { return doors_; }
+  const std::vector<Door>& doors() const { return doors_.all(); }
+  /// The leaves that swing or slide, in the order of their doors.
+  const std::vector<MovingLeaf>& leaves() const { return doors_.leaves(); }
   const std::vector<Robot>& robots() const { return robots_; }
-  const std::vector<Thing>& things() const { return things_; }
+  const std::vector<Thing>& things() const { return things_.all(); }
 
   /// Which robots are near a point.
   const DiscGrid& grid() const { return grid_; }
@@ -64,11 +59,11 @@ class World {
   double max_radius() const { return max_radius_; }
 
   /// Which things are near a point.
-  const DiscGrid& thing_grid() const { return thing_grid_; }
+  const DiscGrid& thing_grid() const { return things_.grid(); }
   /// How far the largest thing reaches from its middle [m].
-  double max_thing_radius() const { return max_thing_radius_; }
+  double max_thing_radius() const { return things_.max_radius(); }
   /// Where the things are.
-  const std::vector<Pose>& thing_poses() const { return thing_poses_; }
+  const std::vector<Pose>& thing_poses() const { return things_.poses(); }
 
   /// Where the robots are.
   const std::vector<Pose>& poses() const { return poses_; }
@@ -85,9 +80,16 @@ class World {
 
   /// Puts a robot somewhere, standing still.
   void SetPose(int robot, const Pose& pose);
-  /// A robot in the way of a closing door is pushed aside.
+  /// A robot in the way of a door that closes at once is pushed aside. A leaf that swings or slides goes there in the
+  /// steps to come, and waits for what is in its way.
   void SetDoorClosed(int door, bool closed);
-  /// Begins again as new, doors included.
+  /// Adds a thing behind the others. Throws std::invalid_argument on one that cannot be.
+  void AddThing(Thing thing);
+  /// Takes a thing away; the indices of those behind it move up by one.
+  void RemoveThing(int thing);
+  /// Puts a thing somewhere, at rest.
+  void SetThingPose(int thing, const Pose& pose);
+  /// Begins again as new, doors and things included.
   void Reset();
 
  private:
@@ -99,10 +101,7 @@ class World {
 
   void CheckCommands(const std::vector<Twist>& commands) const;
   void AddRobot(const Robot& robot);
-  void AddThings();
-  bool AnyThingMoves() const;
-  double ThingTravel() const;
-  void FinishThings();
+  bool HoldsLeaf(const Polygon& now, const Polygon& next) const;
   Point BodyPosition(int robot) const;
   void SetBodyPose(int robot);
   DriveSpeed BodySpeed(int robot) const;
@@ -114,27 +113,21 @@ class World {
   void NoteContacts(int robot, double yaw);
 
   const std::vector<Solid> solids_;
-  const std::vector<Door> initial_doors_;
   const std::vector<Robot> robots_;
-  const std::vector<Thing> things_;
   const double step_;
   const int substeps_;
   const double dt_;
   // Where Box2D counts from, in the map frame: its floats keep half a millimetre for 4 km only.
   const Point origin_;
   const double max_radius_;
-  const double max_thing_radius_;
-  const double max_travel_;  // of anything in a step [m]
-  const NearbyEdges edges_;
+  double max_travel_;  // of anything in a step [m]
+  NearbyEdges edges_;
 
   std::unique_ptr<b2World> box_;
-  std::vector<b2Body*> door_bodies_;
   std::vector<b2Body*> robot_bodies_;
-  std::vector<b2Body*> thing_bodies_;
-  std::vector<Door> doors_;
+  Doors doors_;
+  Things things_;
   DiscGrid grid_;
-  DiscGrid thing_grid_;
-  std::vector<Pose> thing_poses_;
   std::vector<Drive> drives_;
   std::vector<Pose> poses_;
   std::vector<Twist> twists_;

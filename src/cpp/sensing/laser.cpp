@@ -109,8 +109,11 @@ class Laser::View {
     const double farthest = range_max + reach;
     if (center.x * center.x + center.y * center.y > farthest * farthest) return;
     if (fan_.IsHalf() && center.y < -reach - kBehind) return;
-    const Polygon placed = Placed(corners, pose);
-    for (std::size_t i = 0; i < placed.size(); ++i) MeetEdge({placed[i], placed[(i + 1) % placed.size()]});
+    MeetSides(Placed(corners, pose));
+  }
+
+  void MeetSides(const Polygon& outline) {
+    for (std::size_t i = 0; i < outline.size(); ++i) MeetEdge({outline[i], outline[(i + 1) % outline.size()]});
   }
 
   /// Returns the ranges as the laser counts its beams; what is beyond range_max is at infinity.
@@ -160,6 +163,10 @@ std::vector<double> Laser::Scan(const World& world, int robot) const {
   View view(model_, fan_, world.poses().at(robot));
   for (const Edge& edge : edges_.Near(view.origin())) {
     if (edge.door == Edge::kNoDoor || world.doors()[edge.door].closed) view.MeetEdge(edge.segment);
+  }
+  for (const MovingLeaf& leaf : world.leaves()) {
+    const Point &hinge = world.doors()[leaf.door].motion.hinge, &laser = view.origin();
+    if (std::hypot(hinge.x - laser.x, hinge.y - laser.y) <= leaf.reach + model_.range_max) view.MeetSides(leaf.outline);
   }
   world.grid().ForEachNear(view.origin(), model_.range_max + world.max_radius(), [&](int other, const Pose& pose) {
     const Robot& body = world.robots()[other];

@@ -24,7 +24,9 @@ std::vector<Edge> EdgesOf(const std::vector<Solid>& solids, const std::vector<Do
     }
   };
   for (const Solid& solid : solids) add(solid.outline, Edge::kNoDoor);
-  for (std::size_t door = 0; door < doors.size(); ++door) add(doors[door].leaf.outline, static_cast<int>(door));
+  for (std::size_t door = 0; door < doors.size(); ++door) {
+    if (doors[door].motion.time == 0.0) add(doors[door].leaf.outline, static_cast<int>(door));
+  }
   return edges;
 }
 

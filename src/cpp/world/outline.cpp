@@ -6,7 +6,39 @@
 #include <stdexcept>
 #include <string>
 
+#include "robotteamsim/world/nearby_edges.hpp"
+
 namespace robotteamsim {
+namespace {
+
+bool IsLeftOfAll(const Polygon& polygon, const Point& point) {
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    if (Cross(polygon[i], polygon[(i + 1) % polygon.size()], point) < 0.0) return false;
+  }
+  return true;
+}
+
+double DistanceToOutline(const Polygon& polygon, const Point& point) {
+  double distance = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    distance = std::min(distance, DistanceToSegment(point, {polygon[i], polygon[(i + 1) % polygon.size()]}));
+  }
+  return distance;
+}
+
+// Whether all of `other` is to the right of a side of `polygon`: for convex polygons that do not overlap there is such
+// a side in one of them.
+bool HasSideBetween(const Polygon& polygon, const Polygon& other) {
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Point &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    if (std::all_of(other.begin(), other.end(), [&](const Point& point) { return Cross(a, b, point) < 0.0; })) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
 
 double Cross(const Point& a, const Point& b, const Point& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -38,6 +70,18 @@ double HalfWidth(const Polygon& corners) {
     smallest = std::min(smallest, width);
   }
   return 0.5 * smallest;
+}
+
+double GapBetween(const Polygon& a, const Polygon& b) {
+  if (!HasSideBetween(a, b) && !HasSideBetween(b, a)) return 0.0;
+  double gap = std::numeric_limits<double>::infinity();
+  for (const Point& point : b) gap = std::min(gap, DistanceToOutline(a, point));
+  for (const Point& point : a) gap = std::min(gap, DistanceToOutline(b, point));
+  return gap;
+}
+
+double GapBetween(const Polygon& polygon, const Point& point) {
+  return IsLeftOfAll(polygon, point) ? 0.0 : DistanceToOutline(polygon, point);
 }
 
 void CheckFootprint(const Polygon& corners, const char* what) {

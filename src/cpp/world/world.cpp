@@ -8,15 +8,13 @@
 #include <string>
 #include <utility>
 
+#include "robotteamsim/world/box_bodies.hpp"
+
 namespace robotteamsim {
 namespace {
 
 constexpr int kVelocityIterations = 8;
 constexpr int kPositionIterations = 3;
-
-// Box2D lets shapes at rest overlap by one slop. Half a slop around each keeps the bodies themselves from it: they rest
-// at most a slop (5 mm) apart.
-constexpr float kSkin = 0.5F * b2_linearSlop;
 
 // How much farther than it drives a robot is looked at: contacts count from a slop (5 mm) on, and rounding is no
 // matter.
@@ -26,65 +24,11 @@ constexpr double kMargin = 0.02;
 constexpr double kSamePlace = 0.05;
 constexpr double kFullTurn = 6.28318530717958648;
 
-// A thing that has gone less than this [m or rad] has not moved: that much may be rounding.
-constexpr double kUnmoved = 1e-6;
-
-constexpr double kGravity = 9.81;  // [m/s^2]
+// A leaf of a door comes no nearer than this to anything [m]: contacts count from there on.
+constexpr double kClearOfLeaves = 0.005;
 
 // A drive that reaches less than this part of its speed is stalled.
 constexpr double kStalled = 0.05;
-
-b2Vec2 ToBox(double x, double y) { return {static_cast<float>(x), static_cast<float>(y)}; }
-
-// Fills the shape by hand: b2PolygonShape::Set welds corners nearer than 2.5 mm and turns what then is no polygon into
-// a box of two metres, so thin solids would not be what the plan says.
-b2PolygonShape ConvexShape(const Polygon& piece, const Point& origin) {
-  const int count = static_cast<int>(piece.size());
-  if (count < 3 || count > b2_maxPolygonVertices) {
-    throw std::invalid_argument("a convex piece needs 3 to 8 corners, got " + std::to_string(count));
-  }
-  b2PolygonShape shape;
-  shape.m_radius = kSkin;
-  shape.m_count = count;
-  for (int i = 0; i < count; ++i) {
-    const Point& corner = piece[i];
-    const Point& next = piece[(i + 1) % count];
-    const double dx = next.x - corner.x, dy = next.y - corner.y, length = std::hypot(dx, dy);
-    if (!(length > 0.0) || !(Cross(corner, next, piece[(i + 2) % count]) >= 0.0)) {
-      throw std::invalid_argument("a piece must be convex and counter-clockwise, without equal corners");
-    }
-    shape.m_vertices[i] = ToBox(corner.x - origin.x, corner.y - origin.y);
-    shape.m_normals[i] = ToBox(dy / length, -dx / length);
-    shape.m_centroid += 1.0F / static_cast<float>(count) * shape.m_vertices[i];
-  }
-  return shape;
-}
-
-void AddFixture(b2Body* body, const b2Shape& shape, double density) {
-  b2FixtureDef fixture;
-  fixture.shape = &shape;
-  fixture.friction = 0.0F;
-  fixture.density = static_cast<float>(density);
-  body->CreateFixture(&fixture);
-}
-
-void AddPieces(b2Body* body, const Solid& solid, const Point& origin) {
-  for (const Polygon& piece : solid.pieces) {
-    AddFixture(body, ConvexShape(piece, origin), 0.0);
-  }
-}
-
-void AddDisc(b2Body* body, double radius, double mass) {
-  b2CircleShape shape;
-  shape.m_radius = static_cast<float>(radius) + kSkin;
-  AddFixture(body, shape, mass / (static_cast<double>(b2_pi) * shape.m_radius * shape.m_radius));
-}
-
-void AddPolygon(b2Body* body, const Polygon& corners, double mass) {
-  double twice_area = 0.0;
-  for (std::size_t i = 2; i < corners.size(); ++i) twice_area += Cross(corners[0], corners[i - 1], corners[i]);
-  AddFixture(body, ConvexShape(corners, {}), 2.0 * mass / twice_area);
-}
 
 bool IsTouching(const b2Body* body) {
   for (const b2ContactEdge* edge = body->GetContactList(); edge != nullptr; edge = edge->next) {
@@ -145,40 +89,21 @@ double MaxTravelOf(const std::vector<Robot>& robots, bool are_there_things, doub
   return (are_there_things ? 2.0 : 1.0) * speed * step;
 }
 
-std::vector<Thing> Checked(std::vector<Thing> things) {
-  for (Thing& thing : things) {
-    if (!thing.corners.empty()) {
-      CheckFootprint(thing.corners, "a thing");
-      thing.radius = ReachOf(thing.corners);
-    }
-    const bool is_fine = IsPositive(thing.radius) && IsPositive(thing.mass) && IsPositive(thing.friction);
-    if (!is_fine) throw std::invalid_argument("size, mass and friction of a thing must be > 0");
-  }
-  return things;
-}
-
-double MaxRadius(const std::vector<Thing>& things) {
-  double radius = 0.0;
-  for (const Thing& thing : things) radius = std::max(radius, thing.radius);
-  return radius;
-}
-
 }  // namespace
 
 World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps,
              std::vector<Thing> things)
     : solids_(std::move(solids)),
-      initial_doors_(std::move(doors)),
       robots_(WithReach(std::move(robots))),
-      things_(Checked(std::move(things))),
       step_(step),
       substeps_(CheckedSubsteps(robots_, step, substeps)),
       dt_(step_ / substeps_),
       origin_(robots_.empty() ? Point{} : Point{robots_[0].start.x, robots_[0].start.y}),
       max_radius_(MaxRadius(robots_)),
-      max_thing_radius_(MaxRadius(things_)),
-      max_travel_(MaxTravelOf(robots_, !things_.empty(), step_)),
-      edges_(EdgesOf(solids_, initial_doors_), max_radius_ + (max_travel_ + kMargin)) {
+      max_travel_(MaxTravelOf(robots_, !things.empty(), step_)),
+      edges_(EdgesOf(solids_, doors), max_radius_ + (max_travel_ + kMargin)),
+      doors_(std::move(doors)),
+      things_(std::move(things)) {
   Reset();
 }
 
@@ -190,17 +115,11 @@ void World::Reset() {
   b2BodyDef still;
   b2Body* building = box_->CreateBody(&still);
   for (const Solid& solid : solids_) AddPieces(building, solid, origin_);
-  doors_ = initial_doors_;
-  door_bodies_.clear();
-  for (const Door& door : doors_) {
-    still.enabled = door.closed;
-    door_bodies_.push_back(box_->CreateBody(&still));
-    AddPieces(door_bodies_.back(), door.leaf, origin_);
-  }
+  doors_.Place(*box_, origin_);
   robot_bodies_.clear();
   poses_.clear();
   for (const Robot& robot : robots_) AddRobot(robot);
-  AddThings();
+  things_.Place(box_.get(), origin_);
   drives_.assign(robots_.size(), {});
   twists_.assign(robots_.size(), {});
   motions_.assign(robots_.size(), {});
@@ -232,68 +151,6 @@ void World::AddRobot(const Robot& robot) {
   poses_.push_back({robot.start.x, robot.start.y, NormaliseAngle(robot.start.yaw)});
 }
 
-void World::AddThings() {
-  thing_bodies_.clear();
-  thing_poses_.clear();
-  b2BodyDef still;
-  b2Body* const ground = things_.empty() ? nullptr : box_->CreateBody(&still);
-  for (const Thing& thing : things_) {
-    b2BodyDef def;
-    def.type = b2_dynamicBody;
-    def.position = ToBox(thing.start.x - origin_.x, thing.start.y - origin_.y);
-    def.angle = static_cast<float>(NormaliseAngle(thing.start.yaw));
-    def.bullet = true;
-    b2Body* body = box_->CreateBody(&def);
-    if (thing.corners.empty()) {
-      AddDisc(body, thing.radius, thing.mass);
-    } else {
-      AddPolygon(body, thing.corners, thing.mass);
-    }
-    const double weight = kGravity * thing.mass;
-    b2FrictionJointDef rub;
-    rub.Initialize(ground, body, body->GetWorldCenter());
-    rub.maxForce = static_cast<float>(thing.friction * weight);
-    // The mean distance of a disc's points from its middle is two thirds of its radius.
-    rub.maxTorque = static_cast<float>(thing.friction * weight * 2.0 / 3.0 * thing.radius);
-    box_->CreateJoint(&rub);
-    thing_bodies_.push_back(body);
-    thing_poses_.push_back({thing.start.x, thing.start.y, NormaliseAngle(thing.start.yaw)});
-  }
-  thing_grid_.Rebuild(thing_poses_);
-}
-
-// A thing that has rested for half a second sleeps until something touches it.
-bool World::AnyThingMoves() const {
-  return std::any_of(thing_bodies_.begin(), thing_bodies_.end(), [](const b2Body* body) { return body->IsAwake(); });
-}
-
-// The longest way that any thing goes in a step at its speed.
-double World::ThingTravel() const {
-  double speed = 0.0;
-  for (std::size_t i = 0; i < things_.size(); ++i) {
-    const b2Body* const body = thing_bodies_[i];
-    const double turning = things_[i].radius * std::abs(static_cast<double>(body->GetAngularVelocity()));
-    speed = std::max(speed, static_cast<double>(body->GetLinearVelocity().Length()) + turning);
-  }
-  return speed * step_;
-}
-
-void World::FinishThings() {
-  bool any = false;
-  for (std::size_t i = 0; i < things_.size(); ++i) {
-    const b2Body* const body = thing_bodies_[i];
-    if (!body->IsAwake()) continue;
-    const b2Vec2& at = body->GetPosition();
-    const Pose pose{origin_.x + at.x, origin_.y + at.y, NormaliseAngle(static_cast<double>(body->GetAngle()))};
-    // A thing that nobody has pushed yet stays where it was placed, in double precision.
-    const Pose way = RelativePose(thing_poses_[i], pose);
-    if (std::hypot(way.x, way.y) < kUnmoved && std::abs(way.yaw) < kUnmoved) continue;
-    thing_poses_[i] = pose;
-    any = true;
-  }
-  if (any) thing_grid_.Rebuild(thing_poses_);
-}
-
 void World::CheckCommands(const std::vector<Twist>& commands) const {
   if (commands.size() != robots_.size()) {
     throw std::invalid_argument("expected " + std::to_string(robots_.size()) + " twists, got " +
@@ -316,18 +173,19 @@ void World::Step(const std::vector<Twist>& commands) {
   twists_.assign(robots_.size(), {});
   in_contact_.assign(robots_.size(), false);
   for (std::vector<double>& angles : contact_angles_) angles.clear();
-  const double travel = std::min(std::max(MaxTravel(commands), ThingTravel()), max_travel_);
-  bool any_busy = AnyThingMoves();
+  const double travel = std::min(std::max(MaxTravel(commands), things_.Travel(step_)), max_travel_);
+  bool any_busy = things_.AnyMoves();
   for (int i = 0; i < num_robots; ++i) {
     SetBusy(i, CouldTouch(i, travel));
     any_busy = any_busy || drives_[i].is_busy;
   }
   for (int substep = 0; substep < substeps_; ++substep) {
+    doors_.Advance(dt_, [this](const Polygon& now, const Polygon& next) { return HoldsLeaf(now, next); });
     for (int i = 0; i < num_robots; ++i) StartDrive(i, commands[i]);
     if (any_busy) box_->Step(static_cast<float>(dt_), kVelocityIterations, kPositionIterations);
     for (int i = 0; i < num_robots; ++i) FinishDrive(i);
   }
-  if (any_busy) FinishThings();
+  if (any_busy) things_.FinishStep();
   for (int i = 0; i < num_robots; ++i) motions_[i] = RelativePose(before[i], poses_[i]);
   grid_.Rebuild(poses_);
 }
@@ -345,17 +203,17 @@ bool World::CouldTouch(int robot, double travel) const {
   const Point at{poses_[robot].x, poses_[robot].y};
   const double reach = robots_[robot].radius + travel + kMargin;
   for (const Edge& edge : edges_.Near(at)) {
-    const bool is_there = edge.door == Edge::kNoDoor || doors_[edge.door].closed;
+    const bool is_there = edge.door == Edge::kNoDoor || doors_.all()[edge.door].closed;
     if (is_there && DistanceToSegment(at, edge.segment) <= reach) return true;
   }
-  bool found = false;
+  bool found = doors_.IsLeafNear(at, reach + doors_.Travel(step_));
   grid_.ForEachNear(at, reach + travel + max_radius_, [&](int other, const Pose& pose) {
     const double dx = pose.x - at.x, dy = pose.y - at.y, apart = reach + travel + robots_[other].radius;
     found = found || (other != robot && dx * dx + dy * dy <= apart * apart);
   });
-  if (things_.empty()) return found;
-  thing_grid_.ForEachNear(at, reach + travel + max_thing_radius_, [&](int thing, const Pose& pose) {
-    found = found || std::hypot(pose.x - at.x, pose.y - at.y) <= reach + travel + things_[thing].radius;
+  if (things().empty()) return found;
+  thing_grid().ForEachNear(at, reach + travel + max_thing_radius(), [&](int thing, const Pose& pose) {
+    found = found || std::hypot(pose.x - at.x, pose.y - at.y) <= reach + travel + things()[thing].radius;
   });
   return found;
 }
@@ -473,9 +331,38 @@ void World::SetPose(int robot, const Pose& pose) {
   grid_.Rebuild(poses_);
 }
 
-void World::SetDoorClosed(int door, bool closed) {
-  doors_.at(door).closed = closed;
-  door_bodies_[door]->SetEnabled(closed);
+bool World::HoldsLeaf(const Polygon& now, const Polygon& next) const {
+  const auto holds = [&](const Pose& pose, double radius, const Polygon& corners) {
+    const Point at{pose.x, pose.y};
+    const double apart = GapBetween(next, at) - radius;
+    if (apart >= kClearOfLeaves) return false;
+    // What leans on a leaf that goes away does not hold it.
+    if (corners.empty()) return apart < GapBetween(now, at) - radius;
+    const Polygon body = Placed(corners, pose);
+    const double gap = GapBetween(next, body);
+    return gap < kClearOfLeaves && gap < GapBetween(now, body);
+  };
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    if (holds(poses_[i], robots_[i].radius, robots_[i].footprint)) return true;
+  }
+  for (std::size_t i = 0; i < things().size(); ++i) {
+    if (holds(things_.PoseNow(static_cast<int>(i)), things()[i].radius, things()[i].corners)) return true;
+  }
+  return false;
 }
+
+void World::SetDoorClosed(int door, bool closed) { doors_.SetClosed(door, closed); }
+
+void World::AddThing(Thing thing) {
+  things_.Add(std::move(thing));
+  const double travel = MaxTravelOf(robots_, true, step_);
+  if (travel == max_travel_) return;
+  max_travel_ = travel;
+  edges_ = NearbyEdges(EdgesOf(solids_, doors_.all()), max_radius_ + (max_travel_ + kMargin));
+}
+
+void World::RemoveThing(int thing) { things_.Remove(thing); }
+
+void World::SetThingPose(int thing, const Pose& pose) { things_.SetPose(thing, pose); }
 
 }  // namespace robotteamsim

@@ -69,14 +69,14 @@ def _title(plan: FloorPlan, scenario: Scenario | None) -> str:
 
 def draw_solids(axes: Axes, plan: FloorPlan) -> None:
     """Draw walls, blocks and pillars."""
-    for solid in solids(plan, {door.name: False for door in plan.doors}):
+    for solid in solids(plan.model_copy(update={"doors": ()})):
         colour = _SOLID[solid.kind]
         # The thin edge closes the hairlines that anti-aliasing leaves between neighbours.
         axes.add_patch(Polygon(solid.corners, facecolor=colour, edgecolor=colour, linewidth=0.4, zorder=3))
 
 
 def draw_doors(axes: Axes, plan: FloorPlan) -> None:
-    """Draw closed leaves across their gaps, open ones swung out by 90 degrees with the arc that they sweep."""
+    """Draw closed leaves across their gaps, open ones swung out with the arc that they sweep, or slid aside."""
     for door in plan.doors:
         _draw_door(axes, door)
 
@@ -87,9 +87,18 @@ def _draw_door(axes: Axes, door: Door) -> None:
     if door.closed:
         axes.plot([x0, x1], [y0, y1], color=colour, linewidth=3.0, solid_capstyle="butt", zorder=4)
         return
+    if door.motion == "slide":
+        axes.plot([x0, 2 * x0 - x1], [y0, 2 * y0 - y1], color=colour, linewidth=2.0, zorder=4)
+        axes.plot([x0, x1], [y0, y1], color=colour, linewidth=0.7, linestyle=":", zorder=4)
+        return
     length_m, heading_deg = math.dist(door.start, door.end), math.degrees(math.atan2(y1 - y0, x1 - x0))
-    axes.plot([x0, x0 - (y1 - y0)], [y0, y0 + (x1 - x0)], color=colour, linewidth=2.0, zorder=4)
-    sweep = Arc(door.start, 2 * length_m, 2 * length_m, theta1=heading_deg, theta2=heading_deg + 90.0)
+    # An instant door's open leaf is nowhere, but drawn as doors are.
+    turn_rad = door.leaf_angle_rad or 0.5 * math.pi
+    cos, sin = math.cos(turn_rad), math.sin(turn_rad)
+    leaf_x, leaf_y = cos * (x1 - x0) - sin * (y1 - y0), sin * (x1 - x0) + cos * (y1 - y0)
+    axes.plot([x0, x0 + leaf_x], [y0, y0 + leaf_y], color=colour, linewidth=2.0, zorder=4)
+    first_deg, last_deg = sorted((heading_deg, heading_deg + math.degrees(turn_rad)))
+    sweep = Arc(door.start, 2 * length_m, 2 * length_m, theta1=first_deg, theta2=last_deg)
     sweep.set(color=colour, linewidth=0.7, linestyle=":", zorder=4)
     axes.add_patch(sweep)
 

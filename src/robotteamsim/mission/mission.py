@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from robotteamsim.network.messages import NetworkState, Refusal, Traffic
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.world.doors import DoorState, LeafMotion, door_at_start
 
 NOBODY = -1
 """robot_id of an event that no robot caused."""
@@ -24,6 +25,8 @@ _END_DETAIL: dict[MissionEnd, str] = {
     "all_excluded": "all robots are excluded",
     "aborted": "aborted",
 }
+
+_MOTION: dict[LeafMotion, str] = {"still": "stands", "opens": "opens", "closes": "closes", "held": "is held up"}
 
 
 class Mission:
@@ -41,6 +44,8 @@ class Mission:
         self._time_limit_s = scenario.mission.time_limit_s
         self._autostart = scenario.mission.autostart
         self._noise_db = scenario.voice.noise_db
+
+        self._doors: Mapping[str, DoorState] = {door.name: door_at_start(door) for door in scenario.plan.doors}
 
         self._state: MissionState = "waiting"
         self._end: MissionEnd = ""
@@ -119,6 +124,18 @@ class Mission:
         """Take note that a door was opened or closed, which changes the voice map."""
         self._tell("door", name, NOBODY, f"door {name} is {'closed' if closed else 'opened'}")
         self._change_task()
+
+    def follow_doors(self, doors: Mapping[str, DoorState]) -> None:
+        """Take note of what the doors of the world do now; one that was opened or closed changes the voice map."""
+        if doors is self._doors:
+            return
+        for name, door in doors.items():
+            before = self._doors[name]
+            if door.closed != before.closed:
+                self.set_door(name, door.closed)
+            elif door.motion != before.motion:
+                self._tell("door_moves", name, NOBODY, f"door {name} {_MOTION[door.motion]}, {door.opening:.0%} open")
+        self._doors = doors
 
     def set_noise_db(self, noise_db: float) -> None:
         """Take note of another background noise, which changes the voice map."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 import shapely
@@ -14,6 +15,9 @@ MAX_SIDE_M = 1000.0
 
 MAX_COORDINATE_M = 999_000.0
 """The exact sums of propagation reach to 1000 km; walls and cells stick out of the bounds a little."""
+
+MIN_SWING_RAD = 0.1
+"""A leaf that swings by less than this closes nothing."""
 
 
 class Bounds(Model):
@@ -86,17 +90,57 @@ class Door(Model):
     """A door leaf: one segment across a gap between walls; in a file it must hang there, see `door_places`."""
 
     name: str = Field(description="a name, unique among the plan's elements")
-    start: Point = Field(validation_alias="from", serialization_alias="from", description="hinge side of the leaf [m]")
+    start: Point = Field(
+        validation_alias="from",
+        serialization_alias="from",
+        description="hinge side of the leaf, beyond which it slides [m]",
+    )
     end: Point = Field(validation_alias="to", serialization_alias="to", description="other side of the leaf [m]")
     kind: Literal["normal", "fireproof"] = Field(default="normal", description="Table 3: 1.4 dB or 10.2 dB when closed")
     closed: bool = Field(default=False, description="state at the start")
     thickness_m: float = Field(default=0.06, gt=0.0, le=0.2, description="of the leaf as a body [m]")
     height_m: float = Field(default=2.1, gt=0.0, le=20.0, description="for 3D views [m]")
+    motion: Literal["instant", "swing", "slide"] = Field(
+        default="instant",
+        description="instant: open or closed at once, an open leaf is nowhere; swing or slide: it moves",
+    )
+    time_s: float | None = Field(
+        default=None, ge=0.1, le=600.0, description="of a swing or slide, from closed to open; none: 2 s [s]"
+    )
+    angle_rad: float | None = Field(
+        default=None,
+        ge=-math.pi,
+        le=math.pi,
+        description="of a swing, by which an open leaf has turned about `from`, counter-clockwise; none: pi / 2 [rad]",
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Door:
         _check_segment(self.start, self.end)
+        if self.motion == "instant" and self.time_s is not None:
+            raise wrong("time_s", "a door whose motion is instant has none")
+        if self.motion != "swing" and self.angle_rad is not None:
+            raise wrong("angle_rad", f"a door whose motion is {self.motion} has none")
+        if self.angle_rad is not None and abs(self.angle_rad) < MIN_SWING_RAD:
+            raise wrong("angle_rad", f"{self.angle_rad:g} is not at least {MIN_SWING_RAD:g} to either side")
         return self
+
+    @property
+    def leaf_time_s(self) -> float:
+        """How long its leaf takes from closed to open [s]; 0: no time at all."""
+        return 0.0 if self.motion == "instant" else self.time_s or 2.0
+
+    @property
+    def leaf_angle_rad(self) -> float:
+        """By how much an open leaf has turned about the hinge, counter-clockwise [rad]."""
+        return (self.angle_rad or 0.5 * math.pi) if self.motion == "swing" else 0.0
+
+    @property
+    def leaf_shift_m(self) -> Point:
+        """By how much an open leaf has shifted [m]."""
+        if self.motion != "slide":
+            return 0.0, 0.0
+        return self.start[0] - self.end[0], self.start[1] - self.end[1]
 
 
 class BayRow(Model):

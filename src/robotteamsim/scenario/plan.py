@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -49,8 +49,24 @@ def door_corners(door: Door) -> Corners:
     return _strip_corners(door.start, door.end, door.thickness_m)
 
 
+def leaf_corners(door: Door, opening: float) -> Corners:
+    """Return the four corners of the leaf of a door that swings or slides [m]; opening: 0 closed .. 1 open."""
+    turn_rad, (shift_x, shift_y) = door.leaf_angle_rad * opening, door.leaf_shift_m
+    cos, sin = math.cos(turn_rad), math.sin(turn_rad)
+    x0, y0 = door.start
+    return tuple(
+        (
+            x0 + shift_x * opening + cos * (x - x0) - sin * (y - y0),
+            y0 + shift_y * opening + sin * (x - x0) + cos * (y - y0),
+        )
+        for x, y in door_corners(door)
+    )
+
+
 def solids(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> tuple[Solid, ...]:
-    """Return what a robot can run into: walls, blocks and pillars, closed doors; in the plan's order.
+    """Return what a robot can run into: walls, blocks and pillars, leaves of doors; in the plan's order.
+
+    A closed door's leaf is across its gap; an open one's is where it swings or slides to, or nowhere.
 
     Args:   closed: door states by name that replace the plan's own.
     Raises: ScenarioError: `closed` names no door of the plan.
@@ -59,8 +75,16 @@ def solids(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> tuple[S
     return (
         *(Solid(wall.name, "wall", wall_corners(wall), wall) for wall in plan.walls),
         *(Solid(block.name, block.kind, counter_clockwise(block.polygon), block) for block in plan.blocks),
-        *(Solid(door.name, "door", door_corners(door), door) for door in plan.doors if states[door.name]),
+        *_leaves(plan, states),
     )
+
+
+def _leaves(plan: FloorPlan, states: Mapping[str, bool]) -> Iterator[Solid]:
+    for door in plan.doors:
+        if states[door.name]:
+            yield Solid(door.name, "door", door_corners(door), door)
+        elif door.motion != "instant":
+            yield Solid(door.name, "door", leaf_corners(door, 1.0), door)
 
 
 def bay_lines(plan: FloorPlan) -> tuple[tuple[Point, Point], ...]:
@@ -147,7 +171,7 @@ def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bo
     """Return the occupancy grid of a plan over its bounds.
 
     Conservative: a cell is occupied when a solid covers any area of it; a common border alone does not count, so
-    axis-aligned walls on cell borders come out exactly. Closed doors are solid, open ones are not.
+    axis-aligned walls on cell borders come out exactly. Closed doors are solid, and open ones where a leaf stands.
 
     Args:   resolution_m: edge of a cell; the last row and column may reach beyond the bounds.
             closed: door states by name that replace the plan's own.

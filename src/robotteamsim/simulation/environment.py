@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from robotteamsim.propagation import FieldMap, RadioField
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.sensing.voice import VoiceSensor
+from robotteamsim.world.doors import DoorState
 
 
 class Environment:
@@ -22,6 +23,7 @@ class Environment:
         self._voice = VoiceSensor(scenario.plan, scenario.voice, scenario.mission.victims, scenario.run.seed)
         num_robots, run = len(scenario.placed_robots()), scenario.run
         self._network = Network(self._radio, scenario.network, num_robots, seed=run.seed, step_ns=run.step_ns)
+        self._closed = {door.name: door.closed for door in scenario.plan.doors}
 
     @property
     def voice_map_changes(self) -> int:
@@ -55,6 +57,13 @@ class Environment:
         """Open or close a door for radio and voices. Raises: ValueError: no such door."""
         self._radio.set_door(name, closed)
         self._voice.set_door(name, closed)
+        self._closed[name] = closed
+
+    def follow_doors(self, doors: Mapping[str, DoorState]) -> None:
+        """Take over which doors of the world are closed now."""
+        for name, door in doors.items():
+            if door.closed != self._closed[name]:
+                self.set_door(name, door.closed)
 
     def set_noise_db(self, noise_db: float) -> None:
         """Set the background noise [dB]; voices below it are not heard."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 from robotteamsim.control.controller import Decision
@@ -13,6 +14,7 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
+from robotteamsim.world.doors import DoorState
 
 
 class StepRecord(NamedTuple):
@@ -22,6 +24,7 @@ class StepRecord(NamedTuple):
     inboxes:    messages that arrived in this step, sent in the one before.
     decisions:  what the controllers made of it; their outboxes arrive in the next step.
     victims:    in the order of `mission.victims`, at their places.
+    doors:      as they are after the step, by name, in the plan's order; the same object until one of them changes.
     voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
     """
 
@@ -37,6 +40,7 @@ class StepRecord(NamedTuple):
     victims: tuple[Victim, ...]
     noise_db: float
     voice_map: FieldMap | None
+    doors: Mapping[str, DoorState] = MappingProxyType({})
 
     @property
     def sim_time_s(self) -> float:

@@ -46,7 +46,9 @@ class Simulation:
         """Advance by one step and return all that happened in it."""
         # The world moves.
         self.world.step([decision.twist for decision in self._decisions])
-        sim_time_ns = self.world.sim_time_ns
+        sim_time_ns, doors = self.world.sim_time_ns, self.world.door_states()
+        self.environment.follow_doors(doors)
+        self.mission.follow_doors(doors)
         # The robots sense; the network delivers.
         readings = self.sensors.read()
         positions_m = true_positions_m(readings)
@@ -74,6 +76,7 @@ class Simulation:
             victims=self.mission.victims,
             noise_db=self.mission.noise_db,
             voice_map=self._fresh_voice_map(),
+            doors=doors,
         )
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:
@@ -98,10 +101,12 @@ class Simulation:
             raise
 
     def set_door(self, name: str, closed: bool) -> None:
-        """Open or close a door in world, voice, radio and mission. Raises: ValueError: no such door."""
+        """Have a door opened or closed, see `World.set_door`. Raises: ValueError: no such door.
+
+        The world alone knows whether it is: voice and radio follow at once, the mission with the next step.
+        """
         self.world.set_door(name, closed)
-        self.environment.set_door(name, closed)
-        self.mission.set_door(name, closed)
+        self.environment.follow_doors(self.world.door_states())
 
     def set_noise_db(self, noise_db: float) -> None:
         """Set the background noise [dB]."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import shapely
@@ -12,10 +12,11 @@ from robotteamsim import _core
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.body import Body
-from robotteamsim.scenario.floor_plan import Door, FloorPlan
+from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import Solid, solids
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.things import Thing, check_things
+from robotteamsim.world.doors import DoorState, core_door, door_at_start, door_state, leaf_outline
 from robotteamsim.world.pieces import convex_pieces
 
 _TOUCH_M = 1e-6
@@ -44,18 +45,19 @@ class World:
         self.seed = seed
         self._plan = plan
         self._robots = tuple(robots)
-        self._things = tuple(things)
+        self._first_things = self._things = tuple(things)
         self._step_ns = round(run.step_s * 1e9)
-        self._solids = solids(plan, {door.name: True for door in plan.doors})
+        self._solids = solids(plan.model_copy(update={"doors": ()}))
         self._shapes = shapely.STRtree([solid.polygon for solid in self._solids])
-        self._closed = {door.name: door.closed for door in plan.doors}
         self._door_ids = {door.name: index for index, door in enumerate(plan.doors)}
+        self._doors = {door.name: door_at_start(door) for door in plan.doors}
         self._reaches_m = np.array([robot.reach_m for robot in self._robots])
         self._start_poses = [Pose(*robot.start_pose) for robot in self._robots]
         self._check_start_poses()
         check_things(plan, self._things, self._robots)
         self.core = self._build(run)
         """The C++ world, for the sensors that look at it."""
+        self._have_leaves = any(door.motion != "instant" for door in plan.doors)
         self._step_index = 0
 
     @property
@@ -88,6 +90,8 @@ class World:
             twists = np.array(twists, dtype=np.float64).reshape(-1, 3)
         self.core.step(twists)
         self._step_index += 1
+        if self._have_leaves:
+            self._look_at_doors()
 
     def poses(self) -> list[Pose]:
         """Return `map_T_base_link` of every robot."""
@@ -130,7 +134,11 @@ class World:
 
     def doors(self) -> dict[str, bool]:
         """Return whether each door is closed, by name, in the plan's order."""
-        return dict(self._closed)
+        return {name: state.closed for name, state in self._doors.items()}
+
+    def door_states(self) -> Mapping[str, DoorState]:
+        """Return all doors as they are, by name, in the plan's order; the same object until one of them changes."""
+        return self._doors
 
     def set_pose(self, robot_id: int, pose: Pose) -> None:
         """Put a robot somewhere, standing still.
@@ -149,15 +157,49 @@ class World:
                 raise PlacementError(f"{place} is inside {thing.kind} '{thing.name}'")
         self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
 
+    def thing_models(self) -> tuple[Thing, ...]:
+        """Return the things that are there, in the order of `things`, as they were put down; they may be elsewhere."""
+        return self._things
+
+    def add_thing(self, thing: Thing) -> None:
+        """Put another thing into the world, at rest, behind the others in their order.
+
+        Raises: PlacementError: it cannot stand there. ValueError: its name is taken.
+        """
+        known = next((other for other in self._things if other.name == thing.name), None)
+        if known is not None:
+            raise ValueError(f"there is a {known.kind} '{thing.name}' already")
+        self._check_thing(thing, Pose(*thing.pose))
+        self.core.add_thing(_thing(thing))
+        self._things = (*self._things, thing)
+
+    def move_thing(self, name: str, pose: Pose) -> None:
+        """Put a thing elsewhere, at rest.
+
+        Raises: PlacementError: it cannot stand there. ValueError: no such thing, or the pose is not finite.
+        """
+        index = self._thing_index(name)
+        self._check_thing(self._things[index], pose)
+        self.core.set_thing_pose(index, (pose.x_m, pose.y_m, pose.yaw_rad))
+
+    def remove_thing(self, name: str) -> None:
+        """Take a thing out of the world. Raises: ValueError: no such thing."""
+        index = self._thing_index(name)
+        self.core.remove_thing(index)
+        self._things = (*self._things[:index], *self._things[index + 1 :])
+
     def set_door(self, name: str, closed: bool) -> None:
-        """Close or open a door; a robot in the way of a closing leaf is pushed aside.
+        """Have a door closed or opened.
+
+        An instant door is so at once, and a robot in the way of its leaf is pushed aside. The leaf of another swings or
+        slides there in the steps to come, at an even pace; where anything is in its way it waits, and never pushes.
 
         Raises: ValueError: no such door.
         """
-        if name not in self._closed:
-            raise ValueError(f"there is no door '{name}', only {', '.join(self._closed) or 'none'}")
+        if name not in self._doors:
+            raise ValueError(f"there is no door '{name}', only {', '.join(self._doors) or 'none'}")
         self.core.set_door(self._door_ids[name], closed)
-        self._closed[name] = closed
+        self._look_at_doors()
 
     def reset_positions(self) -> None:
         """Put all robots back to their start poses, standing still; time, things and doors stay as they are."""
@@ -167,18 +209,13 @@ class World:
     def reset(self) -> None:
         """Begin again as new: time, poses, things and doors as at the start."""
         self.core.reset()
-        self._closed = {door.name: door.closed for door in self._plan.doors}
+        self._doors = {door.name: door_at_start(door) for door in self._plan.doors}
+        self._things = self._first_things
         self._step_index = 0
 
     def _build(self, run: Run) -> _core.World:
-        shapes = [_core.Solid(solid.corners, convex_pieces(solid.corners)) for solid in self._solids]
-        elements = [solid.element for solid in self._solids]
-        leaves = [
-            _core.Door(shape, element.closed)
-            for shape, element in zip(shapes, elements, strict=True)
-            if isinstance(element, Door)
-        ]
-        still = [shape for shape, element in zip(shapes, elements, strict=True) if not isinstance(element, Door)]
+        still = [_core.Solid(solid.corners, convex_pieces(solid.corners)) for solid in self._solids]
+        leaves = [core_door(door) for door in self._plan.doors]
         bodies, things = [_body(robot) for robot in self._robots], [_thing(thing) for thing in self._things]
         return _core.World(still, leaves, bodies, run.step_s, run.physics_substeps, things)
 
@@ -216,10 +253,48 @@ class World:
                 wanted = f"; wanted {robot.radius_m + other.radius_m:g} m between them"
             raise PlacementError(f"{place} is inside robot_{other_id} at ({x_m:.2f}, {y_m:.2f}){wanted}")
 
+    def _thing_index(self, name: str) -> int:
+        names = [thing.name for thing in self._things]
+        if name not in names:
+            raise ValueError(f"there is no thing '{name}', only {', '.join(names) or 'none'}")
+        return names.index(name)
+
+    def _check_thing(self, thing: Thing, pose: Pose) -> None:
+        """Raise an error unless a thing can stand there, whatever place it has now."""
+        if not all(map(math.isfinite, (pose.x_m, pose.y_m, pose.yaw_rad))):
+            raise ValueError(f"{thing.kind} '{thing.name}': pose must be finite, got {pose}")
+        place = f"{thing.kind} '{thing.name}': pose ({pose.x_m:.2f}, {pose.y_m:.2f})"
+        if not self._plan.bounds.contains((pose.x_m, pose.y_m)):
+            raise PlacementError(f"{place} is outside the plan, {self._plan.bounds}")
+        body = thing.body_at((pose.x_m, pose.y_m, pose.yaw_rad))
+        hit = self._solid_in(body)
+        if hit is not None:
+            raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'")
+        for other, row in zip(self._things, self.core.thing_poses().tolist(), strict=True):
+            if other.name != thing.name and body.overlaps(other.body_at(tuple(row)), _TOUCH_M):
+                raise PlacementError(f"{place} is inside {other.kind} '{other.name}'")
+        for robot_id, row in enumerate(self.core.poses().tolist()):
+            robot = self._robots[robot_id]
+            is_near = math.dist((pose.x_m, pose.y_m), row[:2]) < thing.reach_m + robot.reach_m
+            if is_near and body.overlaps(robot.body_at(tuple(row)), _TOUCH_M):
+                raise PlacementError(f"{place} is inside robot_{robot_id}")
+
     def _solid_in(self, body: Body) -> Solid | None:
         near = self._shapes.query(body.core, predicate="dwithin", distance=body.margin_m - _TOUCH_M)
-        hits = (self._solids[index] for index in sorted(near))
-        return next((solid for solid in hits if self._closed.get(solid.name, True)), None)
+        hit = next((self._solids[index] for index in sorted(near)), None)
+        return hit or next((leaf for leaf in self._leaves() if body.overlaps_shape(leaf.polygon, _TOUCH_M)), None)
+
+    def _leaves(self) -> Iterator[Solid]:
+        """Yield the leaves that are somewhere, where they are."""
+        for door in self._plan.doors:
+            corners = leaf_outline(door, self._doors[door.name])
+            if corners is not None:
+                yield Solid(door.name, "door", corners, door)
+
+    def _look_at_doors(self) -> None:
+        states = {name: door_state(self.core, index) for name, index in self._door_ids.items()}
+        if states != self._doors:
+            self._doors = states
 
 
 def _body(robot: PlacedRobot) -> _core.Robot:

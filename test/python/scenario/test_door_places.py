@@ -36,6 +36,21 @@ def test_leaf_that_fills_a_gap_is_good(leaf) -> None:
     assert _mistakes(leaf) == []
 
 
+@pytest.mark.parametrize(
+    ("leaf", "angle_rad", "hit"),
+    [
+        (((4.0, 4.0), (5.0, 4.0)), 1.5, None),
+        (((4.0, 4.0), (5.0, 4.0)), 3.1, "left"),  # back against its own wall
+        (((4.5, 6.2), (5.5, 6.2)), 1.5, None),
+        (((4.5, 6.0), (5.5, 6.0)), 3.1, "pillar"),
+    ],
+)
+def test_leaf_that_swings_into_a_solid_is_told(leaf, angle_rad, hit) -> None:
+    door = Door(name="gate", start=leaf[0], end=leaf[1], motion="swing", angle_rad=angle_rad)
+    plan = FloorPlan(name="p", bounds=Bounds(max=(10.0, 8.0)), walls=(LEFT, RIGHT), blocks=(PILLAR,), doors=(door,))
+    assert [text.partition("swings into ")[2].split("'")[1] for _, text in misplaced_doors(plan)] == [hit] * bool(hit)
+
+
 def test_leaf_off_its_wall_is_told_with_its_place_and_the_way_to_the_nearest_solid() -> None:
     assert _mistakes(((4.0, 4.0), (6.0, 4.0)), ((4.3, 4.0), (5.8, 4.5))) == [
         (1, "the leaf [4.3, 4] .. [5.8, 4.5] hangs at no wall: the nearest is 0.3 m away")

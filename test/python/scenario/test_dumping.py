@@ -31,6 +31,7 @@ TEXT = st.text(
 NUMBER = st.floats(-1e6, 1e6, allow_nan=False)
 POINT = st.tuples(st.floats(0.0, 100.0), st.floats(0.0, 100.0))
 POSE = st.tuples(st.floats(0.0, 100.0), st.floats(0.0, 100.0), NUMBER)
+MOTION = st.sampled_from([{}, {"motion": "swing", "angle_rad": -1.0}, {"motion": "slide", "time_s": 3.0}])
 DOOR_KIND = st.sampled_from(["normal", "fireproof"])
 MEMORY = st.sampled_from(["published", "grunwald_letnikov"])
 TENTHS = st.integers(0, 1000).map(lambda tenths: tenths / 10)
@@ -45,7 +46,7 @@ def plans(draw: st.DrawFn) -> FloorPlan:
         for a, b in draw(st.lists(ends, max_size=3))
     ]
     doors = [
-        Door(name=next(names), start=a, end=b, kind=draw(DOOR_KIND), closed=draw(st.booleans()))
+        Door(name=next(names), start=a, end=b, kind=draw(DOOR_KIND), closed=draw(st.booleans()), **draw(MOTION))
         for a, b in [((0.0, a[1]), (1.0 + b[0] / 2.0, b[1])) for a, b in draw(st.lists(ends, max_size=3))]
     ]
     blocks = [

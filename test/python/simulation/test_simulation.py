@@ -14,6 +14,7 @@ from robotteamsim.scenario import sections
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
 from robotteamsim.simulation import Simulation, simulation
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
+from robotteamsim.world.doors import DoorState
 
 
 class FakeParts:
@@ -57,6 +58,9 @@ class FakeWorld:
     def sim_time_ns(self) -> int:
         return self.parts.sim_time_ns
 
+    def door_states(self) -> dict[str, DoorState]:
+        return {}
+
     def step(self, twists) -> None:
         self.parts.step_index += 1
         self.parts.calls.append(("world", [twist.linear_x_mps for twist in twists]))
@@ -81,6 +85,9 @@ class FakeEnvironment:
 
     def voice_map(self):
         return None
+
+    def follow_doors(self, doors) -> None:
+        assert doors == {}
 
     def step(self, positions_m, outboxes, saved):
         self.parts.calls.append(("environment", [[m.payload for m in outbox] for outbox in outboxes], tuple(saved)))

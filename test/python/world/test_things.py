@@ -1,11 +1,13 @@
 """Boxes and barrels in a world."""
 
+import math
+
 import pytest
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario import load
-from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
+from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.sections import Laser, PlacedRobot, Run
 from robotteamsim.scenario.things import Thing
 from robotteamsim.sensing.robots import RobotSensors
@@ -65,3 +67,75 @@ def test_things_of_a_scenario_stand_in_its_simulation():
     thing = "{name: crate, size_m: [0.4, 0.4], pose: [4.0, 3.0, 0.0]}"
     scenario = load("tutorial_arena", [f"things=[{thing}]"])
     assert Simulation(scenario).world.things() == {"crate": Pose(4.0, 3.0, 0.0)}
+
+
+def test_things_are_added_moved_and_removed_while_the_world_runs():
+    world = world_of(CRATE)
+    sensors = RobotSensors(world, ROBOTS, 1)
+    world.add_thing(DRUM)
+    assert list(world.things()) == ["crate", "drum"]
+    world.move_thing("drum", Pose(1.0, 0.0, 0.0))
+    assert sensors.read()[0].ranges_m[0] == pytest.approx(0.6, abs=1e-6)
+    world.step([Twist()])
+    assert world.things()["drum"] == Pose(1.0, 0.0, 0.0)
+    world.remove_thing("drum")
+    assert sensors.read()[0].ranges_m[0] == pytest.approx(1.6, abs=1e-6)
+    world.remove_thing("crate")
+    assert world.things() == {}
+    for _ in range(40):
+        world.step([Twist(0.7)])
+    assert world.poses()[0].x_m > 2.4
+
+
+def test_thing_added_to_an_empty_floor_is_pushed():
+    world = world_of()
+    world.add_thing(CRATE)
+    for _ in range(40):
+        world.step([Twist(0.7)])
+    assert world.things()["crate"].x_m > 2.4
+
+
+def test_reset_brings_back_the_things_of_the_scenario_and_the_rerun_is_equal_to_the_bit():
+    world = world_of(CRATE)
+
+    def run() -> list[bytes]:
+        rows = []
+        for index in range(60):
+            if index == 20:
+                world.add_thing(DRUM.model_copy(update={"pose": (2.5, 0.5, 0.0)}))
+            if index == 40:
+                world.remove_thing("crate")
+            world.step([Twist(0.7, 0.0, 0.05)])
+            rows.append(world.core.poses().tobytes() + world.core.thing_poses().tobytes())
+        return rows
+
+    first = run()
+    world.reset()
+    assert world.things() == {"crate": Pose(2.0, 0.0, 0.0)}
+    assert run() == first
+
+
+def test_thing_that_cannot_stand_there_is_refused_with_what_it_hits():
+    wall = Wall(name="south", start=(-5.0, -5.0), end=(5.0, -5.0))
+    door = Door(name="gate", start=(5.0, -5.0), end=(6.0, -5.0), motion="swing")
+    plan = PLAN.model_copy(update={"walls": (wall,), "doors": (door,)})
+    world = World(plan, ROBOTS, Run(), things=(CRATE, DRUM))
+    for place, hit in (
+        ((-3.0, -4.8), "wall 'south'"),
+        ((5.1, -4.5), "door 'gate'"),
+        ((0.1, 1.7), "barrel 'drum'"),
+        ((0.3, 0.3), "robot_0"),
+        ((11.0, 0.0), "outside the plan"),
+    ):
+        text = rf"^box 'crate': pose \({place[0]:.2f}, {place[1]:.2f}\) is (inside )?{hit}"
+        with pytest.raises(PlacementError, match=text):
+            world.move_thing("crate", Pose(*place, 0.0))
+        with pytest.raises(PlacementError, match=text.replace("crate", "other")):
+            world.add_thing(CRATE.model_copy(update={"name": "other", "pose": (*place, 0.0)}))
+    with pytest.raises(ValueError, match=r"^there is no thing 'crat', only crate, drum$"):
+        world.remove_thing("crat")
+    with pytest.raises(ValueError, match=r"^there is a box 'crate' already$"):
+        world.add_thing(CRATE)
+    with pytest.raises(ValueError, match=r"^box 'crate': pose must be finite"):
+        world.move_thing("crate", Pose(math.nan, 0.0, 0.0))
+    assert world.things() == {"crate": Pose(2.0, 0.0, 0.0), "drum": Pose(0.0, 2.0, 0.0)}

@@ -1,0 +1,72 @@
+#include "robotteamsim/world/box_bodies.hpp"
+
+#include <box2d/box2d.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "robotteamsim/world/outline.hpp"
+
+namespace robotteamsim {
+namespace {
+
+// Box2D lets shapes at rest overlap by one slop. Half a slop around each keeps the bodies themselves from it: they rest
+// at most a slop (5 mm) apart.
+constexpr float kSkin = 0.5F * b2_linearSlop;
+
+// Fills the shape by hand: b2PolygonShape::Set welds corners nearer than 2.5 mm and turns what then is no polygon into
+// a box of two metres, so thin solids would not be what the plan says.
+b2PolygonShape ConvexShape(const Polygon& piece, const Point& origin) {
+  const int count = static_cast<int>(piece.size());
+  if (count < 3 || count > b2_maxPolygonVertices) {
+    throw std::invalid_argument("a convex piece needs 3 to 8 corners, got " + std::to_string(count));
+  }
+  b2PolygonShape shape;
+  shape.m_radius = kSkin;
+  shape.m_count = count;
+  for (int i = 0; i < count; ++i) {
+    const Point& corner = piece[i];
+    const Point& next = piece[(i + 1) % count];
+    const double dx = next.x - corner.x, dy = next.y - corner.y, length = std::hypot(dx, dy);
+    if (!(length > 0.0) || !(Cross(corner, next, piece[(i + 2) % count]) >= 0.0)) {
+      throw std::invalid_argument("a piece must be convex and counter-clockwise, without equal corners");
+    }
+    shape.m_vertices[i] = ToBox(corner.x - origin.x, corner.y - origin.y);
+    shape.m_normals[i] = ToBox(dy / length, -dx / length);
+    shape.m_centroid += 1.0F / static_cast<float>(count) * shape.m_vertices[i];
+  }
+  return shape;
+}
+
+void AddFixture(b2Body* body, const b2Shape& shape, double density) {
+  b2FixtureDef fixture;
+  fixture.shape = &shape;
+  fixture.friction = 0.0F;
+  fixture.density = static_cast<float>(density);
+  body->CreateFixture(&fixture);
+}
+
+}  // namespace
+
+b2Vec2 ToBox(double x, double y) { return {static_cast<float>(x), static_cast<float>(y)}; }
+
+void AddPieces(b2Body* body, const Solid& solid, const Point& origin) {
+  for (const Polygon& piece : solid.pieces) {
+    AddFixture(body, ConvexShape(piece, origin), 0.0);
+  }
+}
+
+void AddDisc(b2Body* body, double radius, double mass) {
+  b2CircleShape shape;
+  shape.m_radius = static_cast<float>(radius) + kSkin;
+  AddFixture(body, shape, mass / (static_cast<double>(b2_pi) * shape.m_radius * shape.m_radius));
+}
+
+void AddPolygon(b2Body* body, const Polygon& corners, double mass) {
+  double twice_area = 0.0;
+  for (std::size_t i = 2; i < corners.size(); ++i) twice_area += Cross(corners[0], corners[i - 1], corners[i]);
+  AddFixture(body, ConvexShape(corners, {}), 2.0 * mass / twice_area);
+}
+
+}  // namespace robotteamsim

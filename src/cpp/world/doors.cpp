@@ -1,0 +1,148 @@
+#include "robotteamsim/world/doors.hpp"
+
+#include <box2d/box2d.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "robotteamsim/world/box_bodies.hpp"
+#include "robotteamsim/world/nearby_edges.hpp"
+#include "robotteamsim/world/outline.hpp"
+
+namespace robotteamsim {
+namespace {
+
+// A leaf looks after every centimetre of its way [m] whether something is in it.
+constexpr double kGlance = 0.01;
+
+// A leaf that is this near to its end [of its way] is there: so much is rounding.
+constexpr double kAtEnd = 1e-9;
+
+std::vector<Door> Checked(std::vector<Door> doors) {
+  for (const Door& door : doors) {
+    const LeafMotion& motion = door.motion;
+    for (const double value :
+         {motion.time, motion.angle, motion.shift.x, motion.shift.y, motion.hinge.x, motion.hinge.y}) {
+      if (!std::isfinite(value)) throw std::invalid_argument("the motion of a door must be finite");
+    }
+    if (motion.time < 0.0) throw std::invalid_argument("the time of a door must be >= 0");
+  }
+  return doors;
+}
+
+// A leaf seen from its hinge.
+Polygon FromHinge(const Polygon& outline, const Point& hinge) { return Placed(outline, {-hinge.x, -hinge.y, 0.0}); }
+
+}  // namespace
+
+Doors::Doors(std::vector<Door> doors) : first_(Checked(std::move(doors))) {}
+
+void Doors::Place(b2World& box, const Point& origin) {
+  origin_ = origin;
+  doors_ = first_;
+  leaves_.clear();
+  bodies_.clear();
+  for (std::size_t i = 0; i < doors_.size(); ++i) {
+    const Door& door = doors_[i];
+    const LeafMotion& motion = door.motion;
+    b2BodyDef still;
+    if (motion.time == 0.0) {
+      still.enabled = door.closed;
+      bodies_.push_back(box.CreateBody(&still));
+      AddPieces(bodies_.back(), door.leaf, origin);
+      continue;
+    }
+    bodies_.push_back(box.CreateBody(&still));
+    AddPieces(bodies_.back(), door.leaf, motion.hinge);
+    MovingLeaf leaf{static_cast<int>(i), door.closed ? 0.0 : 1.0, door.closed, false, {}, 0.0};
+    leaf.outline = OutlineAt(leaf, leaf.opening);
+    leaf.reach = ReachOf(FromHinge(door.leaf.outline, motion.hinge)) + std::hypot(motion.shift.x, motion.shift.y);
+    leaves_.push_back(leaf);
+    PutBody(leaf);
+  }
+}
+
+Polygon Doors::OutlineAt(const MovingLeaf& leaf, double opening) const {
+  const Door& door = doors_[leaf.door];
+  const auto& [time, angle, shift, hinge] = door.motion;
+  const Polygon from_hinge = FromHinge(door.leaf.outline, hinge);
+  return Placed(from_hinge, {hinge.x + shift.x * opening, hinge.y + shift.y * opening, angle * opening});
+}
+
+// To Box2D a leaf is a still body that is put elsewhere: it stops what drives at it, and never pushes.
+void Doors::PutBody(const MovingLeaf& leaf) {
+  const auto& [time, angle, shift, hinge] = doors_[leaf.door].motion;
+  const double x = hinge.x + shift.x * leaf.opening, y = hinge.y + shift.y * leaf.opening;
+  bodies_[leaf.door]->SetTransform(ToBox(x - origin_.x, y - origin_.y), static_cast<float>(angle * leaf.opening));
+}
+
+void Doors::SetClosed(int door, bool closed) {
+  Door& stored = doors_.at(door);
+  if (stored.motion.time == 0.0) {
+    stored.closed = closed;
+    bodies_[door]->SetEnabled(closed);
+    return;
+  }
+  for (MovingLeaf& leaf : leaves_) {
+    if (leaf.door != door) continue;
+    leaf.shall_close = closed;
+    leaf.is_held = false;
+  }
+}
+
+// How fast the fastest corner of a leaf is on its way [m/s].
+double Doors::Pace(const MovingLeaf& leaf) const {
+  const LeafMotion& motion = doors_[leaf.door].motion;
+  return (std::abs(motion.angle) * leaf.reach + std::hypot(motion.shift.x, motion.shift.y)) / motion.time;
+}
+
+void Doors::Advance(double time, const IsInTheWay& is_in_the_way) {
+  for (MovingLeaf& leaf : leaves_) {
+    if (!leaf.IsThere()) GoOn(leaf, time, is_in_the_way);
+  }
+}
+
+void Doors::GoOn(MovingLeaf& leaf, double time, const IsInTheWay& is_in_the_way) {
+  Door& door = doors_[leaf.door];
+  const int parts = static_cast<int>(std::ceil(Pace(leaf) * time / kGlance));
+  const double end = leaf.shall_close ? 0.0 : 1.0;
+  const double part = (leaf.shall_close ? -1.0 : 1.0) * time / door.motion.time / parts;
+  leaf.is_held = false;
+  for (int i = 0; i < parts && !leaf.IsThere() && !leaf.is_held; ++i) {
+    const double further = leaf.opening + part;
+    const double next = std::abs(end - further) < kAtEnd ? end : std::clamp(further, 0.0, 1.0);
+    Polygon outline = OutlineAt(leaf, next);
+    if (is_in_the_way(leaf.outline, outline)) {
+      leaf.is_held = true;
+    } else {
+      leaf.opening = next;
+      leaf.outline = std::move(outline);
+    }
+  }
+  door.closed = leaf.opening == 0.0;
+  PutBody(leaf);
+}
+
+double Doors::Travel(double time) const {
+  double travel = 0.0;
+  for (const MovingLeaf& leaf : leaves_) {
+    if (!leaf.IsThere()) travel = std::max(travel, Pace(leaf) * time);
+  }
+  return travel;
+}
+
+bool Doors::IsLeafNear(const Point& point, double distance) const {
+  for (const MovingLeaf& leaf : leaves_) {
+    const Point& hinge = doors_[leaf.door].motion.hinge;
+    if (std::hypot(point.x - hinge.x, point.y - hinge.y) > leaf.reach + distance) continue;
+    for (std::size_t i = 0; i < leaf.outline.size(); ++i) {
+      const Segment side{leaf.outline[i], leaf.outline[(i + 1) % leaf.outline.size()]};
+      if (DistanceToSegment(point, side) <= distance) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace robotteamsim
