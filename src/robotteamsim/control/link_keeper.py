@@ -47,7 +47,7 @@ class LinkKeeper:
         members = missing or heard
         if self._field is None or not members:
             return position, 0.0
-        neighbour = min(members.values(), key=lambda place: math.dist(position, place))
+        neighbour = min(members.values(), key=functools.partial(math.dist, position))
         if self._network.link == "distance":
             proximity, endangered, range_m = self._by_distance(position, neighbour)
         else:

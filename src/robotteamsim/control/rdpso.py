@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
+from operator import attrgetter
 
 import numpy as np
 
@@ -141,7 +142,8 @@ class RdpsoController:
         assert self._observation is not None
         if self._observation.sim_time_ns - self._reported_ns >= self._patience_ns:
             return True
-        return all(report.iteration != own.iteration - 1 for report in self._team.values())
+        last = own.iteration - 1
+        return not any([report.iteration == last for report in self._team.values()])
 
     def _evaluate(self, pose: Pose, ranges_m: np.ndarray) -> Report:
         """Phase 1: return the report on what the robot knows at the start of an iteration."""
@@ -213,7 +215,7 @@ class RdpsoController:
     def _highest(self, bests: Sequence[Best | None]) -> Best | None:
         """Return the best that is not ruled out, the first of equals; none where there is none."""
         # Highest first: of a hundred robots' bests, only the first few must be asked about.
-        for best in sorted(filter(None, bests), key=_value, reverse=True):
+        for best in sorted(filter(None, bests), key=attrgetter("value"), reverse=True):
             if not (best.is_voice and self._ruled_out.covers(best.position)):
                 return best
         return None
@@ -301,7 +303,3 @@ class RdpsoController:
             local_best=self._local_best.value if self._local_best else 0.0,
             search_counter=self._swarm.search_counter,
         )
-
-
-def _value(best: Best) -> float:
-    return best.value

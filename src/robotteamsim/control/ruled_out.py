@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 from robotteamsim.scenario.scenario import Scenario
@@ -27,22 +28,33 @@ class RuledOut:
         self._bucket_m = max(self._radius_m, self._next_to_m)
         self._buckets: dict[tuple[int, int], list[tuple[Vector, Vector | None]]] = {}
         self._known: set[tuple[int, int, Vector | None]] = set()
+        self._covered: set[Vector] = set()
+        """Places that were found to be covered; they stay so until all is forgotten."""
 
     def clear(self) -> None:
         """Forget everything: the voice map is another."""
         self._buckets.clear()
         self._known.clear()
+        self._covered.clear()
 
     def add(self, position: Vector, loudest: Vector | None) -> None:
         """Note the loudest cell that a robot hears from where it is; none if it hears nothing."""
-        key = (round(position[0] / _SAME_PLACE_M), round(position[1] / _SAME_PLACE_M), loudest)
+        key, bucket = _key_and_bucket(position, loudest, self._bucket_m)
         if key not in self._known:
             self._known.add(key)
-            self._buckets.setdefault(self._bucket_of(position), []).append((position, loudest))
+            self._buckets.setdefault(bucket, []).append((position, loudest))
 
     def covers(self, place: Vector) -> bool:
         """Whether the victim whose voice is heard at a cell cannot be there."""
-        column, row = self._bucket_of(place)
+        if place in self._covered:
+            return True
+        if self._is_covered(place):
+            self._covered.add(place)
+            return True
+        return False
+
+    def _is_covered(self, place: Vector) -> bool:
+        column, row = _bucket_of(place, self._bucket_m)
         for i in (column - 1, column, column + 1):
             for j in (row - 1, row, row + 1):
                 for position, loudest in self._buckets.get((i, j), ()):
@@ -56,5 +68,16 @@ class RuledOut:
     def _is_same_cell(self, place: Vector, loudest: Vector | None) -> bool:
         return loudest is not None and math.dist(place, loudest) < 0.5 * self._cell_m
 
-    def _bucket_of(self, place: Vector) -> tuple[int, int]:
-        return math.floor(place[0] / self._bucket_m), math.floor(place[1] / self._bucket_m)
+
+
+# All robots of one process that hear a report ask for these.
+@functools.lru_cache(maxsize=8192)
+def _key_and_bucket(
+    position: Vector, loudest: Vector | None, bucket_m: float
+) -> tuple[tuple[int, int, Vector | None], tuple[int, int]]:
+    key = round(position[0] / _SAME_PLACE_M), round(position[1] / _SAME_PLACE_M), loudest
+    return key, _bucket_of(position, bucket_m)
+
+
+def _bucket_of(place: Vector, bucket_m: float) -> tuple[int, int]:
+    return math.floor(place[0] / bucket_m), math.floor(place[1] / bucket_m)
