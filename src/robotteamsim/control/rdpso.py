@@ -142,8 +142,7 @@ class RdpsoController:
         assert self._observation is not None
         if self._observation.sim_time_ns - self._reported_ns >= self._patience_ns:
             return True
-        last = own.iteration - 1
-        return not any([report.iteration == last for report in self._team.values()])
+        return all(report.iteration != own.iteration - 1 for report in self._team.values())
 
     def _evaluate(self, pose: Pose, ranges_m: np.ndarray) -> Report:
         """Phase 1: return the report on what the robot knows at the start of an iteration."""

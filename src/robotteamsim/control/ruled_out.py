@@ -69,7 +69,6 @@ class RuledOut:
         return loudest is not None and math.dist(place, loudest) < 0.5 * self._cell_m
 
 
-
 # All robots of one process that hear a report ask for these.
 @functools.lru_cache(maxsize=8192)
 def _key_and_bucket(

@@ -10,6 +10,7 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.control.controller import Decision, Task
 from robotteamsim.mission.status import Event, MissionEnd, MissionState, MissionStatus, VictimState
+from robotteamsim.mission.team_watch import TeamWatch
 from robotteamsim.network.messages import NetworkState, Refusal, Traffic
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
@@ -58,9 +59,8 @@ class Mission:
         self._epoch = 0
         self._endangered_links = 0
         self._endangered: np.ndarray | None = None
-        self._excluded: list[bool] = []
+        self._team = TeamWatch()
         self._refusals: set[Refusal] = set()
-        self._failed: set[int] = set()
         self._events: list[Event] = []
         self._status = self._make_status()
 
@@ -242,26 +242,15 @@ class Mission:
                 self._tell("message_too_large", "", refusal.sender, f"robot {refusal.sender} cannot send {size}")
 
     def _judge_team(self, decisions: Sequence[Decision]) -> None:
-        excluded = [decision.excluded for decision in decisions]
-        if excluded == self._excluded:
-            return
-        for robot_id, (before, now) in enumerate(zip(self._excluded or [False] * len(excluded), excluded, strict=True)):
-            if now and not before:
-                self._tell("robot_excluded", "", robot_id, f"robot {robot_id} is excluded from its swarm")
-            elif before and not now:
-                self._tell("robot_included", "", robot_id, f"robot {robot_id} is taken back into the swarm")
-        self._excluded = excluded
-        for robot_id, decision in enumerate(decisions):
-            if decision.fault and robot_id not in self._failed:
-                self._failed.add(robot_id)
-                self._tell("controller_failed", "", robot_id, f"robot {robot_id} is stopped: {decision.fault}")
+        for change in self._team.changes(decisions):
+            self._tell(change.kind, change.subject, change.robot_id, change.detail)
 
     def _judge_end(self) -> None:
         if self._areas and self._num_explored == len(self._areas):
             self._finish("areas_explored")
         elif self._elapsed_ns >= round(self._time_limit_s * 1e9):
             self._finish("time_limit")
-        elif all(self._excluded):
+        elif self._team.all_excluded:
             self._finish("all_excluded")
 
     def _finish(self, end: MissionEnd) -> None:

@@ -17,9 +17,9 @@ class Event:
     """Something that happened.
 
     kind:     start, pause, resume, end, area_explored, victim_heard, victim_saved, link_endangered, robot_excluded,
-              robot_included, controller_failed, message_too_large, door (opened or closed), door_moves (its leaf sets
-              off, is held up or arrives), noise, ...
-    subject:  name of the area, victim, door or link ("0-2") it happened to; "" for the mission itself.
+              robot_included, swarm_founded, swarm_dissolved, controller_failed, message_too_large,
+              door (opened or closed), door_moves (its leaf sets off, is held up or arrives), noise, ...
+    subject:  name of the area, victim, door, link ("0-2") or swarm ("swarm 1") it happened to; "" for the mission.
     robot_id: who did it; -1 for nobody.
     detail:   one readable line.
     """

@@ -32,6 +32,8 @@ _STYLES = {
     "robot_excluded": "magenta",
     "controller_failed": "red",
     "robot_included": "magenta",
+    "swarm_founded": "magenta",
+    "swarm_dissolved": "magenta",
     "end": "bold",
 }
 

@@ -227,7 +227,7 @@ def test_mission_ends_at_the_time_limit(hall_scenario):
 def test_mission_ends_when_all_robots_are_excluded(course):
     course.step(excluded=[0])
     assert course.mission.status.state == "running"
-    assert course.kinds(excluded=[0, 1]) == ["robot_excluded", "end"]
+    assert course.kinds(excluded=[0, 1]) == ["robot_excluded", "swarm_dissolved", "end"]
     assert course.mission.status.end == "all_excluded"
 
 
