@@ -148,8 +148,6 @@ def _draw_plan(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
         draw_areas(axes, run.areas, run.statuses[-1].explored if run.statuses else ())
         if run.victims:
             draw_victims(axes, run.victims[-1][1])
-    else:
-        axes.set_xlabel("x [m], each robot in its own odometry's frame", fontsize=8)
     draw_paths(axes, run)
     draw_collisions(axes, run)
 

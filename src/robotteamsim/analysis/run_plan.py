@@ -99,7 +99,8 @@ def draw_floor(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
         axes.grid(color="#e4e2dc", linewidth=0.6)
         axes.set_axisbelow(True)
     axes.set(xlim=(x0, x1), ylim=(y0, y1), aspect="equal")
-    axes.set_xlabel("x [m]", fontsize=8)
+    where = "" if is_on_map(run) else ", each robot in its own odometry's frame"
+    axes.set_xlabel(f"x [m]{where}", fontsize=8)
     axes.set_ylabel("y [m]", fontsize=8)
     axes.tick_params(labelsize=7, length=2)
     axes.spines[:].set_visible(False)
@@ -115,16 +116,19 @@ def _draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
     axes.imshow(image, origin="lower", extent=extent, interpolation="antialiased", zorder=0)
 
 
-def draw_areas(axes: Axes, areas: tuple[RecordedArea, ...], explored: tuple[bool, ...]) -> None:
-    """Draw areas as circles with their number, filled where they are explored."""
+def draw_areas(axes: Axes, areas: tuple[RecordedArea, ...], explored: tuple[bool, ...]) -> list[Circle]:
+    """Draw areas as circles with their number, filled where they are explored; return the circles."""
+    circles = []
     for number, area in enumerate(areas, 1):
         is_explored = number <= len(explored) and explored[number - 1]
         colour = to_rgba(EXPLORED, 0.28 if is_explored else 0.05)
         style = "-" if is_explored else ":"
         circle = Circle(area.center_m, area.radius_m, facecolor=colour, edgecolor=EXPLORED, linestyle=style, zorder=2)
         axes.add_patch(circle)
+        circles.append(circle)
         name = axes.text(*area.center_m, str(number), color=EXPLORED, ha="center", va="center", weight="bold", zorder=6)
         name.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+    return circles
 
 
 def draw_victims(axes: Axes, victims: tuple[RecordedVictim, ...]) -> None:

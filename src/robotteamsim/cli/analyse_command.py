@@ -4,22 +4,29 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
+from rich.progress import track
 
 from robotteamsim import scenario
-from robotteamsim.cli.parser import UsageError
+from robotteamsim.cli.parser import UsageError, positive_number
 from robotteamsim.recording.files import atomically, check_replaceable, prepare_folder, write_atomically
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from robotteamsim.analysis.recorded_run import RecordedRun
     from robotteamsim.analysis.run_figures import RunFigures
 
 MAX_DRAWN = 6
 """Bags beside each other in a picture."""
+
+_MIN_FILM_S, _MAX_FILM_S = 1.0, 600.0
+_GIF_WIDTH_PX, _GIF_FRAMES_PER_S, _GIF_SAMPLES = 960, 10, 8
+_MP4_WIDTH_PX, _MP4_FRAMES_PER_S = 1280, 25
 
 _DESCRIPTION = """\
 Tell what bags hold: how the mission went, what the robots drove, how the network held. Bags of
@@ -35,6 +42,7 @@ examples:
   robotteamsim analyse mission.bag
   robotteamsim analyse one.bag two.bag three.bag --json -
   robotteamsim analyse mission.bag --png mission.png --csv tables
+  robotteamsim analyse mission.bag --mp4 mission.mp4 --scenario garage_sar --seconds 30
   robotteamsim analyse --join mission_0.bag mission_1.bag mission_2.bag"""
 
 
@@ -50,6 +58,11 @@ def add_to(commands: Any) -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write figures and events; - prints them instead")
     parser.add_argument("--csv", type=Path, metavar="DIR", help="write figures, events and values over time as tables")
     parser.add_argument("--png", type=Path, metavar="FILE", help=f"draw paths and curves, of up to {MAX_DRAWN} bags")
+    parser.add_argument("--gif", type=Path, metavar="FILE", help="film the mission, small, for web pages")
+    parser.add_argument("--mp4", type=Path, metavar="FILE", help="film the mission, large, for talks; by ffmpeg")
+    parser.add_argument(
+        "--seconds", type=positive_number, default=20.0, metavar="S", help="length of the film; default 20"
+    )
     parser.add_argument("--scenario", metavar="SCENARIO", help="draw its plan instead of the bag's /map")
     parser.set_defaults(command=analyse)
 
@@ -71,6 +84,7 @@ def analyse(options: argparse.Namespace) -> None:
         with atomically(options.png) as part:
             draw_runs(runs, all_figures, plan).savefig(part, format="png")
         written.append(options.png)
+    written += _film(options, runs[0], all_figures[0], plan)
     if options.json != Path("-"):
         _print(runs, all_figures)
         for path in written:
@@ -89,13 +103,26 @@ def _check(options: argparse.Namespace) -> None:
             raise UsageError(f"{path}: cannot be written: {path.parent} is no folder")
     if options.png and not options.join and len(options.bags) > MAX_DRAWN:
         raise UsageError(f"--png: {len(options.bags)} bags do not fit beside each other; wanted at most {MAX_DRAWN}")
+    if options.gif or options.mp4:
+        _check_film(options)
     if options.csv:
         prepare_folder(options.csv)
 
 
+def _check_film(options: argparse.Namespace) -> None:
+    from robotteamsim.recording.film_files import find_ffmpeg
+
+    if len(options.bags) > 1 and not options.join:
+        raise UsageError(f"a film shows one bag, got {len(options.bags)}; --join is for the parts of one recording")
+    if not _MIN_FILM_S <= options.seconds <= _MAX_FILM_S:
+        raise UsageError(f"--seconds {options.seconds:g} is not within {_MIN_FILM_S:g} .. {_MAX_FILM_S:g}")
+    if options.mp4:
+        find_ffmpeg()
+
+
 def _files(options: argparse.Namespace) -> list[Path]:
     """Return the files to write."""
-    return [path for path in (options.json, options.png) if path and path != Path("-")]
+    return [path for path in (options.json, options.png, options.gif, options.mp4) if path and path != Path("-")]
 
 
 def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], figures: Sequence[RunFigures]) -> list[Path]:
@@ -110,6 +137,29 @@ def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], figures: Se
             write_atomically(options.json, text + "\n")
             written.append(options.json)
     return written
+
+
+def _film(
+    options: argparse.Namespace, run: RecordedRun, figures: RunFigures, plan: scenario.FloorPlan | None
+) -> list[Path]:
+    if not (options.gif or options.mp4):
+        return []
+    from robotteamsim.analysis.run_film import RunFilm
+    from robotteamsim.recording.film_files import find_ffmpeg, write_gif, write_mp4
+
+    if options.gif:
+        film, count = RunFilm(run, figures, plan, _GIF_WIDTH_PX), round(options.seconds * _GIF_FRAMES_PER_S)
+        write_gif(options.gif, _told(film.frames(count), count), film.frames(_GIF_SAMPLES), _GIF_FRAMES_PER_S)
+    if options.mp4:
+        film, count = RunFilm(run, figures, plan, _MP4_WIDTH_PX), round(options.seconds * _MP4_FRAMES_PER_S)
+        write_mp4(options.mp4, _told(film.frames(count), count), _MP4_FRAMES_PER_S, find_ffmpeg())
+    return [path for path in (options.gif, options.mp4) if path]
+
+
+def _told(frames: Iterator[np.ndarray], count: int) -> Iterator[np.ndarray]:
+    """Yield the frames behind a progress bar; silent where there is no terminal."""
+    console = Console(stderr=True)
+    return iter(track(frames, "film", count, console=console, disable=not console.is_terminal, transient=True))
 
 
 def _print(runs: Sequence[RecordedRun], figures: Sequence[RunFigures]) -> None:

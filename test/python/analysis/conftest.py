@@ -35,9 +35,9 @@ class Recorded:
 
 @pytest.fixture(scope="session")
 def busy(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
-    """Five robots with weak radios wander for 25 s: links break, walls are touched."""
+    """Five robots with weak radios walk at random for 25 s: links break, walls are touched."""
     path, events = tmp_path_factory.mktemp("busy") / "busy.bag", EventList()
-    weak = ["robots.count=5", "control.algorithm=wander", "radio.tx_power_dbm=-30"]
+    weak = ["robots.count=5", "control.algorithm=random_walk", "radio.tx_power_dbm=-30"]
     result = Simulation(load("garage_sar", [*weak, "voice.noise_db=5", "mission.time_limit_s=25"])).run(
         [BagWriter(path), events]
     )

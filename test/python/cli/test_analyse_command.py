@@ -2,10 +2,12 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 from pathlib import Path
 
 import cv2
 import pytest
+from PIL import Image, ImageSequence
 
 from robotteamsim.cli import main
 
@@ -75,6 +77,31 @@ def test_more_bags_than_fit_into_a_picture_are_refused(capsys):
     names = [f"{number}.bag" for number in range(7)]
     line = "--png: 7 bags do not fit beside each other; wanted at most 6"
     assert refusal(capsys, *names, "--png", "a.png") == line
+
+
+def test_gif_shows_the_mission(capsys, bags, tmp_path):
+    path = tmp_path / "a.gif"
+    assert main(["analyse", str(bags[0]), "--gif", str(path), "--seconds", "1"]) == 0
+    with Image.open(path) as film:
+        assert film.size == (960, 540)
+        assert sum(frame.info["duration"] for frame in ImageSequence.Iterator(film)) == 1000
+
+
+def test_film_of_several_bags_is_refused(capsys):
+    line = "a film shows one bag, got 2; --join is for the parts of one recording"
+    assert refusal(capsys, "a.bag", "b.bag", "--gif", "a.gif") == line
+
+
+def test_film_of_no_length_is_refused(capsys):
+    assert refusal(capsys, "a.bag", "--gif", "a.gif", "--seconds", "0.5") == "--seconds 0.5 is not within 1 .. 600"
+
+
+def test_mp4_without_ffmpeg_is_refused_before_the_bag_is_read(capsys, monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    assert refusal(capsys, "a.bag", "--mp4", tmp_path / "a.mp4").startswith(
+        "an MP4 needs ffmpeg, which is not installed"
+    )
 
 
 def test_wrong_bag_leaves_nothing_behind(capsys, bags, tmp_path):

@@ -1,0 +1,79 @@
+"""Frames of films show the run as it was at their time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robotteamsim.analysis.recorded_run import read_run
+from robotteamsim.analysis.run_figures import figures
+from robotteamsim.analysis.run_film import RunFilm, link_segments
+
+BLUE = (0x1F, 0x6F, 0xEB)
+
+
+@pytest.fixture(scope="module")
+def run(busy):
+    return read_run([busy.bag])
+
+
+@pytest.fixture(scope="module")
+def film(run):
+    return RunFilm(run, figures(run), None, width_px=640)
+
+
+def marks(frame: np.ndarray, colour: tuple[int, int, int]) -> np.ndarray:
+    """Return where a frame's left part, the plan, has a colour: bool, shape (height, width)."""
+    plan = frame[:, : int(0.68 * frame.shape[1])].astype(int)
+    return np.all(np.abs(plan - colour) < 8, axis=-1)
+
+
+def test_frames_have_the_asked_width_and_count(film):
+    frames = list(film.frames(7))
+    assert [frame.shape for frame in frames] == [(360, 640, 3)] * 7
+    assert frames[0].dtype == np.uint8
+
+
+def test_film_begins_with_the_run_and_holds_its_end(film, run):
+    frames = list(film.frames(25))
+    np.testing.assert_array_equal(frames[0], film.frame(run.start_ns))
+    np.testing.assert_array_equal(frames[-2], film.frame(run.end_ns))
+    np.testing.assert_array_equal(frames[-1], frames[-2])
+    assert np.any(frames[0] != frames[-1])
+
+
+def test_frame_does_not_depend_on_those_before(film, run):
+    middle_ns = (run.start_ns + run.end_ns) // 2
+    before = film.frame(middle_ns)
+    film.frame(run.end_ns)
+    np.testing.assert_array_equal(film.frame(middle_ns), before)
+
+
+def test_robot_moves_on_the_plan_as_it_did(film, run):
+    """The dot of robot 0 is found by its colour, and its shift in pixels compared with the shift in metres."""
+    axes = film._figure.axes[0]
+    track = run.robots[0].track
+    for stamp_ns in (run.start_ns, run.end_ns):
+        frame = film.frame(stamp_ns)
+        x, y = axes.transData.transform(track.poses[track.index_at(stamp_ns), :2])
+        rows, columns = np.nonzero(marks(frame, BLUE))
+        assert np.hypot(rows - (frame.shape[0] - y), columns - x).min() < 8.0
+
+
+def test_links_are_those_of_the_time_with_the_endangered_in_another_colour(run):
+    network = run.network
+    for index in (0, 120, len(network.stamps_ns) - 1):
+        segments, colours = link_segments(network, list(run.robots), int(network.stamps_ns[index]))
+        assert len(segments) == np.triu(network.adjacency[index], 1).sum()
+        endangered = np.triu(network.endangered[index], 1).sum()
+        assert len([colour for colour in colours if colour == "#d1495b"]) == endangered
+
+
+def test_bag_with_odometry_alone_is_filmed_too(write_bag, odometry, tmp_path):
+    samples = [
+        ("/odom", "nav_msgs/Odometry", 10**9 * (i + 1), odometry(10**9 * (i + 1), 0.3 * i, 0.0)) for i in range(30)
+    ]
+    run = read_run([write_bag(tmp_path / "real.bag", samples)])
+    first, *_, last = RunFilm(run, figures(run), None, width_px=640).frames(5)
+    columns = [np.nonzero(marks(frame, BLUE))[1].mean() for frame in (first, last)]
+    assert columns[1] > columns[0] + 50
