@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 import roslaunch.rlutil
 from rosbags.rosbag1 import Reader
 from running import ROSLAUNCH, running
 
-from robotteamsim.recording import TrajectoryHash, message_fields
+from robotteamsim.analysis.recorded_run import read_run
+from robotteamsim.analysis.run_figures import figures
+from robotteamsim.errors import RecordingError
+from robotteamsim.recording import BagWriter, TrajectoryHash, message_fields
 from robotteamsim.recording.bag import ROBOT_TOPICS, TEAM_TOPICS
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.ros import msg_conversion as conversion
@@ -121,9 +127,59 @@ def test_recorded_bag_holds_the_trajectories_of_the_hash(run: Run, headless_hash
 
 
 def test_recorded_bag_is_one_that_rosbag_info_can_read(run: Run) -> None:
-    command = (sys.executable, "-c", "import rosbag; rosbag.rosbagmain()", "info", str(run.bag))
-    info = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    assert re.search(r"/mission/events +\d+ msgs +: robotteamsim/MissionEvent", info)
+    assert re.search(r"/mission/events +\d+ msgs +: robotteamsim/MissionEvent", rosbag("info", str(run.bag)))
+
+
+def test_recorded_bag_is_analysed_to_the_figures_of_the_run(run: Run) -> None:
+    analysed, result = figures(read_run([run.bag])), run.result
+    assert analysed.mission is not None
+    mission = dataclasses.asdict(analysed.mission)
+    assert mission == {name: result[name] for name in mission}
+    assert [robot.distance_m for robot in analysed.robots] == [robot["distance_m"] for robot in result["robots"]]
+    assert [robot.contact_s for robot in analysed.robots] == [robot["contact_s"] for robot in result["robots"]]
+    assert (analysed.trajectory_hash, analysed.left_out) == (result["trajectory_hash"], ())
+
+
+def test_recorded_bag_is_analysed_as_the_headless_bag_of_the_same_seed(run: Run, tmp_path: Path) -> None:
+    overrides = ["mission.time_limit_s=20", "voice.noise_db=12", "run.seed=7"]
+    Simulation(load("garage_sar", overrides)).run([BagWriter(tmp_path / "run.bag")])
+    in_ros, headless = read_run([run.bag]), read_run([tmp_path / "run.bag"])
+    assert figures(in_ros) == figures(headless)
+    assert [event for _, event in in_ros.events] == [event for _, event in headless.events]
+    # In ROS the mission tells that it waits, before the first step comes.
+    assert [status for status in in_ros.statuses if status.state != "waiting"] == list(headless.statuses)
+    assert in_ros.network is not None
+    assert headless.network is not None
+    np.testing.assert_array_equal(in_ros.network.hop_count, headless.network.hop_count)
+    for ours, theirs in zip(in_ros.robots, headless.robots, strict=True):
+        np.testing.assert_array_equal(ours.track.poses, theirs.track.poses)
+
+
+@pytest.mark.parametrize("compression", ["--bz2", "--lz4"])
+def test_bag_that_rosbag_compresses_is_analysed_alike(run: Run, tmp_path: Path, compression: str) -> None:
+    packed = shutil.copy(run.bag, tmp_path / "run.bag")
+    rosbag("compress", "--quiet", compression, str(packed))
+    assert packed.stat().st_size < 0.7 * run.bag.stat().st_size
+    assert figures(read_run([packed])) == figures(read_run([run.bag]))
+
+
+def test_parts_that_rosbag_makes_are_analysed_as_one(run: Run, tmp_path: Path) -> None:
+    parts = tmp_path / "run.bag", tmp_path / "later.bag"
+    rosbag("filter", str(run.bag), str(parts[0]), "t.to_sec() < 8")
+    rosbag("filter", str(run.bag), str(parts[1]), "t.to_sec() >= 8")
+    assert figures(read_run(parts)) == figures(read_run([run.bag]))
+
+
+def test_truncated_bag_is_refused_and_analysed_after_rosbag_reindex(run: Run, tmp_path: Path) -> None:
+    part = tmp_path / "run.bag"
+    part.write_bytes(run.bag.read_bytes()[: run.bag.stat().st_size * 3 // 4])
+    with pytest.raises(RecordingError, match="`rosbag reindex "):
+        read_run([part])
+    rosbag("reindex", "--quiet", "--force", str(part))
+    saved = figures(read_run([part]))
+    assert saved.mission is not None
+    assert (saved.mission.end, saved.mission.scenario) == ("", "garage_sar")
+    assert 5.0 < saved.mission.time_s < 20.0
 
 
 def test_replay_plays_the_bag_and_ends(run: Run, tmp_path: Path) -> None:
@@ -156,6 +212,12 @@ def test_wrong_argument_ends_the_launch_with_one_line_and_status_2(argument: str
     assert "REQUIRED process [world-2] has died!" in program.output
     assert "exit code 2" in program.output
     assert "Traceback" not in program.output
+
+
+def rosbag(*arguments: str) -> str:
+    """Call ROS's own tool and return what it prints."""
+    command = (sys.executable, "-c", "import rosbag; rosbag.rosbagmain()", *arguments)
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
 def trajectory_hash(path: Path, steps: int) -> str:
