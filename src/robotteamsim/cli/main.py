@@ -13,6 +13,7 @@ from robotteamsim.cli import (
     campaign_command,
     field_command,
     plan_command,
+    report_command,
     run_command,
     scenario_command,
 )
@@ -29,6 +30,7 @@ examples:
   robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
   robotteamsim run my.yaml --set control.alpha=0.5 --json
   robotteamsim campaign garage_sar --noise 10 --noise 20 --trials 30 --out DIR
+  robotteamsim report DIR                            a campaign's figures, tests and verdicts as one page
   robotteamsim analyse mission.bag                   what a bag tells, of a headless run or of ROS
   robotteamsim scenario show garage_sar              every key with its value
   robotteamsim field voice garage_sar --png voice.png
@@ -65,6 +67,14 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"robotteamsim {robotteamsim.__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (run_command, campaign_command, scenario_command, plan_command, field_command, analyse_command):
+    for command in (
+        run_command,
+        campaign_command,
+        report_command,
+        analyse_command,
+        scenario_command,
+        plan_command,
+        field_command,
+    ):
         command.add_to(commands)
     return parser

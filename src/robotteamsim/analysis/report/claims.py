@@ -1,0 +1,229 @@
+"""What the dissertation claims of its missions, and what ours say of each claim."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from robotteamsim.analysis.report.comparison import MARGIN, Comparison
+from robotteamsim.analysis.report.maps import nearest_other_m
+from robotteamsim.analysis.report.samples import Campaign, Cell, Sample
+from robotteamsim.analysis.report.statistics import clopper_pearson, holm, kruskal_wallis, mann_whitney
+from robotteamsim.analysis.report.wording import interval_text, listed, p_text, percent, share_text
+from robotteamsim.scenario import Scenario
+
+Verdict = Literal["reproduced", "not reproduced", "not shown"]
+
+WANTED_TRIALS = 100
+"""Of each level, before a claim counts as reproduced."""
+
+_LEVEL = 0.05
+_MINUS = "\N{MINUS SIGN}"
+_RANGES_M = {-60.0: 4.5, -70.0: 10.0, -80.0: 25.0}
+"""What Section 5.3 reads from Figure 18, by connection threshold [dBm]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """text: what is claimed. source: where. why: what ours say of it."""
+
+    text: str
+    source: str
+    verdict: Verdict
+    why: str
+
+
+def judge(campaign: Campaign, comparisons: Sequence[Comparison]) -> tuple[Claim, ...]:
+    """Return all claims that these missions can be held against; none where the dissertation has none like them."""
+    if not comparisons:
+        return ()
+    claims = [_victims(comparison) for comparison in comparisons]
+    claims += [_time(comparison) for comparison in comparisons]
+    if len(comparisons) > 1:
+        claims.append(_trend(campaign))
+    claims += _direct_influence(campaign)
+    claims.append(_areas(comparisons))
+    claims += _time_limit(campaign)
+    claims += [_endangered(campaign, comparisons), _ranges(campaign.scenario)]
+    return tuple(claims)
+
+
+def _verdict(agrees: bool, trials: int) -> tuple[Verdict, str]:
+    """Return the verdict, and what to add to its reason: no claim is reproduced by a few missions."""
+    if not agrees:
+        return "not reproduced", ""
+    if trials < WANTED_TRIALS:
+        return "not shown", f" So far it agrees; {trials} missions a level are too few, {WANTED_TRIALS} are wanted."
+    return "reproduced", ""
+
+
+def _victims(comparison: Comparison) -> Claim:
+    texts = {
+        10.0: "With 10 dB of noise all four victims are saved in each mission.",
+        20.0: "With 20 dB the number of victims saved is a little lower: 3.3 on average.",
+        30.0: "With 30 dB only half of the victims are saved: 2.1 on average.",
+    }
+    agrees, reasons = True, []
+    for rate in comparison.rates:
+        inside = rate.ours.value in rate.theirs
+        agrees &= inside
+        reasons.append(
+            f"At least {rate.saved} were saved in {share_text(rate.ours)} of ours, "
+            f"{'inside' if inside else 'outside'} the dissertation's {percent(rate.theirs.low)} to "
+            f"{percent(rate.theirs.high)}."
+        )
+    if comparison.victims_p is not None:
+        same = comparison.victims_p >= _LEVEL
+        agrees &= same
+        found = "no difference found" if same else "the distributions differ"
+        reasons.append(
+            f"Counts of victims: {found} (Fisher-Freeman-Halton, {p_text(comparison.victims_p)} after Holm)."
+        )
+    else:
+        reasons.append("All counts of victims are the same in both.")
+    verdict, more = _verdict(agrees, comparison.trials)
+    return Claim(texts[comparison.noise_db], "Tables 6, 8; Fig. 19", verdict, " ".join(reasons) + more)
+
+
+def _time(comparison: Comparison) -> Claim:
+    means = {10.0: 459.6, 20.0: 382.0, 30.0: 343.5}
+    text = f"With {comparison.noise_db:g} dB a mission takes {means[comparison.noise_db]:g} s on average."
+    interval, low, high = comparison.time.interval, 1.0 - MARGIN, 1.0 + MARGIN
+    why = f"Ours take {interval_text(interval, 3)} times as long (90 % interval); {low:g} to {high:g} is wanted"
+    if comparison.time_p < _LEVEL:
+        verdict, more = _verdict(True, comparison.trials)
+        return Claim(
+            text, "Tables 6, 8; Fig. 20", verdict, f"{why} and shown ({p_text(comparison.time_p)} after Holm).{more}"
+        )
+    if interval.high < low or interval.low > high:
+        return Claim(text, "Tables 6, 8; Fig. 20", "not reproduced", f"{why}, and the whole interval lies outside.")
+    why += f"; the interval is too wide or too near an end to tell ({p_text(comparison.time_p)} after Holm)."
+    return Claim(text, "Tables 6, 8; Fig. 20", "not shown", why)
+
+
+def _trend(campaign: Campaign) -> Claim:
+    cells = _by_noise([cell for cell, _ in campaign.compared])
+    times = [cell.ours.restricted_s for cell in cells]
+    p_all = kruskal_wallis(times)
+    steps = holm([mann_whitney(a, b, "greater") for a, b in itertools.pairwise(times)])
+    falls = all(np.mean(a) > np.mean(b) for a, b in itertools.pairwise(times))
+    agrees = falls and p_all is not None and p_all < _LEVEL and all(p is not None and p < _LEVEL for p in steps)
+    order = " > ".join(f"{np.mean(time):.0f} s" for time in times)
+    if not falls:
+        order = listed([f"{np.mean(time):.0f} s" for time in times])
+    each = listed(
+        [f"{a.name} > {b.name}: {p_text(p)}" for (a, b), p in zip(itertools.pairwise(cells), steps, strict=True)]
+    )
+    why = f"Mean times {order}. Kruskal-Wallis {p_text(p_all)}; {each} (Mann-Whitney, one-sided, after Holm)."
+    verdict, more = _verdict(agrees, min(len(cell.ours) for cell in cells))
+    return Claim("The more noise, the shorter the mission.", "Sec. 5.4.2; Fig. 20", verdict, why + more)
+
+
+def _direct_influence(campaign: Campaign) -> list[Claim]:
+    """Hold the times of missions that saved all victims against each other, at the two lowest levels."""
+    pairs = sorted(campaign.compared, key=lambda pair: _noise_db(pair[0]))[:2]
+    if [_noise_db(cell) for cell, _ in pairs] != [10.0, 20.0]:
+        return []
+    theirs, ours = [_times_of_all_saved(sample) for _, sample in pairs], [_times_of_all_saved(c.ours) for c, _ in pairs]
+    p_theirs, p_ours = mann_whitney(theirs[0], theirs[1]), mann_whitney(ours[0], ours[1])
+    why = (
+        f"Its own data deny it: with all four saved, 10 dB takes {np.mean(theirs[0]):.1f} s and 20 dB "
+        f"{np.mean(theirs[1]):.1f} s on average (Mann-Whitney, {p_text(p_theirs)})."
+    )
+    if p_ours is None:
+        why += " Ours have too few such missions to tell."
+    else:
+        word = "deny it, too" if p_ours < _LEVEL else "show no such difference"
+        why += f" Ours {word}: {np.mean(ours[0]):.1f} s and {np.mean(ours[1]):.1f} s ({p_text(p_ours)})."
+    agrees = p_ours is not None and p_ours >= _LEVEL
+    verdict: Verdict = "not shown" if agrees or p_ours is None else "not reproduced"
+    text = "Noise does not itself influence the duration, only by the number of victims saved."
+    return [Claim(text, "Sec. 5.4.2; Fig. 20", verdict, why)]
+
+
+def _areas(comparisons: Sequence[Comparison]) -> Claim:
+    outside = [c.name for c in comparisons if c.areas[0].value not in c.areas[1]]
+    parts = [f"{share_text(c.areas[0])} at {c.name}, there {share_text(c.areas[1])}" for c in comparisons]
+    why = f"Missions with all areas explored: {'; '.join(parts)}."
+    if outside:
+        why += f" Ours lie outside its interval at {listed(outside)}."
+    verdict, more = _verdict(not outside, min(c.trials for c in comparisons))
+    return Claim("All areas are explored, but where the time runs out.", "Tables 7, 9; Fig. 21", verdict, why + more)
+
+
+def _time_limit(campaign: Campaign) -> list[Claim]:
+    if len(campaign.compared) < 3:
+        return []
+    ours = np.concatenate([_cut_short(cell.ours) for cell, _ in campaign.compared])
+    theirs = np.concatenate([_cut_short(sample) for _, sample in campaign.compared])
+    saved = np.concatenate(
+        [c.ours.victims_saved[_cut_short(c.ours)] == c.ours.num_victims for c, _ in campaign.compared]
+    )
+    here, there = (clopper_pearson(int(cut.sum()), len(cut)) for cut in (ours, theirs))
+    why = (
+        f"{int(ours.sum())} of our {len(ours)} missions were cut short: {share_text(here)}, there {share_text(there)}."
+    )
+    if len(saved):
+        why += f" All victims were saved in {int(saved.sum())} of them."
+    agrees = here.value in there and bool(saved.all())
+    verdict, more = _verdict(agrees, min(len(cell.ours) for cell, _ in campaign.compared))
+    text = "The limit of 600 s is reached in 2 of 90 missions, in which all victims are saved."
+    return [Claim(text, "Sec. 5.4.1; Table 6", verdict, why + more)]
+
+
+def _endangered(campaign: Campaign, comparisons: Sequence[Comparison]) -> Claim:
+    outside = [c.name for c in comparisons if c.endangered[0].value not in c.endangered[1]]
+    parts = [f"{share_text(c.endangered[0])} at {c.name}" for c in comparisons]
+    bound = percent(max(c.endangered[1].high for c in comparisons))
+    why = f"Missions with an endangered link: {'; '.join(parts)}; none in 30 there, which allows for up to {bound}."
+    apart = _distances_apart_m(campaign)
+    if len(apart):
+        why += (
+            f" It is no hard test: to the nearest other robot it is {np.median(apart):.1f} m in the middle and "
+            f"{np.max(apart):.1f} m at most."
+        )
+    verdict, more = _verdict(not outside, min(c.trials for c in comparisons))
+    text = f"With a threshold of {_MINUS}80 dBm the connection is never endangered."
+    return Claim(text, "Tables 7, 9; Fig. 22", verdict, why + more)
+
+
+def _ranges(scenario: Scenario) -> Claim:
+    radio = scenario.radio
+    parts, agrees = [], True
+    for threshold_dbm, claimed_m in _RANGES_M.items():
+        range_m = 10.0 ** ((radio.tx_power_dbm - radio.constant_loss_db - threshold_dbm) / radio.slope_db)
+        near = abs(range_m / claimed_m - 1.0) <= MARGIN
+        agrees &= near
+        parts.append(f"{range_m:.1f} m at {threshold_dbm:g} dBm{'' if near else f', not {claimed_m:g} m'}")
+    why = f"By its equations 2 and 3 and Table 3, without walls: {'; '.join(parts)}. No mission is needed to tell."
+    text = "A robot reaches about 4.5 m, 10 m and 25 m for thresholds of -60, -70 and -80 dBm.".replace("-", _MINUS)
+    return Claim(text, "Sec. 5.3; Fig. 18", "reproduced" if agrees else "not reproduced", why.replace("-", _MINUS))
+
+
+def _distances_apart_m(campaign: Campaign) -> np.ndarray:
+    """Return the distance of each robot to its nearest other, at all kept moments of all missions [m]."""
+    found = [
+        nearest_other_m(paths_m).ravel() for cell in campaign.cells for paths_m in cell.paths_m if paths_m.shape[1] > 1
+    ]
+    return np.concatenate(found) if found else np.empty(0)
+
+
+def _noise_db(cell: Cell) -> float:
+    assert cell.scenario is not None
+    return cell.scenario.voice.noise_db
+
+
+def _by_noise(cells: Sequence[Cell]) -> list[Cell]:
+    return sorted(cells, key=_noise_db)
+
+
+def _times_of_all_saved(sample: Sample) -> np.ndarray:
+    return sample.restricted_s[sample.victims_saved == sample.num_victims]
+
+
+def _cut_short(sample: Sample) -> np.ndarray:
+    return ~sample.finished

@@ -1,0 +1,227 @@
+"""Maps of a report: how far voices and radios reach, and where the robots went."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import PowerNorm
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from matplotlib.patches import Circle
+from matplotlib.patheffects import withStroke
+
+from robotteamsim.analysis.field_picture import draw_fields
+from robotteamsim.analysis.fields import VoiceRange, radio_panel, radio_style, voice_panel, voice_style
+from robotteamsim.analysis.plan_picture import VICTIM, draw_doors, draw_solids
+from robotteamsim.analysis.report.figures import INK, styled
+from robotteamsim.analysis.report.samples import Campaign, Cell
+from robotteamsim.propagation import FieldMap, VoiceField, VoiceSource
+from robotteamsim.scenario import Scenario, occupancy_grid
+from robotteamsim.scenario.plan import OCCUPIED
+
+MAX_MAPS = 9
+"""A figure shows no more maps than these."""
+
+MAX_TEAM = 64
+"""Larger teams are not searched for the moment in which they are spread the most."""
+
+_HALO = (withStroke(linewidth=2.2, foreground="white"),)
+_CELLS = 300
+_HEAT_CELLS = 120
+_MIN_HEAT_CELL_M = 0.25
+_PAGE_INCHES = 10.5
+_DPI = 160
+
+
+def noises_db(campaign: Campaign) -> list[float]:
+    """Return the background noises of all cells, in rising order [dB]."""
+    return sorted({cell.scenario.voice.noise_db for cell in campaign.cells if cell.scenario is not None})
+
+
+@styled
+def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: VoiceRange) -> Figure:
+    """Return where victims are heard at each noise, all voices quiet or all loud [Fig. 16, 17]."""
+    chosen = [
+        scenario.model_copy(update={"voice": scenario.voice.model_copy(update={"noise_db": noise_db})})
+        for noise_db in levels_db[:MAX_MAPS]
+    ]
+    resolution_m = _resolution_m(scenario, _CELLS)
+    panels = [
+        dataclasses.replace(
+            voice_panel(each, (), resolution_m, voice_range), title=f"{each.voice.noise_db:g} dB of noise"
+        )
+        for each in chosen
+    ]
+    end = 1 if voice_range == "lowest" else 0
+    constant = f"{scenario.voice.constant_db[end]:g}".replace("-", "\N{MINUS SIGN}")
+    how = f"$l_c$ = {constant} dB, \N{GREEK SMALL LETTER GAMMA} = {scenario.voice.exponent[end]:g} for all victims"
+    figure = draw_fields(panels, voice_style(chosen, ()), how)
+    figure.set_dpi(_DPI)
+    return figure
+
+
+def heard_shares(scenario: Scenario, levels_db: Sequence[float], voice_range: VoiceRange) -> list[float]:
+    """Return the share of the floor without walls in which a victim is heard, at each noise."""
+    end = 1 if voice_range == "lowest" else 0
+    voice = scenario.voice.model_copy(update={"map_resolution_m": _resolution_m(scenario, _CELLS)})
+    sources = [
+        VoiceSource(victim.position, voice.constant_db[end], voice.exponent[end]) for victim in scenario.mission.victims
+    ]
+    free = occupancy_grid(scenario.plan.model_copy(update={"doors": ()}), voice.map_resolution_m).cells != OCCUPIED
+    shares = []
+    for noise_db in levels_db:
+        field = VoiceField(scenario.plan, voice.model_copy(update={"noise_db": noise_db}))
+        shares.append(float(np.mean(field.map_db(sources).values[free] > 0.0)))
+    return shares
+
+
+@styled
+def draw_network(scenario: Scenario, positions_m: np.ndarray) -> Figure:
+    """Return the reach of a team's radios, with connection thresholds as lines [Fig. 18]."""
+    places = [(float(x), float(y)) for x, y in positions_m]
+    panel = radio_panel(scenario, places, _resolution_m(scenario, _CELLS), False)
+    figure = draw_fields([panel], radio_style([scenario], (), False), "Strongest signal")
+    figure.set_dpi(_DPI)
+    return figure
+
+
+def widest_moment_m(campaign: Campaign) -> np.ndarray | None:
+    """Return where the robots were when one was farthest from its nearest other, over all missions; shape (n, 2)."""
+    found: tuple[float, np.ndarray] | None = None
+    for cell in campaign.cells:
+        for paths_m in cell.paths_m:
+            if not 1 < paths_m.shape[1] <= MAX_TEAM:
+                continue
+            widest_m = nearest_other_m(paths_m).max(axis=1)
+            at = int(np.argmax(widest_m))
+            if found is None or widest_m[at] > found[0]:
+                found = float(widest_m[at]), paths_m[at]
+    return found[1] if found else None
+
+
+def nearest_other_m(paths_m: np.ndarray) -> np.ndarray:
+    """Return the distance to the nearest other robot [m], shape (samples, robots), for paths of several robots."""
+    apart_m = np.linalg.norm(paths_m[:, :, np.newaxis] - paths_m[:, np.newaxis], axis=-1)
+    robots = np.arange(paths_m.shape[1])
+    apart_m[:, robots, robots] = np.inf
+    return np.asarray(apart_m.min(axis=2))
+
+
+def drawable(cells: Sequence[Cell]) -> list[Cell]:
+    """Return the cells whose paths can be drawn on their plan."""
+    return [cell for cell in cells if cell.scenario is not None and cell.paths_m]
+
+
+@styled
+def draw_heat(cells: Sequence[Cell]) -> Figure:
+    """Return, of each cell, how long robots were at each place in a mission on average [s per m^2].
+
+    The line is the way of one robot in the mission of median duration.
+    """
+    shown = cells[:MAX_MAPS]
+    columns = 1 if len(shown) == 1 else 2 if len(shown) in (2, 4) else 3
+    rows = math.ceil(len(shown) / columns)
+    (min_x, min_y), (max_x, max_y) = _bounds(shown[0])
+    width = _PAGE_INCHES / columns
+    size = (_PAGE_INCHES + 0.9, (width * (max_y - min_y) / (max_x - min_x) + 0.45) * rows + 0.2)
+    figure = Figure(figsize=size, dpi=_DPI, layout="compressed")
+    all_axes = figure.subplots(rows, columns, squeeze=False)
+    for axes in all_axes.flat[len(shown) :]:
+        axes.remove()
+    heats = [heat(cell) for cell in shown]
+    visited = np.concatenate([each.values[each.values > 0.0] for each in heats])
+    # By the root: the paths of few missions show beside those of all.
+    norm = PowerNorm(0.5, vmin=0.0, vmax=float(np.percentile(visited, 98.0)))
+    used = list(all_axes.flat[: len(shown)])
+    images = [_draw_heat(axes, cell, each, norm) for axes, cell, each in zip(used, shown, heats, strict=True)]
+    bar = figure.colorbar(images[0], ax=used, shrink=0.85, pad=0.015, aspect=28, extend="max")
+    bar.outline.set_visible(False)
+    bar.ax.set_title("s/m\N{SUPERSCRIPT TWO}", fontsize=9.5)
+    return figure
+
+
+def heat(cell: Cell) -> FieldMap:
+    """Return robot time per area and mission [s/m^2] over the floor; positions once a second stand for a second each.
+
+    Raises: ValueError: the cell has no paths, or no plan.
+    """
+    if cell.scenario is None or not cell.paths_m:
+        raise ValueError(f"{cell.name} has no paths on a plan")
+    (min_x, min_y), (max_x, max_y) = _bounds(cell)
+    resolution_m = max(_MIN_HEAT_CELL_M, max(max_x - min_x, max_y - min_y) / _HEAT_CELLS)
+    columns, rows = (math.ceil(round(side / resolution_m, 6)) for side in (max_x - min_x, max_y - min_y))
+    counts = np.zeros((rows, columns))
+    ends = [[min_y, min_y + rows * resolution_m], [min_x, min_x + columns * resolution_m]]
+    for paths_m in cell.paths_m:
+        x, y = _filled(paths_m).reshape(-1, 2).T
+        counts += np.histogram2d(y, x, bins=(rows, columns), range=ends)[0] / _FILL
+    period_s = max(round(1.0 / cell.scenario.run.step_s), 1) * cell.scenario.run.step_s
+    values = counts * period_s / (len(cell.paths_m) * resolution_m**2)
+    return FieldMap((min_x, min_y), resolution_m, values.astype(np.float32))
+
+
+_FILL = 4
+"""Positions for each that is kept: at 1 m/s and cells of half a metre, none on the way is passed over."""
+
+
+def _filled(paths_m: np.ndarray) -> np.ndarray:
+    """Return paths with positions between those that are kept, on straight lines."""
+    if len(paths_m) < 2:
+        return np.repeat(paths_m, _FILL, axis=0)
+    shares = (np.arange(_FILL) / _FILL)[np.newaxis, :, np.newaxis, np.newaxis]
+    between = paths_m[:-1, np.newaxis] * (1.0 - shares) + paths_m[1:, np.newaxis] * shares
+    return np.concatenate((between.reshape(-1, *paths_m.shape[1:]), np.repeat(paths_m[-1:], _FILL, axis=0)))
+
+
+def _draw_heat(axes: Axes, cell: Cell, field: FieldMap, norm: PowerNorm) -> AxesImage:
+    assert cell.scenario is not None
+    rows, columns = field.values.shape
+    x0, y0 = field.origin_m
+    extent = (x0, x0 + columns * field.resolution_m, y0, y0 + rows * field.resolution_m)
+    colours = matplotlib.colormaps["GnBu"].with_extremes(bad="#f6f5f2")
+    values = np.ma.masked_equal(field.values, 0.0)
+    image = axes.imshow(values, origin="lower", extent=extent, cmap=colours, norm=norm, interpolation="nearest")
+    draw_solids(axes, cell.scenario.plan)
+    draw_doors(axes, cell.scenario.plan)
+    middle = int(np.argsort(cell.ours.restricted_s, kind="stable")[(len(cell.ours) - 1) // 2])
+    if middle < len(cell.paths_m):
+        axes.plot(*cell.paths_m[middle][:, 0].T, color="#d1495b", linewidth=0.9, alpha=0.9, zorder=5)
+    for number, area in enumerate(cell.scenario.mission.areas, 1):
+        axes.add_patch(
+            Circle(area.center, area.radius_m, facecolor="none", edgecolor="#2a7f62", linewidth=1.2, zorder=5)
+        )
+        axes.text(
+            *area.center,
+            str(number),
+            color="#2a7f62",
+            ha="center",
+            va="center",
+            weight="bold",
+            fontsize=8,
+            zorder=6,
+            path_effects=_HALO,
+        )
+    for victim in cell.scenario.mission.victims:
+        axes.plot(*victim.position, "X", color=VICTIM, markersize=7, markeredgecolor="white", zorder=6)
+    (min_x, min_y), (max_x, max_y) = _bounds(cell)
+    axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), aspect="equal")
+    axes.set_xticks([])
+    axes.set_yticks([])
+    axes.spines[:].set_visible(False)
+    axes.set_title(cell.name, color=INK)
+    return image
+
+
+def _bounds(cell: Cell) -> tuple[tuple[float, float], tuple[float, float]]:
+    assert cell.scenario is not None
+    return cell.scenario.plan.bounds.min, cell.scenario.plan.bounds.max
+
+
+def _resolution_m(scenario: Scenario, cells: int) -> float:
+    (min_x, min_y), (max_x, max_y) = scenario.plan.bounds.min, scenario.plan.bounds.max
+    return min(max(round(max(max_x - min_x, max_y - min_y) / cells, 2), 0.05), 2.0)

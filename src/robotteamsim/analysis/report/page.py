@@ -1,0 +1,233 @@
+"""One page that holds a whole report, and the files beside it."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+import jinja2
+import numpy as np
+from matplotlib.figure import Figure
+from PIL import Image
+
+from robotteamsim.analysis.report import figures, maps
+from robotteamsim.analysis.report.claims import WANTED_TRIALS, Claim, judge
+from robotteamsim.analysis.report.comparison import MARGIN, Comparison, compare, differences
+from robotteamsim.analysis.report.samples import Campaign, read_campaign
+from robotteamsim.analysis.report.statistics import RESAMPLES, TABLES
+from robotteamsim.analysis.report.tables import Table, all_tables
+from robotteamsim.analysis.report.wording import listed, percent
+from robotteamsim.campaign import StoredCampaign
+from robotteamsim.recording.files import atomically, prepare_folder
+
+PAGE_NAME = "report.html"
+_FIGURES, _TABLES = "figures", "tables"
+
+_FEW, _COLOURS = 2_000, 256
+"""A picture of fewer colours is stored with as many as a byte holds, in a third of the size; maps would show bands."""
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """A report in memory.
+
+    claims: each with its verdict; none where the campaign is not the dissertation's.
+    notes:  what a reader must know first, such as missing trials.
+    files:  by name below the report's folder, the page last.
+    """
+
+    claims: tuple[Claim, ...]
+    notes: tuple[str, ...]
+    files: dict[str, bytes]
+
+    def write(self, folder: Path) -> Path:
+        """Write all files and return the page's path. Raises: RecordingError."""
+        prepare_folder(folder)
+        for parent in sorted({(folder / name).parent for name in self.files}):
+            prepare_folder(parent)
+        for name, data in self.files.items():
+            with atomically(folder / name) as part:
+                part.write_bytes(data)
+        return folder / PAGE_NAME
+
+
+@dataclass(frozen=True, slots=True)
+class _Picture:
+    name: str
+    title: str
+    caption: str
+    png: bytes
+
+    @property
+    def source(self) -> str:
+        return "data:image/png;base64," + base64.b64encode(self.png).decode()
+
+
+def make_report(stored: StoredCampaign, place: str) -> Report:
+    """Return the report of a stored campaign; the same store gives the same bytes.
+
+    Args:   place: the store's folder, for messages.
+    Raises: CampaignError: no mission has ended, or this version cannot read its scenario.
+    """
+    campaign = read_campaign(stored, place)
+    comparisons = compare(campaign)
+    between = differences(campaign)
+    claims = judge(campaign, comparisons)
+    tables = all_tables(campaign, comparisons, between, claims)
+    pictures = list(_pictures(campaign, comparisons))
+    notes = _notes(campaign)
+    page = _page(campaign, claims, notes, pictures, tables)
+    files = {f"{_FIGURES}/{picture.name}.png": picture.png for picture in pictures}
+    for table in tables:
+        files[f"{_TABLES}/{table.name}.csv"] = table.csv().encode()
+        files[f"{_TABLES}/{table.name}.tex"] = table.latex().encode()
+    return Report(claims, notes, files | {PAGE_NAME: page.encode()})
+
+
+def _notes(campaign: Campaign) -> tuple[str, ...]:
+    """Return what a reader must know before all else."""
+    notes = []
+    if campaign.done < campaign.total:
+        notes.append(
+            f"This campaign is unfinished: {campaign.done} of {campaign.total} trials are done. All figures are of "
+            "those; the campaign's command goes on with the rest."
+        )
+    if campaign.failed:
+        notes.append(f"{campaign.failed} trials failed and are left out; the store has their tracebacks.")
+    if campaign.empty:
+        notes.append(f"Left out, as no mission of theirs has ended: {listed(list(campaign.empty))}.")
+    if not campaign.compared:
+        notes.append(
+            "The dissertation has no missions of these settings: it has garage_sar with 10, 20 and 30 dB of noise. "
+            "So nothing is compared with it, and none of its claims is judged."
+        )
+    elif missing := [cell.name for cell in campaign.cells if cell.theirs is None]:
+        notes.append(f"The dissertation has no missions with {listed(missing)}; these stand alone.")
+    if len(campaign.cells) > figures.MAX_CELLS:
+        notes.append(f"Figures show the first {figures.MAX_CELLS} of {len(campaign.cells)} settings; tables have all.")
+    return tuple(notes)
+
+
+def _pictures(campaign: Campaign, comparisons: Sequence[Comparison]) -> Iterator[_Picture]:
+    cells = campaign.cells
+    diss = "" if not campaign.compared else "; in orange the dissertation's 30 missions"
+    yield from _map_pictures(campaign)
+    num_victims = {cell.ours.num_victims for cell in cells}
+    if max(num_victims) > 0:
+        drawn = figures.draw_counts(
+            cells, lambda sample: sample.victims_saved, "victims saved", max(num_victims | {4} if diss else num_victims)
+        )
+        caption = f"Share of missions that saved so many victims{diss}. Bars end in exact (Clopper-Pearson) intervals."
+        yield _picture("fig19_victims", f"Victims saved{_number(campaign, 19)}", caption, drawn)
+    caption = (
+        f"Every mission, their density, quartiles, and the mean with its bootstrap interval{diss}. A mission that is "
+        "cut short counts with the time limit."
+    )
+    yield _picture("fig20_times", f"Mission durations{_number(campaign, 20)}", caption, figures.draw_times(cells))
+    if comparisons:
+        caption = (
+            "Mean duration, ours over the dissertation's, with its 90 % bootstrap interval. A whole interval within "
+            f"the green band of {percent(MARGIN)} shows that the means are equal for practical purposes (two one-sided "
+            "tests)."
+        )
+        yield _picture("equivalence", "Durations against the dissertation", caption, figures.draw_ratios(comparisons))
+    caption = (
+        f"Share of missions that still explore at each time (Kaplan-Meier){diss}. Missions that were cut short "
+        "never finish here: they are censored at the limit."
+    )
+    yield _picture("survival", "How long missions go on", caption, figures.draw_survival(cells))
+    num_areas = {cell.ours.num_areas for cell in cells}
+    if max(num_areas) > 0:
+        drawn = figures.draw_counts(
+            cells, lambda sample: sample.areas_explored, "areas explored", max(num_areas | {5} if diss else num_areas)
+        )
+        caption = f"Share of missions that explored so many areas{diss}."
+        yield _picture("fig21_areas", f"Areas explored{_number(campaign, 21)}", caption, drawn)
+    drawn = figures.draw_counts(cells, lambda sample: sample.endangered, "times a link was endangered", None)
+    threshold = f"{campaign.scenario.network.endangered_below_dbm:g} dBm".replace("-", "\N{MINUS SIGN}")
+    caption = f"Share of missions in which a link fell so often below {threshold}{diss}, where it never did."
+    if not diss:
+        caption = f"Share of missions in which a link fell so often below {threshold}."
+    yield _picture("fig22_endangered", f"Endangered connections{_number(campaign, 22)}", caption, drawn)
+    if heated := maps.drawable(cells):
+        caption = (
+            "How long robots were at each place in a mission, on average; in red the way of one robot in the mission "
+            "of median duration. Circles are the areas in their order, crosses the victims."
+        )
+        yield _picture("paths", "Where the robots went", caption, maps.draw_heat(heated))
+
+
+def _map_pictures(campaign: Campaign) -> Iterator[_Picture]:
+    """Voices and radios: what the models say of this scenario, before any mission."""
+    scenario, noises_db = campaign.scenario, maps.noises_db(campaign)
+    if scenario.mission.victims and noises_db:
+        for number, voice_range in ((16, "lowest"), (17, "highest")):
+            shares = maps.heard_shares(scenario, noises_db, voice_range)  # type: ignore[arg-type]
+            heard = listed(
+                [f"{percent(share)} of the floor at {db:g} dB" for share, db in zip(shares, noises_db, strict=True)]
+            )
+            caption = f"A victim is heard in {heard}, when all call at the {voice_range} range of the voice model."
+            if campaign.compared:
+                caption += " The dissertation prints this figure without numbers, on a plan that is lost."
+            drawn = maps.draw_voices(scenario, noises_db, voice_range)  # type: ignore[arg-type]
+            title = f"{voice_range.capitalize()} voice detection range{_number(campaign, number)}"
+            yield _picture(f"fig{number}_voice_{voice_range}", title, caption, drawn)
+    widest_m = maps.widest_moment_m(campaign)
+    if widest_m is None:
+        places_m = np.array([robot.start_pose[:2] for robot in scenario.placed_robots()])
+        when = "where the robots start"
+    else:
+        places_m, when = widest_m, "in the moment in which a robot was farthest from its nearest other, of all missions"
+    caption = f"What the nearest radio is received with, {when}. Lines are connection thresholds."
+    drawn = maps.draw_network(scenario, places_m[: maps.MAX_TEAM])
+    yield _picture("fig18_network", f"Size of the team's network{_number(campaign, 18)}", caption, drawn)
+
+
+def _number(campaign: Campaign, number: int) -> str:
+    """Return which figure of the dissertation this is, where the campaign is like its own."""
+    return f" (Figure {number})" if campaign.compared else ""
+
+
+def _picture(name: str, title: str, caption: str, figure: Figure) -> _Picture:
+    raw = io.BytesIO()
+    figure.savefig(raw, format="png", metadata={"Software": None}, bbox_inches="tight", pad_inches=0.08)
+    image = Image.open(raw).convert("RGB")
+    if image.getcolors(_FEW) is not None:
+        image = image.quantize(_COLOURS, dither=Image.Dither.NONE)
+    packed = io.BytesIO()
+    image.save(packed, format="PNG", optimize=True)
+    return _Picture(name, title, caption, packed.getvalue())
+
+
+def _page(
+    campaign: Campaign,
+    claims: Sequence[Claim],
+    notes: Sequence[str],
+    pictures: Sequence[_Picture],
+    tables: Sequence[Table],
+) -> str:
+    text = (resources.files("robotteamsim.analysis.report") / "page.html").read_text(encoding="utf-8")
+    environment = jinja2.Environment(
+        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
+    )
+    return environment.from_string(text).render(
+        campaign=campaign,
+        claims=claims,
+        counts=Counter(claim.verdict for claim in claims),
+        notes=notes,
+        pictures=pictures,
+        tables=[table for table in tables if table.name != "claims"],
+        missions=sum(cell.trials for cell in campaign.cells),
+        wanted_trials=WANTED_TRIALS,
+        resamples=f"{RESAMPLES:,}",
+        random_tables=f"{TABLES:,}",
+        settings=json.dumps({key: campaign.settings[key] for key in ("keys", "cells", "seed", "trials")}),
+        fingerprint=campaign.settings["fingerprint"],
+        versions=", ".join(f"{name} {version}" for name, version in campaign.versions.items()),
+    )

@@ -1,0 +1,207 @@
+"""What a report is about: the missions of each cell as arrays, with the dissertation's where it has that cell."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from robotteamsim.campaign import Outcome, StoredCampaign, decode_paths
+from robotteamsim.campaign.reference import dissertation_missions
+from robotteamsim.errors import CampaignError, RobotTeamSimError
+from robotteamsim.scenario import Scenario
+from robotteamsim.scenario.yaml_text import shown
+
+NOISE_KEY = "voice.noise_db"
+DISSERTATION_LIMIT_S = 600.0
+_DISSERTATION_AREAS, _DISSERTATION_VICTIMS = 5, 4
+_SHOWN_VALUE = 24
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sample:
+    """Missions of one setting; arrays are of shape (missions,).
+
+    time_s:     when the mission ended.
+    finished:   whether it ended because all areas were explored; else it was cut short.
+    endangered: how often a link fell below the network's threshold.
+    limit_s:    the mission's time limit.
+    """
+
+    time_s: np.ndarray
+    finished: np.ndarray
+    victims_saved: np.ndarray
+    areas_explored: np.ndarray
+    endangered: np.ndarray
+    num_victims: int
+    num_areas: int
+    limit_s: float
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+    @property
+    def restricted_s(self) -> np.ndarray:
+        """Time to finish, up to the limit: a mission that was cut short counts with the limit."""
+        return np.where(self.finished, self.time_s, self.limit_s)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cell:
+    """One setting of the campaign.
+
+    name:     its settings in few words, such as "20 dB".
+    scenario: with these settings; none: a file that it names is not to be had.
+    paths_m:  of each mission, positions once a second, shape (samples, robots, 2), in `map`.
+    theirs:   the dissertation's missions of this setting, where it has any.
+    """
+
+    name: str
+    settings: dict[str, Any]
+    scenario: Scenario | None
+    trials: int
+    failed: int
+    ours: Sample
+    paths_m: tuple[np.ndarray, ...]
+    theirs: Sample | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Campaign:
+    """All that a report is made from.
+
+    wanted: trials of each cell.     cells: those with at least one mission that ended, in the design's order.
+    empty:  names of the other cells.
+    """
+
+    scenario: Scenario
+    seed: int
+    wanted: int
+    keys: tuple[str, ...]
+    cells: tuple[Cell, ...]
+    empty: tuple[str, ...]
+    done: int
+    failed: int
+    settings: dict[str, Any]
+    versions: dict[str, str]
+
+    @property
+    def total(self) -> int:
+        """Trials of all cells."""
+        return self.wanted * (len(self.cells) + len(self.empty))
+
+    @property
+    def compared(self) -> tuple[tuple[Cell, Sample], ...]:
+        """The cells that the dissertation has, too, each with its missions."""
+        return tuple((cell, cell.theirs) for cell in self.cells if cell.theirs is not None)
+
+
+def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
+    """Return a stored campaign as samples. Raises: CampaignError: no mission has ended; its scenario is unreadable."""
+    settings = stored.settings
+    keys, cell_values = tuple(settings["keys"]), settings["cells"]
+    base = _scenario(settings["scenario"], {})
+    if base is None:
+        raise CampaignError(f"{place}: its scenario cannot be read by this version")
+    cells, empty = [], []
+    for index, values in enumerate(cell_values):
+        own = [outcome for outcome in stored.outcomes if outcome.cell == index]
+        cell_settings = dict(zip(keys, values, strict=True))
+        name = cell_name(cell_settings, base)
+        good = [outcome for outcome in own if not outcome.failed]
+        if not good:
+            empty.append(name)
+            continue
+        scenario = _scenario(settings["scenario"], cell_settings)
+        limit_s = (scenario or base).mission.time_limit_s
+        cells.append(
+            Cell(
+                name=name,
+                settings=cell_settings,
+                scenario=scenario,
+                trials=len(good),
+                failed=len(own) - len(good),
+                ours=_our_sample(good, limit_s),
+                paths_m=tuple(decode_paths(outcome.paths) for outcome in good if outcome.paths is not None),
+                theirs=_their_sample(base, keys, scenario),
+            )
+        )
+    if not cells:
+        raise CampaignError(f"{place}: no mission of this campaign has ended yet; nothing to report")
+    return Campaign(
+        scenario=base,
+        seed=settings["seed"],
+        wanted=settings["trials"],
+        keys=keys,
+        cells=tuple(cells),
+        empty=tuple(empty),
+        done=len(stored.outcomes),
+        failed=sum(outcome.failed for outcome in stored.outcomes),
+        settings=settings,
+        versions=stored.versions,
+    )
+
+
+def cell_name(settings: Mapping[str, Any], base: Scenario) -> str:
+    """Return a cell's settings in few words; the noise by its unit, other keys by their last part."""
+    words = []
+    for key, value in settings.items():
+        text = value if isinstance(value, str) else shown(value)
+        text = text if len(text) <= _SHOWN_VALUE else f"{text[: _SHOWN_VALUE - 3]}..."
+        words.append(f"{value:g} dB" if key == NOISE_KEY else f"{key.rpartition('.')[2]} = {text}")
+    return ", ".join(words) or base.name
+
+
+def _scenario(data: Mapping[str, Any], settings: Mapping[str, Any]) -> Scenario | None:
+    """Return the stored scenario with a cell's settings; none: they do not go in, such as a plan by a file's name."""
+    plain = json.loads(json.dumps(data))
+    plain["run"]["seed"] = 0
+    try:
+        for key, value in settings.items():
+            *way, last = key.split(".")
+            at = plain
+            for part in way:
+                at = at[int(part)] if isinstance(at, list) else at[part]
+            at[int(last) if isinstance(at, list) else last] = value
+        return Scenario.model_validate(plain)
+    except (KeyError, IndexError, TypeError, ValueError, RobotTeamSimError):
+        return None
+
+
+def _our_sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:
+    def column(name: str) -> np.ndarray:
+        return np.array([getattr(outcome, name) for outcome in outcomes])
+
+    return Sample(
+        time_s=column("time_s").astype(float),
+        finished=column("end") == "areas_explored",
+        victims_saved=column("victims_saved"),
+        areas_explored=column("areas_explored"),
+        endangered=column("endangered_links"),
+        num_victims=int(column("num_victims")[0]),
+        num_areas=int(column("num_areas")[0]),
+        limit_s=limit_s,
+    )
+
+
+def _their_sample(base: Scenario, keys: Sequence[str], scenario: Scenario | None) -> Sample | None:
+    """Return the dissertation's missions where the campaign is its own but for the noise [Tables 6 and 7]."""
+    if base.name != "garage_sar" or not set(keys) <= {NOISE_KEY} or scenario is None:
+        return None
+    missions = dissertation_missions().get(scenario.voice.noise_db)
+    if missions is None:
+        return None
+    time_s = np.array([mission.time_s for mission in missions])
+    return Sample(
+        time_s=time_s,
+        finished=time_s < DISSERTATION_LIMIT_S,
+        victims_saved=np.array([mission.victims_saved for mission in missions]),
+        areas_explored=np.array([mission.areas_explored for mission in missions]),
+        endangered=np.array([mission.endangered_links for mission in missions]),
+        num_victims=_DISSERTATION_VICTIMS,
+        num_areas=_DISSERTATION_AREAS,
+        limit_s=DISSERTATION_LIMIT_S,
+    )

@@ -1,0 +1,181 @@
+"""Intervals and tests; SciPy and statsmodels compute them."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+from statsmodels.duration.survfunc import SurvfuncRight
+from statsmodels.stats.multitest import multipletests
+from statsmodels.stats.proportion import proportion_confint
+
+RESAMPLES = 9_999
+"""Of every bootstrap."""
+
+TABLES = 99_999
+"""Random tables of a Fisher-Freeman-Halton test."""
+
+_BATCH = 1_000
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """An estimate between its bounds."""
+
+    value: float
+    low: float
+    high: float
+
+    def __contains__(self, value: float) -> bool:
+        return self.low <= value <= self.high
+
+
+@dataclass(frozen=True, slots=True)
+class Ratio:
+    """Ours over theirs.
+
+    interval: 90 % bootstrap interval.
+    p:        of the two one-sided tests, for a ratio within the margin.
+    """
+
+    interval: Interval
+    p: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Survival:
+    """Share of missions that still run at each time, with a pointwise 95 % interval; arrays of one shape."""
+
+    time_s: np.ndarray
+    share: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    censored_s: np.ndarray
+
+
+def clopper_pearson(successes: int, count: int, confidence: float = 0.95) -> Interval:
+    """Return a share with its exact interval. Raises: ValueError: count is below 1."""
+    if count < 1:
+        raise ValueError("a share of nothing has no interval")
+    low, high = proportion_confint(successes, count, alpha=1.0 - confidence, method="beta")
+    # At the ends statsmodels has them as NaN or outside by a rounding.
+    low = 0.0 if successes == 0 else float(low)
+    high = 1.0 if successes == count else float(high)
+    return Interval(successes / count, low, high)
+
+
+def bootstrap_mean(values: np.ndarray, generator: np.random.Generator, confidence: float = 0.95) -> Interval:
+    """Return the mean with its percentile bootstrap interval; equal or single values have an interval of no width."""
+    mean = float(np.mean(values))
+    if len(values) < 2 or np.ptp(values) == 0:
+        return Interval(mean, mean, mean)
+    result = stats.bootstrap(
+        (values,),
+        np.mean,
+        n_resamples=RESAMPLES,
+        batch=_BATCH,
+        confidence_level=confidence,
+        method="percentile",
+        rng=generator,
+    )
+    low, high = result.confidence_interval
+    return Interval(mean, float(low), float(high))
+
+
+def mean_ratio(ours: np.ndarray, theirs: np.ndarray, margin: float, generator: np.random.Generator) -> Ratio:
+    """Return the ratio of two means, and the two one-sided tests of its being within 1 - margin .. 1 + margin.
+
+    Both samples are resampled. p is the larger share of resampled ratios beyond either end; below 0.05, the 90 %
+    interval lies within the margin. Raises: ValueError: a sample is empty.
+    """
+    if not (len(ours) and len(theirs)):
+        raise ValueError("no values have no mean")
+    value = float(np.mean(ours) / np.mean(theirs))
+    if max(len(ours), len(theirs)) < 2:
+        return Ratio(Interval(value, 0.0, float("inf")), 1.0)
+
+    def ratio(a: np.ndarray, b: np.ndarray, axis: int) -> np.ndarray:
+        return np.asarray(np.mean(a, axis=axis) / np.mean(b, axis=axis))
+
+    pair = [np.repeat(sample, 2) if len(sample) < 2 else sample for sample in (ours, theirs)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", stats.DegenerateDataWarning)
+        result = stats.bootstrap(
+            pair,
+            ratio,
+            n_resamples=RESAMPLES,
+            batch=_BATCH,
+            confidence_level=0.9,
+            method="percentile",
+            vectorized=True,
+            rng=generator,
+        )
+    ratios = result.bootstrap_distribution
+    beyond = max(np.count_nonzero(ratios <= 1.0 - margin), np.count_nonzero(ratios >= 1.0 + margin))
+    low, high = result.confidence_interval
+    return Ratio(Interval(value, float(low), float(high)), (1.0 + float(beyond)) / (RESAMPLES + 1.0))
+
+
+def fisher_freeman_halton(samples: Sequence[np.ndarray], generator: np.random.Generator) -> float | None:
+    """Return p of samples of counts being of one distribution, by random tables of the same margins.
+
+    Returns: none where all counts are equal or there is one sample, which no test can tell apart.
+    """
+    values = np.unique(np.concatenate(list(samples)))
+    if len(values) < 2 or len(samples) < 2:
+        return None
+    table = np.array([[np.count_nonzero(sample == value) for value in values] for sample in samples])
+    method = stats.MonteCarloMethod(n_resamples=TABLES, batch=_BATCH, rng=generator)
+    if table.shape == (2, 2):
+        return float(stats.fisher_exact(table).pvalue)
+    # Of a table with fewer counts than cells SciPy returns an array of one p.
+    return np.asarray(stats.fisher_exact(table, method=method).pvalue).item()
+
+
+def kruskal_wallis(samples: Sequence[np.ndarray]) -> float | None:
+    """Return p of all samples being of one distribution; none where a test cannot tell."""
+    if len(samples) < 2 or np.ptp(np.concatenate(list(samples))) == 0 or min(map(len, samples)) < 2:
+        return None
+    return float(stats.kruskal(*samples).pvalue)
+
+
+def mann_whitney(a: np.ndarray, b: np.ndarray, alternative: str = "two-sided") -> float | None:
+    """Return p of two samples being of one distribution; `greater`: against a being larger. None: too few values."""
+    if min(len(a), len(b)) < 2:
+        return None
+    return float(stats.mannwhitneyu(a, b, alternative=alternative).pvalue)
+
+
+def holm(p_values: Sequence[float | None]) -> list[float | None]:
+    """Return p values corrected for their number after Holm; those that are none stay so."""
+    known = [p for p in p_values if p is not None]
+    if not known:
+        return list(p_values)
+    corrected = iter(multipletests(known, method="holm")[1].tolist())
+    return [None if p is None else next(corrected) for p in p_values]
+
+
+def survival(time_s: np.ndarray, finished: np.ndarray, until_s: float) -> Survival:
+    """Return the Kaplan-Meier curve of missions that go on, from 0 to `until_s`, as corners of its steps.
+
+    The interval is Greenwood's on the log-log scale, 0 to 1 where the share is 0 or 1 so far.
+    """
+    curve = SurvfuncRight(time_s, finished.astype(int)) if finished.any() else None
+    times = np.asarray(curve.surv_times if curve else [])
+    share = np.asarray(curve.surv_prob if curve else [])
+    error = np.asarray(curve.surv_prob_se if curve else [])
+    inner = (share > 0.0) & (share < 1.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        half = stats.norm.ppf(0.975) * error / np.abs(share * np.log(share))
+        low = np.where(inner, share ** np.exp(half), share)
+        high = np.where(inner, share ** np.exp(-half), share)
+    return Survival(
+        time_s=np.concatenate(([0.0], times, [max(until_s, *times, 0.0) if len(times) else until_s])),
+        share=np.concatenate(([1.0], share, share[-1:] if len(share) else [1.0])),
+        low=np.concatenate(([1.0], low, low[-1:] if len(low) else [1.0])),
+        high=np.concatenate(([1.0], high, high[-1:] if len(high) else [1.0])),
+        censored_s=np.sort(time_s[~finished]),
+    )

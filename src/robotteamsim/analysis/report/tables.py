@@ -1,0 +1,167 @@
+"""Tables of a report: as CSV for programs, as LaTeX for papers, as rows for the page."""
+
+from __future__ import annotations
+
+import csv
+import io
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robotteamsim.analysis.report.claims import Claim
+from robotteamsim.analysis.report.comparison import Comparison, Differences, means
+from robotteamsim.analysis.report.samples import Campaign, Cell, Sample
+from robotteamsim.analysis.report.wording import interval_text, p_text, share_text
+
+_LATEX = {
+    "\\": r"\textbackslash{}",
+    "&": r"\&",
+    "%": r"\%",
+    "$": r"\$",
+    "#": r"\#",
+    "_": r"\_",
+    "{": r"\{",
+    "}": r"\}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"$<$",
+    ">": r"$>$",
+    "\N{MINUS SIGN}": r"$-$",
+    "\N{EN DASH}": "--",
+    "\N{GREATER-THAN OR EQUAL TO}": r"$\ge$",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """name: of its files. title: of its caption. head, rows: as texts; the first `left` columns are words."""
+
+    name: str
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    left: int = 1
+
+    def csv(self) -> str:
+        """Return the table as comma-separated values."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(self.head)
+        writer.writerows(self.rows)
+        return text.getvalue()
+
+    def latex(self) -> str:
+        """Return the table as a LaTeX float; it needs the package booktabs."""
+        wide = max(len(cell) for row in self.rows for cell in row) > 60
+        columns = "".join(
+            (r">{\raggedright\arraybackslash}p{0.3\linewidth}" if wide else "l") if index < self.left else "r"
+            for index in range(len(self.head))
+        )
+        body = "\n".join(f"    {' & '.join(map(_latex, row))} \\\\" for row in self.rows)
+        head = " & ".join(map(_latex, self.head))
+        needs = r"\usepackage{array,booktabs}" if wide else r"\usepackage{booktabs}"
+        return (
+            f"% {needs}\n"
+            "\\begin{table}\n  \\centering\n"
+            f"  \\caption{{{_latex(self.title)}}}\n  \\label{{tab:{self.name}}}\n"
+            f"  \\begin{{tabular}}{{{columns}}}\n    \\toprule\n    {head} \\\\\n    \\midrule\n"
+            f"{body}\n    \\bottomrule\n  \\end{{tabular}}\n\\end{{table}}\n"
+        )
+
+
+def all_tables(
+    campaign: Campaign, comparisons: Sequence[Comparison], differences: Differences | None, claims: Sequence[Claim]
+) -> tuple[Table, ...]:
+    """Return the tables of a report that have rows."""
+    tables = [_claims(claims), _missions(campaign), _victims(campaign), _against(comparisons), _between(differences)]
+    return tuple(table for table in tables if table.rows)
+
+
+def _missions(campaign: Campaign) -> Table:
+    """Mean, median and mode, as Tables 8 and 9 have them, with spread and intervals."""
+    head: tuple[str, ...] = ("", "missions", "cut short", "time [s]", "SD", "median", "mode")
+    head += ("victims saved", "areas", "endangered")
+    rows = []
+    for name, sample in _labelled(campaign.cells):
+        times = sample.restricted_s
+        found = means(sample, name)
+        rows.append(
+            (
+                name,
+                str(len(sample)),
+                str(int((~sample.finished).sum())),
+                interval_text(found.time_s, 1),
+                f"{np.std(times, ddof=1):.1f}" if len(times) > 1 else "-",
+                f"{np.median(times):.1f}",
+                f"{min(statistics.multimode(np.rint(times).astype(int).tolist())):d}",
+                interval_text(found.victims, 2),
+                f"{found.areas.value:.2f}",
+                str(int(np.count_nonzero(sample.endangered))),
+            )
+        )
+    return Table(
+        "missions",
+        "Missions of each setting: means with 95 % bootstrap intervals; missions with an endangered link",
+        head,
+        tuple(rows),
+    )
+
+
+def _victims(campaign: Campaign) -> Table:
+    """Missions by the number of victims saved."""
+    labelled = _labelled(campaign.cells)
+    counts = range(max(sample.num_victims for _, sample in labelled) + 1)
+    rows = (
+        (name, *(str(int(np.count_nonzero(sample.victims_saved == count))) for count in counts))
+        for name, sample in labelled
+    )
+    return Table("victims", "Missions by the number of victims saved", ("", *map(str, counts)), tuple(rows))
+
+
+def _against(comparisons: Sequence[Comparison]) -> Table:
+    """Tests against the dissertation's missions."""
+    rows = []
+    for comparison in comparisons:
+        interval = interval_text(comparison.time.interval, 3)
+        rows.append((comparison.name, "mean time, ours over theirs [90 %]", interval, "0.9 to 1.1"))
+        rows.append((comparison.name, "equivalence of mean times, after Holm", p_text(comparison.time_p), "p < 0.05"))
+        rows.append(
+            (comparison.name, "victims, Fisher-Freeman-Halton, after Holm", p_text(comparison.victims_p), "p >= 0.05")
+        )
+        for rate in comparison.rates:
+            what = f"missions with at least {rate.saved} victims saved [95 %]"
+            rows.append((comparison.name, what, share_text(rate.ours), share_text(rate.theirs)))
+    return Table("tests", "Tests against the dissertation", ("", "what", "ours", "wanted, or theirs"), tuple(rows), 2)
+
+
+def _between(differences: Differences | None) -> Table:
+    """Tests between our own cells."""
+    rows: list[tuple[str, ...]] = []
+    if differences:
+        rows.append(("time", "all settings alike (Kruskal-Wallis)", p_text(differences.time_p)))
+        rows.append(("victims saved", "all settings alike (Fisher-Freeman-Halton)", p_text(differences.victims_p)))
+        rows.append(("areas explored", "all settings alike (Fisher-Freeman-Halton)", p_text(differences.areas_p)))
+        for pair in differences.pairs:
+            rows.append(("time", f"{pair.first} against {pair.second} (Mann-Whitney, after Holm)", p_text(pair.p)))
+    return Table("differences", "Tests between settings", ("", "hypothesis", "p"), tuple(rows), 2)
+
+
+def _claims(claims: Sequence[Claim]) -> Table:
+    rows = tuple((claim.text, claim.source, claim.verdict, claim.why) for claim in claims)
+    return Table("claims", "The dissertation's claims", ("claim", "source", "verdict", "why"), rows, 4)
+
+
+def _labelled(cells: Sequence[Cell]) -> list[tuple[str, Sample]]:
+    """Return ours and theirs of each cell, with the names that figures give them."""
+    labelled = []
+    for cell in cells:
+        labelled.append((f"{cell.name}, ours" if cell.theirs else cell.name, cell.ours))
+        if cell.theirs is not None:
+            labelled.append((f"{cell.name}, dissertation", cell.theirs))
+    return labelled
+
+
+def _latex(text: str) -> str:
+    return "".join(_LATEX.get(letter, letter) for letter in text)

@@ -1,0 +1,144 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from robotteamsim import rng
+from robotteamsim.analysis.report.statistics import (
+    bootstrap_mean,
+    clopper_pearson,
+    fisher_freeman_halton,
+    holm,
+    kruskal_wallis,
+    mann_whitney,
+    mean_ratio,
+    survival,
+)
+from robotteamsim.campaign.reference import dissertation_missions
+
+MISSIONS = dissertation_missions()
+TIMES_S = {noise_db: np.array([m.time_s for m in missions]) for noise_db, missions in MISSIONS.items()}
+VICTIMS = {noise_db: np.array([m.victims_saved for m in missions]) for noise_db, missions in MISSIONS.items()}
+
+
+def generator():
+    return rng.stream(1, "test")
+
+
+@pytest.mark.parametrize(
+    ("successes", "low", "high"), [(30, 0.884, 1.0), (15, 0.313, 0.687), (24, 0.614, 0.923), (2, 0.008, 0.221)]
+)
+def test_shares_of_the_dissertation_have_their_known_intervals(successes, low, high):
+    share = clopper_pearson(successes, 30)
+    assert (round(share.low, 3), round(share.high, 3)) == (low, high)
+
+
+def test_share_without_success_has_the_rule_of_its_closed_form():
+    share = clopper_pearson(0, 30)
+    assert share.low == 0.0
+    assert share.high == pytest.approx(1.0 - 0.025 ** (1 / 30))
+    assert 0.05 in share
+    assert 0.12 not in share
+
+
+def test_share_of_nothing_is_refused():
+    with pytest.raises(ValueError, match="a share of nothing has no interval"):
+        clopper_pearson(0, 0)
+
+
+def test_bootstrap_interval_is_near_students_where_values_are_normal():
+    values = generator().normal(100.0, 10.0, 200)
+    found = bootstrap_mean(values, generator())
+    wanted = stats.t.interval(0.95, 199, values.mean(), stats.sem(values))
+    assert (found.low, found.high) == pytest.approx(wanted, abs=0.25)
+
+
+@pytest.mark.parametrize("values", [[3.0], [3.0, 3.0, 3.0]])
+def test_equal_values_have_an_interval_of_no_width(values):
+    found = bootstrap_mean(np.array(values), generator())
+    assert (found.value, found.low, found.high) == (3.0, 3.0, 3.0)
+
+
+def test_two_one_sided_tests_agree_with_their_interval():
+    equal = mean_ratio(TIMES_S[10.0], TIMES_S[10.0], 0.1, generator())
+    assert equal.interval.value == 1.0
+    assert equal.p < 0.05
+    assert 0.9 < equal.interval.low < 1.0 < equal.interval.high < 1.1
+    other = mean_ratio(TIMES_S[30.0], TIMES_S[10.0], 0.1, generator())
+    assert other.interval.high < 0.9
+    assert other.p > 0.99
+    near = mean_ratio(TIMES_S[10.0] * 0.92, TIMES_S[10.0], 0.1, generator())
+    assert near.interval.low < 0.9 < near.interval.value
+    assert 0.05 < near.p < 0.5
+
+
+def test_single_mission_shows_no_equivalence():
+    assert mean_ratio(np.array([400.0]), TIMES_S[10.0], 0.1, generator()).p >= 0.05
+    assert mean_ratio(np.array([400.0]), np.array([400.0]), 0.1, generator()).p == 1.0
+
+
+def test_random_tables_give_the_exact_p_of_all_tables():
+    first, second = np.array([2] * 6 + [3] * 2), np.array([2] * 1 + [3] * 3 + [4] * 3)
+
+    def weight(row):
+        return math.prod(math.comb(n, k) for n, k in zip((7, 5, 3), row, strict=True))
+
+    rows = [(a, b, 8 - a - b) for a in range(8) for b in range(6) if 0 <= 8 - a - b <= 3]
+    seen = weight((6, 2, 0))
+    exact = sum(weight(row) for row in rows if weight(row) <= seen) / math.comb(15, 8)
+    assert fisher_freeman_halton([first, second], generator()) == pytest.approx(exact, abs=0.005)
+
+
+def test_counts_of_the_dissertation_differ_between_levels_and_not_from_themselves():
+    assert fisher_freeman_halton([VICTIMS[10.0], VICTIMS[20.0], VICTIMS[30.0]], generator()) < 1e-4
+    assert fisher_freeman_halton([VICTIMS[20.0], VICTIMS[20.0]], generator()) == 1.0
+    assert fisher_freeman_halton([np.array([4, 4]), np.array([4])], generator()) is None
+
+
+def test_single_missions_of_three_settings_tell_nothing():
+    assert fisher_freeman_halton([np.array([0]), np.array([1]), np.array([0])], generator()) == 1.0
+
+
+def test_tests_that_cannot_tell_say_so():
+    same, one = np.array([5.0, 5.0]), np.array([5.0])
+    assert kruskal_wallis([same, same]) is None
+    assert kruskal_wallis([same]) is None
+    assert mann_whitney(same, one) is None
+
+
+def test_missions_with_all_victims_take_longer_at_10_than_at_20_db():
+    all_saved = [TIMES_S[noise_db][VICTIMS[noise_db] == 4] for noise_db in (10.0, 20.0)]
+    assert mann_whitney(*all_saved) == pytest.approx(0.006, abs=0.0005)
+
+
+def test_holm_multiplies_the_least_p_by_the_number_of_tests():
+    assert holm([0.01, None, 0.04, 0.03]) == [pytest.approx(0.03), None, pytest.approx(0.06), pytest.approx(0.06)]
+    assert holm([None]) == [None]
+
+
+def test_survival_curve_of_four_missions_by_hand():
+    curve = survival(np.array([1.0, 2.0, 3.0, 4.0]), np.array([True, True, False, False]), 4.0)
+    assert curve.time_s.tolist()[:3] == [0.0, 1.0, 2.0]
+    assert curve.share.tolist()[:3] == pytest.approx([1.0, 0.75, 0.5])
+    assert curve.share[-1] == pytest.approx(0.5)
+    assert curve.censored_s.tolist() == [3.0, 4.0]
+    assert np.all((curve.low <= curve.share) & (curve.share <= curve.high))
+    greenwood = 0.75 * math.sqrt(1 / (4 * 3))
+    half = 1.959964 * greenwood / abs(0.75 * math.log(0.75))
+    assert curve.low[1] == pytest.approx(0.75 ** math.exp(half), rel=1e-5)
+
+
+def test_area_under_the_survival_curve_is_the_restricted_mean():
+    time_s = TIMES_S[10.0]
+    curve = survival(time_s, time_s < 600.0, 600.0)
+    area = float(np.sum(np.diff(curve.time_s) * curve.share[:-1]))
+    assert area == pytest.approx(time_s.mean())
+
+
+def test_missions_that_never_finish_stay_at_one():
+    curve = survival(np.array([20.0, 20.0]), np.array([False, False]), 20.0)
+    assert curve.time_s.tolist() == [0.0, 20.0]
+    assert curve.share.tolist() == [1.0, 1.0]

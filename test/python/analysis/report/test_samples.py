@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from robotteamsim.analysis.report.samples import read_campaign
+from robotteamsim.campaign.factors import Factor
+from robotteamsim.errors import CampaignError
+
+
+def test_missions_that_are_cut_short_count_with_the_limit(garage):
+    stored = garage(10.0, trials=3)
+    first = dataclasses.replace(stored.outcomes[0], end="all_excluded", time_s=50.0)
+    campaign = read_campaign(dataclasses.replace(stored, outcomes=(first, *stored.outcomes[1:])), "here")
+    assert campaign.cells[0].ours.restricted_s.tolist() == [600.0, 438.0, 447.0]
+
+
+def test_dissertations_missions_stand_beside_the_levels_that_it_has(garage):
+    cells = read_campaign(garage(10.0, 15.0, trials=1), "here").cells
+    assert [(cell.name, cell.theirs is None) for cell in cells] == [("10 dB", False), ("15 dB", True)]
+    assert len(cells[0].theirs) == 30
+    assert int((~cells[0].theirs.finished).sum()) == 2
+
+
+def test_garage_at_its_own_noise_is_compared_too(garage):
+    cells = read_campaign(garage(trials=1), "here").cells
+    assert [(cell.name, cell.theirs is None) for cell in cells] == [("garage_sar", False)]
+
+
+def test_other_scenarios_and_other_keys_have_no_reference(arena):
+    stored = arena(Factor("control.alpha", (0.3, 0.5), "--sweep"))
+    cells = read_campaign(stored, "here").cells
+    assert [(cell.name, cell.theirs) for cell in cells] == [("alpha = 0.3", None), ("alpha = 0.5", None)]
+    assert [cell.scenario.control.alpha for cell in cells] == [0.3, 0.5]
+
+
+def test_failed_trials_and_cells_without_missions_are_left_out_and_counted(garage):
+    stored = garage(10.0, 20.0, trials=2)
+    failed = [dataclasses.replace(outcome, error="KeyError: 7") for outcome in stored.outcomes if outcome.cell == 1]
+    campaign = read_campaign(dataclasses.replace(stored, outcomes=(stored.outcomes[0], *failed)), "here")
+    assert [cell.name for cell in campaign.cells] == ["10 dB"]
+    assert (campaign.empty, campaign.failed, campaign.done, campaign.total) == (("20 dB",), 2, 3, 4)
+
+
+def test_campaign_without_a_mission_is_refused(garage):
+    empty = dataclasses.replace(garage(10.0, trials=1), outcomes=())
+    with pytest.raises(CampaignError, match=r"^here: no mission of this campaign has ended yet; nothing to report$"):
+        read_campaign(empty, "here")
+
+
+def test_scenario_that_cannot_be_read_is_refused(garage):
+    stored = garage(10.0, trials=1)
+    broken = {**stored.settings, "scenario": {**stored.settings["scenario"], "robots": "none"}}
+    with pytest.raises(CampaignError, match=r"^here: its scenario cannot be read by this version$"):
+        read_campaign(dataclasses.replace(stored, settings=broken), "here")
+
+
+def test_plan_that_a_cell_names_by_file_leaves_its_maps_out_only(garage):
+    stored = garage(10.0, trials=1)
+    settings = {**stored.settings, "keys": ["plan"], "cells": [["elsewhere/plan.yaml"]]}
+    (cell,) = read_campaign(dataclasses.replace(stored, settings=settings), "here").cells
+    assert cell.scenario is None
+    assert cell.theirs is None
+    assert np.isfinite(cell.ours.time_s).all()

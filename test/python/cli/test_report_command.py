@@ -1,0 +1,85 @@
+"""`robotteamsim report`."""
+
+from __future__ import annotations
+
+import json
+import os
+
+import pytest
+
+from robotteamsim.campaign import make_design, open_store
+from robotteamsim.campaign.factors import Factor
+from robotteamsim.cli import main
+
+
+def refusal(capsys, *arguments) -> str:
+    """Return the one line with which a report is refused."""
+    assert main(["report", *map(str, arguments)]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    return captured.err.removeprefix("robotteamsim: ").rstrip("\n")
+
+
+@pytest.fixture
+def campaign_folder(tmp_path, outcome_of):
+    """The folder of a campaign of the garage, of which some trials are done."""
+
+    def make(done: int):
+        design = make_design("garage_sar", trials=2, factors=[Factor("voice.noise_db", (10.0, 20.0), "--noise")])
+        folder = tmp_path / "campaign"
+        with open_store(folder, design) as store:
+            for trial in list(design.all_trials())[:done]:
+                store.keep(outcome_of(trial, time_s=400.0, num_areas=5, areas_explored=5, num_victims=4))
+        return folder
+
+    return make
+
+
+def test_report_goes_beside_the_store_or_where_it_is_wanted(capsys, campaign_folder, tmp_path):
+    folder = campaign_folder(4)
+    assert main(["report", str(folder)]) == 0
+    captured = capsys.readouterr()
+    assert captured.out.splitlines()[0].startswith("not reproduced  With 10 dB of noise all four victims")
+    assert captured.out.endswith(f"\n\nwritten {folder}/report.html\n")
+    assert main(["report", str(folder), "--out", str(tmp_path / "docs"), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["report"] == str(tmp_path / "docs" / "report.html")
+    assert document["claims"][0]["verdict"] == "not reproduced"
+    for name in ("report.html", "figures/fig20_times.png", "tables/missions.tex"):
+        assert (tmp_path / "docs" / name).read_bytes() == (folder / name).read_bytes()
+
+
+def test_unfinished_campaign_gets_a_report_that_says_so(capsys, campaign_folder):
+    folder = campaign_folder(1)
+    assert main(["report", str(folder)]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("This campaign is unfinished: 1 of 4 trials are done.")
+    assert "\nLeft out, as no mission of theirs has ended: 20 dB.\n" in out
+
+
+def test_campaign_without_missions_is_refused_and_nothing_is_written(capsys, campaign_folder, tmp_path):
+    folder = campaign_folder(0)
+    before = sorted(os.listdir(folder))
+    assert refusal(capsys, folder, "--out", tmp_path / "out") == (
+        f"{folder}: no mission of this campaign has ended yet; nothing to report"
+    )
+    assert sorted(os.listdir(folder)) == before
+    assert not (tmp_path / "out").exists()
+
+
+def test_folders_without_a_campaign_are_refused(capsys, tmp_path):
+    wanted = "holds no campaign: there is no campaign.sqlite"
+    assert refusal(capsys, tmp_path) == f"{tmp_path}: {wanted}"
+    assert refusal(capsys, tmp_path / "nowhere") == f"{tmp_path / 'nowhere'}: {wanted}"
+    (tmp_path / "campaign.sqlite").write_text("no database" * 100)
+    assert refusal(capsys, tmp_path) == f"{tmp_path / 'campaign.sqlite'}: file is not a database"
+    assert os.listdir(tmp_path) == ["campaign.sqlite"]
+
+
+def test_folder_that_cannot_be_written_is_refused(capsys, campaign_folder, tmp_path):
+    folder = campaign_folder(1)
+    (tmp_path / "file").touch()
+    assert refusal(capsys, folder, "--out", tmp_path / "file" / "x").startswith(
+        f"{tmp_path / 'file' / 'x'}: cannot be "
+    )
