@@ -24,7 +24,7 @@ def sweep_report(arena):
     """One of one mission a cell, of several keys and no reference."""
     factors = (
         Factor("control.alpha", (0.3, 0.5), "--sweep"),
-        Factor("control.algorithm", ("rdpso", "wander"), "--sweep"),
+        Factor("control.algorithm", ("rdpso", "random_walk"), "--sweep"),
     )
     return make_report(arena(*factors, trials=1), "here")
 
@@ -107,7 +107,7 @@ def test_other_campaigns_get_all_but_the_comparison(sweep_report):
     page = text(sweep_report)
     assert "dissertation’s claims" not in page
     assert "(Figure 19)" not in page
-    assert "alpha = 0.3, algorithm = wander" in page
+    assert "alpha = 0.3, algorithm = random_walk" in page
     assert "tables/tests.csv" not in sweep_report.files
     assert "tables/differences.csv" in sweep_report.files
     assert "figures/paths.png" in sweep_report.files
