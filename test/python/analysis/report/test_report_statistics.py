@@ -102,6 +102,13 @@ def test_single_missions_of_three_settings_tell_nothing():
     assert fisher_freeman_halton([np.array([0]), np.array([1]), np.array([0])], generator()) == 1.0
 
 
+def test_tables_too_large_for_their_probability_to_be_a_number_are_tested_too():
+    draws = generator().integers(0, 5, (100, 60))
+    assert 0.01 < fisher_freeman_halton(list(draws), generator()) < 0.99
+    draws[:50] = np.minimum(draws[:50], 3)
+    assert fisher_freeman_halton(list(draws), generator()) < 0.001
+
+
 def test_tests_that_cannot_tell_say_so():
     same, one = np.array([5.0, 5.0]), np.array([5.0])
     assert kruskal_wallis([same, same]) is None
