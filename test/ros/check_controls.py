@@ -13,9 +13,10 @@ import rostest
 from geometry_msgs.msg import Pose2D, Twist, Vector3
 from listening import PATIENCE_S, Topic, call, drive, place_m, speed_mps
 from nav_msgs.msg import Odometry
-from robotteamsim.srv import ResetSeed, SetPose, SetSpeed
+from robotteamsim.srv import RemoveThing, ResetSeed, SetPose, SetSpeed, SetThing
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
+from visualization_msgs.msg import Marker, MarkerArray
 
 FORWARD = Twist(linear=Vector3(0.5, 0.0, 0.0))
 AT_WALL = Pose2D(10.0, 0.7, -math.pi / 2)
@@ -31,6 +32,11 @@ def stamp_s(message: Odometry) -> float:
 
 def latched_time() -> rospy.Time:
     return rospy.wait_for_message("/clock", Clock, PATIENCE_S).clock
+
+
+def places_m(message: MarkerArray) -> list[tuple[float, float]]:
+    """Return where the things are that a message shows."""
+    return [(m.pose.position.x, m.pose.position.y) for m in message.markers if m.action == Marker.ADD]
 
 
 class ControlsTest(unittest.TestCase):
@@ -98,6 +104,46 @@ class ControlsTest(unittest.TestCase):
             self.assertIn(reason, refused.message)
             self.assertNotIn("\n", refused.message)
         self.assertEqual(place_m(self.truths[0].next()), self.starts[0])
+
+    def test_things_are_added_moved_and_removed_and_a_reset_takes_them_away(self) -> None:
+        things = Topic("/world/things", MarkerArray)
+        self.assertTrue(things.is_connected(PATIENCE_S))
+        crate = {"name": "crate", "kind": "box", "length_m": 0.6, "width_m": 0.4}
+        self.assertTrue(call("/set_thing", SetThing, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
+        things.wait_for(lambda message: places_m(message) == [(12.0, 3.0)], "the crate")
+        self.assertTrue(call("/set_thing", SetThing, name="crate", pose=Pose2D(13.0, 3.5, 0.0)).success)
+        things.wait_for(lambda message: places_m(message) == [(13.0, 3.5)], "the crate elsewhere")
+        drum = {"name": "drum", "kind": "barrel", "radius_m": 0.3, "mass_kg": 20.0}
+        self.assertTrue(call("/set_thing", SetThing, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
+        self.assertTrue(call("/remove_thing", RemoveThing, name="crate").success)
+        left = things.wait_for(lambda message: places_m(message) == [(14.0, 4.5)], "the drum alone")
+        self.assertTrue(call("/reset", Trigger).success)
+        self.assertFalse(call("/remove_thing", RemoveThing, name="drum").success)
+        self.assertEqual({marker.ns for marker in left.markers if marker.action == Marker.ADD}, {"things"})
+
+    def test_thing_that_cannot_be_is_refused_with_the_reason(self) -> None:
+        drum = {"name": "drum", "kind": "barrel", "radius_m": 0.3}
+        self.assertTrue(call("/set_thing", SetThing, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
+        box = {"name": "box", "kind": "box", "length_m": 0.6, "width_m": 0.4}
+        for fields, pose, reason in (
+            (box, (10.0, 0.2, 0.0), "box 'box': pose (10.00, 0.20) is inside wall 'south'"),
+            (box, (*self.starts[1], 0.0), "is inside robot_1"),
+            (box, (14.2, 4.5, 0.0), "box 'box': pose (14.20, 4.50) is inside barrel 'drum'"),
+            (box, (-5.0, 4.5, 0.0), "box 'box': pose (-5.00, 4.50) is outside the plan"),
+            (drum, (12.0, 3.0, 0.0), "there is a barrel 'drum' already"),
+            ({"name": "box"}, (12.0, 3.0, 0.0), "there is no thing 'box', only drum"),
+            ({"name": "drum"}, (math.nan, 3.0, 0.0), "barrel 'drum': pose must be finite"),
+            ({**box, "kind": "bo"}, (12.0, 3.0, 0.0), "kind: 'bo' is not one of box, barrel"),
+            ({**box, "width_m": 0.001}, (12.0, 3.0, 0.0), "size_m: 0.001 is not within 0.02 to 5"),
+            ({**box, "mass_kg": -1.0}, (12.0, 3.0, 0.0), "mass_kg: -1.0 is not above 0"),
+            ({**box, "friction": math.inf}, (12.0, 3.0, 0.0), "friction: "),
+        ):
+            refused = call("/set_thing", SetThing, pose=Pose2D(*pose), **fields)
+            self.assertFalse(refused.success)
+            self.assertIn(reason, refused.message)
+            self.assertNotIn("\n", refused.message)
+        refused = call("/remove_thing", RemoveThing, name="crate")
+        self.assertEqual((refused.success, refused.message), (False, "there is no thing 'crate', only drum"))
 
     def test_speed_is_obeyed_from_now_on(self) -> None:
         self.addCleanup(call, "/set_speed", SetSpeed, speed=SPEED)

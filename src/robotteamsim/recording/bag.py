@@ -52,6 +52,7 @@ TEAM_TOPICS = (
     Topic("/mission/events", "robotteamsim/MissionEvent"),
     Topic("/mission/victims", "robotteamsim/Victims", latched=True),
     Topic("/mission/areas", "robotteamsim/Areas", latched=True),
+    Topic("/world/doors", "robotteamsim/Doors", latched=True),
 )
 
 ROBOT_TOPICS = (
@@ -226,6 +227,8 @@ class BagWriter:
             yield "/map", fields.occupancy_grid(make, time_ns, grid)
         odometry = [reading.odometry for reading in record.readings]
         yield "/tf", fields.transforms(make, time_ns, self._robots, odometry)
+        if record.doors and (last is None or record.doors is not last.doors):
+            yield "/world/doors", fields.doors(make, time_ns, record.doors)
         if record.voice_map is not None:
             yield "/voice_map", fields.field_map_picture(make, time_ns, record.voice_map)
             yield "/voice_map/values", fields.field_map(make, time_ns, record.voice_map, "voice_level", "dB")

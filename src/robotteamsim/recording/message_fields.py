@@ -7,7 +7,7 @@ passed as NumPy arrays of the field's type; a factory converts them if its class
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -20,6 +20,7 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
+from robotteamsim.world.doors import DoorState
 
 MAP_FRAME = "map"
 
@@ -325,6 +326,18 @@ def victims(make: Make, time_ns: int, everybody: Sequence[Victim], states: Seque
         victims=[
             make("robotteamsim/Victim", name=victim.name, position=point(make, victim.position), state=state)
             for victim, state in zip(everybody, states, strict=True)
+        ],
+    )
+
+
+def doors(make: Make, time_ns: int, states: Mapping[str, DoorState]) -> Any:
+    """robotteamsim/Doors."""
+    return make(
+        "robotteamsim/Doors",
+        header=header(make, time_ns, MAP_FRAME),
+        doors=[
+            make("robotteamsim/Door", name=name, closed=door.closed, opening=float(door.opening), motion=door.motion)
+            for name, door in states.items()
         ],
     )
 

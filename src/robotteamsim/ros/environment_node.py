@@ -11,7 +11,7 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from pydantic import ValidationError
 
 from robotteamsim.errors import PlacementError
-from robotteamsim.msg import FloatMap, MissionStatus, NetworkMessages, NetworkState, Voice
+from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkMessages, NetworkState, Voice
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.inbox import Channel, Step
@@ -39,6 +39,7 @@ from robotteamsim.srv import (
 )
 
 STATUS = "/mission/status"
+DOORS = "/world/doors"
 RADIO_MAP_RESOLUTION_M = 0.25
 FINEST_M, COARSEST_M = 0.05, 10.0
 """Range of the resolution of a map made on demand: a finer one would be a message of many megabytes."""
@@ -116,7 +117,8 @@ class EnvironmentNode:
             for robot_id, topic in enumerate(self._sent)
             if robot_id in controlled or not self._settings.lockstep
         ]
-        return [*places, *sent, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
+        doors = [Input(Channel(DOORS), Doors)] if self._settings.scenario.plan.doors else []
+        return [*places, *sent, *doors, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
 
     def _build(self) -> None:
         self._environment = Environment(self._settings.scenario)
@@ -135,6 +137,9 @@ class EnvironmentNode:
             for topic in self._sent
         ]
         with self._environment_lock:
+            doors = step.latest(DOORS) if self._settings.scenario.plan.doors else None
+            if doors is not None:
+                self._environment.follow_doors(conversion.door_states(doors))
             status = step.latest(STATUS)
             if status is not None:
                 states = zip(self._victims, status.victims, strict=False)
@@ -184,13 +189,16 @@ class EnvironmentNode:
         return "" if self._last_step else "no step has been taken so far"
 
     def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
+        """Have the world set a door, which then tells everybody by a topic; without such a world, tell them here."""
+        answer = _told("/world/set_door", SetDoor, request)
+        if answer is not None:
+            return answer
         try:
             with self._environment_lock:
                 self._environment.set_door(request.name, request.closed)
         except ValueError as error:
             return SetDoorResponse(success=False, message=str(error))
-        _tell("/world/set_door", SetDoor, request)
-        _tell("/mission/set_door", SetDoor, request)
+        _told("/mission/set_door", SetDoor, request)
         return SetDoorResponse(success=True, message="")
 
     def _serve_set_noise(self, request: SetNoiseRequest) -> SetNoiseResponse:
@@ -201,7 +209,7 @@ class EnvironmentNode:
             return SetNoiseResponse(success=False, message=str(problems(error, VoiceSection)[0]))
         with self._environment_lock:
             self._environment.set_noise_db(request.noise_db)
-        _tell("/mission/set_noise", SetNoise, request)
+        _told("/mission/set_noise", SetNoise, request)
         return SetNoiseResponse(success=True, message="")
 
     def _serve_set_victim(self, request: SetVictimRequest) -> SetVictimResponse:
@@ -218,14 +226,15 @@ class EnvironmentNode:
             self._environment.set_victim(request.name, position_m)
             if request.name not in self._victims:
                 self._victims.append(request.name)
-        _tell("/mission/set_victim", SetVictim, request)
+        _told("/mission/set_victim", SetVictim, request)
         return SetVictimResponse(success=True, message="")
 
 
-def _tell(service: str, service_class: Any, request: Any) -> None:
-    """Pass a change on to another node, if it is there."""
+def _told(service: str, service_class: Any, request: Any) -> Any | None:
+    """Pass a change on to another node and return its answer; None: it is not there."""
     try:
         rospy.wait_for_service(service, timeout=NODE_PATIENCE_S)
-        rospy.ServiceProxy(service, service_class)(request)
+        return rospy.ServiceProxy(service, service_class)(request)
     except (rospy.ROSException, rospy.ServiceException) as error:
         rospy.logwarn(f"{service} was not told: {error}")
+        return None

@@ -19,6 +19,7 @@ from robotteamsim.msg import (
     Areas,
     Contact,
     ControllerStatus,
+    Doors,
     MissionEvent,
     MissionStatus,
     NetworkState,
@@ -59,6 +60,7 @@ from robotteamsim.srv import (
 FAREWELL_S = 0.5
 """The last messages get this long to reach recorders before the node, and with it the launch, ends [s, wall]."""
 NETWORK = "/network/state"
+DOORS = "/world/doors"
 
 _NO_RANGES = np.zeros(0, dtype=np.float32)
 
@@ -144,7 +146,8 @@ class MissionNode:
     def _inputs(self) -> list[Input]:
         controlled = self._settings.controlled
         inputs = [an_input for i, topics in enumerate(self._robots) for an_input in topics.inputs(i in controlled)]
-        return [*inputs, Input(Channel(NETWORK, needed=True), NetworkState)]
+        doors = [Input(Channel(DOORS), Doors)] if self._settings.scenario.plan.doors else []
+        return [*inputs, *doors, Input(Channel(NETWORK, needed=True), NetworkState)]
 
     def _begin_trial(self) -> Trial:
         recorders: list[Observer] = []
@@ -158,8 +161,10 @@ class MissionNode:
         voices = tuple(conversion.voice_reading(step.latest(topics.voice)) for topics in self._robots)
         decisions = tuple(topics.decision(step) for topics in self._robots)
         network = conversion.network_state(step.latest(NETWORK))
+        told = step.latest(DOORS) if self._settings.scenario.plan.doors else None
+        doors = None if told is None else conversion.door_states(told)
         with self._trial_lock:
-            events = self._trial.step(step.stamp_ns, readings, voices, network, decisions)
+            events = self._trial.step(step.stamp_ns, readings, voices, network, decisions, doors)
         self._publish(step.stamp_ns, events)
 
     def _publish(self, time_ns: int, events: Sequence[Event]) -> None:

@@ -20,6 +20,7 @@ from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.mission.status import MissionStatus
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
+from robotteamsim.world.doors import DoorState
 
 _PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_msgs, robotteamsim)
 
@@ -173,3 +174,8 @@ def task(message: robotteamsim.msg.MissionStatus) -> Task:
 
 def _point(message: geometry_msgs.msg.Point) -> tuple[float, float]:
     return message.x, message.y
+
+
+def door_states(message: robotteamsim.msg.Doors) -> dict[str, DoorState]:
+    """Return all doors as the world tells of them, by name."""
+    return {door.name: DoorState(bool(door.closed), door.opening, door.motion) for door in message.doors}

@@ -15,6 +15,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robotteamsim.msg import (
     Areas,
+    Doors,
     FloatMap,
     MissionEvent,
     MissionStatus,
@@ -103,6 +104,8 @@ class Scene:
         self._missing: set[int] = set()
         self._status = Feed("/mission/status", MissionStatus)
         self._events = Feed("/mission/events", MissionEvent, keep=1000)
+        self._doors = Feed("/world/doors", Doors)
+        self._tells_doors = False
         self._areas = Feed("/mission/areas", Areas)
         self._victims = Feed("/mission/victims", Victims)
         self._network = Feed("/network/state", NetworkState)
@@ -125,7 +128,7 @@ class Scene:
     def _draw_start(self) -> None:
         mission, plan = self._scenario.mission, self._scenario.plan
         self._canvas["building"].draw(scene_plan.building_markers(plan, self._wall_height_m))
-        self._draw_doors({door.name: door.closed for door in plan.doors})
+        self._draw_doors(scene_plan.openings_at_start(plan))
         areas = [scene_mission.AreaView(area.name, area.center, area.radius_m) for area in mission.areas]
         self._draw_areas(areas)
         self._draw_victims([scene_mission.VictimView(victim.name, victim.position) for victim in mission.victims])
@@ -141,9 +144,9 @@ class Scene:
         self._names_m = [scene_mission.name_spot_m(victim, distance_m) for victim in victims]
         self._canvas["victims"].draw(scene_mission.victim_markers(victims, distance_m))
 
-    def _draw_doors(self, closed: dict[str, bool]) -> None:
-        self._closed = closed
-        self._canvas["doors"].draw(scene_plan.door_markers(self._scenario.plan, closed, self._wall_height_m))
+    def _draw_doors(self, openings: dict[str, float]) -> None:
+        self._openings = openings
+        self._canvas["doors"].draw(scene_plan.door_markers(self._scenario.plan, openings, self._wall_height_m))
 
     def step(self, now_s: float) -> None:
         """Take in what came and draw it; now_s is wall time, as rviz draws on the wall clock, too."""
@@ -164,7 +167,7 @@ class Scene:
         stamp_ns = max((robot.stamp_ns for robot in self._robots.values()), default=0)
         if stamp_ns < self._stamp_ns:
             self._resend_due_s = now_s + RESEND_DELAY_S
-            self._draw_doors({door.name: door.closed for door in self._scenario.plan.doors})
+            self._draw_doors(scene_plan.openings_at_start(self._scenario.plan))
         self._stamp_ns = stamp_ns
 
     def _discover(self) -> None:
@@ -197,8 +200,14 @@ class Scene:
         if status is not None:
             self._draw_headline(status)
         changes = dict(filter(None, map(scene_plan.door_change, self._events.take())))
-        if changes.keys() & self._closed.keys():
-            self._draw_doors(self._closed | {name: changes[name] for name in self._closed if name in changes})
+        doors = self._doors.newest()
+        if doors is not None:
+            self._tells_doors, changes = True, {door.name: door.opening for door in doors.doors}
+        elif self._tells_doors:  # only of another kind of world events are all that is told
+            changes = {}
+        openings = self._openings | {name: changes[name] for name in self._openings if name in changes}
+        if openings != self._openings:
+            self._draw_doors(openings)
 
     def _draw_headline(self, status: MissionStatus) -> None:
         headline = scene_mission.Headline(

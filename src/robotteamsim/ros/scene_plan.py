@@ -24,7 +24,7 @@ from robotteamsim.ros.scene_shapes import (
     shaded,
 )
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
-from robotteamsim.scenario.plan import Solid, door_corners, solids
+from robotteamsim.scenario.plan import Solid, leaf_corners, solids
 
 FLOOR = colour("#2f3640")
 FLOOR_EDGE = colour("#1f242c")
@@ -70,17 +70,22 @@ def building_markers(plan: FloorPlan, cut_height_m: float) -> list[Marker]:
     ]
 
 
-def door_markers(plan: FloorPlan, closed: Mapping[str, bool], cut_height_m: float) -> list[Marker]:
-    """Return one leaf per door: across its gap when closed, swung open by a right angle when not.
+def openings_at_start(plan: FloorPlan) -> dict[str, float]:
+    """Return how far each door is open at the start, by name: 0 closed, 1 open."""
+    return {door.name: 0.0 if door.closed else 1.0 for door in plan.doors}
 
-    Args: closed: whether each door is closed, by name.
+
+def door_markers(plan: FloorPlan, openings: Mapping[str, float], cut_height_m: float) -> list[Marker]:
+    """Return one leaf per door where it is; an instant door's open leaf, which is nowhere, swung by a right angle.
+
+    Args: openings: how far each door is open, by name: 0 closed .. 1 open.
     """
-    return [_door_marker(i, door, closed[door.name], cut_height_m) for i, door in enumerate(plan.doors)]
+    return [_door_marker(i, door, openings[door.name], cut_height_m) for i, door in enumerate(plan.doors)]
 
 
-def door_change(event: MissionEvent) -> tuple[str, bool] | None:
-    """Return the name of a door and whether it is closed now, if that is what the event tells."""
-    return (event.subject, event.detail.endswith("closed")) if event.kind == "door" else None
+def door_change(event: MissionEvent) -> tuple[str, float] | None:
+    """Return the name of a door and how far it is open now, if an event tells that it was opened or closed."""
+    return (event.subject, 0.0 if event.detail.endswith("closed") else 1.0) if event.kind == "door" else None
 
 
 def _floor_markers(plan: FloorPlan) -> Iterator[Marker]:
@@ -159,11 +164,13 @@ def _add_sides(body: Mesh, loop: list[tuple[float, float]], height_m: float, tin
         body.quad([(x0, y0, 0.0), (x1, y1, 0.0), (x1, y1, height_m), (x0, y0, height_m)], [low, low, high, high])
 
 
-def _door_marker(marker_id: int, door: Door, closed: bool, cut_height_m: float) -> Marker:
+def _door_marker(marker_id: int, door: Door, opening: float, cut_height_m: float) -> Marker:
+    closed = opening == 0.0
     tint = FIREPROOF_DOOR if door.kind == "fireproof" else DOOR
-    leaf = shapely.Polygon(door_corners(door))
+    leaf = shapely.Polygon(leaf_corners(door, opening))
     if not closed:
-        leaf = shapely.affinity.rotate(leaf, 90.0, origin=door.start)
+        if door.motion == "instant":
+            leaf = shapely.affinity.rotate(leaf, 90.0, origin=door.start)
         tint = mixed(faded(tint, 0.75), faded(FLOOR, 0.75), 0.25)
     height_m = min(door.height_m, cut_height_m)
     body = Mesh()

@@ -33,9 +33,10 @@ FACE_LIGHTS = (0.62, 0.72, 0.84, 0.66)
 """Of a box's sides: they turn with it, for rviz does not light triangles that have colours."""
 
 
-def thing_markers(things: Sequence[Thing], poses: Sequence[Pose]) -> MarkerArray:
-    """Return one marker per thing, with its place in the list as id."""
-    return MarkerArray([_marker(i, thing, pose) for i, (thing, pose) in enumerate(zip(things, poses, strict=True))])
+def thing_markers(things: Sequence[Thing], poses: Sequence[Pose], *, anew: bool = False) -> MarkerArray:
+    """Return one marker per thing, with its place in the list as id; anew: behind one that clears all others away."""
+    markers = [_marker(i, thing, pose) for i, (thing, pose) in enumerate(zip(things, poses, strict=True))]
+    return MarkerArray([Marker(action=Marker.DELETEALL), *markers] if anew else markers)
 
 
 def _marker(marker_id: int, thing: Thing, pose: Pose) -> Marker:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from robotteamsim.control.controller import Decision
 from robotteamsim.mission import Mission
@@ -11,6 +11,7 @@ from robotteamsim.network.messages import NetworkState
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
 from robotteamsim.simulation import Observer, Result, StepRecord, Tally, true_positions_m
+from robotteamsim.world.doors import DoorState
 
 
 class Trial:
@@ -36,8 +37,14 @@ class Trial:
         voices: tuple[VoiceReading, ...],
         network: NetworkState,
         decisions: tuple[Decision, ...],
+        doors: Mapping[str, DoorState] | None = None,
     ) -> tuple[Event, ...]:
-        """Judge one step and return its events; after the end nothing is added up any more."""
+        """Judge one step and return its events; after the end nothing is added up any more.
+
+        Args: doors: as they are after the step; None: not told.
+        """
+        if doors is not None:
+            self.mission.follow_doors(doors)
         positions_m = true_positions_m(readings)
         events = self.mission.step(sim_time_ns, positions_m, voices, network, decisions)
         if self.result is None:

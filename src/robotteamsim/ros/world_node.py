@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Mapping
 
 import rospy
 from nav_msgs.msg import OccupancyGrid
@@ -13,6 +14,7 @@ from visualization_msgs.msg import MarkerArray
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose
+from robotteamsim.msg import Doors
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.gate import Gate, Pacer
@@ -20,10 +22,15 @@ from robotteamsim.ros.node import SEED, Output, ParameterError, Settings, parame
 from robotteamsim.ros.scene_things import thing_markers
 from robotteamsim.ros.team import FreeTeam, LockstepTeam
 from robotteamsim.ros.team_outputs import TeamOutputs
+from robotteamsim.ros.thing_requests import set_thing
 from robotteamsim.scenario import occupancy_grid
+from robotteamsim.scenario.things import Thing
 from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.srv import (
+    RemoveThing,
+    RemoveThingRequest,
+    RemoveThingResponse,
     ResetSeed,
     ResetSeedRequest,
     ResetSeedResponse,
@@ -36,11 +43,15 @@ from robotteamsim.srv import (
     SetSpeed,
     SetSpeedRequest,
     SetSpeedResponse,
+    SetThing,
+    SetThingRequest,
+    SetThingResponse,
     Step,
     StepRequest,
     StepResponse,
 )
 from robotteamsim.world import World
+from robotteamsim.world.doors import DoorState
 
 MAP_RESOLUTION_M = 0.05
 SERVICE_PATIENCE_S = 5.0
@@ -85,6 +96,9 @@ class WorldNode:
         )
         self._clock = Output("/clock", Clock, latched=True)
         self._things = Output("/world/things", MarkerArray)
+        # Environment and mission take from it alone whether a door is closed, in lockstep step by step.
+        self._doors = Output("/world/doors", Doors, latched=True)
+        self._shown_things: tuple[Thing, ...] = ()
         # In lockstep a late subscriber must still get the step that everybody waits for.
         self._outputs = TeamOutputs(self._robots, latched=settings.lockstep, localized=localization == "ground_truth")
         self._offer_map()
@@ -106,8 +120,8 @@ class WorldNode:
                 continue
             with self._world_lock:
                 self._world.step(twists)
-                readings = self._sensors.read()
-            self._publish(readings)
+                readings, doors = self._sensors.read(), self._world.door_states()
+            self._publish(readings, doors)
             self._gate.passed()
 
     def _await_listeners(self) -> None:
@@ -143,12 +157,22 @@ class WorldNode:
             if tick < ticks:
                 self._publish_clock(time_ns)
 
-    def _publish(self, readings: TeamReadings) -> None:
+    def _publish(self, readings: TeamReadings, doors: Mapping[str, DoorState]) -> None:
         time_ns = self._world.sim_time_ns
-        if self._scenario.things and self._things.wanted:
-            self._things.publish(thing_markers(self._scenario.things, list(self._world.things().values())))
+        if self._scenario.plan.doors:
+            self._doors.publish(fields.doors(self._make, time_ns, doors))
+        self._publish_things()
         self._outputs.publish(time_ns, readings)
         self._publish_clock(time_ns)
+
+    def _publish_things(self) -> None:
+        if not self._things.wanted:
+            return
+        with self._world_lock:
+            things, poses = self._world.thing_models(), list(self._world.things().values())
+        if things or self._shown_things:
+            self._things.publish(thing_markers(things, poses, anew=things != self._shown_things))
+        self._shown_things = things
 
     def _publish_clock(self, time_ns: int) -> None:
         self._clock.publish(fields.clock(self._make, time_ns))
@@ -168,6 +192,8 @@ class WorldNode:
         rospy.Service("/reset_positions", Empty, self._serve_reset_positions)
         rospy.Service("/set_speed", SetSpeed, self._serve_set_speed)
         rospy.Service("/set_pose", SetPose, self._serve_set_pose)
+        rospy.Service("/set_thing", SetThing, self._serve_set_thing)
+        rospy.Service("/remove_thing", RemoveThing, self._serve_remove_thing)
         rospy.Service("/world/set_door", SetDoor, self._serve_set_door)
 
     def _serve_pause(self, _: object) -> TriggerResponse:
@@ -217,6 +243,22 @@ class WorldNode:
         except (PlacementError, ValueError) as error:
             return SetPoseResponse(success=False, message=str(error))
         return SetPoseResponse(success=True, message="")
+
+    def _serve_set_thing(self, request: SetThingRequest) -> SetThingResponse:
+        try:
+            with self._world_lock:
+                set_thing(self._world, request)
+        except (PlacementError, ValueError) as error:
+            return SetThingResponse(success=False, message=str(error))
+        return SetThingResponse(success=True, message="")
+
+    def _serve_remove_thing(self, request: RemoveThingRequest) -> RemoveThingResponse:
+        try:
+            with self._world_lock:
+                self._world.remove_thing(request.name)
+        except ValueError as error:
+            return RemoveThingResponse(success=False, message=str(error))
+        return RemoveThingResponse(success=True, message="")
 
     def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
         try:

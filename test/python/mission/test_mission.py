@@ -10,7 +10,9 @@ from robotteamsim.control.controller import Decision, Task
 from robotteamsim.mission import Mission
 from robotteamsim.network.messages import NetworkState, Refusal, Traffic
 from robotteamsim.scenario import sections
+from robotteamsim.scenario.floor_plan import Door
 from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.world.doors import DoorState
 
 STEP_NS = 100_000_000
 FAR_M = (1.0, 1.0)
@@ -171,6 +173,35 @@ def test_doors_noise_and_victims_are_noted_and_raise_the_epoch(course):
         "background noise is 20 dB",
         "victim eve calls at (4.0, 8.0)",
     ]
+
+
+def test_leaf_of_a_door_is_told_when_it_sets_off_is_held_up_and_stands(hall_scenario):
+    scenario = hall_scenario()
+    gate = Door(name="gate", start=(10.0, 0.2), end=(10.0, 1.2), motion="swing")
+    mission = Mission(scenario.model_copy(update={"plan": scenario.plan.model_copy(update={"doors": (gate,)})}))
+    epochs = []
+    for state in (
+        DoorState(False, 1.0),
+        DoorState(False, 0.9, "closes"),
+        DoorState(False, 0.8, "closes"),
+        DoorState(False, 0.42, "held"),
+        DoorState(True, 0.0),
+        DoorState(False, 0.1, "opens"),
+        DoorState(False, 1.0),
+    ):
+        mission.follow_doors({"gate": state})
+        epochs.append(mission.status.task.epoch)
+    events = mission.step(STEP_NS, np.array([FAR_M, FAR_M]), (SILENCE,) * 2, network(2), (Decision(),) * 2)
+    told = [event.detail for event in events]
+    assert told[:5] == [
+        "door gate closes, 90% open",
+        "door gate is held up, 42% open",
+        "door gate is closed",
+        "door gate is opened",
+        "door gate stands, 100% open",
+    ]
+    # Only what fades voices changes the task.
+    assert epochs == [0, 0, 0, 0, 1, 2, 2]
 
 
 def test_moved_victim_waits_again_and_can_be_saved_again(course):

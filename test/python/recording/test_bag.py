@@ -67,6 +67,7 @@ def test_bag_has_the_topics_and_types_of_a_ros_run(bag):
         "/mission/events": "robotteamsim/MissionEvent",
         "/mission/victims": "robotteamsim/Victims",
         "/mission/areas": "robotteamsim/Areas",
+        "/world/doors": "robotteamsim/Doors",
     }
 
 

@@ -5,6 +5,7 @@ from robotteamsim.msg import MissionEvent
 from robotteamsim.ros.scene_plan import building_markers, door_change, door_markers
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
+from robotteamsim.scenario.plan import leaf_corners
 
 PLAN = FloorPlan(
     name="two rooms",
@@ -39,7 +40,7 @@ def only(markers, namespace, marker_id=0):
 
 @pytest.mark.parametrize("plan", [PLAN, load("garage_sar").plan], ids=lambda plan: plan.name)
 def test_ids_are_unique_and_no_frame_has_a_leading_slash(plan):
-    states = {door.name: False for door in plan.doors}
+    states = {door.name: 1.0 for door in plan.doors}
     markers = building_markers(plan, 1.0) + door_markers(plan, states, 1.0)
     assert len({(item.ns, item.id) for item in markers}) == len(markers)
     assert {item.header.frame_id for item in markers} == {"map"}
@@ -86,19 +87,31 @@ def leaf(item):
 
 def test_closed_door_fills_its_gap_and_open_door_leaves_it():
     gap = shapely.LineString([(3.2, 3.0), (3.8, 3.0)])
-    closed, other = door_markers(PLAN, {"gate": True, "fire": True}, 1.0)
-    opened, _ = door_markers(PLAN, {"gate": False, "fire": True}, 1.0)
+    closed, other = door_markers(PLAN, {"gate": 0.0, "fire": 0.0}, 1.0)
+    opened, _ = door_markers(PLAN, {"gate": 1.0, "fire": 0.0}, 1.0)
     assert leaf(closed).intersects(gap)
     assert not leaf(opened).intersects(gap)
     assert (closed.ns, closed.id) == (opened.ns, opened.id) != (other.ns, other.id)
+
+
+def test_leaf_that_swings_or_slides_is_drawn_where_it_is():
+    swinging, sliding = (
+        PLAN.model_copy(update={"doors": (PLAN.doors[0].model_copy(update={"motion": motion}),)})
+        for motion in ("swing", "slide")
+    )
+    for opening in (0.0, 0.3, 1.0):
+        for plan in (swinging, sliding):
+            (drawn,) = door_markers(plan, {"gate": opening}, 1.0)
+            where = shapely.Polygon(leaf_corners(plan.doors[0], opening))
+            assert leaf(drawn).buffer(1e-6).contains(where)
 
 
 def test_open_door_can_be_seen_through_and_fireproof_door_looks_different():
     def tint(item):
         return (item.colors[0].r, item.colors[0].g, item.colors[0].b)
 
-    closed, fireproof = door_markers(PLAN, {"gate": True, "fire": True}, 1.0)
-    opened, _ = door_markers(PLAN, {"gate": False, "fire": True}, 1.0)
+    closed, fireproof = door_markers(PLAN, {"gate": 0.0, "fire": 0.0}, 1.0)
+    opened, _ = door_markers(PLAN, {"gate": 1.0, "fire": 0.0}, 1.0)
     assert closed.colors[0].a == 1.0 > opened.colors[0].a
     assert tint(closed) != tint(fireproof)
 
@@ -106,8 +119,8 @@ def test_open_door_can_be_seen_through_and_fireproof_door_looks_different():
 @pytest.mark.parametrize(
     ("event", "change"),
     [
-        (MissionEvent(kind="door", subject="gate", detail="door gate is closed"), ("gate", True)),
-        (MissionEvent(kind="door", subject="gate", detail="door gate is opened"), ("gate", False)),
+        (MissionEvent(kind="door", subject="gate", detail="door gate is closed"), ("gate", 0.0)),
+        (MissionEvent(kind="door", subject="gate", detail="door gate is opened"), ("gate", 1.0)),
         (MissionEvent(kind="noise", detail="noise is 20 dB"), None),
     ],
 )

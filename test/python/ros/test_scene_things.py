@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from visualization_msgs.msg import Marker
 
 from robotteamsim.geometry import Pose
 from robotteamsim.ros.scene_things import RIM_M, thing_markers
@@ -36,3 +37,9 @@ def test_each_corner_has_a_colour_and_nothing_is_see_through():
 def test_equal_things_stand_at_places_of_their_own():
     first, second = thing_markers([CRATE, CRATE], [Pose(1.0, 0.0, 0.0), Pose(2.0, 0.0, 0.0)]).markers
     assert (first.pose.position.x, second.pose.position.x) == (1.0, 2.0)
+
+
+def test_things_that_are_gone_are_cleared_away():
+    (clearing,) = thing_markers((), (), anew=True).markers
+    assert clearing.action == Marker.DELETEALL
+    assert thing_markers((), ()).markers == []

@@ -12,12 +12,14 @@ from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros import team_outputs, world_node
 from robotteamsim.ros.gate import Gate, Pacer
 from robotteamsim.ros.node import Settings
+from robotteamsim.scenario.floor_plan import Door
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import Gps, MountedLaser, Sonar
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
+from robotteamsim.world.doors import DoorState
 
 STEPS = 3
 STEP_NS = 100_000_000
@@ -127,6 +129,15 @@ def test_true_motion_is_published(sent):
     truths = [message for topic, message in sent if topic == "/robot_0/base_pose_ground_truth"]
     assert truths[0].pose.pose.position.x < truths[-1].pose.pose.position.x < 3.2
     assert truths[-1].twist.twist.linear.x > 0.0
+
+
+def test_doors_are_told_at_every_step(serve, hall_scenario):
+    scenario = hall_scenario()
+    gate = Door(name="gate", start=(10.0, 0.2), end=(10.0, 1.2), motion="swing")
+    serve(0.0, scenario.model_copy(update={"plan": scenario.plan.model_copy(update={"doors": (gate,)})}))
+    told = [message for topic, message in FakeOutput.sent if topic == "/world/doors"]
+    assert [conversion.stamp_ns(message) for message in told] == [STEP_NS, 2 * STEP_NS, 3 * STEP_NS]
+    assert conversion.door_states(told[0]) == {"gate": DoorState(closed=False, opening=1.0, motion="still")}
 
 
 def test_map_frame_is_tied_to_odometry_on_demand(sent):

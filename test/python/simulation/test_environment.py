@@ -5,7 +5,7 @@ import pytest
 
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.floor_plan import Door
-from robotteamsim.simulation import Environment
+from robotteamsim.simulation import Environment, Simulation
 
 NEAR_ANN, FAR_AWAY = (9.0, 4.5), (1.0, 9.0)
 NOTHING_SENT = ((), ())
@@ -71,3 +71,26 @@ def test_door_is_closed_for_radio_and_voices(hall_scenario):
     assert voices[1].level_db <= open_voices[1].level_db
     with pytest.raises(ValueError, match="no_such"):
         environment.set_door("no_such", True)
+
+
+def test_door_that_slides_is_one_fact_for_world_radio_voices_and_mission(hall_scenario):
+    scenario = hall_scenario()
+    door = Door(name="gate", start=(10.0, 0.2), end=(10.0, 9.8), kind="fireproof", motion="slide", time_s=1.0)
+    simulation = Simulation(scenario.model_copy(update={"plan": scenario.plan.model_copy(update={"doors": (door,)})}))
+    apart = np.array([(7.0, 4.0), (13.0, 4.0)])
+
+    def rssi_dbm() -> float:
+        _, network, _ = simulation.environment.step(apart, [(), ()], ())
+        return float(network.rssi_dbm[0, 1])
+
+    while_open_dbm, told = rssi_dbm(), []
+    simulation.set_door("gate", True)
+    for index in range(14):
+        record = simulation.step()
+        told += [event.kind for event in record.events if event.kind.startswith("door")]
+        closed = record.doors["gate"].closed
+        assert closed == (index >= 9)
+        assert simulation.world.doors() == {"gate": closed}
+        assert rssi_dbm() == pytest.approx(while_open_dbm - 10.2 * closed)
+        assert ("door" in told) == closed
+    assert told == ["door_moves", "door"]
