@@ -168,6 +168,8 @@ def _read(bag: BagReader, name: str) -> RecordedRun:
         if topic in _TF_TYPES:
             transforms.add(message, is_static=topic == "/tf_static")
             continue
+        if topic in _TIMELESS:
+            taken[topic].clear()  # The last one counts, and maps are large.
         try:
             taken[topic].append((stamp_ns, _TAKERS[wanted[topic]](message)))
         except AttributeError:  # A version of the type without a field that is needed.

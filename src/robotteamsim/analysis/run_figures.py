@@ -87,6 +87,14 @@ class RunFigures:
     left_out: tuple[str, ...]
 
     @property
+    def title(self) -> str:
+        """The bag, and what it holds, in one line."""
+        count = len(self.robots) or (self.network.num_robots if self.network else 0)
+        team = {0: "", 1: "1 robot"}.get(count, f"{count} robots")
+        parts = (self.mission.scenario, team, f"{self.mission.noise_db:g} dB noise") if self.mission else (team,)
+        return f"{self.bag}: {', '.join(filter(None, parts))}".removesuffix(": ")
+
+    @property
     def distance_m(self) -> float | None:
         """Length of all paths together [m]."""
         return sum(robot.distance_m for robot in self.robots) if self.robots else None

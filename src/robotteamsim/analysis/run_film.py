@@ -17,7 +17,6 @@ from matplotlib.patches import Rectangle
 from robotteamsim.analysis.recorded_run import RecordedNetwork, RecordedRobot, RecordedRun
 from robotteamsim.analysis.run_curves import curves, draw_speeds
 from robotteamsim.analysis.run_figures import RunFigures
-from robotteamsim.analysis.run_picture import headline
 from robotteamsim.analysis.run_plan import (
     ENDANGERED,
     EXPLORED,
@@ -60,7 +59,7 @@ class RunFilm:
         self._add_places(floor)
         self._add_team(floor)
         self._covers = self._add_curves(grid[1], wanted)
-        self._figure.suptitle(headline(figures), x=0.01, ha="left", fontsize=14, weight="bold", color=INK)
+        self._figure.suptitle(figures.title, x=0.01, ha="left", fontsize=14, weight="bold", color=INK)
         self._clock = self._text(floor, (0.0, 1.015), "left", 12)
         self._caption = self._text(floor, (1.0, 1.015), "right", 11)
         for artist in self._moving:

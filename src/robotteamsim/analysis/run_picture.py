@@ -45,17 +45,6 @@ def draw_runs(runs: Sequence[RecordedRun], figures: Sequence[RunFigures], plan: 
     return _draw_columns(runs, figures, plan)
 
 
-def headline(figures: RunFigures) -> str:
-    """Return in one line what a bag holds and how it went."""
-    count = len(figures.robots)
-    parts = [f"{count} robots" if count != 1 else "1 robot"]
-    mission = figures.mission
-    if mission is None:
-        return f"{figures.bag}: {parts[0]}, {figures.duration_s:.0f} s"
-    parts = [mission.scenario, *parts, f"{mission.noise_db:g} dB noise"]
-    return f"{figures.bag}: {', '.join(parts)}"
-
-
 def outcome(figures: RunFigures) -> str:
     """Return in one line how the mission went; "" where there was none."""
     mission = figures.mission
@@ -77,7 +66,7 @@ def _draw_one(run: RecordedRun, figures: RunFigures, plan: FloorPlan | None) -> 
     floor = figure.add_subplot(grid[0])
     _draw_plan(floor, run, plan)
     _draw_curves(figure, grid[1], wanted, run)
-    figure.suptitle(headline(figures), x=0.01, ha="left", fontsize=13, weight="bold", color=INK)
+    figure.suptitle(figures.title, x=0.01, ha="left", fontsize=13, weight="bold", color=INK)
     floor.set_title(outcome(figures), loc="left", fontsize=10)
     _add_legend(figure, [run], [figures], with_figures=True)
     return figure
@@ -105,7 +94,7 @@ def _draw_columns(runs: Sequence[RecordedRun], figures: Sequence[RunFigures], pl
     all_axes = figure.subplots(1 + len(rows), len(runs), squeeze=False, height_ratios=[2.6, *(1.0 for _ in rows)])
     for column, (run, figure_of_run) in enumerate(zip(runs, figures, strict=True)):
         _draw_plan(all_axes[0, column], run, plan)
-        all_axes[0, column].set_title(f"{headline(figure_of_run)}\n{outcome(figure_of_run)}", loc="left", fontsize=8)
+        all_axes[0, column].set_title(f"{figure_of_run.title}\n{outcome(figure_of_run)}", loc="left", fontsize=8)
         known = curves(run)
         for row, draw in enumerate(rows, 1):
             axes = all_axes[row, column]

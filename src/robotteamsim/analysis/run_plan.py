@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.colors import to_rgba
+from matplotlib.colors import to_rgb, to_rgba
 from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 
@@ -98,6 +98,9 @@ def draw_floor(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
     else:
         axes.grid(color="#e4e2dc", linewidth=0.6)
         axes.set_axisbelow(True)
+    if not (run.robots or run.areas or run.grid or plan):
+        axes.set(xticks=[], yticks=[])
+        axes.text(0.5, 0.5, "no paths and no plan in this bag", ha="center", color="#8a877f", transform=axes.transAxes)
     axes.set(xlim=(x0, x1), ylim=(y0, y1), aspect="equal")
     where = "" if is_on_map(run) else ", each robot in its own odometry's frame"
     axes.set_xlabel(f"x [m]{where}", fontsize=8)
@@ -107,12 +110,13 @@ def draw_floor(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
 
 
 def _draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
-    # Colours, not classes, are averaged where cells are smaller than pixels: thin walls do not vanish.
-    shares = np.clip(grid.cells.astype(float) / OCCUPIED, 0.0, 1.0)[..., None]
-    image = (1.0 - shares) * to_rgba(FLOOR) + shares * to_rgba(_WALL)
-    image[grid.cells == UNKNOWN] = to_rgba(_UNSEEN)
+    levels = np.clip(np.arange(256) / OCCUPIED, 0.0, 1.0)[:, None]
+    colours = (1.0 - levels) * to_rgb(FLOOR) + levels * to_rgb(_WALL)
+    colours[np.uint8(UNKNOWN & 0xFF)] = to_rgb(_UNSEEN)
+    image = np.round(255.0 * colours).astype(np.uint8)[grid.cells.view(np.uint8)]
     (x, y), (rows, columns) = grid.origin_m, grid.cells.shape
     extent = (x, x + columns * grid.resolution_m, y, y + rows * grid.resolution_m)
+    # Colours, not classes, are averaged where cells are smaller than pixels: thin walls do not vanish.
     axes.imshow(image, origin="lower", extent=extent, interpolation="antialiased", zorder=0)
 
 

@@ -26,9 +26,9 @@ _SHORT_ENDS = {
 def print_run(console: Console, run: RecordedRun, figures: RunFigures) -> None:
     """Print the events of one run, its figures, those of its robots, and what is left out."""
     if run.events:
-        console.print(event_table(_title(figures), [event for _, event in run.events]))
+        console.print(event_table(figures.title, [event for _, event in run.events]))
     else:
-        console.print(Text(_title(figures), style="bold"))
+        console.print(Text(figures.title, style="bold"))
     console.print(_figure_table(figures))
     if figures.robots:
         console.print(_robot_table(figures.robots))
@@ -60,13 +60,6 @@ def print_runs(console: Console, figures: Sequence[RunFigures]) -> None:
     console.print(table)
     for figure in figures:
         _print_left_out(console, figure, f"{figure.bag}: ")
-
-
-def _title(figures: RunFigures) -> str:
-    parts = [f"{len(figures.robots)} robots" if len(figures.robots) != 1 else "1 robot"]
-    if figures.mission:
-        parts = [figures.mission.scenario, *parts, f"{figures.mission.noise_db:g} dB noise"]
-    return f"{figures.bag}: {', '.join(parts)}"
 
 
 def _figure_table(figures: RunFigures) -> Table:

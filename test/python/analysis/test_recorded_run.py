@@ -126,6 +126,15 @@ def test_map_is_read_as_it_stands(write_bag, odometry, tmp_path):
     np.testing.assert_array_equal(run.grid.cells, cells)
 
 
+def test_map_that_grows_is_read_as_it_is_in_the_end(write_bag, odometry, tmp_path):
+    grids = [OccupancyGrid((0.0, 0.0), 0.5, np.full((2, size), 100, dtype=np.int8)) for size in (3, 5)]
+    maps = [
+        ("/map", "nav_msgs/OccupancyGrid", t, fields.occupancy_grid(MAKE, t, grid)) for t, grid in enumerate(grids, 1)
+    ]
+    run = read_run([write_bag(tmp_path / "slam.bag", [*maps, *odometry_samples(odometry)])])
+    assert run.grid.cells.shape == (2, 5)
+
+
 def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry, tmp_path):
     def status(time_ns, state):
         return MAKE(

@@ -12,9 +12,10 @@ from matplotlib.patches import Circle
 
 from robotteamsim.analysis.recorded_run import read_run
 from robotteamsim.analysis.run_figures import figures
-from robotteamsim.analysis.run_picture import draw_runs, headline, outcome
+from robotteamsim.analysis.run_picture import draw_runs, outcome
 from robotteamsim.analysis.run_plan import extent_m, robot_colour
 from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.scenario import load
 from robotteamsim.scenario.plan import OccupancyGrid
@@ -77,6 +78,17 @@ def test_bag_without_mission_and_network_has_neither_curve(real):
     assert "collision" not in legend(figure)
 
 
+def test_bag_with_the_network_alone_has_its_curves_and_says_that_there_is_no_plan(busy, write_bag, tmp_path):
+    with BagReader([busy.bag]) as bag:
+        kind = bag.topics["/network/state"]
+        states = [(topic, kind, stamp_ns, state) for topic, stamp_ns, state in bag.messages({"/network/state"})]
+    only = read_run([write_bag(tmp_path / "net.bag", states)])
+    figure = draw_runs([only], [figures(only)])
+    assert [axes.get_ylabel() for axes in figure.axes[1:]] == ["network", "Fiedler value"]
+    assert [text.get_text() for text in figure.axes[0].texts] == ["no paths and no plan in this bag"]
+    assert figures(only).title == "net: 5 robots"
+
+
 def test_only_what_is_known_of_a_map_is_shown(real):
     x0, x1, y0, y1 = extent_m(real, None)
     assert (x0, x1) == pytest.approx((-0.605, 3.105), abs=0.3)
@@ -100,9 +112,9 @@ def test_runs_beside_each_other_share_the_scales_and_say_what_one_lacks(run, rea
 
 
 def test_words_tell_how_the_mission_went(run, real, busy):
-    assert headline(figures(run)) == "busy: garage_sar, 5 robots, 5 dB noise"
+    assert figures(run).title == "busy: garage_sar, 5 robots, 5 dB noise"
     assert outcome(figures(run)) == "0/5 areas, 0/4 victims in 25.0 s: the time was up"
-    assert headline(figures(real)) == "real: 1 robot, 20 s"
+    assert figures(real).title == "real: 1 robot"
     assert outcome(figures(real)) == ""
 
 
