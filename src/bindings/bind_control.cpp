@@ -2,6 +2,12 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "arrays.hpp"
 #include "bindings.hpp"
 #include "robotteamsim/control/clearance.hpp"
 
@@ -25,9 +31,38 @@ py::array_t<double> Hits(const ScanClearance& clearance, const Ranges& ranges, d
   return array;
 }
 
+double SquaredDistanceToNearest(const Doubles& points, double x, double y) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const double* point = points.data(); point != points.data() + points.size(); point += 2) {
+    const double dx = x - point[0], dy = y - point[1];
+    nearest = std::min(nearest, dx * dx + dy * dy);
+  }
+  return nearest;
+}
+
+// The index of the candidate that is farther from all points than `place` and than the candidates before it; -1 where
+// none is farther than `place`. Arrays have the shape (n, 2).
+int FarthestFrom(const Doubles& points_m, const std::pair<double, double>& place_m, const Doubles& candidates_m) {
+  for (const Doubles* rows : {&points_m, &candidates_m}) {
+    if (rows->ndim() != 2 || rows->shape(1) != 2) throw std::invalid_argument("points must have shape (n, 2)");
+  }
+  int best = -1;
+  double farthest = SquaredDistanceToNearest(points_m, place_m.first, place_m.second);
+  for (int i = 0; i < static_cast<int>(candidates_m.shape(0)); ++i) {
+    const double* const candidate = candidates_m.data() + 2 * i;
+    const double distance = SquaredDistanceToNearest(points_m, candidate[0], candidate[1]);
+    if (distance > farthest) {
+      farthest = distance;
+      best = i;
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 void BindControl(py::module_& m) {
+  m.def("farthest_from", &FarthestFrom, py::arg("points_m"), py::arg("place_m"), py::arg("candidates_m"));
   py::class_<ScanClearance>(m, "ScanClearance")
       .def(py::init([](int beams, double angle_min_rad, double angle_max_rad, double forward_m, double range_max_m) {
              return ScanClearance({beams, angle_min_rad, angle_max_rad, forward_m, range_max_m});

@@ -86,6 +86,14 @@ void Step(World& world, const Doubles& twists) {
   world.Step(commands);
 }
 
+// A twist per robot, each a sequence of three: for few robots faster than an array.
+void StepEach(World& world, const std::vector<Triple>& twists) {
+  std::vector<Twist> commands;
+  commands.reserve(twists.size());
+  for (const Triple& twist : twists) commands.push_back({twist[0], twist[1], twist[2]});
+  world.Step(commands);
+}
+
 // One row per robot. Pose and Twist are three doubles each.
 template <typename Row>
 py::array_t<double> ToArray(const std::vector<Row>& rows) {
@@ -150,6 +158,7 @@ void BindWorld(py::module_& m) {
            py::arg("things") = std::vector<Thing>())
       .def("thing_poses", [](const World& world) { return ToArray(world.thing_poses()); })
       .def("step", &Step, py::arg("twists"))
+      .def("step_each", &StepEach, py::arg("twists"))
       .def("poses", [](const World& world) { return ToArray(world.poses()); })
       .def("pose_readings", &PoseReadings)
       .def("twists", [](const World& world) { return ToArray(world.twists()); })

@@ -28,6 +28,7 @@ class RuledOut:
         self._bucket_m = max(self._radius_m, self._next_to_m)
         self._buckets: dict[tuple[int, int], list[tuple[Vector, Vector | None]]] = {}
         self._known: set[tuple[int, int, Vector | None]] = set()
+        self._answers: dict[Vector, bool] = {}
         self._covered: set[Vector] = set()
         """Places that were found to be covered; they stay so until all is forgotten."""
 
@@ -35,6 +36,7 @@ class RuledOut:
         """Forget everything: the voice map is another."""
         self._buckets.clear()
         self._known.clear()
+        self._answers.clear()
         self._covered.clear()
 
     def add(self, position: Vector, loudest: Vector | None) -> None:
@@ -42,10 +44,16 @@ class RuledOut:
         key, bucket = _key_and_bucket(position, loudest, self._bucket_m)
         if key not in self._known:
             self._known.add(key)
+            self._answers.clear()
             self._buckets.setdefault(bucket, []).append((position, loudest))
 
     def covers(self, place: Vector) -> bool:
         """Whether the victim whose voice is heard at a cell cannot be there."""
+        if place not in self._answers:
+            self._answers[place] = self._finds(place)
+        return self._answers[place]
+
+    def _finds(self, place: Vector) -> bool:
         if place in self._covered:
             return True
         if self._is_covered(place):

@@ -42,7 +42,7 @@ class Mission:
         self._areas = scenario.mission.areas
         self._victims = list(scenario.mission.victims)
         self._save_distance_m = scenario.mission.save_distance_m
-        self._time_limit_s = scenario.mission.time_limit_s
+        self._time_limit_ns = round(scenario.mission.time_limit_s * 1e9)
         self._autostart = scenario.mission.autostart
         self._noise_db = scenario.voice.noise_db
 
@@ -62,6 +62,7 @@ class Mission:
         self._team = TeamWatch()
         self._refusals: set[Refusal] = set()
         self._events: list[Event] = []
+        self._task, self._asked = Task(), ("", -1, -1)
         self._status = self._make_status()
 
     @property
@@ -198,10 +199,11 @@ class Mission:
             for robot_id, voice in enumerate(voices):
                 if voice.heard:
                     self._hear(robot_id, voice)
-        for index, victim in enumerate(self._victims):
-            if distances_m[index] <= self._save_distance_m and self._victim_states[index] != "saved":
+        for index, distance_m in enumerate(distances_m):
+            if distance_m <= self._save_distance_m and self._victim_states[index] != "saved":
                 self._victim_states[index] = "saved"
                 self._epoch += 1  # her voice leaves the map
+                victim = self._victims[index]
                 robot_id, count = nearest_robots[index], f"{len(self.saved_victims)} of {len(self._victims)}"
                 self._tell("victim_saved", victim.name, robot_id, f"robot {robot_id} saves {victim.name} ({count})")
 
@@ -248,7 +250,7 @@ class Mission:
     def _judge_end(self) -> None:
         if self._areas and self._num_explored == len(self._areas):
             self._finish("areas_explored")
-        elif self._elapsed_ns >= round(self._time_limit_s * 1e9):
+        elif self._elapsed_ns >= self._time_limit_ns:
             self._finish("time_limit")
         elif self._team.all_excluded:
             self._finish("all_excluded")
@@ -285,11 +287,16 @@ class Mission:
         )
 
     def _make_task(self) -> Task:
-        """Return what is asked of the team."""
+        """Return what is asked of the team: the same object until that changes."""
+        asked = (self._state, self._epoch, self._num_explored)
+        if asked == self._asked:
+            return self._task
+        self._asked = asked
         area = self._areas[self._num_explored] if self._num_explored < len(self._areas) else None
-        return Task(
+        self._task = Task(
             running=self._state == "running",
             epoch=self._epoch,
             area_center_m=area.center if area else None,
             area_radius_m=area.radius_m if area else 0.0,
         )
+        return self._task

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.network.delivery import Delivery, Links
 from robotteamsim.network.graph import break_matrix, fiedler_value, hop_count
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState, Refusal
@@ -46,7 +48,6 @@ class Network:
         self._num_robots = num_robots
         self._delivery = Delivery(network, num_robots, seed, step_ns)
         self._topology: _Topology | None = None
-        self._is_pair = ~np.eye(num_robots, dtype=bool)
 
     def step(
         self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]]
@@ -70,13 +71,12 @@ class Network:
             outboxes = [[message for message in outbox if message.num_bytes <= limit] for outbox in outboxes]
         rssi_dbm = self._radio_field.rssi_matrix_dbm(positions_m)
         if self._section.link == "signal":
-            link = rssi_dbm
-            adjacency = rssi_dbm >= self._section.lost_below_dbm
+            link, limits = rssi_dbm, (self._section.lost_below_dbm, math.inf)
         else:
             link = np.hypot(*(positions_m[:, None, :] - positions_m[None, :, :]).transpose(2, 0, 1))
-            adjacency = link <= self._section.max_distance_m
-        adjacency &= self._is_pair
-        topology = self._topology_of(adjacency)
+            limits = (-math.inf, self._section.max_distance_m)
+        adjacency, endangered, links = _core.links(link, *limits, rssi_dbm, self._section.endangered_below_dbm)
+        topology = self._topology_of(adjacency, links)
         inboxes, traffic = self._delivery.step(Links(rssi_dbm, adjacency, topology.hops), outboxes, refused)
         state = NetworkState(
             rssi_dbm=rssi_dbm,
@@ -86,7 +86,7 @@ class Network:
             # With one piece there is nothing to look for, and most teams are one piece most of the time.
             break_matrix=np.zeros(link.shape) if topology.fiedler > 0.0 else break_matrix(link, topology.hops),
             fiedler_value=topology.fiedler,
-            endangered=adjacency & (rssi_dbm < self._section.endangered_below_dbm),
+            endangered=endangered,
             traffic=traffic,
         )
         return state, inboxes
@@ -96,8 +96,7 @@ class Network:
         self._topology = None
         self._delivery.reset()
 
-    def _topology_of(self, adjacency: np.ndarray) -> _Topology:
-        links = adjacency.tobytes()
+    def _topology_of(self, adjacency: np.ndarray, links: bytes) -> _Topology:
         if self._topology is None or self._topology.links != links:
             self._topology = _Topology(links, hop_count(adjacency), fiedler_value(adjacency))
         return self._topology

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple, overload
 
 import numpy as np
@@ -126,8 +126,8 @@ class TeamReadings(Sequence[RobotReading]):
         return tuple(
             map(
                 RobotReading,
-                map(PoseReading._make, self.ground_truth.tolist()),
-                map(Twist._make, self.twists.tolist()),
+                map(_pose_reading, self.ground_truth.tolist()),
+                map(_twist, self.twists.tolist()),
                 map(_odometry_reading, self.odometry.tolist()),
                 self.ranges_m,
                 self.in_contact.tolist(),
@@ -144,8 +144,13 @@ def ground_truth_rows(readings: Sequence[RobotReading]) -> np.ndarray:
     return np.array([reading.ground_truth for reading in readings], dtype=np.float64).reshape(-1, 4)
 
 
+# Of an iterable, without a call of Python: these are made for every robot in every step.
+_pose_reading = partial(tuple.__new__, PoseReading)
+_twist = partial(tuple.__new__, Twist)
+
+
 def _odometry_reading(row: list[float]) -> OdometryReading:
-    return OdometryReading(PoseReading(*row[:4]), Twist(*row[4:7]), tuple(row[7:13]), tuple(row[13:]))
+    return OdometryReading(_pose_reading(row[:4]), _twist(row[4:7]), tuple(row[7:13]), tuple(row[13:]))
 
 
 class Observation(NamedTuple):

@@ -55,10 +55,10 @@ class Simulation:
         outboxes = [decision.outbox for decision in self._decisions]
         voices, network, inboxes = self.environment.step(positions_m, outboxes, self._saved)
         # Each controller decides.
-        for robot_id, controller in enumerate(self.controllers):
-            observation = Observation(robot_id, sim_time_ns, readings[robot_id], voices[robot_id])
-            controller.observe(observation, inboxes[robot_id], self._task)
-        self._decisions = tuple(controller.decide() for controller in self.controllers)
+        told = zip(self.controllers, readings, voices, inboxes, strict=True)
+        for robot_id, (controller, reading, voice, inbox) in enumerate(told):
+            controller.observe(Observation(robot_id, sim_time_ns, reading, voice), inbox, self._task)
+        self._decisions = tuple([controller.decide() for controller in self.controllers])
         # The mission judges.
         events = self.mission.step(sim_time_ns, positions_m, voices, network, self._decisions)
         status = self.mission.status
@@ -138,4 +138,4 @@ class Simulation:
 
 def true_positions_m(readings: Sequence[RobotReading]) -> np.ndarray:
     """Return the robots' true positions in `map`, float64 of shape (n, 2) [m]."""
-    return ground_truth_rows(readings)[:, :2]
+    return np.ascontiguousarray(ground_truth_rows(readings)[:, :2])

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.swarm.velocity import Vector
 
 
@@ -19,10 +20,10 @@ def obstacle_attractor(position: Vector, hits_m: np.ndarray, candidates_m: np.nd
     """
     if len(hits_m) == 0 or len(candidates_m) == 0:
         return position
-    places_m = np.vstack((position, candidates_m))
-    offsets_m = places_m[:, None, :] - hits_m[None, :, :]
-    clearance_m2 = np.min(np.einsum("ijk,ijk->ij", offsets_m, offsets_m), axis=1)
-    x_m, y_m = places_m[int(np.argmax(clearance_m2))].tolist()
+    best = _core.farthest_from(hits_m, position, candidates_m)
+    if best < 0:
+        return position
+    x_m, y_m = candidates_m[best].tolist()
     return x_m, y_m
 
 

@@ -87,8 +87,9 @@ class World:
         Raises: ValueError: the number of twists is wrong, or one is not finite; nothing has moved then.
         """
         if not isinstance(twists, np.ndarray):
-            twists = np.array(twists, dtype=np.float64).reshape(-1, 3)
-        self.core.step(twists)
+            self.core.step_each(twists)
+        else:
+            self.core.step(twists)
         self._step_index += 1
         if self._have_leaves:
             self._look_at_doors()
