@@ -15,10 +15,12 @@ from sensor_msgs.msg import LaserScan
 
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.controller import Decision, Task
+from robotteamsim.control.localisation import body_of
 from robotteamsim.msg import Contact, ControllerStatus, MissionStatus, NetworkMessages, Voice
 from robotteamsim.network.messages import Message
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
+from robotteamsim.ros.further_inputs import FurtherInputs
 from robotteamsim.ros.inbox import Channel, Step
 from robotteamsim.ros.node import (
     Input,
@@ -71,6 +73,7 @@ class Seat:
             f"{prefix}{name}" for name in ("odom", "base_scan", "base_pose_ground_truth")
         )
         self._contact, self._voice, self._received = (f"{prefix}{name}" for name in ("contact", "voice", "network/rx"))
+        self._further = FurtherInputs(body_of(robot_id, settings.scenario), prefix, settings.step_ns)
         self.build(settings)
         latched = settings.lockstep
         self._answer = Output(f"{prefix}cmd_vel_stamped", TwistStamped, latched=True)
@@ -88,10 +91,12 @@ class Seat:
             Input(Channel(self._contact), Contact),
             Input(Channel(self._voice, needed=True), Voice),
             Input(Channel(self._received), NetworkMessages),
+            *self._further.inputs,
         ]
 
     def build(self, settings: Settings) -> None:
         """Make the controller, or make it anew."""
+        self._further.begin_anew()
         make = partial(make_controller, self._robot_id, settings.scenario)
         self._controller = Guard(self._robot_id, settings.num_robots, make)
 
@@ -117,6 +122,7 @@ class Seat:
             ranges_m=conversion.ranges_m(step.latest(self._scan)),
             in_contact=contact is not None and contact.in_contact,
             contact_angles_rad=() if contact is None else tuple(contact.angles_rad),
+            further=self._further.reading(step),
         )
         return Observation(self._robot_id, step.stamp_ns, robot, conversion.voice_reading(step.latest(self._voice)))
 

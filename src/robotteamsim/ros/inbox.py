@@ -23,12 +23,15 @@ class Channel:
     needed:         out of lockstep, a step waits until this channel has brought something new.
     of_last_step:   in lockstep, the step at t takes the message of the step before t.
     may_be_silent:  in lockstep, this channel is not waited for while it has been silent for too long.
+    due:            in lockstep, tells by a step's stamp whether it has a message then; none: in every step. One that
+                    has says nothing in the first step.
     """
 
     name: str
     needed: bool = False
     of_last_step: bool = False
     may_be_silent: bool = False
+    due: Callable[[int], bool] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,7 +208,13 @@ class LockstepInbox(Inbox):
     def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
         if stamp_ns == queue.last_ns and queue.life == self._life:
             return  # a latched message can arrive twice at a late subscriber
-        if stamp_ns <= queue.last_ns:
+        if queue.channel.due is not None:
+            # It may have had no turn before time jumped back, so its stamps do not tell that it did. Those of the
+            # others have told: the world does not go on to such a step before all have made the first one.
+            if queue.life != self._life:
+                queue.waiting.clear()
+            queue.life = self._life
+        elif stamp_ns <= queue.last_ns:
             queue.life += 1
             queue.waiting.clear()
             if queue.life > self._life:
@@ -216,7 +225,9 @@ class LockstepInbox(Inbox):
         queue.waiting.append((stamp_ns, message))
 
     def _ready(self, queue: _Queue) -> bool:
-        stamp_ns = self._wanted_ns(queue)
+        stamp_ns, due = self._wanted_ns(queue), queue.channel.due
+        if due is not None and not due(stamp_ns):
+            return True
         return queue.silent or stamp_ns == 0 or (queue.life == self._life and queue.has(stamp_ns))
 
     def _hand_out(self) -> Step:

@@ -72,8 +72,7 @@ class RobotReading(NamedTuple):
 
     ranges_m: float32, shape (beams,), first beam at angle_min; no return as the scenario says.
     contact_angles_rad: directions of contacts from base_link, ascending in (-pi, pi].
-    further:  of sensors that not every robot has. Controllers that run as ROS nodes do not get it; they listen to the
-              topics of those sensors.
+    further:  of sensors that not every robot has.
     """
 
     ground_truth: PoseReading

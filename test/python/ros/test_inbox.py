@@ -220,3 +220,29 @@ def test_latest_goes_on_after_two_resets_of_which_a_slow_channel_saw_one():
     inbox.put("scan", 300, "scan 300")
     inbox.put("voice", 300, "voice 300")
     assert inbox.take() == Step(300, False, {"scan": ("scan 300",), "voice": ("voice 300",)})
+
+
+def test_lockstep_channel_with_turns_is_waited_for_in_these_alone(lockstep):
+    inbox = lockstep(Channel("scan"), Channel("rear", due=lambda stamp_ns: stamp_ns % 200 == 0))
+    inbox.put("scan", 100, "scan 1")
+    assert inbox.take().messages == {"scan": ("scan 1",), "rear": ()}
+    inbox.put("scan", 200, "scan 2")
+    taker = Taker(inbox)
+    assert taker.is_waiting
+    inbox.put("rear", 200, "rear 2")
+    assert taker.result().latest("rear") == "rear 2"
+
+
+@pytest.mark.parametrize(("first_life", "every"), [(2, 2), (3, 2), (2, 3), (4, 3)])
+def test_lockstep_channel_with_turns_begins_again_with_the_others(lockstep, first_life, every):
+    """Whether it had a turn before time jumped back or not."""
+    inbox = lockstep(Channel("scan"), Channel("rear", due=lambda stamp_ns: stamp_ns % (100 * every) == 0))
+    for life, steps in enumerate((first_life, 4)):
+        for number in range(1, steps + 1):
+            inbox.put("scan", 100 * number, f"scan {number} of {life}")
+            has_turn = number % every == 0
+            if has_turn:
+                inbox.put("rear", 100 * number, f"rear {number} of {life}")
+            step = Taker(inbox).result()
+            assert (step.stamp_ns, step.restarted) == (100 * number, (life, number) == (1, 1))
+            assert step.latest("rear") == (f"rear {number} of {life}" if has_turn else None)

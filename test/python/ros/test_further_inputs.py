@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+from io import BytesIO
+
+import numpy as np
+import pytest
+
+from robotteamsim.recording.sensor_fields import sensor_topics
+from robotteamsim.ros.further_inputs import FurtherInputs
+from robotteamsim.ros.inbox import Step
+from robotteamsim.ros.msg_conversion import RosTypes
+from robotteamsim.scenario import load
+from robotteamsim.sensing.readings import NOTHING_FURTHER
+from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.world import World
+
+EQUIPPED = (
+    "robots.lasers=[{name: rear, yaw_rad: 3.1416, beams: 31, noise_m: 0.01, every_steps: 3}, {name: left, beams: 7}]",
+    "robots.sonars=[{name: sonar_0, noise_m: 0.02}, {name: sonar_1, yaw_rad: 1.5}]",
+    "robots.gps={datum_lat_deg: 40.186, datum_lon_deg: -8.416, rate_hz: 4}",
+)
+
+
+def sent(message):
+    """Return a message as it comes out of a socket."""
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return type(message)().deserialize(buffer.getvalue())
+
+
+@pytest.fixture
+def told():
+    """Return what each step's readings are, headless, and what the topics of a robot tell of them."""
+    scenario = load("tutorial_arena", EQUIPPED)
+    robots = scenario.placed_robots()
+    world = World(scenario.plan, robots, scenario.run, seed=3)
+    sensors = RobotSensors(world, robots, 3)
+    steps = []
+    for _ in range(24):
+        world.step([(0.3, 0.0, 0.2)])
+        further = sensors.read()[0].further
+        messages = {
+            f"/robot_0/{topic.name}": topic.message(RosTypes(), world.sim_time_ns, 0, further)
+            for topic in sensor_topics(robots[0])
+        }
+        steps.append(
+            (
+                world.sim_time_ns,
+                further,
+                {name: () if message is None else (sent(message),) for name, message in messages.items()},
+            )
+        )
+    return FurtherInputs(robots[0], "/robot_0/", scenario.run.step_ns), steps
+
+
+def test_readings_from_topics_are_those_of_the_headless_run_to_the_bit(told):
+    inputs, steps = told
+    for stamp_ns, further, messages in steps:
+        reading = inputs.reading(Step(stamp_ns, False, messages))
+        assert (reading.sonars_m, reading.fix) == (further.sonars_m, further.fix)
+        for one, other in zip(reading.scans_m, further.scans_m, strict=True):
+            assert (one is None) == (other is None)
+            assert one is None or (one.dtype == np.float32 and np.array_equal(one, other))
+    assert sum(further.fix is not None for _, further, _ in steps) == 9
+    assert sum(further.scans_m[0] is not None for _, further, _ in steps) == 8
+
+
+def test_a_sensor_is_waited_for_exactly_when_it_measures(told):
+    inputs, steps = told
+    dues = {an_input.channel.name: an_input.channel.due for an_input in inputs.inputs}
+    assert len(dues) == 5
+    for stamp_ns, _, messages in steps:
+        for name, due in dues.items():
+            assert (due is None or due(stamp_ns)) == bool(messages[name])
+
+
+def test_sonar_that_is_late_has_said_what_it_said_before(told):
+    inputs, steps = told
+    nothing = dict.fromkeys(steps[0][2], ())
+    assert inputs.reading(Step(100_000_000, False, nothing)).sonars_m == (3.0, 3.0)
+    stamp_ns, further, messages = steps[0]
+    inputs.reading(Step(stamp_ns, False, messages))
+    assert inputs.reading(Step(200_000_000, False, nothing)).sonars_m == further.sonars_m
+    inputs.begin_anew()
+    assert inputs.reading(Step(300_000_000, False, nothing)).sonars_m == (3.0, 3.0)
+
+
+def test_robot_without_further_sensors_needs_no_topics():
+    robot = load("tutorial_arena").placed_robots()[0]
+    inputs = FurtherInputs(robot, "", 100_000_000)
+    assert inputs.inputs == []
+    assert inputs.reading(Step(100_000_000, False, {})) is NOTHING_FURTHER
