@@ -49,10 +49,13 @@ py::array_t<float> Nearest(const Laser& laser, const World& world, const std::ve
   return nearest;
 }
 
-std::vector<Odometry> ToTeam(const std::vector<std::array<double, 4>>& alphas, double step_s) {
+std::vector<Odometry> ToTeam(const std::vector<std::array<double, 4>>& alphas, double step_s,
+                             const std::vector<bool>& omni) {
+  if (omni.size() != alphas.size()) throw std::invalid_argument("omni must have one value per robot");
   std::vector<Odometry> team;
-  for (const auto& [alpha1, alpha2, alpha3, alpha4] : alphas) {
-    team.emplace_back(OdometryModel{alpha1, alpha2, alpha3, alpha4}, step_s);
+  for (std::size_t i = 0; i < alphas.size(); ++i) {
+    const auto& [alpha1, alpha2, alpha3, alpha4] = alphas[i];
+    team.emplace_back(OdometryModel{alpha1, alpha2, alpha3, alpha4}, step_s, omni[i]);
   }
   return team;
 }
@@ -60,10 +63,11 @@ std::vector<Odometry> ToTeam(const std::vector<std::array<double, 4>>& alphas, d
 /// The odometry of all robots of a team.
 class TeamOdometry {
  public:
-  TeamOdometry(const std::vector<std::array<double, 4>>& alphas, double step_s) : team_(ToTeam(alphas, step_s)) {}
+  TeamOdometry(const std::vector<std::array<double, 4>>& alphas, double step_s, const std::vector<bool>& omni)
+      : team_(ToTeam(alphas, step_s, omni)) {}
 
   // Rows of motions, twists and noise are those of the robots; returns x, y, qz, qw, vx, vy, turn of each, then the
-  // covariance of x, y, yaw (upper triangle), then the variances of vx and turn.
+  // covariance of x, y, yaw (upper triangle), then the variances of vx, vy and turn.
   py::array_t<double> Step(const Doubles& motions, const Doubles& twists, const Doubles& noise) {
     for (const Doubles* rows : {&motions, &twists, &noise}) CheckCount(static_cast<std::size_t>(rows->size()), 3);
     const double *const motion = motions.data(), *const twist = twists.data(), *const normal = noise.data();
@@ -93,7 +97,7 @@ class TeamOdometry {
   }
 
   py::array_t<double> Readings() const {
-    py::array_t<double> readings({static_cast<py::ssize_t>(team_.size()), py::ssize_t{15}});
+    py::array_t<double> readings({static_cast<py::ssize_t>(team_.size()), py::ssize_t{16}});
     double* row = readings.mutable_data();
     for (const Odometry& odometry : team_) {
       WritePoseReading(odometry.pose(), row);
@@ -101,8 +105,15 @@ class TeamOdometry {
       row[5] = odometry.twist().linear_y;
       row[6] = odometry.twist().angular_z;
       const PoseCovariance& p = odometry.covariance();
-      const double rest[] = {
-          p.xx, p.xy, p.x_yaw, p.yy, p.y_yaw, p.yaw_yaw, odometry.speed_variance(), odometry.turn_variance()};
+      const double rest[] = {p.xx,
+                             p.xy,
+                             p.x_yaw,
+                             p.yy,
+                             p.y_yaw,
+                             p.yaw_yaw,
+                             odometry.speed_variance(),
+                             odometry.sideways_variance(),
+                             odometry.turn_variance()};
       row = std::copy(std::begin(rest), std::end(rest), row + 7);
     }
     return readings;
@@ -127,7 +138,8 @@ void BindSensing(py::module_& m) {
       .def("scan", &Scan, py::arg("world"), py::arg("robot_ids"), py::arg("noise_m"))
       .def("nearest", &Nearest, py::arg("world"), py::arg("robot_ids"), py::arg("noise_m"));
   py::class_<TeamOdometry>(m, "TeamOdometry")
-      .def(py::init<const std::vector<std::array<double, 4>>&, double>(), py::arg("alphas"), py::arg("step_s"))
+      .def(py::init<const std::vector<std::array<double, 4>>&, double, const std::vector<bool>&>(), py::arg("alphas"),
+           py::arg("step_s"), py::arg("omni"))
       .def("step", &TeamOdometry::Step, py::arg("motions"), py::arg("twists"), py::arg("noise"))
       .def("follow", &TeamOdometry::Follow, py::arg("world"), py::arg("noise"));
 }

@@ -36,9 +36,41 @@ PoseCovariance Carried(PoseCovariance p, double first_variance, double distance,
   return p;
 }
 
+// The same for a way (x, y) in `odom` with equal variances in all directions, and a turn that comes with it.
+PoseCovariance CarriedOmni(PoseCovariance p, double x, double y, double way_variance, double turn_variance) {
+  p.xx += -y * (2.0 * p.x_yaw - y * p.yaw_yaw) + way_variance;
+  p.xy += -y * p.y_yaw + x * (p.x_yaw - y * p.yaw_yaw);
+  p.yy += x * (2.0 * p.y_yaw + x * p.yaw_yaw) + way_variance;
+  p.x_yaw -= y * p.yaw_yaw;
+  p.y_yaw += x * p.yaw_yaw;
+  p.yaw_yaw += turn_variance;
+  return p;
+}
+
 }  // namespace
 
+void Odometry::StepOmni(const Pose& motion, const Twist& twist, const Noise& noise) {
+  const double turn = twist.angular_z * step_, distance2 = Square(motion.x) + Square(motion.y);
+  const double turn_variance = model_.alpha1 * Square(turn) + model_.alpha2 * distance2;
+  const double way_variance = model_.alpha3 * distance2 + model_.alpha4 * Square(turn);
+  const double turn_error = noise.first_turn * std::sqrt(turn_variance);
+  const double along = noise.distance * std::sqrt(way_variance), aside = noise.second_turn * std::sqrt(way_variance);
+  // The heading of the way as seen from its beginning, and from the middle of the step, where the twist is.
+  const double heading = std::atan2(motion.y, motion.x), seen = heading - 0.5 * turn;
+  const double course = pose_.yaw + heading, cos = std::cos(course), sin = std::sin(course);
+  const double distance = std::sqrt(distance2) + along;
+  const double x = distance * cos - aside * sin, y = distance * sin + aside * cos;
+  pose_ = {pose_.x + x, pose_.y + y, NormaliseAngle(pose_.yaw + turn + turn_error)};
+  covariance_ = CarriedOmni(covariance_, x, y, way_variance, turn_variance);
+  twist_ = {twist.linear_x + (along * std::cos(seen) - aside * std::sin(seen)) / step_,
+            twist.linear_y + (along * std::sin(seen) + aside * std::cos(seen)) / step_,
+            twist.angular_z + turn_error / step_};
+  speed_variance_ = way_variance / Square(step_);
+  turn_variance_ = turn_variance / Square(step_);
+}
+
 void Odometry::Step(const Pose& motion, const Twist& twist, const Noise& noise) {
+  if (omni_) return StepOmni(motion, twist, noise);
   const Way way = WayOf(motion);
   const double turn = twist.angular_z * step_;
   const double rest = turn - way.heading;

@@ -104,9 +104,9 @@ def pose_covariances(triangles: np.ndarray) -> np.ndarray:
 
 
 def twist_covariances(variances: np.ndarray) -> np.ndarray:
-    """Return `OdometryReading.twist_variances`, shape (..., 2), as ROS has it, shape (..., 36)."""
+    """Return `OdometryReading.twist_variances`, shape (..., 3), as ROS has it, shape (..., 36)."""
     covariances = np.zeros((*variances.shape[:-1], 36))
-    covariances[..., [0, 35]] = variances
+    covariances[..., [0, 7, 35]] = variances
     return covariances
 
 

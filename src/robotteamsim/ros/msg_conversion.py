@@ -79,7 +79,7 @@ def odometry_reading(message: nav_msgs.msg.Odometry) -> OdometryReading:
         pose_reading(message.pose.pose),
         twist(message.twist.twist),
         pose_covariance=(of_pose[0], of_pose[1], of_pose[5], of_pose[7], of_pose[11], of_pose[35]),
-        twist_variances=(of_twist[0], of_twist[35]),
+        twist_variances=(of_twist[0], of_twist[7], of_twist[35]),
     )
 
 

@@ -73,7 +73,7 @@ class TeamOutputs:
             _set_pose(messages, "0.pose.pose.position", "0.pose.pose.orientation", odometry)
             _set_twist(messages, odometry[:, 4:7])
             messages.set("0.pose.covariance", fields.pose_covariances(odometry[:, 7:13]))
-            messages.set("0.twist.covariance", fields.twist_covariances(odometry[:, 13:15]))
+            messages.set("0.twist.covariance", fields.twist_covariances(odometry[:, 13:16]))
         if self._scan.wanted:
             self._scan.messages.set("0.ranges.data", readings.ranges_m)
         if self._contact.wanted:

@@ -26,25 +26,38 @@ class TeamOdometry:
     negative when the robot drives backwards, as turning round was no part of that; and a robot that is pushed aside
     or slides has turned no more than its body did, whatever the direction it went.
 
+    An omnidirectional robot turns while it goes, and errs to the side of its way as along it. Its motion is a distance,
+    a way to the side, which is none but for noise, and a turn, as amcl's omnidirectional model has them [amcl]:
+
+        turn:                alpha1 turn^2 + alpha2 distance^2
+        distance, and aside: alpha3 distance^2 + alpha4 turn^2
+
     The covariance of the believed pose is carried on step by step by the Jacobians of this model at that pose:
     to first order, so it holds while the error of yaw is small, up to 0.3 rad or so.
     """
 
     def __init__(
-        self, models: Sequence[OdometryModel], step_s: float, generators: Sequence[np.random.Generator]
+        self,
+        models: Sequence[OdometryModel],
+        step_s: float,
+        generators: Sequence[np.random.Generator],
+        omni: Sequence[bool] | None = None,
     ) -> None:
-        """Begin at (0, 0, 0). Generators, one a robot, give three numbers a step: equal streams give equal drifts."""
+        """Begin at (0, 0, 0). Generators, one a robot, give three numbers a step: equal streams give equal drifts.
+
+        Args: omni: whether each robot is omnidirectional; none: none is.
+        """
         alphas = [(model.alpha1, model.alpha2, model.alpha3, model.alpha4) for model in models]
-        self._core = _core.TeamOdometry(alphas, step_s)
+        self._core = _core.TeamOdometry(alphas, step_s, [False] * len(alphas) if omni is None else list(omni))
         self._generators = tuple(generators)
         self._noise = np.empty((_STEPS_PER_DRAW, len(self._generators), 3))
         self._steps_left = 0
 
     def step(self, motions: np.ndarray, twists: np.ndarray) -> np.ndarray:
-        """Return the readings after one more step, float64, shape (n, 15).
+        """Return the readings after one more step, float64, shape (n, 16).
 
         A row is the pose in `odom` as x, y [m], qz, qw, and the twist in `base_link` that the wheels measured: forward,
-        left [m/s], counter-clockwise [rad/s]; then the covariances of `OdometryReading`, six and two.
+        left [m/s], counter-clockwise [rad/s]; then the covariances of `OdometryReading`, six and three.
 
         Args: motions: the ways of the step, seen from where they began, shape (n, 3): x, y [m], yaw [rad].
               twists: their mean velocities, in `base_link`, shape (n, 3).

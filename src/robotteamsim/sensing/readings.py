@@ -16,13 +16,14 @@ class OdometryReading(NamedTuple):
     """A pose in `odom` and the twist in `base_link` that the wheels measured.
 
     pose_covariance: of x, y [m] and yaw [rad], the upper triangle row by row: xx, xy, x yaw, yy, y yaw, yaw yaw.
-    twist_variances: of the forward speed [m^2/s^2] and of the turn [rad^2/s^2]; a sideways speed has no error.
+    twist_variances: of the speeds forward and to the left [m^2/s^2] and of the turn [rad^2/s^2]; to the left it is 0
+                     unless the robot is omnidirectional.
     """
 
     pose: PoseReading
     twist: Twist
     pose_covariance: tuple[float, ...] = (0.0,) * 6
-    twist_variances: tuple[float, ...] = (0.0,) * 2
+    twist_variances: tuple[float, ...] = (0.0,) * 3
 
 
 class VoiceReading(NamedTuple):
@@ -91,8 +92,8 @@ class TeamReadings(Sequence[RobotReading]):
 
     ground_truth: float64, shape (n, 4): x, y [m], qz, qw in `map`.
     twists:       float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s] in `base_link`.
-    odometry:     float64, shape (n, 15): x, y [m], qz, qw in `odom`, the twist that the wheels measured, then the
-                  covariances of `OdometryReading`, six and two.
+    odometry:     float64, shape (n, 16): x, y [m], qz, qw in `odom`, the twist that the wheels measured, then the
+                  covariances of `OdometryReading`, six and three.
     ranges_m:     float32 per robot, shape (beams,) [m].
     in_contact:   bool, shape (n,).
     contact_angles_rad: of those that touch something, by their ids.

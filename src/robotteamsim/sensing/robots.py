@@ -57,6 +57,7 @@ class RobotSensors:
             [robot.odometry for robot in self._robots],
             self._world.step_ns * 1e-9,
             [stream(self._seed, "odometry", robot_id) for robot_id in range(len(self._robots))],
+            [robot.drive.kind == "omni" for robot in self._robots],
         )
 
     def _scan(self) -> Sequence[np.ndarray] | np.ndarray:

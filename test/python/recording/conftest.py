@@ -69,7 +69,7 @@ class Trial:
             PoseReading.from_pose(Pose(0.5 * time_s, 0.01, 0.31)),
             Twist(0.5, 0.0, 0.02),
             pose_covariance=(0.1 * time_s, 0.02, 0.03, 0.2 * time_s, 0.05, 1.0 / 3.0),
-            twist_variances=(0.01, 0.02),
+            twist_variances=(0.01, 0.0, 0.02),
         )
         ranges_m = np.linspace(0.5, 5.0, 181, dtype=np.float32)
         return RobotReading(truth, Twist(0.5, 0.0, 0.0), odometry, ranges_m, in_contact=False)

@@ -23,7 +23,9 @@ TIME_NS = 12_300_000_000
 PLACE = PoseReading(0.1 + 0.2, -1.0 / 3.0, 0.6000000000000001, 0.7999999999999999)
 MOTION = Twist(0.1, -0.2, 1.0 / 7.0)
 RANGES_M = np.array([0.1, 5.0, np.inf], dtype=np.float32)
-BELIEVED = OdometryReading(PLACE, MOTION, tuple((np.arange(1.0, 7.0) / 7.0).tolist()), (0.1 + 0.2, 1.0 / 3.0))
+BELIEVED = OdometryReading(
+    PLACE, MOTION, tuple((np.arange(1.0, 7.0) / 7.0).tolist()), (0.1 + 0.2, 0.2 / 3.0, 1.0 / 3.0)
+)
 READING = RobotReading(PLACE, MOTION, BELIEVED, RANGES_M, True)
 
 
@@ -57,7 +59,7 @@ def test_covariances_stand_where_x_y_and_yaw_do(make):
     xx, xy, x_yaw, yy, y_yaw, yaw_yaw = BELIEVED.pose_covariance
     in_plane = np.ix_([0, 1, 5], [0, 1, 5])
     np.testing.assert_array_equal(pose[in_plane], [[xx, xy, x_yaw], [xy, yy, y_yaw], [x_yaw, y_yaw, yaw_yaw]])
-    np.testing.assert_array_equal(twist[in_plane], np.diag([BELIEVED.twist_variances[0], 0.0, 1.0 / 3.0]))
+    np.testing.assert_array_equal(twist[in_plane], np.diag(BELIEVED.twist_variances))
     for covariance in (pose, twist):
         assert np.count_nonzero(covariance) == np.count_nonzero(covariance[in_plane])
 

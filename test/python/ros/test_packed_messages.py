@@ -112,7 +112,7 @@ def readings(robots) -> TeamReadings:
     return TeamReadings(
         ground_truth=np.hstack((generator.normal(size=(ROBOTS, 2)), np.sin(-angles), np.cos(-angles))),
         twists=generator.normal(size=(ROBOTS, 3)),
-        odometry=np.hstack((odometry, generator.normal(size=(ROBOTS, 11)))),
+        odometry=np.hstack((odometry, generator.normal(size=(ROBOTS, 12)))),
         ranges_m=[generator.uniform(0.1, 5.0, robot.laser.beams).astype(np.float32) for robot in robots],
         in_contact=np.arange(ROBOTS) % 4 > 1,
         contact_angles_rad={2: (0.5,), 3: (-1.0, 1.0), 11: (3.0,)},
@@ -159,7 +159,7 @@ def test_step_leaves_nothing_of_the_step_before(wire, robots, readings):
     still = TeamReadings(
         ground_truth=np.zeros((ROBOTS, 4)),
         twists=np.zeros((ROBOTS, 3)),
-        odometry=np.zeros((ROBOTS, 15)),
+        odometry=np.zeros((ROBOTS, 16)),
         ranges_m=[np.zeros_like(ranges_m) for ranges_m in readings.ranges_m],
         in_contact=np.zeros(ROBOTS, bool),
     )

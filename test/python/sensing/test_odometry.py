@@ -109,9 +109,10 @@ def test_twist_carries_the_noise_of_the_pose():
     assert reading.twist != twist
 
 
-def drive(ways: list[tuple[Pose, Twist]], model: OdometryModel, robots: int = 1) -> np.ndarray:
-    """Return the last readings of robots that made the same ways, shape (robots, 15)."""
-    team = TeamOdometry([model] * robots, STEP_S, [np.random.default_rng([5, seed]) for seed in range(robots)])
+def drive(ways: list[tuple[Pose, Twist]], model: OdometryModel, robots: int = 1, *, omni: bool = False) -> np.ndarray:
+    """Return the last readings of robots that made the same ways, shape (robots, 16)."""
+    generators = [np.random.default_rng([5, seed]) for seed in range(robots)]
+    team = TeamOdometry([model] * robots, STEP_S, generators, [omni] * robots)
     for motion, twist in ways:
         motions = np.tile([motion.x_m, motion.y_m, motion.yaw_rad], (robots, 1))
         twists = np.tile([twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps], (robots, 1))
@@ -122,6 +123,8 @@ def drive(ways: list[tuple[Pose, Twist]], model: OdometryModel, robots: int = 1)
 STRAIGHT = [arc(0.6, 0.0)] * 60
 BACK = [arc(-0.6, 0.0)] * 60
 TURN = [arc(0.0, math.pi / 2.0)] * 10
+ASIDE = [(Pose(0.0, 0.06, 0.0), Twist(0.0, 0.6, 0.0))] * 60
+SLANTED = [(Pose(-0.03, 0.04, 0.05), Twist(-0.28, 0.41, 0.5))] * 60
 SLOW_DRIFT = OdometryModel(alpha1=0.004, alpha2=0.002, alpha3=0.02, alpha4=0.001)
 
 
@@ -139,7 +142,19 @@ SLOW_DRIFT = OdometryModel(alpha1=0.004, alpha2=0.002, alpha3=0.02, alpha4=0.001
     ids=["straight", "back", "corner", "out_and_home", "corner_back", "circle", "pushed_aside"],
 )
 def test_covariance_is_the_scatter_of_many_drifts_of_the_same_way(ways):
-    readings = drive(ways, SLOW_DRIFT, robots=8000)
+    check_scatter(drive(ways, SLOW_DRIFT, robots=8000), ways)
+
+
+@pytest.mark.parametrize(
+    "ways",
+    [STRAIGHT, ASIDE, TURN + STRAIGHT + ASIDE, SLANTED, SLANTED + TURN + BACK],
+    ids=["straight", "aside", "corner", "slanted", "slanted_back"],
+)
+def test_covariance_of_an_omnidirectional_robot_is_the_scatter_of_its_drifts(ways):
+    check_scatter(drive(ways, SLOW_DRIFT, robots=8000, omni=True), ways)
+
+
+def check_scatter(readings: np.ndarray, ways: list[tuple[Pose, Twist]]) -> None:
     yaws_rad = 2.0 * np.arctan2(readings[:, 2], readings[:, 3])
     true = Pose(0.0, 0.0, 0.0)
     for motion, _ in ways:
@@ -192,11 +207,35 @@ def test_covariance_is_symmetric_positive_and_never_shrinks_in_yaw():
 def test_twist_variances_are_the_scatter_of_the_twist():
     motion, twist = arc(0.5, 0.7)
     readings = drive([(motion, twist)], MODEL, robots=8000)
-    assert np.unique(readings[:, 13:], axis=0).shape == (1, 2)
-    assert readings[:, [4, 6]].var(axis=0) == pytest.approx(readings[0, 13:], rel=0.08)
-    assert readings[:, 5].var() == 0.0
+    assert np.unique(readings[:, 13:], axis=0).shape == (1, 3)
+    assert readings[:, [4, 6]].var(axis=0) == pytest.approx(readings[0, [13, 15]], rel=0.08)
+    assert readings[:, 5].var() == readings[0, 14] == 0.0
 
 
 def test_exact_odometry_and_a_robot_that_stands_have_no_covariance():
-    assert drive(STRAIGHT + TURN, EXACT)[0, 7:].tolist() == [0.0] * 8
-    assert drive([(Pose(0.0, 0.0, 0.0), Twist())] * 50, MODEL)[0, 7:].tolist() == [0.0] * 8
+    assert drive(STRAIGHT + TURN, EXACT)[0, 7:].tolist() == [0.0] * 9
+    assert drive([(Pose(0.0, 0.0, 0.0), Twist())] * 50, MODEL)[0, 7:].tolist() == [0.0] * 9
+
+
+def test_omnidirectional_robot_errs_to_the_side_as_along_its_way():
+    # One step: l = 0.06 m to the left while turning by 0.1 rad.
+    motion, twist = Pose(0.0, 0.06, 0.1), Twist(0.03, 0.6, 1.0)
+    readings = drive([(motion, twist)], MODEL, robots=8000, omni=True)
+    way_m2, turn_rad2 = 0.02 * 0.06**2 + 0.03 * 0.1**2, 0.04 * 0.1**2 + 0.01 * 0.06**2
+    assert readings[0, 7:13] == pytest.approx([way_m2, 0.0, 0.0, way_m2, 0.0, turn_rad2], rel=1e-9, abs=1e-15)
+    errors = readings[:, :2] - (0.0, 0.06)
+    assert np.cov(errors.T) == pytest.approx(np.diag([way_m2, way_m2]), abs=0.05 * way_m2)
+    assert errors.mean(axis=0) == pytest.approx([0.0, 0.0], abs=4.0 * math.sqrt(way_m2 / 8000))
+    assert readings[0, 13:] == pytest.approx(np.array([way_m2, way_m2, turn_rad2]) / STEP_S**2)
+    assert readings[:, 4:7].var(axis=0) == pytest.approx(readings[0, 13:], rel=0.08)
+    assert readings[:, 4:7].mean(axis=0) == pytest.approx([0.03, 0.6, 1.0], abs=0.01)
+
+
+def test_omnidirectional_odometry_without_noise_is_the_true_way_and_stands_with_the_robot():
+    true = Pose(0.0, 0.0, 0.0)
+    for motion, _ in SLANTED:
+        true = true @ motion
+    x_m, y_m, qz, qw = drive(SLANTED, EXACT, omni=True)[0, :4]
+    assert (x_m, y_m, 2.0 * math.atan2(qz, qw)) == pytest.approx((true.x_m, true.y_m, true.yaw_rad), abs=1e-9)
+    still = drive([(Pose(0.0, 0.0, 0.0), Twist())] * 50, MODEL, omni=True)[0]
+    assert still.tolist() == [0.0, 0.0, 0.0, 1.0] + [0.0] * 12

@@ -70,7 +70,7 @@ def test_odometry_of_a_blocked_robot_stands_still_as_it_does():
     assert reading.odometry.twist.linear_x_mps == pytest.approx(0.0, abs=1e-4)
     assert blocked.odometry.pose_covariance[0] > 1e-4
     assert reading.odometry.pose_covariance == pytest.approx(blocked.odometry.pose_covariance, rel=1e-5)
-    assert reading.odometry.twist_variances == pytest.approx((0.0, 0.0), abs=1e-8)
+    assert reading.odometry.twist_variances == pytest.approx((0.0, 0.0, 0.0), abs=1e-8)
 
 
 def test_exact_odometry_starts_where_the_robot_does_and_follows_it():
