@@ -10,12 +10,13 @@ from operator import attrgetter
 import numpy as np
 
 from robotteamsim import rng
-from robotteamsim.control.controller import Decision, Task
+from robotteamsim.control.controller import OUTSIDE, Decision, Task
 from robotteamsim.control.doors import DoorBeliefs
 from robotteamsim.control.known_map import known_map
 from robotteamsim.control.link_keeper import LinkKeeper
 from robotteamsim.control.local_best import find_local_best
 from robotteamsim.control.localisation import Localiser, body_of
+from robotteamsim.control.membership import Membership
 from robotteamsim.control.navigation import Navigator
 from robotteamsim.control.report import Best, Report, parse_report
 from robotteamsim.control.ruled_out import RuledOut
@@ -28,11 +29,8 @@ from robotteamsim.scenario.sections import Control
 from robotteamsim.sensing.readings import Observation
 from robotteamsim.swarm import (
     Attractors,
-    ExclusionRules,
-    SwarmState,
     Vector,
     Weights,
-    judge,
     limit_speed,
     memory_coefficients,
     memory_term,
@@ -63,7 +61,7 @@ class RdpsoController:
     """
 
     def __init__(self, robot_id: int, scenario: Scenario) -> None:
-        control, exclusion = scenario.control, scenario.control.exclusion
+        control = scenario.control
         body = body_of(robot_id, scenario)
         self._robot_id = robot_id
         self._scenario = scenario
@@ -79,7 +77,7 @@ class RdpsoController:
         self._surroundings = Surroundings(body.laser, control.sensing_radius_m)
         self._links = LinkKeeper(scenario)
         self._ruled_out = RuledOut(scenario)
-        self._rules = ExclusionRules(exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots)
+        self._membership = Membership(robot_id, scenario)
         self._memory = self.memory(control)
         self._rng = rng.stream(scenario.run.seed, "rdpso", robot_id)
         self._wander = Wander(rng.stream(scenario.run.seed, "wander", robot_id), control.max_step_speed_mps)
@@ -97,8 +95,6 @@ class RdpsoController:
         self._reported_ns = 0
         self._known_best: Best | None = None
         self._local_best: Best | None = None
-        self._swarm = SwarmState()
-        self._excluded = False
         self._velocities: deque[Vector] = deque(maxlen=len(self._memory))
         """What the robot really moved in the last iterations, newest first [m per iteration]."""
         self._last_position: Vector | None = None
@@ -166,8 +162,8 @@ class RdpsoController:
             loudest=loudest,
             local_best=self._local_best,
             known_best=self._known_best,
-            excluded=self._excluded,
-            swarm=self._swarm,
+            swarm_id=self._membership.swarm_id,
+            swarm=self._membership.state,
             doors=self._doors.sightings,
         )
 
@@ -177,13 +173,16 @@ class RdpsoController:
         reports = {self._robot_id: own}
         reports.update((i, report) for i, report in self._team.items() if report.iteration == own.iteration)
         reports = dict(sorted(reports.items()))
-        improved = self._share_bests(own, reports)
-        if self._control.exclusion.enabled:
-            self._judge(improved, reports)
+        bests = self._share_bests(own, reports)
+        in_use = {report.swarm_id for report in (own, *self._team.values())}
+        improved = [swarm_id for swarm_id, (_, has_improved) in bests.items() if has_improved]
+        self._membership.judge(own.iteration, reports, improved, in_use)
+        # A new swarm begins with what the excluded know.
+        self._known_best, _ = bests.get(self._membership.swarm_id) or bests.get(OUTSIDE) or (None, False)
         for report in reports.values():
             self._doors.hear(report.doors)
         self._update_map()
-        if self._excluded or self._known_best is None or self._local_best is None:
+        if self._membership.excluded or self._known_best is None or self._local_best is None:
             self._goal = self._last_position = None
             self._velocities.clear()
             return
@@ -200,16 +199,23 @@ class RdpsoController:
             self._goal = self._map.reachable_towards(position, self._goal)
         self._speed_mps = max(0.1, HURRY * math.hypot(*velocity) / self._control.iteration_s)
 
-    def _share_bests(self, own: Report, reports: dict[int, Report]) -> bool:
-        """Update the global best from comparable reports and return whether this iteration improved it."""
+    def _share_bests(self, own: Report, reports: dict[int, Report]) -> dict[int, tuple[Best | None, bool]]:
+        """Return by swarm what its members share as global best, and whether this iteration improved it.
+
+        The excluded (OUTSIDE) share what they hear with every swarm. How near one of them comes to the area is no
+        success, though.
+        """
         comparable = [report for report in reports.values() if (report.epoch, report.doors) == (own.epoch, own.doors)]
         for report in comparable:
             self._ruled_out.add(report.position, report.loudest)
-        before = self._highest([report.known_best for report in comparable])
-        # How near a wandering outsider comes to the area is no success of the swarm, but the voice that it hears is.
-        found = [r.local_best for r in comparable if not r.excluded or (r.local_best and r.local_best.is_voice)]
-        self._known_best = self._highest([before, *found])
-        return self._known_best is not before
+        bests = {}
+        for swarm_id in {report.swarm_id for report in comparable}:
+            group = [report for report in comparable if report.swarm_id in (swarm_id, OUTSIDE)]
+            before = self._highest([report.known_best for report in group])
+            found = [r.local_best for r in group if not r.excluded or (r.local_best and r.local_best.is_voice)]
+            best = self._highest([before, *found])
+            bests[swarm_id] = (best, best is not before)
+        return bests
 
     def _highest(self, bests: Sequence[Best | None]) -> Best | None:
         """Return the best that is not ruled out, the first of equals; none where there is none."""
@@ -219,32 +225,14 @@ class RdpsoController:
                 return best
         return None
 
-    def _judge(self, improved: bool, reports: dict[int, Report]) -> None:
-        """Let the rules of social exclusion and inclusion act, on the word of the first member that was heard."""
-        members = {i: report.value for i, report in reports.items() if not report.excluded}
-        outside = {i: report.value for i, report in reports.items() if report.excluded}
-        if not members:
-            return
-        seed, iteration = self._scenario.run.seed, self._iteration
-        verdict = judge(
-            reports[min(members)].swarm,
-            improved,
-            members,
-            outside,
-            self._rules,
-            lambda: rng.stream(seed, "swarm", iteration).random(),
-        )
-        self._swarm = verdict.state
-        if self._robot_id in (*verdict.leaves, *verdict.joins):
-            self._excluded = self._robot_id in verdict.leaves
-
     def _next_velocity(self, position: Vector, pose: Pose, ranges_m: np.ndarray, reports: dict[int, Report]) -> Vector:
         """Return v[t+1] of eq. (25), before the speed limit."""
         assert self._observation
         assert self._local_best
         assert self._known_best
         clear_place = self._surroundings.attractor(pose, ranges_m)
-        members = {i: report for i, report in self._team.items() if not report.excluded}
+        swarm_id = self._membership.swarm_id
+        members = {i: report for i, report in self._team.items() if report.swarm_id == swarm_id}
         oldest = self._iteration - round(SEARCHED_FOR_S / self._control.iteration_s)
         x_cb, c4 = self._links.pull(
             position,
@@ -297,8 +285,9 @@ class RdpsoController:
         return Decision(
             twist=twist,
             outbox=outbox,
-            excluded=self._excluded,
+            excluded=self._membership.excluded,
             goal_m=goal,
             local_best=self._local_best.value if self._local_best else 0.0,
-            search_counter=self._swarm.search_counter,
+            search_counter=self._membership.state.search_counter,
+            swarm=self._membership.swarm_id,
         )

@@ -6,6 +6,7 @@ import functools
 import json
 from dataclasses import dataclass
 
+from robotteamsim.control.controller import OUTSIDE
 from robotteamsim.swarm import SwarmState, Vector
 
 
@@ -30,7 +31,8 @@ class Report:
     loudest:    the loudest cell that it hears; none if it hears no voice.
     local_best: none where nothing draws the robot.
     known_best: the best that it knows of since bests were last reset, before this iteration.
-    swarm:      its copy of the swarm's memory, before this iteration.
+    swarm_id:   the swarm that it belongs to, before this iteration; OUTSIDE: it is socially excluded.
+    swarm:      its copy of that swarm's memory, before this iteration.
     doors:      what it knows of doors beyond the plan: (name, closed, iteration in which that was seen), by name.
     """
 
@@ -41,7 +43,7 @@ class Report:
     loudest: Vector | None
     local_best: Best | None
     known_best: Best | None
-    excluded: bool
+    swarm_id: int
     swarm: SwarmState
     doors: tuple[tuple[str, bool, int], ...] = ()
 
@@ -56,12 +58,17 @@ class Report:
                 "loudest": self.loudest,
                 "local_best": _best_to_list(self.local_best),
                 "known_best": _best_to_list(self.known_best),
-                "excluded": self.excluded,
+                "swarm": self.swarm_id,
                 "search_counter": self.swarm.search_counter,
                 "num_killed": self.swarm.num_killed,
                 "doors": self.doors,
             }
         )
+
+    @property
+    def excluded(self) -> bool:
+        """Whether it is socially excluded."""
+        return self.swarm_id == OUTSIDE
 
     @property
     def value(self) -> float:
@@ -83,7 +90,7 @@ def parse_report(payload: str) -> Report | None:
             loudest=None if data["loudest"] is None else _to_vector(data["loudest"]),
             local_best=_to_best(data["local_best"]),
             known_best=_to_best(data["known_best"]),
-            excluded=bool(data["excluded"]),
+            swarm_id=int(data["swarm"]),
             swarm=SwarmState(int(data["search_counter"]), int(data["num_killed"])),
             doors=tuple((str(name), bool(closed), int(iteration)) for name, closed, iteration in data["doors"]),
         )

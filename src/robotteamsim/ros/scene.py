@@ -182,7 +182,7 @@ class Scene:
         self._missing = gone
         for robot_id in found.keys() - self._robots.keys():
             robot = self._placed[robot_id] if robot_id < len(self._placed) else Robot()
-            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot)
+            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot, self._scenario.control.swarms.max > 1)
         self._robots = dict(sorted(self._robots.items()))
 
     def _draw_mission(self) -> None:

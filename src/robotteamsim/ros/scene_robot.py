@@ -25,8 +25,10 @@ FIXES_KEPT = 30
 class RobotFeed:
     """What the scene knows of one robot."""
 
-    def __init__(self, robot_id: int, prefix: str, robot: Robot) -> None:
+    def __init__(self, robot_id: int, prefix: str, robot: Robot, several_swarms: bool = False) -> None:
         self._id = robot_id
+        self._several_swarms = several_swarms
+        self._swarm: int | None = None
         self._prefix = prefix
         self._robot = robot
         self._truth = Feed(prefix + GROUND_TRUTH, Odometry, keep=1000)
@@ -62,6 +64,7 @@ class RobotFeed:
         status = self._status.newest()
         if status is not None:
             self._excluded = status.excluded
+            self._swarm = status.swarm if self._several_swarms else None
         contact = self._contact.newest()
         if contact is not None:
             self._contact_angles_rad = tuple(contact.angles_rad)
@@ -81,6 +84,7 @@ class RobotFeed:
             corners_m=robot.corners_m,
             contact_angles_rad=self._contact_angles_rad,
             lasers_m=tuple((mount.x_m, mount.y_m) for mount in map(_mount, self._lasers.values())),
+            swarm=self._swarm,
         )
 
     def scans(self, wanted: bool) -> dict[str, ScanView]:

@@ -82,11 +82,18 @@ class RobotView:
     contact_angles_rad: tuple[float, ...] = ()
     lasers_m: tuple[tuple[float, float], ...] = ()
     """Where its lasers sit in base_link; none known: one, a little ahead."""
+    swarm: int | None = None
+    """Its swarm, where there are several; None: there is but one."""
 
 
 def robot_colour(robot_id: int) -> Colour:
     """Return the robot's colour; they repeat after the palette's length."""
     return ROBOT_COLOURS[robot_id % len(ROBOT_COLOURS)]
+
+
+def swarm_colour(swarm: int) -> Colour:
+    """Return the colour of a swarm's rings; they repeat after the palette's length."""
+    return ROBOT_COLOURS[swarm % len(ROBOT_COLOURS)]
 
 
 def label_offset(position_m: tuple[float, float], others_m: Iterable[tuple[float, float]]) -> tuple[float, float]:
@@ -119,11 +126,12 @@ def robot_markers(
 ) -> list[Marker]:
     """Return body, deck, heading wedge, lasers, number, and a ring with an arrow to find the robot from far away.
 
-    An excluded robot has a grey ring, arrow and number; its deck keeps its colour. Where it touches something, its rim
+    An excluded robot has a grey ring, arrow and number, one of several swarms has them in the colour of the swarm; its
+    deck keeps its own. Where it touches something, its rim
     is red, and a red arc lies before its ring.
     """
     tint = robot_colour(view.robot_id)
-    sign = EXCLUDED if view.excluded else tint
+    sign = EXCLUDED if view.excluded else tint if view.swarm is None else swarm_colour(view.swarm)
     pose, radius_m, height_m = view.pose, view.radius_m, view.height_m
     x, y = pose.x_m, pose.y_m
     ring_m = radius_m + RING_MARGIN_M

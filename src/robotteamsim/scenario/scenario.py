@@ -56,6 +56,11 @@ class Scenario(Model):
                     "radio.materials",
                     f"has no '{element.material}', which '{element.name}' of the plan is made of; known: {known}",
                 )
+        num_robots = self.robots.count if isinstance(self.robots, Team) else len(self.robots)
+        if self.control.swarms.initial > num_robots:
+            raise wrong(
+                "control.swarms.initial", f"{self.control.swarms.initial} swarms need as many robots, not {num_robots}"
+            )
         repeated = first_repeated([thing.name for thing in self.things])
         if repeated:
             raise wrong(f"things.{repeated[0]}.name", f"'{repeated[1]}' is the name of another already")

@@ -195,6 +195,23 @@ class SocialExclusion(Model):
         return self
 
 
+class Swarms(Model):
+    """How many swarms the team has [5.2.2]; the numbers of robots in one are those of `exclusion`."""
+
+    min: int = Field(default=0, ge=0, le=3000, description="the last ones are not dissolved")
+    initial: int = Field(default=1, ge=1, le=3000, description="dealt to the robots in runs of equal length")
+    max: int = Field(default=1, ge=1, le=3000, description="no new swarm beyond")
+    new_robots: int = Field(default=5, ge=1, le=3000, description="so many excluded robots found a new swarm")
+
+    @model_validator(mode="after")
+    def _check(self) -> Swarms:
+        if self.initial < self.min:
+            raise wrong("initial", f"{self.initial} is below min, {self.min}")
+        if self.max < self.initial:
+            raise wrong("max", f"{self.max} is below initial, {self.initial}")
+        return self
+
+
 class Control(Model):
     """The controller of each robot: RDPSO [dissertation, eq. 22, 24, 25] over a go-to-point, or another."""
 
@@ -222,12 +239,16 @@ class Control(Model):
         default="ground_truth", description="what the robot takes for its pose"
     )
     exclusion: SocialExclusion = SocialExclusion()
+    swarms: Swarms = Swarms()
     patrol: Patrol = Patrol()
 
     @model_validator(mode="after")
     def _check(self) -> Control:
         if self.memory == "published" and self.memory_terms > 4:
             raise wrong("memory_terms", f"{self.memory_terms} is above 4, all that the published memory has")
+        if self.swarms.max > 1 and self.swarms.new_robots > self.exclusion.max_robots:
+            new, most = self.swarms.new_robots, self.exclusion.max_robots
+            raise wrong("swarms.new_robots", f"{new} is above exclusion.max_robots, {most}")
         return self
 
 

@@ -49,7 +49,7 @@ def report(robot_id: int, iteration: int, **changes: object) -> Message:
         "loudest": None,
         "local_best": Best(-10.0, (5.0, 6.0)),
         "known_best": None,
-        "excluded": False,
+        "swarm_id": 0,
         "swarm": SwarmState(),
     }
     return Message(robot_id, EVERYBODY, Report(**(fields | changes)).to_json())
@@ -167,7 +167,7 @@ def test_report_keeps_every_bit():
         loudest=(1.0 / 3.0, 2.0),
         local_best=None,
         known_best=Best(-math.pi, (math.e, 1e9)),
-        excluded=True,
+        swarm_id=-1,
         swarm=SwarmState(7, 1),
         doors=(("door_a", True, 4),),
     )
@@ -231,7 +231,7 @@ def test_all_robots_agree_on_who_is_excluded(team, hall_scenario):
     for _ in range(600):
         decisions = hall.step()
         history.append(tuple(decision.excluded for decision in decisions))
-        swarms = {controller._swarm for controller in hall.controllers}
+        swarms = {controller._membership.state for controller in hall.controllers}
         assert len(swarms) == 1
     changes = [now for before, now in itertools.pairwise(history) if before != now]
     assert [sum(excluded) for excluded in changes] == [1, 2, 3]

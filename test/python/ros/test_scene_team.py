@@ -17,6 +17,7 @@ from robotteamsim.ros.scene_team import (
     link_views,
     robot_colour,
     robot_markers,
+    swarm_colour,
     team_markers,
     trail_marker,
 )
@@ -112,6 +113,14 @@ def test_excluded_robot_is_ringed_in_grey_and_keeps_its_deck():
     assert tint(named(excluded, "rings")[0]) == EXCLUDED[:3]
     assert tint(named(excluded, "decks")[0]) == robot_colour(2)[:3]
     assert [(item.ns, item.id) for item in included] == [(item.ns, item.id) for item in excluded]
+
+
+def test_robots_of_several_swarms_are_ringed_in_the_colour_of_theirs():
+    views = [RobotView(robot_id, Pose(2.0 * robot_id, 0.0, 0.0), swarm=swarm) for robot_id, swarm in ((2, 0), (3, 1))]
+    rings = named(team_markers(views), "rings")
+    assert [tint(ring) for ring in rings] == [swarm_colour(0)[:3], swarm_colour(1)[:3]]
+    lost = RobotView(3, Pose(0.0, 0.0, 0.0), excluded=True, swarm=-1)
+    assert tint(named(robot_markers(lost), "rings")[0]) == EXCLUDED[:3]
 
 
 def test_number_stands_north_of_a_lone_robot_and_away_from_a_neighbour():

@@ -1,0 +1,168 @@
+"""Several swarms: who leaves, joins, dissolves and founds, decided by each robot from what it heard."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+
+from robotteamsim.control.controller import OUTSIDE
+from robotteamsim.control.membership import Membership
+from robotteamsim.control.report import Best, Report
+from robotteamsim.mission.team_watch import TeamWatch
+from robotteamsim.scenario.sections import Area, Control, Mission, PlacedRobot, SocialExclusion, Swarms
+from robotteamsim.swarm import SwarmState
+
+NUM = 6
+
+
+def control(min_robots: int = 0, max_robots: int = 5, sc_max: int = 3, **swarms: int) -> Control:
+    exclusion = SocialExclusion(search_counter_max=sc_max, min_robots=min_robots, max_robots=max_robots)
+    return Control(exclusion=exclusion, swarms=Swarms(**({"initial": 2, "max": 3, "new_robots": 2} | swarms)))
+
+
+@pytest.fixture
+def members(hall_scenario):
+    """Make the memberships of six robots."""
+
+    def make(settings: Control, seed: int = 1) -> list[Membership]:
+        robots = tuple(PlacedRobot(start_pose=(3.0 + i, 5.0, 0.0)) for i in range(NUM))
+        scenario = hall_scenario(seed=seed, robots=robots, control=settings)
+        return [Membership(i, scenario) for i in range(NUM)]
+
+    return make
+
+
+def iterate(team: list[Membership], iteration: int, improved: set[int], heard: tuple[int, ...] = tuple(range(NUM))):
+    """Let all of `heard` hear each other in one iteration; the lower the id, the better the robot."""
+    reports = {
+        i: Report(
+            robot_id=i,
+            iteration=iteration,
+            epoch=1,
+            position=(0.0, 0.0),
+            loudest=None,
+            local_best=Best(-float(i), (0.0, 0.0)),
+            known_best=None,
+            swarm_id=team[i].swarm_id,
+            swarm=team[i].state,
+        )
+        for i in heard
+    }
+    in_use = {member.swarm_id for member in team}
+    for i in heard:
+        team[i].judge(iteration, reports, improved, in_use)
+
+
+def ids(team: list[Membership]) -> list[int]:
+    return [member.swarm_id for member in team]
+
+
+def test_robots_are_dealt_to_swarms_in_runs_of_equal_length(members):
+    assert ids(members(control())) == [0, 0, 0, 1, 1, 1]
+    assert ids(members(control(initial=1))) == [0] * NUM
+
+
+def test_swarm_without_success_excludes_its_worst_and_the_other_stays(members):
+    team = members(control())
+    for iteration in range(3):
+        iterate(team, iteration, improved={1})
+    assert ids(team) == [0, 0, OUTSIDE, 1, 1, 1]
+    # SC = 3 (1 - 1/2), in whole iterations; the other swarm's is untouched.
+    assert team[0].state == SwarmState(1, 1)
+    assert team[3].state == SwarmState(0, 0)
+
+
+def test_best_excluded_robot_is_called_into_the_swarm_that_improves_whichever_it_left(members):
+    team = members(control())
+    for iteration in range(3):
+        iterate(team, iteration, improved={1})
+    iterate(team, 3, improved={1})
+    # N_kill = 0 of swarm 1: the chance of the call is 1.
+    assert ids(team) == [0, 0, 1, 1, 1, 1]
+
+
+def test_swarm_of_the_fewest_robots_is_dissolved_but_not_the_last_ones(members):
+    team = members(control(min_robots=3, min=1, max=2))
+    for iteration in range(3):
+        iterate(team, iteration, improved={1})
+    assert ids(team) == [OUTSIDE] * 3 + [1, 1, 1]
+    team = members(control(min_robots=3, min=2, max=2))
+    for iteration in range(3):
+        iterate(team, iteration, improved={1})
+    assert ids(team) == [0, 0, 0, 1, 1, 1]
+    assert team[0].state == SwarmState(0, 0)
+
+
+def test_excluded_robots_found_a_swarm_of_their_best_by_chance(members):
+    founded = 0
+    for seed in range(200):
+        team = members(control(min_robots=3, max_robots=3, min=1, max=2), seed)
+        for iteration in range(3):
+            iterate(team, iteration, improved={1})
+        iterate(team, 3, improved={1, OUTSIDE})
+        assert ids(team) in ([OUTSIDE] * 3 + [1, 1, 1], [0, 0, OUTSIDE, 1, 1, 1])
+        founded += team[0].swarm_id == 0
+        assert team[0].state == SwarmState() or team[0].swarm_id == OUTSIDE
+    # Two ask, swarm 1 (three of at most three robots) and the three excluded: a chance of f N/N_max each, with the
+    # mean 1/2; one dice for both askings gives 1 - 1/2 * 1/2.
+    assert founded == pytest.approx(150, abs=25)
+
+
+def test_no_swarm_is_founded_beyond_the_most_or_by_too_few(members):
+    for limits in ({"min": 1, "max": 2, "new_robots": 3}, {"min": 0, "initial": 1, "max": 1, "new_robots": 2}):
+        for seed in range(30):
+            team = members(control(min_robots=0, max_robots=3, **limits), seed)
+            for iteration in range(8):
+                iterate(team, iteration, improved={OUTSIDE} if iteration < 7 else {0, OUTSIDE})
+            assert len(set(ids(team)) - {OUTSIDE}) <= limits["max"]
+
+
+def test_those_who_hear_the_same_agree_and_those_who_hear_less_go_on_by_themselves(members):
+    team = members(control(), seed=3)
+    for iteration, improved in enumerate(itertools.islice(itertools.cycle(({0}, {1}, {OUTSIDE}, set())), 60)):
+        before = ids(team)
+        iterate(team, iteration, improved)
+        for swarm_id in set(ids(team)) - {OUTSIDE}:
+            stayed = [member.state for member in team if member.swarm_id == swarm_id]
+            assert len(set(stayed)) == 1, (iteration, before)
+    split = members(control())
+    for iteration in range(3):
+        iterate(split, iteration, {1}, heard=(0, 1, 3, 4))
+    # Nobody told robot 2 that swarm 0 had no success; robot 1 is the worst of those that were heard.
+    assert ids(split) == [0, OUTSIDE, 0, 1, 1, 1]
+
+
+def test_nobody_moves_without_exclusion(members):
+    team = members(Control(exclusion=SocialExclusion(enabled=False), swarms=Swarms(initial=3, max=3)))
+    for iteration in range(50):
+        iterate(team, iteration, set())
+    assert ids(team) == [0, 0, 1, 1, 2, 2]
+
+
+def test_swarms_on_robots_are_excluded_founded_and_told_of(team, hall_scenario):
+    robots = tuple(PlacedRobot(start_pose=(2.0 + 0.8 * (i % 3), 4.0 + 0.8 * (i // 3), 0.0)) for i in range(NUM))
+    mission = Mission(areas=(Area(name="here", center=(3.0, 4.5)),))
+    settings = control(sc_max=4, max=4)
+    hall = team(hall_scenario(robots=robots, mission=mission, control=settings))
+    watch, kinds = TeamWatch(), set()
+    for step in range(1500):
+        if step % 70 == 69:
+            hall.new_epoch(area_center_m=(16.0, 5.0) if step % 140 < 70 else (3.0, 4.5))
+        kinds |= {change.kind for change in watch.changes(hall.step())}
+    assert kinds >= {"robot_excluded", "robot_included", "swarm_dissolved"}
+
+
+def test_global_best_of_a_swarm_is_not_that_of_another(team, hall_scenario):
+    # Two swarms of one robot, one near the area and one far: without a voice nobody draws the other.
+    settings = Control(swarms=Swarms(initial=2, max=2))
+    hall = team(hall_scenario(control=settings))
+    for _ in range(15):
+        hall.step()
+    first, second = (controller._known_best for controller in hall.controllers)
+    assert first.position != second.position
+    shared = team(hall_scenario())
+    for _ in range(15):
+        shared.step()
+    first, second = (controller._known_best for controller in shared.controllers)
+    assert first == second
