@@ -47,12 +47,17 @@ void Compare(const FaceSet& faces, const WeightMap& kept, const GridShape& grid,
   }
 }
 
+/// Draws an instruction set of this machine.
+Simd DrawSimd(std::mt19937* generator) {
+  constexpr std::array<Simd, 3> kAll = {Simd::kPortable, Simd::kAvx2, Simd::kAvx512};
+  const Simd drawn = kAll[Draw(generator, 0, 2)];
+  return IsSupported(drawn) ? drawn : Simd::kPortable;
+}
+
 /// A map of one plan, then of the same with some faces switched off, kept up to date; another instruction set each
 /// time.
 void CompareOne(FaceSet faces, PointMm source, const GridShape& grid, std::mt19937* generator, Count* count) {
-  constexpr std::array<Simd, 3> kAll = {Simd::kPortable, Simd::kAvx2, Simd::kAvx512};
-  const Simd drawn = kAll[Draw(generator, 0, 2)];
-  const Simd simd = IsSupported(drawn) ? drawn : Simd::kPortable;
+  const Simd simd = DrawSimd(generator);
   WeightMap kept(faces, source, grid, {1, simd});
   Compare(faces, kept, grid, simd, count);
   for (int i = 0; i < 5; ++i) {
@@ -133,6 +138,45 @@ void CompareRays(long long wanted, std::mt19937* generator, Count* ways, Count* 
   }
 }
 
+/// The links of a team, found together, with the single losses; another instruction set each time.
+void CompareTeam(const FaceSet& faces, const Positions& positions, std::mt19937* generator, Count* count) {
+  const CellValues rssi_dbm = RssiMatrixDbm(faces, kRadio, positions, DrawSimd(generator));
+  for (Eigen::Index i = 0; i < positions.rows(); ++i) {
+    const PointMm a = RoundToMm({positions(i, 0), positions(i, 1)}, "a");
+    for (Eigen::Index j = i + 1; j < positions.rows(); ++j) {
+      const PointMm b = RoundToMm({positions(j, 0), positions(j, 1)}, "b");
+      const double expected_dbm = kRadio.tx_power_dbm - PathLossDb(faces, kRadio, a, b);
+      ++count->compared;
+      if (rssi_dbm(i, j) != expected_dbm || rssi_dbm(j, i) != expected_dbm) ++count->differing;
+    }
+  }
+}
+
+/// Teams in buildings, and on lattices of triangles or rings of four with robots on corners and faces.
+void CompareTeams(long long wanted, std::mt19937* generator, Count* building, Count* lattice) {
+  const auto team = [&](std::int64_t width, std::int64_t height) {
+    Positions positions(Draw(generator, 9, 300), 2);
+    for (Eigen::Index i = 0; i < positions.rows(); ++i) {
+      positions(i, 0) = static_cast<double>(Draw(generator, -1, width)) / 1000.0;
+      positions(i, 1) = static_cast<double>(Draw(generator, -1, height)) / 1000.0;
+    }
+    return positions;
+  };
+  while (building->compared < wanted) {
+    const auto walls = static_cast<int>(Draw(generator, 1, 110));
+    const FaceSet faces = scenes::Walls(generator, walls, static_cast<int>(Draw(generator, 0, 100)));
+    CompareTeam(faces, team(60'000, 40'000), generator, building);
+  }
+  while (lattice->compared < wanted) {
+    const std::int64_t size = Draw(generator, 2, 14);
+    const auto count = static_cast<int>(Draw(generator, 1, 40));
+    const bool is_of_four = Draw(generator, 0, 1) == 0;
+    const FaceSet faces =
+        is_of_four ? scenes::LatticeQuads(generator, count, size, 9) : scenes::Lattice(generator, count, size, 9);
+    CompareTeam(faces, team(size, size), generator, lattice);
+  }
+}
+
 void Print(const char* what, const Count& count) {
   std::printf("%-42s %11lld compared, %lld differ\n", what, count.compared, count.differing);
 }
@@ -140,19 +184,22 @@ void Print(const char* what, const Count& count) {
 int Main(int argc, char** argv) {
   const long long wanted = 1'000'000LL * (argc > 1 ? std::atoll(argv[1]) : 50);
   std::mt19937 generator(20);
-  Count lattice, building, many, ways, lattice_ways, along;
+  Count lattice, building, many, ways, lattice_ways, along, team, lattice_team;
   CompareMaps(wanted, &generator, &lattice, &building, &many);
   CompareRays(wanted / 50, &generator, &ways, &lattice_ways, &along);
+  CompareTeams(wanted / 50, &generator, &team, &lattice_team);
   Print("cells, plans on a lattice", lattice);
   Print("cells, random buildings", building);
   Print("cells, 20,000 faces", many);
   Print("both ways of a link, random buildings", ways);
   Print("both ways of a link, on a lattice", lattice_ways);
+  Print("links of teams, random buildings", team);
+  Print("links of teams, on a lattice", lattice_team);
   Print("steps along a ray, walls that grow fewer", along);
   const double worst_db = std::max({lattice.worst_db, building.worst_db, many.worst_db});
   std::printf("largest error of a value above -128 dB: %.2g dB\n", worst_db);
   const long long differing = lattice.differing + building.differing + many.differing + ways.differing +
-                              lattice_ways.differing + along.differing;
+                              lattice_ways.differing + along.differing + team.differing + lattice_team.differing;
   return differing == 0 ? 0 : 1;
 }
 

@@ -42,11 +42,12 @@ struct ScreenBlock {
   alignas(64) double away_y[kFaces][kLinkLanes];
   alignas(64) double near_from[kFaces][kLinkLanes];  // -infinity for far faces
   alignas(64) double far_from[kFaces][kLinkLanes];   // +infinity for near faces
+  alignas(64) double is_around[kLinkLanes];          // 1 where the source is in the ring, else 0
   alignas(64) double from[kLinkLanes];               // the directions that it covers
   alignas(64) double to[kLinkLanes];
-  alignas(32) std::int32_t first[kLinkLanes];  // targets in those directions are among these
-  alignas(32) std::int32_t end[kLinkLanes];
-  alignas(32) std::int32_t is_seen[kLinkLanes];  // 1 where it may shade targets
+  alignas(64) std::int32_t first[kLinkLanes];  // targets in those directions are among these
+  alignas(64) std::int32_t end[kLinkLanes];
+  alignas(64) std::int32_t is_seen[kLinkLanes];  // 1 where it may shade targets
   alignas(64) double left_out[kLinkLanes];       // > 0 where the source is on a corner that ends what it covers
 };
 

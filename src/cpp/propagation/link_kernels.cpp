@@ -34,13 +34,13 @@ ROBOTTEAMSIM_INLINE std::int32_t BinOf(double direction, double bins_per_quarter
   return std::min(static_cast<std::int32_t>(direction * bins_per_quarter), last_bin);
 }
 
-/// A corner of each of eight screens, and what is found there.
+/// A corner of each screen of a block, and what is found there.
 struct Ends {
   alignas(64) double x[kLanes];  // [mm]
   alignas(64) double y[kLanes];
   alignas(64) double parts_at[kLanes];     // the direction: targets below it are before the end
-  alignas(32) std::int32_t first[kLanes];  // targets in the bin of the direction, from
-  alignas(32) std::int32_t end[kLanes];    // .. to before
+  alignas(64) std::int32_t first[kLanes];  // targets in the bin of the direction, from
+  alignas(64) std::int32_t end[kLanes];    // .. to before
 };
 
 struct Loops {
@@ -86,16 +86,20 @@ struct Loops {
     }
   }
 
-  /// Finds which faces are near and what is beyond each.
+  /// Finds what is beyond each face, and the outermost corners of the screens of a block: where the last near face
+  /// ends, and where the first one starts.
   template <int kFaces>
-  static ROBOTTEAMSIM_INLINE void FindSides(const LinkSource& source, ScreenBlock<kFaces>* block,
-                                            double (*is_near)[kLanes]) {
+  static ROBOTTEAMSIM_INLINE void FindEnds(const LinkSource& source, ScreenBlock<kFaces>* block, Ends* __restrict right,
+                                           Ends* __restrict left) {
+    constexpr int kCorners = ScreenBlock<kFaces>::kCorners;
     const double source_x = source.x;
     const double source_y = source.y;
     ScreenBlock<kFaces>& __restrict b = *block;
-    for (int j = 0; j < kFaces; ++j) {
 #pragma GCC unroll 1  // unrolled at once, the lanes would be computed one by one
-      for (int i = 0; i < kLanes; ++i) {
+    for (int i = 0; i < kLanes; ++i) {
+      double is_near[kCorners];
+#pragma GCC unroll 4
+      for (int j = 0; j < kFaces; ++j) {
         const double from_left = b.normal_x[j][i] * (source_x - b.x[j][i]) + b.normal_y[j][i] * (source_y - b.y[j][i]) -
                                  b.least_left[j][i];  // a whole number, left where it is not below 0
         const double beyond_if_far = from_left + 1.0;
@@ -103,34 +107,32 @@ struct Loops {
         const double sign = is_right ? 1.0 : -1.0;
         b.away_x[j][i] = sign * b.normal_x[j][i];
         b.away_y[j][i] = sign * b.normal_y[j][i];
-        is_near[j][i] = is_right ? 1.0 : 0.0;
+        is_near[j] = is_right ? 1.0 : 0.0;
         if constexpr (kFaces == 1) {
-          is_near[1][i] = is_right ? 0.0 : 1.0;
+          is_near[1] = is_right ? 0.0 : 1.0;
           b.near_from[j][i] = is_right ? -from_left : beyond_if_far;
         } else {
           b.near_from[j][i] = is_right ? -from_left : -kInfinity;
           b.far_from[j][i] = is_right ? kInfinity : beyond_if_far;
         }
       }
-    }
-  }
-
-  /// Finds the outermost corners of eight screens: where the last near face ends, and where the first one starts.
-  template <int kFaces>
-  static ROBOTTEAMSIM_INLINE void FindEnds(const ScreenBlock<kFaces>& block, const double (*is_near)[kLanes],
-                                           Ends* __restrict right, Ends* __restrict left) {
-    constexpr int kCorners = ScreenBlock<kFaces>::kCorners;
-    for (int j = 0; j < kCorners; ++j) {
-      const int before = (j + kCorners - 1) % kCorners;
-#pragma GCC unroll 1
-      for (int i = 0; i < kLanes; ++i) {
-        const bool is_right = is_near[j][i] < is_near[before][i];
-        const bool is_left = is_near[j][i] > is_near[before][i];
-        right->x[i] = is_right ? block.x[j][i] : right->x[i];
-        right->y[i] = is_right ? block.y[j][i] : right->y[i];
-        left->x[i] = is_left ? block.x[j][i] : left->x[i];
-        left->y[i] = is_left ? block.y[j][i] : left->y[i];
+      double near_faces = 0.0, right_x = 0.0, right_y = 0.0, left_x = 0.0, left_y = 0.0;
+#pragma GCC unroll 4
+      for (int j = 0; j < kCorners; ++j) {
+        const int before = (j + kCorners - 1) % kCorners;
+        const bool is_right = is_near[j] < is_near[before];
+        const bool is_left = is_near[j] > is_near[before];
+        near_faces += is_near[j];
+        right_x = is_right ? b.x[j][i] : right_x;
+        right_y = is_right ? b.y[j][i] : right_y;
+        left_x = is_left ? b.x[j][i] : left_x;
+        left_y = is_left ? b.y[j][i] : left_y;
       }
+      right->x[i] = right_x;
+      right->y[i] = right_y;
+      left->x[i] = left_x;
+      left->y[i] = left_y;
+      b.is_around[i] = near_faces == 0.0 ? 1.0 : 0.0;
     }
   }
 
@@ -157,25 +159,18 @@ struct Loops {
     }
   }
 
-  /// Finds what eight screens cover, as seen from a source.
+  /// Finds what the screens of a block cover, as seen from a source.
   template <int kFaces>
   static ROBOTTEAMSIM_INLINE void LookAtBlock(const LinkSource& source, ScreenBlock<kFaces>* block) {
-    alignas(64) double is_near[ScreenBlock<kFaces>::kCorners][kLanes];
-    alignas(64) double is_around[kLanes];
-    Ends right = {}, left = {};
-    FindSides(source, block, is_near);
-    FindEnds(*block, is_near, &right, &left);
+    Ends right, left;
+    FindEnds(source, block, &right, &left);
     FindRuns(source, &right);
     FindRuns(source, &left);
     ScreenBlock<kFaces>& __restrict b = *block;
 #pragma GCC unroll 1
     for (int i = 0; i < kLanes; ++i) {
-      double near_faces = 0.0;
-#pragma GCC unroll 4
-      for (int j = 0; j < ScreenBlock<kFaces>::kCorners; ++j) near_faces += is_near[j][i];
-      const bool is_in = near_faces == 0.0;  // the source is in the ring
+      const bool is_in = b.is_around[i] > 0.0;
       const bool is_on_end = (right.parts_at[i] >= kNoDirection) | (left.parts_at[i] >= kNoDirection);
-      is_around[i] = is_in ? 1.0 : 0.0;
       b.from[i] = is_in ? kBeforeAll : right.parts_at[i];
       b.to[i] = is_in ? kAfterAll : left.parts_at[i];
       b.near_from[0][i] = is_in ? kInfinity : b.near_from[0][i];
@@ -184,7 +179,7 @@ struct Loops {
     const std::int32_t num_targets = source.num_targets;
 #pragma GCC unroll 1
     for (int i = 0; i < kLanes; ++i) {
-      const bool is_in = is_around[i] > 0.0;
+      const bool is_in = b.is_around[i] > 0.0;
       b.first[i] = is_in ? 0 : right.first[i];
       b.end[i] = is_in ? num_targets : left.end[i];
       // Directions may go around straight down; a face seen edge on covers none.
