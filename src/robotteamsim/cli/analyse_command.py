@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ from rich.progress import track
 
 from robotteamsim import scenario
 from robotteamsim.cli.parser import UsageError, positive_number
-from robotteamsim.recording.files import atomically, check_replaceable, prepare_folder, write_atomically
+from robotteamsim.recording.files import atomically, check_replaceable, write_atomically
 
 if TYPE_CHECKING:
     import numpy as np
@@ -76,6 +77,8 @@ def analyse(options: argparse.Namespace) -> None:
     _check(options)
     plan = scenario.load(options.scenario).plan if options.scenario else None
     runs = [read_run(paths) for paths in ([options.bags] if options.join else [[bag] for bag in options.bags])]
+    if len({run.name for run in runs}) < len(runs):  # The folders tell bags of one name apart.
+        runs = [replace(run, name=str(bag.with_suffix(""))) for run, bag in zip(runs, options.bags, strict=True)]
     all_figures = [figures(run) for run in runs]
     written = _write(options, runs, all_figures)
     if options.png:
@@ -105,8 +108,6 @@ def _check(options: argparse.Namespace) -> None:
         raise UsageError(f"--png: {len(options.bags)} bags do not fit beside each other; wanted at most {MAX_DRAWN}")
     if options.gif or options.mp4:
         _check_film(options)
-    if options.csv:
-        prepare_folder(options.csv)
 
 
 def _check_film(options: argparse.Namespace) -> None:
