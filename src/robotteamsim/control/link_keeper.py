@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.floor_plan import FloorPlan
@@ -25,13 +27,16 @@ ENDANGERED_FRACTION = 0.8
 class LinkKeeper:
     """The communication term of eq. (22) for one robot, silent while its link to the swarm is safe.
 
-    A robot knows the plan, the radio and where its teammates said they were; from these it predicts its link to the
-    nearest one. The range that x_CB keeps is d_max for links by distance. For links by signal it is the distance at
-    which this link, with the walls that it crosses now, would be at the endangered threshold.
+    A robot knows the plan, the radio and where its teammates said they were; from these it predicts the link to keep:
+    that to the nearest one, or (`control.kept_link: tree`) the weakest of its own links in the strongest tree that
+    holds the team together. A team whose robots all keep their nearest neighbour can still fall into pairs. The range
+    that x_CB keeps is d_max for links by distance. For links by signal it is the distance at which this link, with the
+    walls that it crosses now, would be at the endangered threshold.
     """
 
     def __init__(self, scenario: Scenario) -> None:
         self._c4 = scenario.control.c4
+        self._keeps_tree = scenario.control.kept_link == "tree"
         self._network = scenario.network
         self._radio = scenario.radio
         self._field = _radio_field(scenario.plan, scenario.radio.model_dump_json()) if self._c4 > 0.0 else None
@@ -47,13 +52,45 @@ class LinkKeeper:
         members = missing or heard
         if self._field is None or not members:
             return position, 0.0
-        neighbour = min(members.values(), key=functools.partial(math.dist, position))
+        if self._keeps_tree and not missing:
+            neighbour = self._weakest_of_tree(position, list(heard.values()))
+        else:
+            neighbour = min(members.values(), key=functools.partial(math.dist, position))
         if self._network.link == "distance":
             proximity, endangered, range_m = self._by_distance(position, neighbour)
         else:
             proximity, endangered, range_m = self._by_signal(position, neighbour)
         weight = communication_weight(self._c4, proximity, endangered, connected=not missing)
         return communication_attractor(position, neighbour, range_m), weight
+
+    def in_reach(self, places: Sequence[Vector], resolution_m: float) -> np.ndarray | None:
+        """Return the cells of the plan that have a good enough link to one of some places, bool, shape (rows, cols).
+
+        Good enough is a signal down to the first third of the band between endangered and lost, or a distance that is
+        not endangered. None where the term is switched off or there are no places: then no link is asked for.
+        """
+        if self._field is None or not places:
+            return None
+        if self._network.link == "signal":
+            weakest_dbm = (2.0 * self._network.endangered_below_dbm + self._network.lost_below_dbm) / 3.0
+            return self._field.best_rssi_map_dbm(places, resolution_m).values >= weakest_dbm
+        cells = self._field.best_rssi_map_dbm(places[:1], resolution_m)
+        rows, columns = cells.values.shape
+        x_m = cells.origin_m[0] + (np.arange(columns) + 0.5) * resolution_m
+        y_m = cells.origin_m[1] + (np.arange(rows) + 0.5) * resolution_m
+        near = [np.hypot(x_m[None, :] - x, y_m[:, None] - y) for x, y in places]
+        return np.min(near, axis=0) <= ENDANGERED_FRACTION * self._network.max_distance_m
+
+    def _weakest_of_tree(self, position: Vector, places: list[Vector]) -> Vector:
+        """Return the other end of the weakest link that a robot has in the strongest tree of it and these places."""
+        positions_m = np.array([position, *places])
+        if self._network.link == "distance":
+            strength = -np.hypot(*(positions_m[:, None, :] - positions_m[None, :, :]).transpose(2, 0, 1))
+        else:
+            assert self._field is not None
+            strength = self._field.rssi_matrix_dbm(positions_m)
+        own = [(strength[a, b], max(a, b)) for a, b in strongest_tree(strength) if min(a, b) == 0]
+        return places[min(own)[1] - 1]
 
     def _by_distance(self, position: Vector, neighbour: Vector) -> tuple[float, float, float]:
         d_max_m = self._network.max_distance_m
@@ -71,6 +108,25 @@ class LinkKeeper:
         endangered = robot_proximity_by_signal(max(endangered_dbm, lost_dbm + 1e-9), lost_dbm, reference_dbm)
         range_m = math.dist(position, neighbour) * 10.0 ** ((signal_dbm - endangered_dbm) / self._radio.slope_db)
         return proximity, endangered, range_m
+
+
+def strongest_tree(strength: np.ndarray) -> list[tuple[int, int]]:
+    """Return the links of the tree over n nodes whose links are together the strongest, by Prim's algorithm [prim1957].
+
+    Its weakest link is as strong as a tree's can be: while it stands, the nodes are connected.
+    Args: strength: float64, shape (n, n), symmetric. Of equal links the one to the node of lower index is taken.
+    """
+    best, parent = strength[0].copy(), np.zeros(len(strength), dtype=np.int64)
+    best[0] = -math.inf
+    links = []
+    for _ in range(len(strength) - 1):
+        node = int(np.argmax(best))
+        links.append((int(parent[node]), node))
+        best[node] = -math.inf
+        stronger = (strength[node] > best) & (best > -math.inf)
+        best[stronger] = strength[node][stronger]
+        parent[stronger] = node
+    return links
 
 
 @functools.lru_cache(maxsize=8)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
 
 from robotteamsim.control.controller import Controller
+from robotteamsim.control.cover import CoverController
 from robotteamsim.control.greedy import GreedyController
 from robotteamsim.control.pso import PsoController, RpsoController
 from robotteamsim.control.random_walk import RandomWalkController
@@ -25,6 +26,7 @@ ALGORITHMS: dict[str, MakeController] = {
     "pso": PsoController,
     "rpso": RpsoController,
     "sebs": SebsController,
+    "cover": CoverController,
 }
 """The controllers of this package."""
 

@@ -30,8 +30,9 @@ def placed_robots(plan: FloorPlan, robots: Team | tuple[PlacedRobot, ...]) -> tu
     """Return every robot with its start pose, in id order.
 
     A team takes its `start_poses` first; the others stand in a formation: a square grid of `spacing_m` in the frame
-    of `start` (without one: the first start pose), centred on it, all heading as it does. Places that touch a solid,
-    lie outside, are taken or cannot be reached from `start` are left out, and the next nearest places are used.
+    of `start` (without one: the first start pose), centred on it, all heading as it does; or, with `formation: spiral`,
+    on the spiral of Theodorus around it. Places that touch a solid, lie outside, are taken or cannot be reached from
+    `start` are left out, and the next nearest places are used.
 
     Raises: PlacementError: a given pose touches a solid, lies outside or within another robot; no room is left.
     """
@@ -117,6 +118,8 @@ def _formation(plan: FloorPlan, team: Team, taken: list[PlanarPose]) -> list[Pla
     start = team.start or team.start_poses[0]
     wanted = team.count - len(taken)
     room = _Room(plan, start, team, taken)
+    if team.formation == "spiral":
+        return _spiral(plan, team, room, start, wanted)
     side, free = math.ceil(math.sqrt(wanted)), 0
     while (side - 1) * team.spacing_m <= 2.0 * math.dist(plan.bounds.min, plan.bounds.max):
         rows, columns = np.divmod(np.arange(side * side), side)
@@ -129,9 +132,34 @@ def _formation(plan: FloorPlan, team: Team, taken: list[PlanarPose]) -> list[Pla
             return [(float(x), float(y), start[2]) for x, y in points[np.sort(nearest)]]
         free = max(free, len(places))
         side = max(side + 1, side * 9 // 8)
-    raise PlacementError(
+    raise _no_room(team, start, free + len(taken))
+
+
+def _spiral(plan: FloorPlan, team: Team, room: _Room, start: PlanarPose, wanted: int) -> list[PlanarPose]:
+    """Return the first free places on the spiral of Theodorus around the start, from the middle outwards.
+
+    The k-th place is sqrt(k) * spacing_m from the middle, and spacing_m from the one before [davis1993]: with the reach
+    of a link for spacing_m, the team stands as wide as it can in one piece.
+    """
+    farthest = math.ceil((2.0 * math.dist(plan.bounds.min, plan.bounds.max) / team.spacing_m) ** 2)
+    count = 4 * wanted
+    poses: list[PlanarPose] = []
+    while not poses or (len(poses) < wanted and count < 4 * farthest):
+        k = np.arange(min(count, farthest))
+        angle_rad = np.concatenate(([0.0, 0.0], np.cumsum(np.arctan(1.0 / np.sqrt(k[1:])))))[: len(k)]
+        radius_m = team.spacing_m * np.sqrt(k)
+        points = _in_map_frame(start, radius_m * np.cos(angle_rad), radius_m * np.sin(angle_rad))
+        poses = [(float(x), float(y), start[2]) for x, y in points[room.has_place(points)]]
+        count *= 4
+    if len(poses) < wanted:
+        raise _no_room(team, start, len(poses) + team.count - wanted)
+    return poses[:wanted]
+
+
+def _no_room(team: Team, start: PlanarPose, found: int) -> PlacementError:
+    return PlacementError(
         f"robots.count: {team.count} robots {team.spacing_m:g} m apart find no room around {_text(start[:2])}, "
-        f"only {free + len(taken)} of them"
+        f"only {found} of them"
     )
 
 

@@ -64,6 +64,9 @@ class Scenario(Model):
         repeated = first_repeated([thing.name for thing in self.things])
         if repeated:
             raise wrong(f"things.{repeated[0]}.name", f"'{repeated[1]}' is the name of another already")
+        num_robots = self.robots.count if isinstance(self.robots, Team) else len(self.robots)
+        if self.mission.base is not None and self.mission.base >= num_robots:
+            raise wrong("mission.base", f"there is no robot {self.mission.base}, only 0 to {num_robots - 1}")
         return self
 
     @property

@@ -138,6 +138,9 @@ class Team(Robot):
     count: int = Field(default=3, ge=1, le=3000, description="number of robots")
     start: PlanarPose | None = Field(default=None, description="where the formation stands [m, m, rad]")
     spacing_m: float = Field(default=0.8, gt=0.0, le=20.0, description="between neighbours in the formation [m]")
+    formation: Literal["square", "spiral"] = Field(
+        default="square", description="a square grid, or the spiral of Theodorus, each robot spacing_m from the last"
+    )
     start_poses: Many[PlanarPose] = Field(default=(), description="one pose per robot, in id order")
 
     @model_validator(mode="after")
@@ -217,7 +220,7 @@ class Control(Model):
 
     algorithm: str = Field(
         default="rdpso",
-        description="rdpso, random_walk, greedy, pso, rpso, sebs; the name of an installed one, or module:Class",
+        description="rdpso, random_walk, greedy, pso, rpso, sebs, cover; the name of an installed one, or module:Class",
     )
     iteration_s: float = Field(default=1.0, gt=0.0, le=60.0, description="period of the swarm's iterations [s]")
     memory: Literal["published", "grunwald_letnikov"] = Field(
@@ -230,6 +233,11 @@ class Control(Model):
     c2: float = Field(default=0.11, ge=0.0, le=2.0, description="social weight")
     c3: float = Field(default=0.29, ge=0.0, le=2.0, description="obstacle weight")
     c4: float = Field(default=0.4, ge=0.0, le=2.0, description="communication weight; acts where a link is in danger")
+    kept_link: Literal["nearest", "tree"] = Field(
+        default="nearest",
+        description="what the communication term keeps: the link to the nearest teammate, or the weakest of the "
+        "robot's own in the strongest tree over the team",
+    )
     max_step_speed_mps: float = Field(default=0.58, gt=0.0, le=10.0, description="limit of the swarm velocity [m/s]")
     sensing_radius_m: float = Field(default=1.0, gt=0.0, le=50.0, description="r_s of the obstacle term [m]")
     navigation: Literal["path", "straight"] = Field(
@@ -274,6 +282,9 @@ class Mission(Model):
     victims: Many[Victim] = Field(default=(), description="victims")
     save_distance_m: float = Field(default=1.0, gt=0.0, le=20.0, description="a robot this near saves a victim [m]")
     time_limit_s: float = Field(default=600.0, gt=0.0, le=1e6, description="the mission ends after this time [s]")
+    base: int | None = Field(
+        default=None, ge=0, le=2999, description="id of a robot that stays and must hear of each find, with `cover`"
+    )
     autostart: bool = Field(default=True, description="starts with the first step, or waits for /mission/start")
 
     @model_validator(mode="after")

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
+import networkx
+import numpy as np
 import pytest
 
-from robotteamsim.control.link_keeper import LinkKeeper
+from robotteamsim.control.link_keeper import LinkKeeper, strongest_tree
 from robotteamsim.control.ruled_out import RuledOut
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.scenario import Scenario
@@ -100,3 +102,55 @@ def test_new_voice_map_rules_out_nothing(ruled_out):
     ruled_out.add((5.0, 5.0), None)
     ruled_out.clear()
     assert not ruled_out.covers((5.0, 5.0))
+
+
+def test_strongest_tree_is_the_spanning_tree_of_networkx():
+    generator = np.random.default_rng(5)
+    for n in (2, 3, 8, 20):
+        upper = np.triu(generator.uniform(-100.0, -40.0, (n, n)), 1)
+        strength = upper + upper.T
+        graph = networkx.from_numpy_array(-strength)
+        expected = {tuple(sorted(edge)) for edge in networkx.minimum_spanning_edges(graph, data=False)}
+        assert {tuple(sorted(link)) for link in strongest_tree(strength)} == expected
+
+
+def test_tree_keeps_the_link_that_alone_holds_two_groups_together(hall_scenario):
+    # Robot 1 is beside this robot; 2 and 3 are far, and their strongest link to the rest is the one to this robot.
+    places = {1: (9.0, 50.0), 2: (60.0, 50.0), 3: (61.0, 50.0)}
+    scenario = field_scenario(hall_scenario)
+    tree = scenario.model_copy(update={"control": Control(c4=0.4, kept_link="tree")})
+    assert LinkKeeper(scenario).pull(HERE, places, {})[1] == 0.0
+    (x, y), weight = LinkKeeper(tree).pull(HERE, places, {})
+    assert weight > 0.0
+    assert (60.0 - x, y) == pytest.approx((25.4, 50.0), abs=0.1)
+
+
+def test_tree_leaves_a_robot_in_peace_whose_own_links_are_safe(hall_scenario):
+    scenario = field_scenario(hall_scenario).model_copy(update={"control": Control(c4=0.4, kept_link="tree")})
+    # Robot 1 holds the far robot 2; this robot has only its link to robot 1 in the tree.
+    assert LinkKeeper(scenario).pull(HERE, {1: (12.0, 50.0), 2: (60.0, 50.0)}, {})[1] == 0.0
+
+
+def test_tree_by_distance_is_that_of_the_shortest_links(hall_scenario):
+    scenario = field_scenario(hall_scenario, link="distance", max_distance_m=20.0)
+    scenario = scenario.model_copy(update={"control": Control(c4=0.4, kept_link="tree")})
+    (x, _), weight = LinkKeeper(scenario).pull(HERE, {1: (9.0, 50.0), 2: (28.0, 50.0)}, {})
+    assert weight > 0.0
+    assert x == pytest.approx(28.0 - 16.0)
+
+
+def test_cells_in_reach_are_those_with_a_good_link_to_any_of_the_places(hall_scenario):
+    links = LinkKeeper(field_scenario(hall_scenario))
+    within = links.in_reach([(10.5, 50.5), (200.5, 50.5)], 1.0)
+    assert within.shape == (100, 400)
+    # -84.67 dBm, a third of the way from -80 to -94 dBm, is 40.5 m away in the open.
+    assert within[50, [49, 52, 161, 240]].tolist() == [True, False, True, True]
+    assert links.in_reach([], 1.0) is None
+    by_distance = LinkKeeper(field_scenario(hall_scenario, link="distance", max_distance_m=10.0))
+    assert by_distance.in_reach([(10.5, 50.5)], 1.0)[50, [17, 18, 19]].tolist() == [True, True, False]
+
+
+def test_without_the_term_no_link_is_asked_for(hall_scenario):
+    scenario = field_scenario(hall_scenario).model_copy(update={"control": Control(c4=0.0, kept_link="tree")})
+    assert LinkKeeper(scenario).in_reach([(10.0, 50.0)], 1.0) is None
+    assert LinkKeeper(scenario).pull(HERE, {1: (300.0, 50.0)}, {})[1] == 0.0

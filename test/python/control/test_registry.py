@@ -73,12 +73,15 @@ def test_class_is_found_by_its_place(hall_scenario):
     assert type(make(hall_scenario, "others_of_test:Still")).__name__ == "Still"
 
 
+KNOWN = "rdpso, random_walk, greedy, pso, rpso, sebs, cover, still"
+
+
 @pytest.mark.parametrize(
     ("name", "line"),
     [
         (
             "rdspo",
-            "'rdspo' is not known; wanted one of: rdpso, random_walk, greedy, pso, rpso, sebs, still, or module:Class",
+            f"'rdspo' is not known; wanted one of: {KNOWN}, or module:Class",
         ),
         ("no_such_module:Class", "'no_such_module:Class': ModuleNotFoundError: No module named 'no_such_module'"),
         (
@@ -93,7 +96,7 @@ def test_class_is_found_by_its_place(hall_scenario):
         ("others_of_test:Mute", "'others_of_test:Mute' makes a Mute, which has no observe and no decide"),
         (
             ":Still",
-            "':Still' is not known; wanted one of: rdpso, random_walk, greedy, pso, rpso, sebs, still, or module:Class",
+            f"':Still' is not known; wanted one of: {KNOWN}, or module:Class",
         ),
     ],
 )

@@ -101,3 +101,32 @@ def test_team_without_room_is_refused_with_count_and_place() -> None:
 def test_plan_of_the_largest_size_has_room() -> None:
     field = FloorPlan(name="field", bounds=Bounds(max=(1000.0, 1000.0)))
     assert len(placed_robots(field, Team(count=100, start=(500.0, 500.0, 0.0)))) == 100
+
+
+def test_spiral_of_theodorus_puts_the_kth_robot_at_the_root_of_k_and_one_step_from_the_last() -> None:
+    positions = _positions(
+        FloorPlan(name="field", bounds=Bounds(max=(40.0, 40.0))),
+        Team(count=40, start=(20.0, 20.0, 0.0), spacing_m=1.5, formation="spiral"),
+    )
+    offsets = positions - (20.0, 20.0)
+    np.testing.assert_allclose(np.hypot(*offsets.T), 1.5 * np.sqrt(np.arange(40)))
+    np.testing.assert_allclose(np.hypot(*np.diff(positions, axis=0).T), 1.5)
+    np.testing.assert_allclose(offsets[:3], [[0.0, 0.0], [1.5, 0.0], [1.5, 1.5]], atol=1e-12)
+    apart = np.hypot(*(positions[:, None] - positions[None, :]).transpose(2, 0, 1)) + 9.0 * np.eye(40)
+    assert apart.min() > 1.5 - 1e-9
+
+
+def test_spiral_turns_with_the_heading_and_leaves_out_places_in_walls() -> None:
+    team = Team(count=3, start=(10.0, 5.0, math.pi / 2), spacing_m=1.0, formation="spiral")
+    np.testing.assert_allclose(_positions(HALL, team), [[10.0, 5.0], [10.0, 6.0], [9.0, 6.0]], atol=1e-12)
+    walled = FloorPlan(name="walled", bounds=HALL.bounds, walls=(Wall(name="w", start=(9.0, 6.0), end=(11.0, 6.0)),))
+    positions = _positions(walled, team)
+    assert obstacles(walled).distance(shapely.Point(positions[1])) > 0.2
+    assert np.hypot(*(positions[1] - (10.0, 5.0))) > 1.4
+
+
+def test_spiral_without_room_is_refused_with_count_and_place() -> None:
+    team = Team(count=30, start=(1.0, 1.0, 0.0), spacing_m=1.0, formation="spiral")
+    closet = FloorPlan(name="closet", bounds=Bounds(max=(2.0, 2.0)))
+    with pytest.raises(PlacementError, match=r"robots.count: 30 robots 1 m apart find no room around \[1, 1\], only"):
+        placed_robots(closet, team)

@@ -1,0 +1,110 @@
+"""Robots that cover the floor and tell the base of what they find."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from robotteamsim.control.cover import CoverController
+from robotteamsim.control.cover_report import CoverReport, Find, parse_cover_report
+from robotteamsim.errors import ScenarioError
+from robotteamsim.network import EVERYBODY, Message
+from robotteamsim.scenario import load
+from robotteamsim.scenario.sections import Control, Mission, PlacedRobot, Victim, Voice
+from robotteamsim.sensing.readings import Observation
+from robotteamsim.simulation import Simulation, StepRecord
+
+REPORT = CoverReport(2, (1.0 / 3.0, 4.0), (7.0, 8.0), "00ff", (Find((1.5, 2.5), 4, 12.3),))
+
+
+def _simulation(hall_scenario, **control) -> Simulation:
+    poses = [(1.0, 1.0, 0.0), (2.0, 1.0, 0.0), (1.0, 2.0, 0.0)]
+    scenario = hall_scenario(
+        robots=tuple(PlacedRobot(start_pose=pose) for pose in poses),
+        mission=Mission(base=0, victims=(Victim(name="ann", position=(9.0, 4.0)),), time_limit_s=90.0),
+        control=Control(algorithm="cover", **control),
+        voice=Voice(noise_db=40.0),
+    )
+    simulation = Simulation(scenario)
+    simulation.controllers = [CoverController(robot_id, scenario) for robot_id in range(3)]  # to look into them
+    return simulation
+
+
+def test_report_keeps_every_bit_as_a_message():
+    assert parse_cover_report(REPORT.to_json()) == REPORT
+
+
+@pytest.mark.parametrize("payload", ["", "3", "{}", "[]", '{"cover": {"robot_id": 1}}', '{"cover": 1}', "ä"])
+def test_other_messages_are_no_reports(payload):
+    assert parse_cover_report(payload) is None
+
+
+def test_team_covers_the_hall_and_the_base_hears_of_the_find(hall_scenario):
+    simulation = _simulation(hall_scenario)
+    heard = []
+    for _ in range(900):
+        record = simulation.step()
+        heard += [parse_cover_report(m.payload) for m in record.inboxes[0]]
+    base, *others = simulation.controllers
+    assert record.mission.victims == ("saved",)
+    assert [find.robot_id for find in base.finds] == [find.robot_id for find in heard[-1].finds]
+    assert len(base.finds) == 1
+    assert np.hypot(*np.subtract(base.finds[0].position, (9.0, 4.0))) < 0.5
+    assert all(controller.finds == base.finds for controller in others)
+    # All that is left is what nobody can see into.
+    assert all(controller.covered_share > 0.95 for controller in simulation.controllers)
+
+
+def test_base_stays_where_it_starts(hall_scenario):
+    simulation = _simulation(hall_scenario)
+    for _ in range(100):
+        record = simulation.step()
+    places = [(reading.ground_truth.x_m, reading.ground_truth.y_m) for reading in record.readings]
+    assert places[0] == pytest.approx((1.0, 1.0), abs=1e-9)
+    assert np.hypot(*np.subtract(places[1], (2.0, 1.0))) > 1.0
+
+
+def test_message_of_another_floor_or_of_nonsense_is_left_alone(hall_scenario):
+    simulation = _simulation(hall_scenario)
+    record = simulation.step()
+    controller: CoverController = simulation.controllers[1]
+    before = controller.covered_share
+    observation = _observation(record)
+    payloads = [REPORT.to_json(), "nonsense", json.dumps({"cover": {"robot_id": 2}})]
+    controller.observe(observation, [Message(2, EVERYBODY, text) for text in payloads], record.mission.task)
+    assert controller.covered_share == before
+    assert controller.finds == ()
+
+
+def test_partition_splits_what_robots_know_and_heals(hall_scenario):
+    simulation = _simulation(hall_scenario)
+    for _ in range(5):
+        record = simulation.step()
+    first, second = simulation.controllers[1:]
+    find = CoverReport(0, (1.0, 1.0), None, first._cover.to_hex(), (Find((15.0, 5.0), 0, 1.0),))
+    observation = _observation(record)
+    first.observe(observation, [Message(0, EVERYBODY, find.to_json())], record.mission.task)
+    assert (len(first.finds), len(second.finds)) == (1, 0)
+    for _ in range(12):  # the next reports
+        simulation.step()
+    assert len(second.finds) == len(simulation.controllers[0].finds) == 1
+
+
+def test_base_that_does_not_exist_is_refused():
+    with pytest.raises(ScenarioError, match=r"mission.base: there is no robot 9, only 0 to 8"):
+        load("office_manet", ["mission.base=9"])
+
+
+def test_office_team_hears_each_other_in_the_beginning():
+    simulation = Simulation(load("office_manet"))
+    for _ in range(15):
+        network = simulation.step().network
+    assert network.fiedler_value > 0.0
+    assert network.adjacency[0].sum() == 8
+    assert network.traffic.refused == ()
+
+
+def _observation(record: StepRecord) -> Observation:
+    return Observation(1, record.sim_time_ns, record.readings[1], record.voices[1])
