@@ -213,6 +213,7 @@ def main() -> None:
     parser.add_argument("--set", action="append", default=[], dest="overrides")
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--out", type=Path, default=RESULTS)
+    parser.add_argument("--picture", type=Path, default=RESULTS.parents[1] / "docs" / "images" / "office_arms.png")
     options = parser.parse_args()
     trials_file, series_file = options.out / "office_arms.csv", options.out / "office_arms_series.csv"
     if not options.again:
@@ -220,7 +221,7 @@ def main() -> None:
         run_all(options.scenario, options.trials, options.workers, options.overrides, files)
     rows, series = read(trials_file), read(series_file)
     print_table(rows)
-    draw(rows, series, options.out / "office_arms.png")
+    draw(rows, series, options.picture)
 
 
 if __name__ == "__main__":
