@@ -128,7 +128,12 @@ def _against(comparisons: Sequence[Comparison]) -> Table:
         rows.append((comparison.name, "mean time, ours over theirs [90 %]", interval, "0.9 to 1.1"))
         rows.append((comparison.name, "equivalence of mean times, after Holm", p_text(comparison.time_p), "p < 0.05"))
         rows.append(
-            (comparison.name, "victims, Fisher-Freeman-Halton, after Holm", p_text(comparison.victims_p), "p >= 0.05")
+            (
+                comparison.name,
+                "victims, Fisher-Freeman-Halton, after Holm",
+                p_text(comparison.victims_p),
+                "p \N{GREATER-THAN OR EQUAL TO} 0.05",
+            )
         )
         for rate in comparison.rates:
             what = f"missions with at least {rate.saved} victims saved [95 %]"

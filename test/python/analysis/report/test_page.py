@@ -82,7 +82,7 @@ def test_table_of_missions_has_the_figures_of_tables_8_and_9(garage_report):
 def test_latex_tables_escape_what_latex_reads(garage_report):
     tests = garage_report.files["tables/tests.tex"].decode()
     assert r"95 \%" in tests
-    assert r"p $>$= 0.05" in tests
+    assert r"p $\ge$ 0.05" in tests
     assert tests.count(r"\begin{tabular}") == tests.count(r"\end{tabular}") == 1
     body = [line for line in tests.splitlines() if line.endswith(r" \\")]
     assert len({line.count("&") for line in body}) == 1
