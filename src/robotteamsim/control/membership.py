@@ -11,8 +11,8 @@ from collections.abc import Collection, Mapping
 from functools import partial
 
 from robotteamsim import rng
+from robotteamsim.control.common_view import CommonView
 from robotteamsim.control.controller import OUTSIDE
-from robotteamsim.control.report import Report
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Team
 from robotteamsim.swarm import ExclusionRules, SwarmState, Verdict, judge
@@ -42,18 +42,14 @@ class Membership:
         """Whether the robot is socially excluded."""
         return self.swarm_id == OUTSIDE
 
-    def judge(
-        self, iteration: int, reports: Mapping[int, Report], improved: Collection[int], in_use: Collection[int]
-    ) -> None:
+    def judge(self, iteration: int, view: CommonView, improved: Collection[int], in_use: Collection[int]) -> None:
         """Let the rules act on all swarms heard of, in the order of their numbers.
 
-        Args: reports: of this iteration, the own one included, by robot id, rising.
+        Args: view: of the reports of this iteration, the own one included.
               improved: swarms that improved their best; OUTSIDE in it where the excluded did.
               in_use: numbers of all swarms known of, heard in this iteration or before.
         """
-        swarms: dict[int, Values] = {}
-        for robot_id, report in reports.items():
-            swarms.setdefault(report.swarm_id, {})[robot_id] = report.value
+        swarms: dict[int, Values] = dict(view.values)
         outside = swarms.pop(OUTSIDE, {})
         if not self._enabled or not (swarms or outside):
             return
@@ -65,7 +61,7 @@ class Membership:
         for swarm_id, members in sorted(swarms.items()):
             dice = partial(self._dice, iteration, swarm_id)
             free = {i: value for i, value in outside.items() if i not in moves}
-            state = reports[min(members)].swarm
+            state = view.states[swarm_id]
             verdict = judge(state, swarm_id in improved, members, free, self._rules, dice)
             if len(verdict.leaves) == len(members):
                 verdict, num_swarms = self._dissolved_or_not(verdict, num_swarms)

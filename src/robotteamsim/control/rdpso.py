@@ -10,6 +10,7 @@ from operator import attrgetter
 import numpy as np
 
 from robotteamsim import rng
+from robotteamsim.control.common_view import CommonView, common_view
 from robotteamsim.control.controller import OUTSIDE, Decision, Task
 from robotteamsim.control.doors import DoorBeliefs
 from robotteamsim.control.known_map import known_map
@@ -128,8 +129,10 @@ class RdpsoController:
         iteration = self._observation.sim_time_ns // self._iteration_ns
         if iteration != self._iteration:
             self._iteration, self._reported_ns = iteration, self._observation.sim_time_ns
-            self._own = self._evaluate(pose, robot.ranges_m)
-            outbox = (Message(self._robot_id, EVERYBODY, self._own.to_json()),)
+            payload = self._evaluate(pose, robot.ranges_m).to_json()
+            # As its teammates read it, so that all of one process share what follows from it.
+            self._own = parse_report(payload)
+            outbox = (Message(self._robot_id, EVERYBODY, payload),)
         twist, goal = self._drive(pose, robot.ranges_m)
         return self._decision(twist, goal, outbox)
 
@@ -138,7 +141,7 @@ class RdpsoController:
         assert self._observation is not None
         if self._observation.sim_time_ns - self._reported_ns >= self._patience_ns:
             return True
-        return all(report.iteration != own.iteration - 1 for report in self._team.values())
+        return own.iteration - 1 not in [report.iteration for report in self._team.values()]
 
     def _evaluate(self, pose: Pose, ranges_m: np.ndarray) -> Report:
         """Phase 1: return the report on what the robot knows at the start of an iteration."""
@@ -170,17 +173,15 @@ class RdpsoController:
     def _choose_next_point(self, pose: Pose, ranges_m: np.ndarray, own: Report) -> None:
         """Phase 2: share the bests, judge the swarm, and set the goal to x[t+1]."""
         position = (pose.x_m, pose.y_m)
-        reports = {self._robot_id: own}
-        reports.update((i, report) for i, report in self._team.items() if report.iteration == own.iteration)
-        reports = dict(sorted(reports.items()))
-        bests = self._share_bests(own, reports)
+        reports = [own, *[report for report in self._team.values() if report.iteration == own.iteration]]
+        view = common_view(tuple(sorted(reports, key=attrgetter("robot_id"))))
+        bests = self._share_bests(own, view)
         in_use = {report.swarm_id for report in (own, *self._team.values())}
         improved = [swarm_id for swarm_id, (_, has_improved) in bests.items() if has_improved]
-        self._membership.judge(own.iteration, reports, improved, in_use)
+        self._membership.judge(own.iteration, view, improved, in_use)
         # A new swarm begins with what the excluded know.
         self._known_best, _ = bests.get(self._membership.swarm_id) or bests.get(OUTSIDE) or (None, False)
-        for report in reports.values():
-            self._doors.hear(report.doors)
+        self._doors.hear(view.doors)
         self._update_map()
         if self._membership.excluded or self._known_best is None or self._local_best is None:
             self._goal = self._last_position = None
@@ -192,53 +193,48 @@ class RdpsoController:
             self._velocities.appendleft((position[0] - self._last_position[0], position[1] - self._last_position[1]))
         self._last_position = position
         step_m = self._control.max_step_speed_mps * self._control.iteration_s
-        velocity = limit_speed(self._next_velocity(position, pose, ranges_m, reports), step_m)
+        velocity = limit_speed(self._next_velocity(position, pose, ranges_m, view), step_m)
         self._goal = next_position(position, velocity)
         if self._control.navigation == "path":
             # A step ends at a wall; it does not lead around it. The way around is in the attractors.
             self._goal = self._map.reachable_towards(position, self._goal)
         self._speed_mps = max(0.1, HURRY * math.hypot(*velocity) / self._control.iteration_s)
 
-    def _share_bests(self, own: Report, reports: dict[int, Report]) -> dict[int, tuple[Best | None, bool]]:
-        """Return by swarm what its members share as global best, and whether this iteration improved it.
-
-        The excluded (OUTSIDE) share what they hear with every swarm. How near one of them comes to the area is no
-        success, though.
-        """
-        comparable = [report for report in reports.values() if (report.epoch, report.doors) == (own.epoch, own.doors)]
-        for report in comparable:
-            self._ruled_out.add(report.position, report.loudest)
+    def _share_bests(self, own: Report, view: CommonView) -> dict[int, tuple[Best | None, bool]]:
+        """Return by swarm what its members share as global best, and whether this iteration improved it."""
+        heard, bests_of = view.comparable(own)
+        self._ruled_out.add_all(heard)
         bests = {}
-        for swarm_id in {report.swarm_id for report in comparable}:
-            group = [report for report in comparable if report.swarm_id in (swarm_id, OUTSIDE)]
-            before = self._highest([report.known_best for report in group])
-            found = [r.local_best for r in group if not r.excluded or (r.local_best and r.local_best.is_voice)]
-            best = self._highest([before, *found])
-            bests[swarm_id] = (best, best is not before)
+        for swarm_id, (known, local) in bests_of.items():
+            before = self._highest(known)
+            found = self._highest(local)
+            improved = found is not None and (before is None or found.value > before.value)
+            bests[swarm_id] = (found if improved else before, improved)
         return bests
 
-    def _highest(self, bests: Sequence[Best | None]) -> Best | None:
-        """Return the best that is not ruled out, the first of equals; none where there is none."""
-        # Highest first: of a hundred robots' bests, only the first few must be asked about.
-        for best in sorted(filter(None, bests), key=attrgetter("value"), reverse=True):
+    def _highest(self, bests: Sequence[Best]) -> Best | None:
+        """Return the first of bests, the highest first, that is not ruled out; none where there is none."""
+        for best in bests:
             if not (best.is_voice and self._ruled_out.covers(best.position)):
                 return best
         return None
 
-    def _next_velocity(self, position: Vector, pose: Pose, ranges_m: np.ndarray, reports: dict[int, Report]) -> Vector:
+    def _next_velocity(self, position: Vector, pose: Pose, ranges_m: np.ndarray, view: CommonView) -> Vector:
         """Return v[t+1] of eq. (25), before the speed limit."""
         assert self._observation
         assert self._local_best
         assert self._known_best
         clear_place = self._surroundings.attractor(pose, ranges_m)
         swarm_id = self._membership.swarm_id
-        members = {i: report for i, report in self._team.items() if report.swarm_id == swarm_id}
         oldest = self._iteration - round(SEARCHED_FOR_S / self._control.iteration_s)
-        x_cb, c4 = self._links.pull(
-            position,
-            {i: report.position for i, report in members.items() if i in reports},
-            {i: report.position for i, report in members.items() if i not in reports and report.iteration >= oldest},
-        )
+        heard = dict(view.positions.get(swarm_id, {}))
+        heard.pop(self._robot_id, None)
+        missing = {
+            i: report.position
+            for i, report in self._team.items()
+            if oldest <= report.iteration != view.iteration and report.swarm_id == swarm_id
+        }
+        x_cb, c4 = self._links.pull(position, heard, missing)
         local_best = self._local_best.position
         if self._observation.voice.heard and self._known_best.is_voice and not self._local_best.is_voice:
             # All that this robot hears is ruled out: while the swarm follows a voice, the area must not hold it back.

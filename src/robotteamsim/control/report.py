@@ -47,6 +47,10 @@ class Report:
     swarm: SwarmState
     doors: tuple[tuple[str, bool, int], ...] = ()
 
+    def __hash__(self) -> int:
+        """A robot reports once in an iteration; teams of many look up all their reports in every one."""
+        return self.robot_id + (self.iteration << 16)
+
     def to_json(self) -> str:
         """Return the report as one line of JSON; numbers keep every bit."""
         return json.dumps(

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import functools
 import math
+from typing import NamedTuple
 
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.swarm import Vector
 
 _SAME_PLACE_M = 0.25
+
+Heard = tuple[tuple[Vector, Vector | None], ...]
+"""Where robots are, and the loudest cell that each of them hears; none if it hears nothing."""
+
+_Key = tuple[int, int, Vector | None]
 
 
 class RuledOut:
@@ -27,7 +33,7 @@ class RuledOut:
         self._next_to_m = max(0.5 * save_m, save_m - self._cell_m)
         self._bucket_m = max(self._radius_m, self._next_to_m)
         self._buckets: dict[tuple[int, int], list[tuple[Vector, Vector | None]]] = {}
-        self._known: set[tuple[int, int, Vector | None]] = set()
+        self._known: set[_Key] = set()
         self._answers: dict[Vector, bool] = {}
         self._covered: set[Vector] = set()
         """Places that were found to be covered; they stay so until all is forgotten."""
@@ -41,11 +47,15 @@ class RuledOut:
 
     def add(self, position: Vector, loudest: Vector | None) -> None:
         """Note the loudest cell that a robot hears from where it is; none if it hears nothing."""
-        key, bucket = _key_and_bucket(position, loudest, self._bucket_m)
-        if key not in self._known:
+        self.add_all(((position, loudest),))
+
+    def add_all(self, heard: Heard) -> None:
+        """Note what several robots hear from where they are, in this order."""
+        notes = _notes(heard, self._bucket_m)
+        for key in sorted(notes.keys.difference(self._known), key=notes.order.__getitem__):
             self._known.add(key)
             self._answers.clear()
-            self._buckets.setdefault(bucket, []).append((position, loudest))
+            self._buckets.setdefault(notes.buckets[key], []).append(heard[notes.order[key]])
 
     def covers(self, place: Vector) -> bool:
         """Whether the victim whose voice is heard at a cell cannot be there."""
@@ -77,13 +87,23 @@ class RuledOut:
         return loudest is not None and math.dist(place, loudest) < 0.5 * self._cell_m
 
 
-# All robots of one process that hear a report ask for these.
-@functools.lru_cache(maxsize=8192)
-def _key_and_bucket(
-    position: Vector, loudest: Vector | None, bucket_m: float
-) -> tuple[tuple[int, int, Vector | None], tuple[int, int]]:
-    key = round(position[0] / _SAME_PLACE_M), round(position[1] / _SAME_PLACE_M), loudest
-    return key, _bucket_of(position, bucket_m)
+class _Notes(NamedTuple):
+    """What several robots hear, by place: which are new is told by sets, as most are not."""
+
+    keys: frozenset[_Key]
+    order: dict[_Key, int]
+    """Of each, the index of the robot that is the first there."""
+    buckets: dict[_Key, tuple[int, int]]
+
+
+# All robots of one process that hear the same reports ask for these.
+@functools.lru_cache(maxsize=256)
+def _notes(heard: Heard, bucket_m: float) -> _Notes:
+    order: dict[_Key, int] = {}
+    for i, (position, loudest) in enumerate(heard):
+        order.setdefault((round(position[0] / _SAME_PLACE_M), round(position[1] / _SAME_PLACE_M), loudest), i)
+    buckets = {key: _bucket_of(heard[i][0], bucket_m) for key, i in order.items()}
+    return _Notes(frozenset(order), order, buckets)
 
 
 def _bucket_of(place: Vector, bucket_m: float) -> tuple[int, int]:

@@ -6,6 +6,7 @@ import itertools
 
 import pytest
 
+from robotteamsim.control.common_view import CommonView
 from robotteamsim.control.controller import OUTSIDE
 from robotteamsim.control.membership import Membership
 from robotteamsim.control.report import Best, Report
@@ -51,7 +52,7 @@ def iterate(team: list[Membership], iteration: int, improved: set[int], heard: t
     }
     in_use = {member.swarm_id for member in team}
     for i in heard:
-        team[i].judge(iteration, reports, improved, in_use)
+        team[i].judge(iteration, CommonView(tuple(reports.values())), improved, in_use)
 
 
 def ids(team: list[Membership]) -> list[int]:

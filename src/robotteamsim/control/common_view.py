@@ -1,0 +1,76 @@
+"""What follows from the reports of one iteration alone: the same for all robots that heard the same ones."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable
+from operator import attrgetter
+from typing import NamedTuple
+
+from robotteamsim.control.controller import OUTSIDE
+from robotteamsim.control.report import Best, Report
+from robotteamsim.control.ruled_out import Heard
+from robotteamsim.swarm import SwarmState, Vector
+
+
+class Bests(NamedTuple):
+    """What a swarm and the excluded, who share what they hear with every swarm, report as bests: the highest first.
+
+    How near an excluded robot comes to the area is no success: of its own local best only a voice counts.
+    """
+
+    known: tuple[Best, ...]
+    local: tuple[Best, ...]
+
+
+class CommonView:
+    """Reports of one iteration, put in order. Robots share it, so nobody changes what it holds.
+
+    values:    of the local bests, by robot id, of each swarm heard of (OUTSIDE is one).
+    positions: of the robots in `map` [m], likewise.
+    states:    each swarm's memory, as its member of the lowest id has it.
+    doors:     all that the reports say of doors.
+    """
+
+    def __init__(self, reports: tuple[Report, ...]) -> None:
+        """Args: reports: at least one, in the order of robot ids."""
+        self.reports = reports
+        self.iteration = reports[0].iteration
+        self.values: dict[int, dict[int, float]] = {}
+        self.positions: dict[int, dict[int, Vector]] = {}
+        self.states: dict[int, SwarmState] = {}
+        for report in reports:
+            self.states.setdefault(report.swarm_id, report.swarm)
+            self.values.setdefault(report.swarm_id, {})[report.robot_id] = report.value
+            self.positions.setdefault(report.swarm_id, {})[report.robot_id] = report.position
+        self.doors = tuple(dict.fromkeys(sighting for report in reports for sighting in report.doors))
+        self._comparable: dict[tuple[object, ...], tuple[Heard, dict[int, Bests]]] = {}
+
+    def comparable(self, own: Report) -> tuple[Heard, dict[int, Bests]]:
+        """Return what those hear, and by swarm report as bests, who have a robot's task and agree with it on doors."""
+        key = (own.epoch, own.doors)
+        if key not in self._comparable:
+            reports = tuple(report for report in self.reports if (report.epoch, report.doors) == key)
+            swarm_ids = {report.swarm_id for report in reports}
+            heard = tuple((report.position, report.loudest) for report in reports)
+            self._comparable[key] = heard, {swarm_id: _bests_of(swarm_id, reports) for swarm_id in swarm_ids}
+        return self._comparable[key]
+
+
+# Robots of one process that heard each other hold the same reports.
+@functools.lru_cache(maxsize=64)
+def common_view(reports: tuple[Report, ...]) -> CommonView:
+    """Return the view of reports that are in the order of robot ids."""
+    return CommonView(reports)
+
+
+def _bests_of(swarm_id: int, reports: Iterable[Report]) -> Bests:
+    group = [report for report in reports if report.swarm_id in (swarm_id, OUTSIDE)]
+    found = [r.local_best for r in group if not r.excluded or (r.local_best and r.local_best.is_voice)]
+    return Bests(_highest_first(report.known_best for report in group), _highest_first(found))
+
+
+def _highest_first(bests: Iterable[Best | None]) -> tuple[Best, ...]:
+    """Return bests in falling order, each once; equal values in the order given."""
+    different = dict.fromkeys(best for best in bests if best is not None)
+    return tuple(sorted(different, key=attrgetter("value"), reverse=True))
