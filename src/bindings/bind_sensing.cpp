@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "arrays.hpp"
@@ -47,6 +48,37 @@ py::array_t<float> Nearest(const Laser& laser, const World& world, const std::ve
     laser.Report({*std::min_element(ranges.begin(), ranges.end())}, noise, nearest.mutable_data(i));
   }
   return nearest;
+}
+
+// The rows of an array, cut into tuples of given types and lengths, side by side: for each part a list of one tuple per
+// row. A type is `tuple` or a class of it that adds nothing, as a NamedTuple does.
+std::vector<py::list> Tuples(const Doubles& rows, const std::vector<std::pair<py::type, int>>& parts) {
+  if (rows.ndim() != 2) throw std::invalid_argument("rows must have shape (n, columns)");
+  int columns = 0;
+  for (const auto& [type, length] : parts) {
+    if (!PyType_IsSubtype(reinterpret_cast<PyTypeObject*>(type.ptr()), &PyTuple_Type) || length < 1) {
+      throw std::invalid_argument("parts must be tuples with at least one element");
+    }
+    columns += length;
+  }
+  if (columns != rows.shape(1)) throw std::invalid_argument("parts must have as many elements as a row");
+  std::vector<py::list> lists;
+  const double* part = rows.data();
+  for (const auto& [type, length] : parts) {
+    auto* const cls = reinterpret_cast<PyTypeObject*>(type.ptr());
+    py::list list(rows.shape(0));
+    for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+      auto tuple = py::reinterpret_steal<py::object>(cls->tp_alloc(cls, length));
+      if (!tuple) throw py::error_already_set();
+      for (int k = 0; k < length; ++k) {
+        PyTuple_SET_ITEM(tuple.ptr(), k, PyFloat_FromDouble(part[i * columns + k]));
+      }
+      PyList_SET_ITEM(list.ptr(), i, tuple.release().ptr());
+    }
+    lists.push_back(std::move(list));
+    part += length;
+  }
+  return lists;
 }
 
 std::vector<Odometry> ToTeam(const std::vector<std::array<double, 4>>& alphas, double step_s,
@@ -125,6 +157,7 @@ class TeamOdometry {
 }  // namespace
 
 void BindSensing(py::module_& m) {
+  m.def("tuples", &Tuples, py::arg("rows"), py::arg("parts"));
   py::class_<Laser>(m, "Laser")
       .def(py::init([](const World& world, int beams, double angle_min_rad, double angle_max_rad, double forward_m,
                        double range_min_m, double range_max_m, double too_near_m, double no_return_m, double left_m) {

@@ -32,11 +32,13 @@ class DoorBeliefs:
     @property
     def sightings(self) -> tuple[Sighting, ...]:
         """All that was seen or heard of doors, by name."""
-        return tuple(self._sightings[name] for name in sorted(self._sightings))
+        return tuple([self._sightings[name] for name in sorted(self._sightings)])
 
     @property
     def changed(self) -> tuple[tuple[str, bool], ...]:
         """The doors that are not as the plan says, by name, with whether they are closed."""
+        if not self._sightings:  # most of the time
+            return ()
         return tuple((name, closed) for name, closed, _ in self.sightings if closed != self._planned[name])
 
     def look(self, pose: Pose, ranges_m: np.ndarray, iteration: int) -> None:

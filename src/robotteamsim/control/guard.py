@@ -71,7 +71,7 @@ def problem_of(decision: Decision, robot_id: int, num_robots: int) -> str:
     if not isinstance(decision, Decision):
         return f"decide returned {decision!r:.60}; wanted a Decision"
     twist, goal_m = decision.twist, decision.goal_m
-    if not isinstance(twist, Twist) or not _are_finite((twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps)):
+    if not isinstance(twist, Twist) or not _are_finite(twist):
         return f"decide returned {twist!r:.120}; wanted a Twist of finite numbers"
     if goal_m is not None and not (isinstance(goal_m, tuple) and len(goal_m) == 2 and _are_finite(goal_m)):
         return f"decide returned the goal {goal_m!r:.60}; wanted finite (x, y), or None"

@@ -47,21 +47,25 @@ class RuledOut:
 
     def add(self, position: Vector, loudest: Vector | None) -> None:
         """Note the loudest cell that a robot hears from where it is; none if it hears nothing."""
-        self.add_all(((position, loudest),))
+        self._note(_key_of(position, loudest), (position, loudest))
 
     def add_all(self, heard: Heard) -> None:
         """Note what several robots hear from where they are, in this order."""
-        notes = _notes(heard, self._bucket_m)
+        notes = _notes(heard)
         for key in sorted(notes.keys.difference(self._known), key=notes.order.__getitem__):
-            self._known.add(key)
-            self._answers.clear()
-            self._buckets.setdefault(notes.buckets[key], []).append(heard[notes.order[key]])
+            self._note(key, heard[notes.order[key]])
 
     def covers(self, place: Vector) -> bool:
         """Whether the victim whose voice is heard at a cell cannot be there."""
         if place not in self._answers:
             self._answers[place] = self._finds(place)
         return self._answers[place]
+
+    def _note(self, key: _Key, note: tuple[Vector, Vector | None]) -> None:
+        if key not in self._known:
+            self._known.add(key)
+            self._answers.clear()
+            self._buckets.setdefault(_bucket_of(note[0], self._bucket_m), []).append(note)
 
     def _finds(self, place: Vector) -> bool:
         if place in self._covered:
@@ -93,17 +97,19 @@ class _Notes(NamedTuple):
     keys: frozenset[_Key]
     order: dict[_Key, int]
     """Of each, the index of the robot that is the first there."""
-    buckets: dict[_Key, tuple[int, int]]
 
 
 # All robots of one process that hear the same reports ask for these.
 @functools.lru_cache(maxsize=256)
-def _notes(heard: Heard, bucket_m: float) -> _Notes:
+def _notes(heard: Heard) -> _Notes:
     order: dict[_Key, int] = {}
     for i, (position, loudest) in enumerate(heard):
-        order.setdefault((round(position[0] / _SAME_PLACE_M), round(position[1] / _SAME_PLACE_M), loudest), i)
-    buckets = {key: _bucket_of(heard[i][0], bucket_m) for key, i in order.items()}
-    return _Notes(frozenset(order), order, buckets)
+        order.setdefault(_key_of(position, loudest), i)
+    return _Notes(frozenset(order), order)
+
+
+def _key_of(position: Vector, loudest: Vector | None) -> _Key:
+    return round(position[0] / _SAME_PLACE_M), round(position[1] / _SAME_PLACE_M), loudest
 
 
 def _bucket_of(place: Vector, bucket_m: float) -> tuple[int, int]:

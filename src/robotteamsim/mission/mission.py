@@ -56,6 +56,8 @@ class Mission:
         self._num_explored = 0
         self._victim_states: list[VictimState] = ["waiting"] * len(self._victims)
         self._places_m = self._all_places_m()
+        self._heard_places_m: set[tuple[float, float]] = set()
+        """Loudest places for which is known who is heard there, as of the victims who wait or were heard now."""
         self._epoch = 0
         self._endangered_links = 0
         self._endangered: np.ndarray | None = None
@@ -155,6 +157,7 @@ class Mission:
             self._victims.append(victim)
             self._victim_states.append("waiting")
         self._places_m = self._all_places_m()
+        self._heard_places_m.clear()
         self._tell("victim", name, NOBODY, f"victim {name} calls at ({position_m[0]:.1f}, {position_m[1]:.1f})")
         self._change_task()
 
@@ -197,11 +200,13 @@ class Mission:
     ) -> None:
         if "waiting" in self._victim_states:
             for robot_id, voice in enumerate(voices):
-                if voice.heard:
+                if voice.heard and voice.local_best_m not in self._heard_places_m:
+                    self._heard_places_m.add(voice.local_best_m)
                     self._hear(robot_id, voice)
         for index, distance_m in enumerate(distances_m):
             if distance_m <= self._save_distance_m and self._victim_states[index] != "saved":
                 self._victim_states[index] = "saved"
+                self._heard_places_m.clear()
                 self._epoch += 1  # her voice leaves the map
                 victim = self._victims[index]
                 robot_id, count = nearest_robots[index], f"{len(self.saved_victims)} of {len(self._victims)}"

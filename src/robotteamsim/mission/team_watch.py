@@ -32,7 +32,7 @@ class TeamWatch:
     @property
     def all_excluded(self) -> bool:
         """Whether no robot belongs to a swarm."""
-        return bool(self._swarms) and all(swarm == OUTSIDE for swarm in self._swarms)
+        return bool(self._swarms) and self._swarms.count(OUTSIDE) == len(self._swarms)
 
     def changes(self, decisions: Sequence[Decision]) -> list[Change]:
         """Return what has changed since the last step, in id order; a swarm's end follows after who left it."""

@@ -9,6 +9,7 @@ from typing import NamedTuple, overload
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.geometry import PoseReading, Twist
 
 
@@ -123,12 +124,14 @@ class TeamReadings(Sequence[RobotReading]):
 
     @cached_property
     def _one_by_one(self) -> tuple[RobotReading, ...]:
+        parts = [(PoseReading, 4), (Twist, 3), (tuple, 6), (tuple, 3)]
+        odometry = map(_odometry_reading, zip(*_core.tuples(self.odometry, parts), strict=True))
         return tuple(
             map(
                 RobotReading,
-                map(_pose_reading, self.ground_truth.tolist()),
-                map(_twist, self.twists.tolist()),
-                map(_odometry_reading, self.odometry.tolist()),
+                *_core.tuples(self.ground_truth, [(PoseReading, 4)]),
+                *_core.tuples(self.twists, [(Twist, 3)]),
+                odometry,
                 self.ranges_m,
                 self.in_contact.tolist(),
                 [self.contact_angles_rad.get(robot_id, ()) for robot_id in range(len(self))],
@@ -145,12 +148,7 @@ def ground_truth_rows(readings: Sequence[RobotReading]) -> np.ndarray:
 
 
 # Of an iterable, without a call of Python: these are made for every robot in every step.
-_pose_reading = partial(tuple.__new__, PoseReading)
-_twist = partial(tuple.__new__, Twist)
-
-
-def _odometry_reading(row: list[float]) -> OdometryReading:
-    return OdometryReading(_pose_reading(row[:4]), _twist(row[4:7]), tuple(row[7:13]), tuple(row[13:]))
+_odometry_reading = partial(tuple.__new__, OdometryReading)
 
 
 class Observation(NamedTuple):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from robotteamsim.rng import stream
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.sections import Victim, Voice
 from robotteamsim.sensing.readings import VoiceReading
+
+# Of an iterable, without a call of Python: these are made for every robot in every step.
+_voice_reading = partial(tuple.__new__, VoiceReading)
 
 
 class VoiceSensor:
@@ -66,7 +70,7 @@ class VoiceSensor:
             positions_m,
             self._voice.local_best_radius_m,
         )
-        return tuple(map(VoiceReading._make, heard))
+        return tuple(map(_voice_reading, heard))
 
     def silence(self, name: str) -> None:
         """Let a victim fall silent. Raises: ValueError: no such victim."""
