@@ -79,6 +79,13 @@ void BindControl(py::module_& m) {
                                 const std::vector<double>& headings_rad, double radius_m, double max_distance_m) {
         return clearance.FreeDistances(ToVector(ranges), headings_rad, radius_m, max_distance_m);
       });
+  py::class_<Sidestepper>(m, "Sidestepper")
+      .def(py::init<ScanClearance, std::vector<double>>(), py::arg("clearance"), py::arg("headings_rad"))
+      .def("find",
+           [](Sidestepper& sidestepper, const Ranges& ranges, double wanted_rad, double radius_m, double needed_m) {
+             const Sidestepper::Way way = sidestepper.Find(ToVector(ranges), wanted_rad, radius_m, needed_m);
+             return std::pair(way.heading, way.free);
+           });
 }
 
 }  // namespace robotteamsim::bindings

@@ -37,4 +37,27 @@ class ScanClearance {
   std::vector<Point> directions_;
 };
 
+/// Finds one robot's way past what its laser sees. Robots that meet head-on both keep right, and one that has begun to
+/// pass an obstacle on one side stays on it.
+class Sidestepper {
+ public:
+  /// `headings` [rad, base_link] are those that it may take instead of the wanted one; at least one.
+  Sidestepper(ScanClearance clearance, std::vector<double> headings);
+
+  /// A heading [rad, base_link] and how far it is free for a disc of `radius` [m], at most `needed` [m].
+  struct Way {
+    double heading;
+    double free;
+  };
+
+  /// The wanted heading where it is free as far as needed, or behind; else the one nearest to it that is free so far;
+  /// else the one that is free the farthest.
+  Way Find(const std::vector<float>& ranges, double wanted, double radius, double needed);
+
+ private:
+  ScanClearance clearance_;
+  std::vector<double> headings_;
+  int passing_side_ = 0;
+};
+
 }  // namespace robotteamsim

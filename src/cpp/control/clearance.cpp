@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace robotteamsim {
 namespace {
@@ -27,6 +29,11 @@ double FreeDistanceAmong(const std::vector<Point>& hits, double heading, double 
   return free;
 }
 
+constexpr double kLeftPenalty = 0.25;
+constexpr double kChangePenalty = 0.35;
+/// A wanted heading farther than this to the side or behind is turned to on the spot.
+constexpr double kAhead = 1.6;
+
 }  // namespace
 
 ScanClearance::ScanClearance(const LaserLayout& layout) : layout_(layout) {
@@ -41,7 +48,7 @@ ScanClearance::ScanClearance(const LaserLayout& layout) : layout_(layout) {
 std::vector<Point> ScanClearance::Hits(const std::vector<float>& ranges, double max_distance) const {
   if (ranges.size() != directions_.size()) throw std::invalid_argument("there must be one range per beam");
   // A range this close to range_max is no return: float32 may round range_max itself to either side.
-  const double longest = layout_.range_max * (1.0 - 1e-6);
+  const double longest = std::min(layout_.range_max * (1.0 - 1e-6), max_distance + std::abs(layout_.forward) + 1e-3);
   std::vector<Point> hits;
   for (std::size_t beam = 0; beam < ranges.size(); ++beam) {
     const double range = ranges[beam];
@@ -63,6 +70,39 @@ std::vector<double> ScanClearance::FreeDistances(const std::vector<float>& range
   std::vector<double> free;
   for (const double heading : headings) free.push_back(FreeDistanceAmong(hits, heading, radius, max_distance));
   return free;
+}
+
+Sidestepper::Sidestepper(ScanClearance clearance, std::vector<double> headings)
+    : clearance_(std::move(clearance)), headings_(std::move(headings)) {
+  if (headings_.empty()) throw std::invalid_argument("there must be a heading to take");
+}
+
+Sidestepper::Way Sidestepper::Find(const std::vector<float>& ranges, double wanted, double radius, double needed) {
+  const std::vector<Point> hits = clearance_.Hits(ranges, needed + radius);
+  const Way straight{wanted, FreeDistanceAmong(hits, wanted, radius, needed)};
+  if (straight.free >= needed || std::abs(wanted) >= kAhead) {
+    passing_side_ = 0;
+    return straight;
+  }
+  Way free_way{0.0, -1.0}, farthest{0.0, -1.0};
+  double least_cost = std::numeric_limits<double>::infinity();
+  for (const double heading : headings_) {
+    const Way way{heading, FreeDistanceAmong(hits, heading, radius, needed)};
+    const double offset = heading - wanted;
+    if (way.free > farthest.free ||
+        (way.free == farthest.free && std::abs(offset) < std::abs(farthest.heading - wanted))) {
+      farthest = way;
+    }
+    double cost = std::abs(offset) + (offset > 0.0 ? kLeftPenalty : 0.0);
+    if (passing_side_ * offset < 0.0) cost += kChangePenalty;
+    if (way.free >= needed && cost < least_cost) {
+      free_way = way;
+      least_cost = cost;
+    }
+  }
+  if (free_way.free < 0.0) return farthest;
+  passing_side_ = free_way.heading > wanted ? 1 : -1;
+  return free_way;
 }
 
 }  // namespace robotteamsim

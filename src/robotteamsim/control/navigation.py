@@ -27,10 +27,7 @@ ROOM_TO_TURN_M = 0.4
 """A car that must turn far drives slowly ahead while it has this much room, else back."""
 
 SIDESTEPS_RAD = tuple(math.radians(10.0 * i) for i in range(-9, 10))
-LEFT_PENALTY_RAD = 0.25
-"""Robots that meet head-on both keep right."""
-CHANGE_PENALTY_RAD = 0.35
-"""A robot that has begun to pass an obstacle on one side stays on it."""
+"""Headings that a robot may take to pass an obstacle."""
 
 PROGRESS_M = 0.2
 PATIENCE_S = 4.0
@@ -52,11 +49,11 @@ class Navigator:
         self._clearance = scan_clearance(body.laser)
         low_rad, high_rad = body.laser.angle_min_rad, body.laser.angle_max_rad
         self._field_of_view_rad = (low_rad, high_rad)
-        self._sidesteps_rad = tuple(a for a in SIDESTEPS_RAD if low_rad <= a <= high_rad) or (0.0,)
+        sidesteps_rad = [a for a in SIDESTEPS_RAD if low_rad <= a <= high_rad] or [0.0]
+        self._sidestepper = _core.Sidestepper(self._clearance, sidesteps_rad)
         self._goal: Vector | None = None
         self._map: KnownMap | None = None
         self._route: list[Vector] = []
-        self._passing_side = 0
         self._anchor: Vector = (math.inf, math.inf)
         self._anchor_s = 0.0
         self._escape: Vector | None = None
@@ -134,8 +131,9 @@ class Navigator:
     def _yields(self, position: Vector, teammates: Mapping[int, Vector]) -> bool:
         """Whether a teammate of lower id is near."""
         return any(
-            robot_id < self._robot_id and math.dist(position, other) < NEAR_TEAMMATE_M
+            math.dist(position, other) < NEAR_TEAMMATE_M
             for robot_id, other in teammates.items()
+            if robot_id < self._robot_id
         )
 
     def _find_escape(
@@ -169,12 +167,7 @@ class Navigator:
         wanted_rad = normalise_angle(math.atan2(d_y, d_x) - pose.yaw_rad)
         needed_m = min(distance_m, LOOK_AHEAD_M)
         radius_m = self._radius_m + LASER_MARGIN_M
-        heading_rad = wanted_rad
-        free_m = self._clearance.free_distance(ranges_m, wanted_rad, radius_m, needed_m)
-        if free_m < needed_m and abs(wanted_rad) < 1.6:
-            heading_rad, free_m = self._sidestep(ranges_m, wanted_rad, radius_m, needed_m)
-        else:
-            self._passing_side = 0
+        heading_rad, free_m = self._sidestepper.find(ranges_m, wanted_rad, radius_m, needed_m)
         turn_radps = max(-self._drive.max_turn_radps, min(self._drive.max_turn_radps, TURN_GAIN_PER_S * heading_rad))
         if abs(heading_rad) > TURN_IN_PLACE_RAD:
             return Twist(self._manoeuvring_speed_mps(ranges_m, radius_m, speed_mps), 0.0, turn_radps)
@@ -188,30 +181,6 @@ class Navigator:
             return 0.0
         has_room = self._clearance.free_distance(ranges_m, 0.0, radius_m, ROOM_TO_TURN_M) >= ROOM_TO_TURN_M
         return math.copysign(min(speed_mps, self._drive.max_speed_mps, MANOEUVRING_MPS), 1.0 if has_room else -1.0)
-
-    def _sidestep(
-        self, ranges_m: np.ndarray, wanted_rad: float, radius_m: float, needed_m: float
-    ) -> tuple[float, float]:
-        """Return the heading nearest to the wanted one that is free as far as needed, and its free distance.
-
-        Where none is, the one that is free the farthest.
-        """
-        frees_m = self._clearance.free_distances(ranges_m, self._sidesteps_rad, radius_m, needed_m)
-        best, best_cost = -1, math.inf
-        for i, (heading_rad, free_m) in enumerate(zip(self._sidesteps_rad, frees_m, strict=True)):
-            if free_m < needed_m:
-                continue
-            offset_rad = heading_rad - wanted_rad
-            cost = abs(offset_rad) + (LEFT_PENALTY_RAD if offset_rad > 0.0 else 0.0)
-            if self._passing_side * offset_rad < 0.0:
-                cost += CHANGE_PENALTY_RAD
-            if cost < best_cost:
-                best, best_cost = i, cost
-        if best < 0:
-            best = max(range(len(frees_m)), key=lambda i: (frees_m[i], -abs(self._sidesteps_rad[i] - wanted_rad)))
-        else:
-            self._passing_side = 1 if self._sidesteps_rad[best] > wanted_rad else -1
-        return self._sidesteps_rad[best], frees_m[best]
 
 
 def scan_clearance(laser: Laser) -> _core.ScanClearance:

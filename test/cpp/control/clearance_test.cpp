@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace robotteamsim {
@@ -53,6 +54,45 @@ TEST(ScanClearance, SeveralHeadingsGiveWhatEachGives) {
   for (std::size_t i = 0; i < headings.size(); ++i) {
     EXPECT_EQ(free[i], ThreeBeams().FreeDistance(ranges, headings[i], 0.25, 3.0));
   }
+}
+
+/// 181 beams over the half plane ahead, and a post of 0.1 m radius, `distance` ahead and `left` of the middle.
+std::vector<float> PostAhead(double distance, double left = 0.0) {
+  std::vector<float> ranges;
+  for (int i = 0; i < 181; ++i) {
+    const double angle = (i - 90) * kPi / 180.0, middle = std::atan2(left, distance);
+    const bool hits = std::abs(angle - middle) < 0.1 / distance;
+    ranges.push_back(hits ? static_cast<float>(std::hypot(distance, left)) : 5.0F);
+  }
+  return ranges;
+}
+
+Sidestepper HalfPlane(std::vector<double> headings) {
+  return {ScanClearance({181, -kPi / 2, kPi / 2, 0.0, 5.0}), std::move(headings)};
+}
+
+TEST(Sidestepper, TakesTheWantedHeadingWhereItIsFreeOrBehind) {
+  Sidestepper robot = HalfPlane({-1.0, 1.0});
+  EXPECT_EQ(robot.Find(PostAhead(3.0), 0.1, 0.2, 0.5).heading, 0.1);
+  EXPECT_EQ(robot.Find(PostAhead(0.4), 2.0, 0.2, 0.5).heading, 2.0);
+}
+
+TEST(Sidestepper, PassesOnTheRightAndStaysOnASideOnceBegun) {
+  Sidestepper robot = HalfPlane({-1.2, 0.0, 1.0});
+  EXPECT_EQ(robot.Find(PostAhead(0.4), 0.0, 0.2, 0.5).heading, -1.2);
+  // Now the left would be nearer by more than what keeping right weighs.
+  EXPECT_EQ(robot.Find(PostAhead(0.4), 0.15, 0.2, 0.5).heading, -1.2);
+  Sidestepper another = HalfPlane({-1.2, 0.0, 1.0});
+  EXPECT_EQ(another.Find(PostAhead(0.4), 0.15, 0.2, 0.5).heading, 1.0);
+}
+
+TEST(Sidestepper, TakesTheFarthestFreeWhereNoneIsFreeAsFarAsNeeded) {
+  Sidestepper robot = HalfPlane({0.0, 0.3});
+  const Sidestepper::Way way = robot.Find(PostAhead(0.4), 0.0, 0.25, 0.5);
+  EXPECT_EQ(way.heading, 0.3);
+  EXPECT_GT(way.free, 0.1);
+  EXPECT_LT(way.free, 0.5);
+  EXPECT_THROW(HalfPlane({}), std::invalid_argument);
 }
 
 }  // namespace
