@@ -143,12 +143,15 @@ class Navigator:
         position = (pose.x_m, pose.y_m)
         is_free = known_map.grid.is_free(position)
         best, best_room_m = position, -math.inf
+        # Those farther away leave all the room that counts.
+        reach_m = 2.0 * ESCAPE_M + self._radius_m + 1e-6
+        near = [other for other in teammates.values() if math.dist(position, other) < reach_m]
         for i in range(16):
             heading = math.tau * ((i + 5 * self._robot_id + 3 * self._num_escapes) % 16) / 16.0
             point = (position[0] + ESCAPE_M * math.cos(heading), position[1] + ESCAPE_M * math.sin(heading))
             if not (known_map.grid.is_line_free(position, point) if is_free else known_map.grid.is_free(point)):
                 continue
-            room_m = min((math.dist(point, other) - self._radius_m for other in teammates.values()), default=ESCAPE_M)
+            room_m = min((math.dist(point, other) - self._radius_m for other in near), default=ESCAPE_M)
             relative = normalise_angle(heading - pose.yaw_rad)
             if self._field_of_view_rad[0] <= relative <= self._field_of_view_rad[1]:
                 seen_m = self._clearance.free_distance(ranges_m, relative, self._radius_m + LASER_MARGIN_M, ESCAPE_M)

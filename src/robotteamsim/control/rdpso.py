@@ -229,11 +229,13 @@ class RdpsoController:
         oldest = self._iteration - round(SEARCHED_FOR_S / self._control.iteration_s)
         heard = dict(view.positions.get(swarm_id, {}))
         heard.pop(self._robot_id, None)
-        missing = {
-            i: report.position
-            for i, report in self._team.items()
-            if oldest <= report.iteration != view.iteration and report.swarm_id == swarm_id
-        }
+        missing = {}
+        if len(view.reports) <= len(self._team):
+            missing = {
+                i: report.position
+                for i, report in self._team.items()
+                if oldest <= report.iteration != view.iteration and report.swarm_id == swarm_id
+            }
         x_cb, c4 = self._links.pull(position, heard, missing)
         local_best = self._local_best.position
         if self._observation.voice.heard and self._known_best.is_voice and not self._local_best.is_voice:

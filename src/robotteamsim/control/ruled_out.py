@@ -47,25 +47,27 @@ class RuledOut:
 
     def add(self, position: Vector, loudest: Vector | None) -> None:
         """Note the loudest cell that a robot hears from where it is; none if it hears nothing."""
-        self._note(_key_of(position, loudest), (position, loudest))
+        key = _key_of(position, loudest)
+        if key not in self._known:
+            self._known.add(key)
+            self._answers.clear()
+            self._buckets.setdefault(_bucket_of(position, self._bucket_m), []).append((position, loudest))
 
     def add_all(self, heard: Heard) -> None:
         """Note what several robots hear from where they are, in this order."""
-        notes = _notes(heard)
-        for key in sorted(notes.keys.difference(self._known), key=notes.order.__getitem__):
-            self._note(key, heard[notes.order[key]])
+        notes = _notes(heard, self._bucket_m)
+        fresh = notes.keys.difference(self._known)
+        if fresh:
+            self._known |= fresh
+            self._answers.clear()
+            for _, bucket, note in sorted([notes.of[key] for key in fresh]):
+                self._buckets.setdefault(bucket, []).append(note)
 
     def covers(self, place: Vector) -> bool:
         """Whether the victim whose voice is heard at a cell cannot be there."""
         if place not in self._answers:
             self._answers[place] = self._finds(place)
         return self._answers[place]
-
-    def _note(self, key: _Key, note: tuple[Vector, Vector | None]) -> None:
-        if key not in self._known:
-            self._known.add(key)
-            self._answers.clear()
-            self._buckets.setdefault(_bucket_of(note[0], self._bucket_m), []).append(note)
 
     def _finds(self, place: Vector) -> bool:
         if place in self._covered:
@@ -92,20 +94,19 @@ class RuledOut:
 
 
 class _Notes(NamedTuple):
-    """What several robots hear, by place: which are new is told by sets, as most are not."""
+    """What several robots hear, by place. Of those at one place the first counts: its index, its bucket and itself."""
 
     keys: frozenset[_Key]
-    order: dict[_Key, int]
-    """Of each, the index of the robot that is the first there."""
+    of: dict[_Key, tuple[int, tuple[int, int], tuple[Vector, Vector | None]]]
 
 
 # All robots of one process that hear the same reports ask for these.
 @functools.lru_cache(maxsize=256)
-def _notes(heard: Heard) -> _Notes:
-    order: dict[_Key, int] = {}
+def _notes(heard: Heard, bucket_m: float) -> _Notes:
+    of: dict[_Key, tuple[int, tuple[int, int], tuple[Vector, Vector | None]]] = {}
     for i, (position, loudest) in enumerate(heard):
-        order.setdefault(_key_of(position, loudest), i)
-    return _Notes(frozenset(order), order)
+        of.setdefault(_key_of(position, loudest), (i, _bucket_of(position, bucket_m), (position, loudest)))
+    return _Notes(frozenset(of), of)
 
 
 def _key_of(position: Vector, loudest: Vector | None) -> _Key:
