@@ -59,7 +59,7 @@ test_cpp: build ## GoogleTest
 	@$(BUILD)/devel/lib/robotteamsim/robotteamsim_test --gtest_brief=1
 
 test_python: build ## pytest
-	@$(ENV) $(PYTHON) -m pytest test/python $(ARGS)
+	@$(ENV) $(PYTHON) -m pytest test/python -n $(JOBS) --dist loadfile $(ARGS)
 
 test_ros: build ## rostest, each test on a master of its own
 	@$(ENV) $(PYTHON) -m pytest test/ros $(ARGS)
