@@ -3,8 +3,9 @@
 A plan of 60 x 40 m with 80 rectangles; robots of the default kind (a disc of 0.2 m; 181 beams over 180 degrees, 5 m)
 draw new speeds every 2 s. A step of 0.1 s has five physics steps of 20 ms, a scan and the odometry of every robot. One
 core; its busy time is what counts, which is wall time on an idle machine. To compare machines, the last column says how
-many such steps take as long as sorting a million numbers in NumPy does in the same run.
-Usage: python bench/world_bench.py [--robots 3 30 100 1000] [--runs 5] [--seconds 1.0] [--csv FILE]
+many such steps take as long as sorting a million numbers in NumPy. The three are measured by turns, so that a neighbour
+on the same core slows them alike.
+Usage: python bench/world_bench.py [--robots 3 30 100 1000] [--rounds 15] [--seconds 0.4] [--csv FILE]
 """
 
 from __future__ import annotations
@@ -74,10 +75,12 @@ def random_twists(count: int, generator: np.random.Generator) -> np.ndarray:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """What was measured of a team; the first two in simulated over busy seconds."""
+    """What was measured of a team: medians over rounds; speeds in simulated over busy seconds."""
 
     robots: int
     with_lasers: float
+    slowest: float
+    fastest: float
     without: float
     steps_per_sorting: float
     memory_mb: float
@@ -88,21 +91,27 @@ class Row:
         return self.with_lasers >= GOALS[self.robots] if self.robots in GOALS else None
 
 
-def times_real_time(plan: FloorPlan, count: int, *, with_sensors: bool, seconds: float) -> float:
-    generator = np.random.default_rng(1)
-    robots = free_robots(plan, count, generator)
-    world = World(plan, robots, RUN)
-    sensors = RobotSensors(world, robots, 1)
-    spent_s = 0.0
-    while spent_s < seconds:
-        twists = random_twists(count, generator)
-        start_s = time.process_time()
-        for _ in range(REDRAW_STEPS):
-            world.step(twists)
-            if with_sensors:
-                sensors.read()
-        spent_s += time.process_time() - start_s
-    return world.sim_time_ns * 1e-9 / spent_s
+class Course:
+    """A team that drives about."""
+
+    def __init__(self, plan: FloorPlan, count: int, *, with_sensors: bool) -> None:
+        self._generator = np.random.default_rng(1)
+        robots = free_robots(plan, count, self._generator)
+        self._world = World(plan, robots, RUN)
+        self._sensors = RobotSensors(self._world, robots, 1) if with_sensors else None
+
+    def times_real_time(self, seconds: float) -> float:
+        """Drive on for some busy seconds; return simulated over busy seconds."""
+        spent_s, begin_ns = 0.0, self._world.sim_time_ns
+        while spent_s < seconds:
+            twists = random_twists(self._world.num_robots, self._generator)
+            start_s = time.process_time()
+            for _ in range(REDRAW_STEPS):
+                self._world.step(twists)
+                if self._sensors:
+                    self._sensors.read()
+            spent_s += time.process_time() - start_s
+        return (self._world.sim_time_ns - begin_ns) * 1e-9 / spent_s
 
 
 def sorting_s() -> float:
@@ -113,23 +122,22 @@ def sorting_s() -> float:
     return time.process_time() - start_s
 
 
-def measure(plan: FloorPlan, count: int, runs: int, seconds: float) -> Row:
-    """Return medians over runs."""
-    sensing, bare, sorting = (
-        statistics.median(once() for _ in range(runs))
-        for once in (
-            lambda: times_real_time(plan, count, with_sensors=True, seconds=seconds),
-            lambda: times_real_time(plan, count, with_sensors=False, seconds=seconds),
-            sorting_s,
-        )
-    )
+def measure(plan: FloorPlan, count: int, rounds: int, seconds: float) -> Row:
+    """Return medians over rounds; each round sorts numbers and drives a team with lasers and one without."""
+    sensing, bare = Course(plan, count, with_sensors=True), Course(plan, count, with_sensors=False)
+    figures = []
+    for _ in range(rounds):
+        speed = sensing.times_real_time(seconds)
+        figures.append((speed, bare.times_real_time(seconds), speed / RUN.step_s * sorting_s()))
+    speeds, bare_speeds, steps = zip(*figures, strict=True)
     memory_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024e-6
-    return Row(count, sensing, bare, sensing / RUN.step_s * sorting, memory_mb)
+    medians = statistics.median(speeds), min(speeds), max(speeds), statistics.median(bare_speeds)
+    return Row(count, *medians, statistics.median(steps), memory_mb)
 
 
 def table(rows: list[Row]) -> str:
     """Return rows as text, peers beside."""
-    lines = [("robots", "this [x real time]", "goal", "", *PEERS, "this / best peer", "no lasers", "steps per sorting")]
+    lines = [("robots", "this [x real time]", "rounds", "goal", "", *PEERS, "this / best peer", "no lasers", "steps per sorting")]
     for row in rows:
         goal = GOALS.get(row.robots)
         peers = [speeds.get(row.robots) for speeds in PEERS.values()]
@@ -139,6 +147,7 @@ def table(rows: list[Row]) -> str:
             (
                 str(row.robots),
                 f"{row.with_lasers:,.0f}",
+                f"{row.slowest:,.0f} to {row.fastest:,.0f}",
                 f"{goal:,.0f}" if goal else "",
                 verdict,
                 *(f"{speed:g}" if speed else "" for speed in peers),
@@ -155,23 +164,24 @@ def write_csv(path: Path, rows: list[Row]) -> None:
     """Write rows, each with the date."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("date", "robots", "with_lasers", "goal", "without", "steps_per_sorting", "peak_memory_mb"))
+        speeds = ("with_lasers", "slowest", "fastest", "goal", "without")
+        writer.writerow(("date", "robots", *speeds, "steps_per_sorting", "peak_memory_mb"))
         for row in rows:
-            figures = (row.with_lasers, GOALS.get(row.robots, math.nan), row.without, row.steps_per_sorting)
-            numbers = (f"{figure:.4g}" for figure in (*figures, row.memory_mb))
+            figures = (row.with_lasers, row.slowest, row.fastest, GOALS.get(row.robots, math.nan), row.without)
+            numbers = (f"{figure:.4g}" for figure in (*figures, row.steps_per_sorting, row.memory_mb))
             writer.writerow((datetime.date.today().isoformat(), row.robots, *numbers))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--robots", type=int, nargs="+", default=list(TEAMS))
-    parser.add_argument("--runs", type=int, default=5)
-    parser.add_argument("--seconds", type=float, default=1.0, help="of each run")
+    parser.add_argument("--rounds", type=int, default=15)
+    parser.add_argument("--seconds", type=float, default=0.4, help="busy seconds of each team in a round")
     parser.add_argument("--csv", type=Path, help="write the table into this file too")
     options = parser.parse_args()
     plan = plan_of_rectangles(np.random.default_rng(7))
-    rows = [measure(plan, count, options.runs, options.seconds) for count in options.robots]
-    print(f"simulated over wall seconds, medians of {options.runs} runs; {RUN.physics_substeps} physics steps per step")
+    rows = [measure(plan, count, options.rounds, options.seconds) for count in options.robots]
+    print(f"simulated over wall seconds, medians of {options.rounds} rounds; {RUN.physics_substeps} physics steps per step")
     print(table(rows))
     print(f"peak memory, Python included: {rows[-1].memory_mb:.0f} MB")
     if options.csv:
