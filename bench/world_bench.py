@@ -137,7 +137,8 @@ def measure(plan: FloorPlan, count: int, rounds: int, seconds: float) -> Row:
 
 def table(rows: list[Row]) -> str:
     """Return rows as text, peers beside."""
-    lines = [("robots", "this [x real time]", "rounds", "goal", "", *PEERS, "this / best peer", "no lasers", "steps per sorting")]
+    heads = ("robots", "this [x real time]", "rounds", "goal", "", *PEERS, "this / best peer", "no lasers")
+    lines = [(*heads, "steps per sorting")]
     for row in rows:
         goal = GOALS.get(row.robots)
         peers = [speeds.get(row.robots) for speeds in PEERS.values()]
@@ -181,7 +182,7 @@ def main() -> None:
     options = parser.parse_args()
     plan = plan_of_rectangles(np.random.default_rng(7))
     rows = [measure(plan, count, options.rounds, options.seconds) for count in options.robots]
-    print(f"simulated over wall seconds, medians of {options.rounds} rounds; {RUN.physics_substeps} physics steps per step")
+    print(f"simulated over busy seconds, medians of {options.rounds} rounds; {RUN.physics_substeps} of physics a step")
     print(table(rows))
     print(f"peak memory, Python included: {rows[-1].memory_mb:.0f} MB")
     if options.csv:
