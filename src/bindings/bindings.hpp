@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 
 namespace robotteamsim::bindings {
+void BindGeometry(pybind11::module_& m);
 void BindPlan(pybind11::module_& m);
 void BindControl(pybind11::module_& m);
 void BindPropagation(pybind11::module_& m);
