@@ -14,7 +14,7 @@ import numpy as np
 
 from robotteamsim.analysis.tracks import Track, Transforms, from_odometry, from_truth
 from robotteamsim.errors import RecordingError
-from robotteamsim.mission.status import Event
+from robotteamsim.mission.status import Event, Reports
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.scenario.plan import OccupancyGrid
 
@@ -88,7 +88,7 @@ class RecordedNetwork:
 
 @dataclass(frozen=True, slots=True)
 class RecordedStatus:
-    """The mission at one time, as /mission/status tells it."""
+    """The mission at one time, as /mission/status tells it. reports: None where there is no base."""
 
     stamp_ns: int
     time_s: float
@@ -99,6 +99,7 @@ class RecordedStatus:
     victims: tuple[str, ...]
     endangered_links: int
     noise_db: float
+    reports: Reports | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -322,7 +323,13 @@ def _take_status(message: Any) -> tuple[Any, ...]:
         tuple(message.victims),
         int(message.endangered_links),
         message.noise_db,
+        # Bags of before the base was heard of do not tell.
+        _take_reports(message) if getattr(message, "has_base", False) else None,
     )
+
+
+def _take_reports(message: Any) -> Reports:
+    return Reports(int(message.finds_reported), message.mean_report_delay_s, message.max_report_delay_s)
 
 
 def _take_event(message: Any) -> Event:

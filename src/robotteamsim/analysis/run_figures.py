@@ -27,6 +27,9 @@ class MissionFigures:
     victims_saved: int
     num_victims: int
     endangered_links: int
+    finds_reported: int | None = None
+    mean_report_delay_s: float | None = None
+    max_report_delay_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +163,7 @@ def _mission(run: RecordedRun) -> MissionFigures | None:
     if not run.statuses:
         return None
     last = run.statuses[-1]
+    reports = last.reports
     return MissionFigures(
         scenario=last.scenario,
         noise_db=last.noise_db,
@@ -170,6 +174,9 @@ def _mission(run: RecordedRun) -> MissionFigures | None:
         victims_saved=last.victims.count("saved"),
         num_victims=len(last.victims),
         endangered_links=last.endangered_links,
+        finds_reported=reports.reported if reports else None,
+        mean_report_delay_s=reports.mean_delay_s if reports and reports.reported else None,
+        max_report_delay_s=reports.max_delay_s if reports and reports.reported else None,
     )
 
 

@@ -28,8 +28,8 @@ _LOCK_NAME = ".lock"
 _OUR_FILES = {STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", f".part-{STORE_NAME}", _LOCK_NAME}
 _OUR_FILES |= {f".part-{STORE_NAME}-journal", CSV_NAME, f".part-{CSV_NAME}"}
 
-_FORMAT = 2
-_LACKS = {1: "the robots' paths"}
+_FORMAT = 3
+_LACKS = {1: "the robots' paths", 2: "what a base heard of"}
 _APPLICATION_ID = 0x52545343  # "RTSC": tells `file` and us whose database it is.
 _COLUMNS = tuple(field.name for field in dataclasses.fields(Outcome))
 _SCHEMA = f"""
@@ -37,7 +37,8 @@ PRAGMA application_id = {_APPLICATION_ID};
 CREATE TABLE campaign (name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE trial (
   cell INTEGER, number INTEGER, seed INTEGER, "end" TEXT, time_s REAL, areas_explored INTEGER, num_areas INTEGER,
-  victims_saved INTEGER, num_victims INTEGER, endangered_links INTEGER, distance_m REAL, contact_s REAL, steps INTEGER,
+  victims_saved INTEGER, num_victims INTEGER, endangered_links INTEGER, finds_reported INTEGER,
+  mean_report_delay_s REAL, max_report_delay_s REAL, distance_m REAL, contact_s REAL, steps INTEGER,
   trajectory_hash TEXT, details TEXT, paths BLOB, error TEXT NOT NULL, traceback TEXT NOT NULL, wall_s REAL NOT NULL,
   PRIMARY KEY (cell, number)
 );

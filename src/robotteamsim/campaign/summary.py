@@ -11,7 +11,8 @@ from typing import Any
 from robotteamsim.campaign.design import Design
 from robotteamsim.campaign.trial import Outcome
 
-FIGURES = ("victims_saved", "time_s", "areas_explored", "endangered_links", "distance_m", "contact_s")
+REPORTS = ("finds_reported", "mean_report_delay_s", "max_report_delay_s")
+FIGURES = ("victims_saved", "time_s", "areas_explored", "endangered_links", "distance_m", "contact_s", *REPORTS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +34,7 @@ class CellSummary:
 
     settings:   the cell's value of each key of the design.
     trials:     without failed ones.     timed_out: those of them that ended at the time limit; their time counts as is.
-    figures:    of each of FIGURES; empty where no trial ended well.
+    figures:    of each of FIGURES that some trial has, over those that have it; those of REPORTS need a base.
     """
 
     settings: dict[str, Any]
@@ -53,7 +54,8 @@ def summarise(design: Design, outcomes: Sequence[Outcome]) -> tuple[CellSummary,
     for index, cell in enumerate(design.cells):
         own = [outcome for outcome in outcomes if outcome.cell == index]
         good = [outcome for outcome in own if not outcome.failed]
-        figures = {name: spread([getattr(outcome, name) for outcome in good]) for name in FIGURES} if good else {}
+        known = {name: [v for v in (getattr(outcome, name) for outcome in good) if v is not None] for name in FIGURES}
+        figures = {name: spread(values) for name, values in known.items() if values}
         summaries.append(
             CellSummary(
                 settings=dict(zip(design.keys, cell.values, strict=True)),

@@ -10,7 +10,7 @@ from typing import Any
 
 from robotteamsim.campaign.design import Design
 from robotteamsim.campaign.reference import Figures, dissertation_missions
-from robotteamsim.campaign.summary import CellSummary, Spread
+from robotteamsim.campaign.summary import REPORTS, CellSummary, Spread
 from robotteamsim.campaign.trial import Outcome
 
 Missions = Mapping[float, Sequence[Figures | None]]
@@ -60,9 +60,14 @@ def dissertation_tables(ours: Missions) -> str:
 
 
 def summary_table(design: Design, summaries: Sequence[CellSummary]) -> str:
-    """Return one line per cell: its settings; mean, standard deviation and 95 % interval of its figures."""
+    """Return one line per cell: its settings; mean, standard deviation and 95 % interval of its figures.
+
+    With a base, among them how many finds it heard of, and how late of those: on average, and of the latest.
+    """
     figures = {"victims saved": "victims_saved", "time [s]": "time_s", "areas": "areas_explored"}
     figures |= {"endangered": "endangered_links", "driven [m]": "distance_m"}
+    if design.scenario.mission.base is not None:
+        figures |= dict(zip(("reported", "report after [s]", "last after [s]"), REPORTS, strict=True))
     lines = [[*design.keys, "trials", *figures]]
     for summary in summaries:
         values = [_setting(value) for value in summary.settings.values()]

@@ -20,6 +20,7 @@ from robotteamsim.simulation import Result, Simulation, StepRecord
 class Outcome:
     """What is kept of a trial. A failed one has an error, its traceback, and None for all figures.
 
+    finds_reported, ..report_delay_s: as in `Result`; None without a base.
     details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null where that
              never happened) and `robots` (distance_m, contact_s, excluded_s, longest_stay_s of each).
     paths:   where the robots went, for `decode_paths`.
@@ -36,6 +37,9 @@ class Outcome:
     victims_saved: int | None = None
     num_victims: int | None = None
     endangered_links: int | None = None
+    finds_reported: int | None = None
+    mean_report_delay_s: float | None = None
+    max_report_delay_s: float | None = None
     distance_m: float | None = None
     contact_s: float | None = None
     steps: int | None = None
@@ -128,6 +132,9 @@ def _outcome(trial: Trial, result: Result, details: str, paths: bytes, wall_s: f
         victims_saved=result.victims_saved,
         num_victims=result.num_victims,
         endangered_links=result.endangered_links,
+        finds_reported=result.finds_reported,
+        mean_report_delay_s=result.mean_report_delay_s,
+        max_report_delay_s=result.max_report_delay_s,
         distance_m=sum(robot.distance_m for robot in result.robots),
         contact_s=sum(robot.contact_s for robot in result.robots),
         steps=result.steps,

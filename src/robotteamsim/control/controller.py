@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol
 
 from robotteamsim.geometry import Twist
 from robotteamsim.network.messages import Message
@@ -12,6 +12,19 @@ from robotteamsim.sensing.readings import Observation
 
 OUTSIDE = -1
 """In place of its swarm: the robot is socially excluded."""
+
+
+class Discovery(NamedTuple):
+    """An area explored or a victim reached.
+
+    position_m: of her, or of the area's centre, in `map` [m].  time_s: when, on the mission's clock [s].
+    """
+
+    kind: Literal["area", "victim"]
+    name: str
+    robot_id: int
+    position_m: tuple[float, float]
+    time_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,12 +35,14 @@ class Task:
     epoch:         grows whenever the voice map or the target area changes; bests are reset then [5.3].
     area_center_m: the area to explore, in `map` [m]; None if there is none (left).
     area_radius_m: its radius [m].
+    unreported:    what the robots have found and the base, `mission.base`, has not heard of; empty without a base.
     """
 
     running: bool = False
     epoch: int = 0
     area_center_m: tuple[float, float] | None = None
     area_radius_m: float = 0.0
+    unreported: tuple[Discovery, ...] = ()
 
 
 class Decision(NamedTuple):

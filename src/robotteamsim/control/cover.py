@@ -53,6 +53,8 @@ class CoverController:
     The base, `mission.base`, stands still, listens and reports as all others do.
     """
 
+    reports_victims = True
+
     def __init__(self, robot_id: int, scenario: Scenario) -> None:
         control, body = scenario.control, body_of(robot_id, scenario)
         start = scenario.placed_robots()[robot_id].start_pose

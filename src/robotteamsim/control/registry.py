@@ -8,6 +8,7 @@ from importlib.metadata import EntryPoint, entry_points
 
 from robotteamsim.control.controller import Controller
 from robotteamsim.control.cover import CoverController
+from robotteamsim.control.finds import with_base
 from robotteamsim.control.greedy import GreedyController
 from robotteamsim.control.pso import PsoController, RpsoController
 from robotteamsim.control.random_walk import RandomWalkController
@@ -38,6 +39,7 @@ def make_controller(robot_id: int, scenario: Scenario) -> Controller:
     """Return the controller of one robot, as `control.algorithm` names it.
 
     The name is one of ALGORITHMS, or of an entry point of the group `robotteamsim.controllers`, or `module:Class`.
+    Where there is a base, robots report to it what they find, see `finds.with_base`.
     Raises: ScenarioError: there is no such algorithm, it cannot be imported or is no controller; no such robot.
             Whatever the constructor of a controller of somebody else raises.
     """
@@ -52,7 +54,7 @@ def make_controller(robot_id: int, scenario: Scenario) -> Controller:
             f"{scenario.name}: control.algorithm: '{name}' makes a {type(made).__name__}, which has no "
             f"{' and no '.join(missing)}"
         )
-    return made
+    return made if scenario.mission.base is None else with_base(made, robot_id, scenario)
 
 
 def algorithm_names() -> list[str]:

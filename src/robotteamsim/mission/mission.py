@@ -8,10 +8,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.control.controller import Decision, Task
+from robotteamsim.control.controller import Decision, Discovery, Task
+from robotteamsim.mission.base_watch import BaseWatch
 from robotteamsim.mission.status import Event, MissionEnd, MissionState, MissionStatus, VictimState
 from robotteamsim.mission.team_watch import TeamWatch
-from robotteamsim.network.messages import NetworkState, Refusal, Traffic
+from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import VoiceReading
@@ -35,7 +36,8 @@ class Mission:
 
     The mission's clock counts the steps in which the team was asked to run: it stands still before the start, while
     paused and after the end. A victim counts as heard when a robot hears a voice and she is the unsaved victim
-    nearest to the loudest place which that robot perceives.
+    nearest to the loudest place which that robot perceives. Where there is a base, `scenario.mission.base`, a mission
+    whose areas are all explored goes on until the base has heard of everything found.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -61,10 +63,12 @@ class Mission:
         self._epoch = 0
         self._endangered_links = 0
         self._endangered: np.ndarray | None = None
-        self._team = TeamWatch()
+        self._team = TeamWatch(scenario.mission.base)
+        self._base = BaseWatch(scenario)
         self._refusals: set[Refusal] = set()
         self._events: list[Event] = []
-        self._task, self._asked = Task(), ("", -1, -1)
+        self._task = Task()
+        self._asked: tuple[object, ...] = ()
         self._status = self._make_status()
 
     @property
@@ -168,6 +172,7 @@ class Mission:
         voices: Sequence[VoiceReading],
         network: NetworkState,
         decisions: Sequence[Decision],
+        base_inbox: Sequence[Message] = (),
     ) -> tuple[Event, ...]:
         """Judge one step of the world and return the events since the last one, in order.
 
@@ -175,6 +180,7 @@ class Mission:
             sim_time_ns: stamp of the step [ns].
             positions_m: true positions of the robots in `map`, shape (n, 2) [m].
             voices, decisions: one per robot, in id order.
+            base_inbox: what the base receives in this step, where there is one.
         """
         if self._autostart:
             self.start()
@@ -186,6 +192,7 @@ class Mission:
             num_victims = len(self._victims)
             self._judge_victims(voices, robot_ids[:num_victims], distances_m[:num_victims])
             self._judge_area(robot_ids[num_victims:], distances_m[num_victims:])
+            self._judge_reports(base_inbox)
             self._judge_links(network)
             self._judge_messages(network.traffic)
             self._judge_team(decisions)
@@ -211,6 +218,8 @@ class Mission:
                 victim = self._victims[index]
                 robot_id, count = nearest_robots[index], f"{len(self.saved_victims)} of {len(self._victims)}"
                 self._tell("victim_saved", victim.name, robot_id, f"robot {robot_id} saves {victim.name} ({count})")
+                place_m, time_s = victim.position, self._elapsed_ns / 1e9
+                self._base.add(Discovery("victim", victim.name, robot_id, place_m, time_s))
 
     def _hear(self, robot_id: int, voice: VoiceReading) -> None:
         unsaved = [i for i, state in enumerate(self._victim_states) if state != "saved"]
@@ -230,6 +239,13 @@ class Mission:
             self._epoch += 1
             count = f"{self._num_explored} of {len(self._areas)}"
             self._tell("area_explored", area.name, robot_id, f"robot {robot_id} explores {area.name} ({count})")
+            self._base.add(Discovery("area", area.name, robot_id, area.center, self._elapsed_ns / 1e9))
+
+    def _judge_reports(self, base_inbox: Sequence[Message]) -> None:
+        time_s = self._elapsed_ns / 1e9
+        for find in self._base.heard_of(base_inbox, time_s):
+            late = f"{time_s - find.time_s:.1f} s after robot {find.robot_id} found it"
+            self._tell("find_reported", find.name, find.robot_id, f"the base hears of {find.name}, {late}")
 
     def _judge_links(self, network: NetworkState) -> None:
         before, self._endangered = self._endangered, network.endangered
@@ -253,7 +269,7 @@ class Mission:
             self._tell(change.kind, change.subject, change.robot_id, change.detail)
 
     def _judge_end(self) -> None:
-        if self._areas and self._num_explored == len(self._areas):
+        if self._areas and self._num_explored == len(self._areas) and not self._base.unreported:
             self._finish("areas_explored")
         elif self._elapsed_ns >= self._time_limit_ns:
             self._finish("time_limit")
@@ -289,11 +305,12 @@ class Mission:
             target_area=self._num_explored if num_left else -1,
             endangered_links=self._endangered_links,
             task=self._make_task(),
+            reports=self._base.reports,
         )
 
     def _make_task(self) -> Task:
         """Return what is asked of the team: the same object until that changes."""
-        asked = (self._state, self._epoch, self._num_explored)
+        asked = (self._state, self._epoch, self._num_explored, self._base.unreported)
         if asked == self._asked:
             return self._task
         self._asked = asked
@@ -303,5 +320,6 @@ class Mission:
             epoch=self._epoch,
             area_center_m=area.center if area else None,
             area_radius_m=area.radius_m if area else 0.0,
+            unreported=self._base.unreported,
         )
         return self._task

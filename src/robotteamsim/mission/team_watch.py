@@ -22,10 +22,11 @@ class TeamWatch:
     """Compares each step's decisions with those of the step before.
 
     Swarms are known by who says to belong to them; each robot decides for itself, so those who leave, join or found a
-    swarm together may do so in different steps.
+    swarm together may do so in different steps. The base belongs to no swarm.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, base: int | None = None) -> None:
+        self._base = base
         self._swarms: list[int] = []
         self._faults: list[str] = []
 
@@ -38,9 +39,11 @@ class TeamWatch:
         """Return what has changed since the last step, in id order; a swarm's end follows after who left it."""
         swarms = [OUTSIDE if decision.excluded else decision.swarm for decision in decisions]
         faults = [decision.fault for decision in decisions]
+        if self._base is not None:
+            swarms[self._base] = OUTSIDE
         if swarms == self._swarms and faults == self._faults:
             return []
-        before = self._swarms or [max(swarm, 0) for swarm in swarms]
+        before = self._swarms or [OUTSIDE if i == self._base else max(swarm, 0) for i, swarm in enumerate(swarms)]
         found = [*_changes_of_swarms(before, swarms), *_new_faults(self._faults or [""] * len(faults), faults)]
         self._swarms, self._faults = swarms, faults
         return found

@@ -27,6 +27,7 @@ END_WORDS: dict[MissionEnd, str] = {
 _STYLES = {
     "victim_saved": "green",
     "area_explored": "cyan",
+    "find_reported": "blue",
     "victim_heard": "yellow",
     "link_endangered": "red",
     "robot_excluded": "magenta",
@@ -85,6 +86,14 @@ def event_table(title: str, events: Sequence[Event]) -> Table:
     return table
 
 
+def report_rows(reported: int | None, mean_s: float | None, max_s: float | None) -> list[tuple[str, str]]:
+    """Return what a table says of the finds that the base heard of; nothing where there is no base."""
+    if reported is None:
+        return []
+    late = "" if mean_s is None else f", {mean_s:.1f} s after the find on average, {max_s:.1f} s at most"
+    return [("base heard of", f"{reported} finds{late}")]
+
+
 def _figure_table(result: Result) -> Table:
     table = Table(box=None, show_header=False, pad_edge=True)
     table.add_column(style="dim")
@@ -95,6 +104,7 @@ def _figure_table(result: Result) -> Table:
         ("end", END_WORDS[result.end]),
         ("areas explored", f"{result.areas_explored} of {result.num_areas}"),
         ("victims saved", f"{result.victims_saved} of {result.num_victims}"),
+        *report_rows(result.finds_reported, result.mean_report_delay_s, result.max_report_delay_s),
         ("time", f"{result.time_s:.1f} s"),
         ("endangered links", str(result.endangered_links)),
         ("driven", f"{distances}{more} m"),

@@ -22,6 +22,7 @@ from robotteamsim.msg import (
     Doors,
     MissionEvent,
     MissionStatus,
+    NetworkMessages,
     NetworkState,
     Victims,
     Voice,
@@ -113,6 +114,8 @@ class MissionNode:
         out = parameter("~out", "")
         self._folder = Path(out).expanduser() if out else None
         self._robots = [RobotInputs(robot_id) for robot_id in range(settings.num_robots)]
+        base = settings.scenario.mission.base
+        self._base_received = "" if base is None else f"/{fields.robot_name(base)}/network/rx"
         self._trial_lock = threading.Lock()
         self._trial = self._begin_trial()
         self._inbox = make_inbox(settings, self._inputs())
@@ -147,7 +150,8 @@ class MissionNode:
         controlled = self._settings.controlled
         inputs = [an_input for i, topics in enumerate(self._robots) for an_input in topics.inputs(i in controlled)]
         doors = [Input(Channel(DOORS), Doors)] if self._settings.scenario.plan.doors else []
-        return [*inputs, *doors, Input(Channel(NETWORK, needed=True), NetworkState)]
+        base = [Input(Channel(self._base_received), NetworkMessages)] if self._base_received else []
+        return [*inputs, *doors, *base, Input(Channel(NETWORK, needed=True), NetworkState)]
 
     def _begin_trial(self) -> Trial:
         recorders: list[Observer] = []
@@ -163,8 +167,10 @@ class MissionNode:
         network = conversion.network_state(step.latest(NETWORK))
         told = step.latest(DOORS) if self._settings.scenario.plan.doors else None
         doors = None if told is None else conversion.door_states(told)
+        received = step.messages[self._base_received] if self._base_received else ()
+        heard = [told for message in received for told in conversion.network_messages(message)]
         with self._trial_lock:
-            events = self._trial.step(step.stamp_ns, readings, voices, network, decisions, doors)
+            events = self._trial.step(step.stamp_ns, readings, voices, network, decisions, doors, heard)
         self._publish(step.stamp_ns, events)
 
     def _publish(self, time_ns: int, events: Sequence[Event]) -> None:

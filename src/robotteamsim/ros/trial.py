@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from robotteamsim.control.controller import Decision
 from robotteamsim.mission import Mission
 from robotteamsim.mission.status import Event
-from robotteamsim.network.messages import NetworkState
+from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
 from robotteamsim.simulation import Observer, Result, StepRecord, Tally, true_positions_m
@@ -38,15 +38,16 @@ class Trial:
         network: NetworkState,
         decisions: tuple[Decision, ...],
         doors: Mapping[str, DoorState] | None = None,
+        base_inbox: Sequence[Message] = (),
     ) -> tuple[Event, ...]:
         """Judge one step and return its events; after the end nothing is added up any more.
 
-        Args: doors: as they are after the step; None: not told.
+        Args: doors: as they are after the step; None: not told.  base_inbox: what the base receives in it.
         """
         if doors is not None:
             self.mission.follow_doors(doors)
         positions_m = true_positions_m(readings)
-        events = self.mission.step(sim_time_ns, positions_m, voices, network, decisions)
+        events = self.mission.step(sim_time_ns, positions_m, voices, network, decisions, base_inbox)
         if self.result is None:
             # Its wall clock starts here: nodes wait for each other before the first step.
             self._tally = self._tally or Tally(self._scenario)

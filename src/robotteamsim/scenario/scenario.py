@@ -67,6 +67,8 @@ class Scenario(Model):
         num_robots = self.robots.count if isinstance(self.robots, Team) else len(self.robots)
         if self.mission.base is not None and self.mission.base >= num_robots:
             raise wrong("mission.base", f"there is no robot {self.mission.base}, only 0 to {num_robots - 1}")
+        if self.mission.base is not None and num_robots == 1:
+            raise wrong("mission.base", "is the only robot; wanted another one that finds something")
         return self
 
     @property

@@ -283,7 +283,7 @@ class Mission(Model):
     save_distance_m: float = Field(default=1.0, gt=0.0, le=20.0, description="a robot this near saves a victim [m]")
     time_limit_s: float = Field(default=600.0, gt=0.0, le=1e6, description="the mission ends after this time [s]")
     base: int | None = Field(
-        default=None, ge=0, le=2999, description="id of a robot that stays and must hear of each find, with `cover`"
+        default=None, ge=0, le=2999, description="id of a robot that stays and must hear of each find over the network"
     )
     autostart: bool = Field(default=True, description="starts with the first step, or waits for /mission/start")
 

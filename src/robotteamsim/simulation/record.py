@@ -67,6 +67,8 @@ class Result:
     """How a trial went.
 
     time_s: of the mission's clock.  wall_s: what computing it took, the one figure that differs between equal runs.
+    finds_reported: areas explored and victims reached that the base heard of; None: there is no base.
+    mean_report_delay_s, max_report_delay_s: how late it heard of those [s]; None: of none.
     """
 
     scenario: str
@@ -84,6 +86,9 @@ class Result:
     sim_time_s: float
     robots: tuple[RobotFigures, ...]
     wall_s: float
+    finds_reported: int | None = None
+    mean_report_delay_s: float | None = None
+    max_report_delay_s: float | None = None
 
     @property
     def speed(self) -> float:

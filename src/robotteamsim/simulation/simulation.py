@@ -37,6 +37,7 @@ class Simulation:
         self.environment = Environment(scenario)
         self.controllers = [Guard(i, len(robots), partial(make_controller, i, scenario)) for i in range(len(robots))]
         self.mission = Mission(scenario)
+        self._base = scenario.mission.base
         self._decisions: tuple[Decision, ...] = tuple(Decision() for _ in robots)
         self._task = Task()
         self._saved: tuple[str, ...] = ()
@@ -60,7 +61,8 @@ class Simulation:
             controller.observe(Observation(robot_id, sim_time_ns, reading, voice), inbox, self._task)
         self._decisions = tuple([controller.decide() for controller in self.controllers])
         # The mission judges.
-        events = self.mission.step(sim_time_ns, positions_m, voices, network, self._decisions)
+        base_inbox = () if self._base is None else inboxes[self._base]
+        events = self.mission.step(sim_time_ns, positions_m, voices, network, self._decisions, base_inbox)
         status = self.mission.status
         self._task, self._saved = status.task, self.mission.saved_victims
         return StepRecord(

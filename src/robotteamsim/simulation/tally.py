@@ -32,6 +32,7 @@ class Tally:
         if self._last is None:
             raise ValueError("a trial without a step has no result")
         record, status = self._last, self._last.mission
+        reports = status.reports
         return Result(
             scenario=self._scenario.name,
             seed=self._scenario.run.seed,
@@ -48,4 +49,7 @@ class Tally:
             sim_time_s=record.sim_time_s,
             robots=self._figures.result(),
             wall_s=time.perf_counter() - self._wall_start_s,
+            finds_reported=reports.reported if reports else None,
+            mean_report_delay_s=reports.mean_delay_s if reports and reports.reported else None,
+            max_report_delay_s=reports.max_delay_s if reports and reports.reported else None,
         )

@@ -154,6 +154,11 @@ def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry,
             has_area=False,
             area_center=fields.point(MAKE, (0.0, 0.0)),
             area_radius_m=0.0,
+            has_base=True,
+            finds_reported=3,
+            mean_report_delay_s=1.5,
+            max_report_delay_s=2.5,
+            unreported=[],
         )
 
     states = [(1_000_000_000, "running"), (2_000_000_000, "ended"), (3_000_000_000, "ended")]
@@ -161,7 +166,9 @@ def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry,
     run = read_run([write_bag(tmp_path / "m.bag", [*samples, *odometry_samples(odometry)])])
     assert (run.start_ns, run.end_ns) == (1_000_000_000, 2_000_000_000)
     assert run.robots[0].track.driven_m[-1] == pytest.approx(1.0)
-    assert figures(run).mission.end == "aborted"
+    mission = figures(run).mission
+    assert mission.end == "aborted"
+    assert (mission.finds_reported, mission.mean_report_delay_s, mission.max_report_delay_s) == (3, 1.5, 2.5)
 
 
 def test_bag_without_the_topics_is_refused(write_bag, tmp_path):

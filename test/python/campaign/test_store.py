@@ -60,9 +60,10 @@ def test_csv_has_a_line_per_trial_by_cell_then_number(short_design, outcome_of, 
         lines = store.export().read_text().splitlines()
     assert lines == [
         "control.algorithm,voice.noise_db,trial,seed,end,time_s,areas_explored,num_areas,victims_saved,num_victims,"
-        "endangered_links,distance_m,contact_s,steps,trajectory_hash,error",
-        f"rdpso,10.0,1,{trials[0].seed},areas_explored,100.0,4,4,1,1,0,20.0,0.0,1001,{'ab' * 32},",
-        f"random_walk,10.0,2,{trials[3].seed},,,,,,,,,,,,KeyError: 7",
+        "endangered_links,finds_reported,mean_report_delay_s,max_report_delay_s,distance_m,contact_s,steps,"
+        "trajectory_hash,error",
+        f"rdpso,10.0,1,{trials[0].seed},areas_explored,100.0,4,4,1,1,0,,,,20.0,0.0,1001,{'ab' * 32},",
+        f"random_walk,10.0,2,{trials[3].seed},,,,,,,,,,,,,,,KeyError: 7",
     ]
 
 
@@ -157,13 +158,14 @@ def test_reading_a_folder_without_a_store_is_refused(tmp_path):
         read_store(tmp_path)
 
 
-def test_store_of_the_older_format_is_refused_with_what_it_lacks(short_design, tmp_path):
+@pytest.mark.parametrize(("number", "lack"), [(1, "the robots' paths"), (2, "what a base heard of")])
+def test_store_of_an_older_format_is_refused_with_what_it_lacks(short_design, tmp_path, number, lack):
     path = tmp_path / "campaign.sqlite"
     with open_store(tmp_path, short_design(SWEEP)):
         pass
     with contextlib.closing(sqlite3.connect(path)) as database, database:
-        database.execute("UPDATE campaign SET value = '1' WHERE name = 'format'")
-    wanted = f"{path}: has format 1, which lacks the robots' paths; wanted 2: choose another folder"
+        database.execute("UPDATE campaign SET value = ? WHERE name = 'format'", (str(number),))
+    wanted = f"{path}: has format {number}, which lacks {lack}; wanted 3: choose another folder"
     assert refusal(tmp_path, short_design(SWEEP)) == wanted
-    with pytest.raises(CampaignError, match="which lacks the robots' paths"):
+    with pytest.raises(CampaignError, match=f"which lacks {lack}"):
         read_store(tmp_path)

@@ -89,3 +89,13 @@ def test_summary_has_a_line_per_cell(short_design, outcome_of, failed_outcome_of
     )
     assert lines[4].startswith("random_walk        1 + 1 failed  1.00                      100.00 ")
     assert lines[-1] == "1 missions ended at the time limit, which counts as their time"
+
+
+def test_summary_of_a_scenario_with_a_base_tells_what_it_heard_of(outcome_of):
+    design = make_design("office_manet", trials=2)
+    first, second = design.all_trials()
+    outcomes = [outcome_of(first, finds_reported=3, mean_report_delay_s=0.5, max_report_delay_s=1.0)]
+    outcomes += [outcome_of(second, finds_reported=0)]
+    table = summary_table(design, summarise(design, outcomes))
+    assert re.search(r"reported +report after \[s\] +last after \[s\]$", table.splitlines()[2])
+    assert re.search(r"1\.50 ± 2\.12 \[-17\.56, 20\.56\] +0\.50 +1\.00$", table.splitlines()[3])

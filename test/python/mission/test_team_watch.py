@@ -61,3 +61,11 @@ def test_fault_is_told_once_in_whichever_step_it_comes(watch):
     assert (change.kind, change.robot_id) == ("controller_failed", 3)
     assert change.detail == "robot 3 is stopped: ValueError: no (x.py:3)"
     assert watch.changes(faulty) == []
+
+
+def test_base_belongs_to_no_swarm():
+    watch = TeamWatch(base=0)
+    assert watch.changes(in_swarms(0, 0, 0)) == []
+    changes = watch.changes(in_swarms(0, OUTSIDE, OUTSIDE))
+    assert [change.kind for change in changes] == ["robot_excluded", "robot_excluded", "swarm_dissolved"]
+    assert watch.all_excluded

@@ -7,9 +7,9 @@ import genpy
 import numpy as np
 import pytest
 
-from robotteamsim.control.controller import Decision, Task
+from robotteamsim.control.controller import Decision, Discovery, Task
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.mission.status import Event, MissionStatus
+from robotteamsim.mission.status import Event, MissionStatus, Reports
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import message_fields as fields
@@ -134,6 +134,13 @@ def test_mission_status_keeps_its_task(make, task):
     message = sent(fields.mission_status(make, TIME_NS, "garage", status, 10.0))
     assert conversion.mission_status(message) == status
     assert conversion.task(message) == task
+
+
+def test_mission_status_keeps_what_the_base_has_heard_of_and_what_not(make):
+    finds = (Discovery("victim", "ann", 1, (9.0, 0.1 + 0.2), 1.0 / 3.0), Discovery("area", "east", 0, (16.0, 5.0), 7.0))
+    reports = Reports(2, 0.1 + 0.2, 1.0 / 3.0)
+    status = MissionStatus("running", "", 8.0, (True,), ("saved",), -1, 0, Task(unreported=finds), reports)
+    assert conversion.mission_status(sent(fields.mission_status(make, TIME_NS, "hall", status, 10.0))) == status
 
 
 def test_everything_else_that_is_published_can_be_sent(make):

@@ -1,0 +1,104 @@
+"""What the base has heard of, and the mission that waits for it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robotteamsim.control.controller import Decision, Discovery
+from robotteamsim.control.finds import discovery_to_json
+from robotteamsim.mission import Mission
+from robotteamsim.mission.base_watch import BaseWatch
+from robotteamsim.mission.status import Reports
+from robotteamsim.network.messages import Message, NetworkState
+from robotteamsim.sensing.readings import VoiceReading
+
+STEP_NS = 100_000_000
+START_M, EAST_M, WEST_M, ANN_M = (3.0, 1.0), (16.0, 5.0), (5.0, 5.0), (9.0, 4.0)
+ANN = Discovery("victim", "ann", 1, ANN_M, 12.5)
+
+
+def with_base(hall_scenario):
+    scenario = hall_scenario()
+    return scenario.model_copy(update={"mission": scenario.mission.model_copy(update={"base": 0})})
+
+
+class Course:
+    """Steps a mission of two robots, of which the first is the base; nobody hears a voice."""
+
+    def __init__(self, scenario) -> None:
+        self.mission, self.steps = Mission(scenario), 0
+
+    def step(self, *places_m, inbox=()):
+        self.steps += 1
+        zeros = np.zeros((2, 2))
+        network = NetworkState(zeros, zeros, zeros > 0, zeros.astype(np.int32), zeros, 0.0, zeros > 0)
+        silence = [VoiceReading(0.0, False, place, 0.0) for place in places_m]
+        messages = [Message(1, 0, payload) for payload in inbox]
+        return self.mission.step(self.steps * STEP_NS, np.array(places_m), silence, network, [Decision()] * 2, messages)
+
+
+@pytest.fixture
+def course(hall_scenario) -> Course:
+    course = Course(with_base(hall_scenario))
+    course.step(START_M, START_M)
+    return course
+
+
+def test_base_that_hears_of_a_find_is_an_event_with_its_delay(course):
+    course.step(START_M, ANN_M)
+    assert course.step(START_M, ANN_M) == ()
+    (find,) = course.mission.status.task.unreported
+    assert find == ("victim", "ann", 1, ANN_M, 0.1)
+    (event,) = course.step(START_M, ANN_M, inbox=["nothing", discovery_to_json(find)])
+    assert (event.kind, event.subject, event.robot_id, event.time_s) == ("find_reported", "ann", 1, 0.3)
+    assert event.detail == "the base hears of ann, 0.2 s after robot 1 found it"
+    assert course.mission.status.reports == pytest.approx((1, 0.2, 0.2))
+    assert course.mission.status.task.unreported == ()
+
+
+def test_report_counts_once(course):
+    course.step(START_M, ANN_M)
+    report = discovery_to_json(ANN)
+    assert [len(course.step(START_M, ANN_M, inbox=[report, report])) for _ in range(2)] == [1, 0]
+
+
+def test_base_knows_of_its_own_finds_at_once(course):
+    kinds = [event.kind for event in course.step(ANN_M, START_M)]
+    assert kinds == ["victim_saved", "find_reported"]
+    assert course.mission.status.reports == (1, 0.0, 0.0)
+
+
+def test_mission_goes_on_until_the_base_has_heard_of_everything(course):
+    course.step(START_M, EAST_M)
+    course.step(START_M, WEST_M)
+    finds = course.mission.status.task.unreported
+    assert [(find.kind, find.name) for find in finds] == [("area", "east"), ("area", "west")]
+    course.step(START_M, WEST_M, inbox=[discovery_to_json(finds[1])])
+    assert course.mission.status.state == "running"
+    events = course.step(START_M, WEST_M, inbox=[discovery_to_json(finds[0])])
+    assert [event.kind for event in events] == ["find_reported", "end"]
+    assert course.mission.status.end == "areas_explored"
+
+
+def test_without_a_base_nothing_is_to_report(hall_scenario):
+    course = Course(hall_scenario())
+    course.step(START_M, START_M)
+    events = course.step(START_M, ANN_M, inbox=[discovery_to_json(ANN)])
+    assert [event.kind for event in events] == ["victim_saved"]
+    assert course.mission.status.reports is None
+    assert course.mission.status.task.unreported == ()
+
+
+def test_victim_who_is_found_again_is_to_be_reported_again(hall_scenario):
+    watch = BaseWatch(with_base(hall_scenario))
+    watch.add(ANN)
+    again = ANN._replace(robot_id=0, position_m=(1.0, 1.0), time_s=20.0)
+    watch.add(again)
+    assert watch.unreported == (again,)
+    assert watch.heard_of((), 21.0) == [again]  # the base found her itself
+
+
+def test_mean_and_longest_delay_of_three_reports():
+    reports = Reports().with_delay(1.0).with_delay(4.0).with_delay(1.0)
+    assert reports == pytest.approx((3, 2.0, 4.0))
