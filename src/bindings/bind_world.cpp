@@ -35,8 +35,8 @@ Solid ToSolid(const Corners& outline, const std::vector<Corners>& pieces) {
 }
 
 Robot ToRobot(double radius_m, double mass_kg, const DriveLimits& drive, const Triple& start,
-              const Corners& footprint_m) {
-  return {radius_m, mass_kg, drive, {start[0], start[1], start[2]}, ToPolygon(footprint_m)};
+              const Corners& footprint_m, bool present) {
+  return {radius_m, mass_kg, drive, {start[0], start[1], start[2]}, ToPolygon(footprint_m), present};
 }
 
 Thing ToThing(double radius_m, double mass_kg, double friction, const Triple& start, const Corners& corners_m) {
@@ -103,12 +103,16 @@ py::array_t<double> ToArray(const std::vector<Row>& rows) {
   return array;
 }
 
-// One row per robot: x, y, qz, qw.
+// One row per robot: x, y, qz, qw; NaN of one that is not there.
 py::array_t<double> PoseReadings(const World& world) {
   py::array_t<double> rows({static_cast<py::ssize_t>(world.poses().size()), py::ssize_t{4}});
   double* row = rows.mutable_data();
   for (const Pose& pose : world.poses()) {
-    WritePoseReading(pose, row);
+    if (pose.x == pose.x) {
+      WritePoseReading(pose, row);
+    } else {
+      std::fill(row, row + 4, pose.x);
+    }
     row += 4;
   }
   return rows;
@@ -117,6 +121,12 @@ py::array_t<double> PoseReadings(const World& world) {
 py::array_t<bool> InContact(const World& world) {
   py::array_t<bool> flags(static_cast<py::ssize_t>(world.in_contact().size()));
   std::copy(world.in_contact().begin(), world.in_contact().end(), flags.mutable_data());
+  return flags;
+}
+
+py::array_t<bool> Present(const World& world) {
+  py::array_t<bool> flags(static_cast<py::ssize_t>(world.present().size()));
+  std::copy(world.present().begin(), world.present().end(), flags.mutable_data());
   return flags;
 }
 
@@ -148,7 +158,7 @@ void BindWorld(py::module_& m) {
            py::arg("max_steering_rad") = 0.0, py::arg("max_steering_rate_radps") = 0.0);
   py::class_<Robot>(m, "Robot")
       .def(py::init(&ToRobot), py::arg("radius_m"), py::arg("mass_kg"), py::arg("drive"), py::arg("start"),
-           py::arg("footprint_m") = Corners());
+           py::arg("footprint_m") = Corners(), py::arg("present") = true);
   py::class_<Thing>(m, "Thing")
       .def(py::init(&ToThing), py::kw_only(), py::arg("radius_m"), py::arg("mass_kg"), py::arg("friction"),
            py::arg("start"), py::arg("corners_m"));
@@ -172,6 +182,15 @@ void BindWorld(py::module_& m) {
             world.SetPose(robot_id, {pose[0], pose[1], pose[2]});
           },
           py::arg("robot_id"), py::arg("pose"))
+      .def("remove_robot", &World::RemoveRobot, py::arg("robot_id"))
+      .def(
+          "spawn_robot",
+          [](World& world, int robot_id, const Triple& pose) {
+            world.SpawnRobot(robot_id, {pose[0], pose[1], pose[2]});
+          },
+          py::arg("robot_id"), py::arg("pose"))
+      .def("present", &Present)
+      .def("arrivals", &World::arrivals)
       .def("set_door", &World::SetDoorClosed, py::arg("door"), py::arg("closed"))
       .def("door_closed", [](const World& world, int door) { return world.doors().at(door).closed; })
       .def("leaves", &Leaves)

@@ -10,7 +10,7 @@ namespace robotteamsim {
 /// Which robots are near a point: those of each square cell of the floor stand together.
 class DiscGrid {
  public:
-  /// Looks at where the robots are now.
+  /// Looks at where the robots are now; those whose x is NaN are nowhere.
   void Rebuild(const std::vector<Pose>& poses);
 
   /// Calls meet(robot, pose) for all robots whose centre is within reach of the point, and for some farther ones.

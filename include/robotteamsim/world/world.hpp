@@ -24,6 +24,7 @@ struct Robot {
   DriveLimits drive;
   Pose start;
   Polygon footprint = {};  ///< in base_link, 3 to 8 corners counter-clockwise around it [m]; none: it is round
+  bool is_present = true;  ///< whether it is there at the start
 };
 
 /// What is true: walls, doors, robots, and what they do to each other.
@@ -65,7 +66,11 @@ class World {
   /// Where the things are.
   const std::vector<Pose>& thing_poses() const { return things_.poses(); }
 
-  /// Where the robots are.
+  /// Which robots are there. One that is not has no body, is met by no beam, and obeys no command.
+  const std::vector<bool>& present() const { return present_; }
+  /// How often each robot has come, its start included.
+  const std::vector<int>& arrivals() const { return arrivals_; }
+  /// Where the robots are; NaN of one that is not there.
   const std::vector<Pose>& poses() const { return poses_; }
   /// The mean velocity of the last step as each body really moved, in the base_link of every moment: a robot that is
   /// blocked has none.
@@ -80,6 +85,10 @@ class World {
 
   /// Puts a robot somewhere, standing still.
   void SetPose(int robot, const Pose& pose);
+  /// Takes a robot off the floor, with all that is told of it. One that is not there stays so.
+  void RemoveRobot(int robot);
+  /// Puts a robot that is not there somewhere, standing still; one that is there is set there.
+  void SpawnRobot(int robot, const Pose& pose);
   /// A robot in the way of a door that closes at once is pushed aside. A leaf that swings or slides goes there in the
   /// steps to come, and waits for what is in its way.
   void SetDoorClosed(int door, bool closed);
@@ -129,6 +138,8 @@ class World {
   Things things_;
   DiscGrid grid_;
   std::vector<Drive> drives_;
+  std::vector<bool> present_;
+  std::vector<int> arrivals_;
   std::vector<Pose> poses_;
   std::vector<Twist> twists_;
   std::vector<Pose> motions_;

@@ -160,6 +160,8 @@ Laser::Laser(const LaserModel& model, const World& world)
       edges_(EdgesOf(world.solids(), world.doors()), model.range_max) {}
 
 std::vector<double> Laser::Scan(const World& world, int robot) const {
+  // What is not there sees nothing.
+  if (!world.present().at(robot)) return std::vector<double>(NumBeams(), kInfinity);
   View view(model_, fan_, world.poses().at(robot));
   for (const Edge& edge : edges_.Near(view.origin())) {
     if (edge.door == Edge::kNoDoor || world.doors()[edge.door].closed) view.MeetEdge(edge.segment);

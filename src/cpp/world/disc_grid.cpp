@@ -13,17 +13,25 @@ constexpr double kSmallestCell = 0.5;  // [m]
 }  // namespace
 
 void DiscGrid::Rebuild(const std::vector<Pose>& poses) {
-  robots_.resize(poses.size());
-  poses_.resize(poses.size());
-  if (poses.empty()) return;
-  origin_ = {poses[0].x, poses[0].y};
+  const auto is_there = [](const Pose& pose) { return pose.x == pose.x; };
+  const auto first = std::find_if(poses.begin(), poses.end(), is_there);
+  const auto num_there = static_cast<std::size_t>(std::count_if(first, poses.end(), is_there));
+  robots_.resize(num_there);
+  poses_.resize(num_there);
+  if (num_there == 0) {
+    columns_ = rows_ = 1;
+    start_.assign(2, 0);
+    return;
+  }
+  origin_ = {first->x, first->y};
   Point high = origin_;
   for (const Pose& pose : poses) {
+    if (!is_there(pose)) continue;
     origin_ = {std::min(origin_.x, pose.x), std::min(origin_.y, pose.y)};
     high = {std::max(high.x, pose.x), std::max(high.y, pose.y)};
   }
   const double width = high.x - origin_.x, height = high.y - origin_.y;
-  const auto count = static_cast<double>(poses.size());
+  const auto count = static_cast<double>(num_there);
   // Robots in a row cover no area: then it is the cells along the row that are counted.
   const double cell =
       std::max({kSmallestCell, std::sqrt(kRobotsPerCell * width * height / count), (width + height) / count});
@@ -31,10 +39,13 @@ void DiscGrid::Rebuild(const std::vector<Pose>& poses) {
   columns_ = static_cast<int>(width * cells_per_metre_) + 1;
   rows_ = static_cast<int>(height * cells_per_metre_) + 1;
   start_.assign(static_cast<std::size_t>(columns_) * rows_ + 2, 0);
-  for (const Pose& pose : poses) ++start_[Cell(pose) + 2];
+  for (const Pose& pose : poses) {
+    if (is_there(pose)) ++start_[Cell(pose) + 2];
+  }
   for (std::size_t cell_index = 2; cell_index < start_.size(); ++cell_index)
     start_[cell_index] += start_[cell_index - 1];
   for (std::size_t robot = 0; robot < poses.size(); ++robot) {
+    if (!is_there(poses[robot])) continue;
     const int place = start_[Cell(poses[robot]) + 1]++;
     robots_[place] = static_cast<int>(robot);
     poses_[place] = poses[robot];

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -36,6 +37,10 @@ bool IsTouching(const b2Body* body) {
   }
   return false;
 }
+
+// The pose of a robot that is not there.
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr Pose kNowhere{kNaN, kNaN, kNaN};
 
 bool IsPositive(double value) { return value > 0.0 && std::isfinite(value); }
 
@@ -125,6 +130,13 @@ void World::Reset() {
   motions_.assign(robots_.size(), {});
   in_contact_.assign(robots_.size(), false);
   contact_angles_.assign(robots_.size(), {});
+  present_.assign(robots_.size(), true);
+  arrivals_.assign(robots_.size(), 1);
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    if (robots_[i].is_present) continue;
+    RemoveRobot(static_cast<int>(i));
+    arrivals_[i] = 0;
+  }
   grid_.Rebuild(poses_);
 }
 
@@ -176,17 +188,23 @@ void World::Step(const std::vector<Twist>& commands) {
   const double travel = std::min(std::max(MaxTravel(commands), things_.Travel(step_)), max_travel_);
   bool any_busy = things_.AnyMoves();
   for (int i = 0; i < num_robots; ++i) {
-    SetBusy(i, CouldTouch(i, travel));
+    SetBusy(i, present_[i] && CouldTouch(i, travel));
     any_busy = any_busy || drives_[i].is_busy;
   }
   for (int substep = 0; substep < substeps_; ++substep) {
     doors_.Advance(dt_, [this](const Polygon& now, const Polygon& next) { return HoldsLeaf(now, next); });
-    for (int i = 0; i < num_robots; ++i) StartDrive(i, commands[i]);
+    for (int i = 0; i < num_robots; ++i) {
+      if (present_[i]) StartDrive(i, commands[i]);
+    }
     if (any_busy) box_->Step(static_cast<float>(dt_), kVelocityIterations, kPositionIterations);
-    for (int i = 0; i < num_robots; ++i) FinishDrive(i);
+    for (int i = 0; i < num_robots; ++i) {
+      if (present_[i]) FinishDrive(i);
+    }
   }
   if (any_busy) things_.FinishStep();
-  for (int i = 0; i < num_robots; ++i) motions_[i] = RelativePose(before[i], poses_[i]);
+  for (int i = 0; i < num_robots; ++i) {
+    if (present_[i]) motions_[i] = RelativePose(before[i], poses_[i]);
+  }
   grid_.Rebuild(poses_);
 }
 
@@ -194,6 +212,7 @@ void World::Step(const std::vector<Twist>& commands) {
 double World::MaxTravel(const std::vector<Twist>& commands) const {
   double speed = 0.0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
+    if (!present_[i]) continue;
     speed = std::max(speed, SpeedBound(drives_[i].speed, commands[i], robots_[i].drive) + MaxCornerSpeed(robots_[i]));
   }
   return speed * step_;
@@ -322,13 +341,26 @@ void World::NoteContacts(int robot, double yaw) {
 void World::SetPose(int robot, const Pose& pose) {
   Pose& stored = poses_.at(robot);
   stored = {pose.x, pose.y, NormaliseAngle(pose.yaw)};
-  SetBodyPose(robot);
+  if (pose.x == pose.x) SetBodyPose(robot);  // that of a robot that goes stays where it was, out of all reckoning
   drives_[robot].speed = {};
   twists_[robot] = {};
   motions_[robot] = {};
   in_contact_[robot] = false;
   contact_angles_[robot].clear();
   grid_.Rebuild(poses_);
+}
+
+void World::RemoveRobot(int robot) {
+  SetPose(robot, kNowhere);
+  present_[robot] = false;
+  SetBusy(robot, false);
+}
+
+void World::SpawnRobot(int robot, const Pose& pose) {
+  SetPose(robot, pose);
+  if (present_[robot]) return;
+  present_[robot] = true;
+  ++arrivals_[robot];
 }
 
 bool World::HoldsLeaf(const Polygon& now, const Polygon& next) const {
@@ -343,7 +375,7 @@ bool World::HoldsLeaf(const Polygon& now, const Polygon& next) const {
     return gap < kClearOfLeaves && gap < GapBetween(now, body);
   };
   for (std::size_t i = 0; i < robots_.size(); ++i) {
-    if (holds(poses_[i], robots_[i].radius, robots_[i].footprint)) return true;
+    if (present_[i] && holds(poses_[i], robots_[i].radius, robots_[i].footprint)) return true;
   }
   for (std::size_t i = 0; i < things().size(); ++i) {
     if (holds(things_.PoseNow(static_cast<int>(i)), things()[i].radius, things()[i].corners)) return true;

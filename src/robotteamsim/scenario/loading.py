@@ -18,6 +18,7 @@ from robotteamsim.scenario.patrol import read_patrol_graph
 from robotteamsim.scenario.placement import check_places
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.schedule import check_schedule
 from robotteamsim.scenario.shipped import is_bare_name, shipped_plan, shipped_scenario
 from robotteamsim.scenario.things import check_things
 from robotteamsim.scenario.yaml_text import is_file, parse, read_mapping, shown
@@ -58,7 +59,9 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
         _check_doors(scenario.plan, "plan.", place, set_keys)
     check_places(scenario.plan, scenario.robots, scenario.mission, place)
     try:
-        check_things(scenario.plan, scenario.things, scenario.placed_robots() if scenario.things else ())
+        robots = scenario.placed_robots() if scenario.things or scenario.schedule else ()
+        check_things(scenario.plan, scenario.things, robots)
+        check_schedule(scenario.plan, scenario.schedule, robots)
     except PlacementError as error:
         raise PlacementError(f"{place}: {error}") from None
     return scenario

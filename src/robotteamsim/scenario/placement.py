@@ -45,7 +45,8 @@ def placed_robots(plan: FloorPlan, robots: Team | tuple[PlacedRobot, ...]) -> tu
     if len(poses) < robots.count:
         poses += _formation(plan, robots, taken=poses)
     shared = {key: getattr(robots, key) for key in Robot.model_fields}
-    return tuple(PlacedRobot(**shared, start_pose=pose) for pose in poses)
+    at_start = robots.count - robots.reserve
+    return tuple(PlacedRobot(**shared, start_pose=pose, present=i < at_start) for i, pose in enumerate(poses))
 
 
 def check_places(plan: FloorPlan, robots: Team | tuple[PlacedRobot, ...], mission: Mission, place: str) -> None:
@@ -74,10 +75,14 @@ def _check_poses(plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robo
         if hit:
             raise PlacementError(f"{key}: {_text(point)}: robot {i} {_of_radius(robot)}{_stands_in(hit)}")
         for j in range(i):
-            if math.dist(point, poses[j][:2]) < reaches_m[i] + reaches_m[j] and _overlap(
-                robot, pose, robots[j], poses[j]
-            ):
+            is_near = math.dist(point, poses[j][:2]) < reaches_m[i] + reaches_m[j]
+            if is_near and _are_there(robot, robots[j]) and _overlap(robot, pose, robots[j], poses[j]):
                 raise PlacementError(f"{key}: {_text(point)}: robot {i} stands in robot {j}")
+
+
+def _are_there(*robots: Robot) -> bool:
+    """Whether all of them are there at the start."""
+    return all(not isinstance(robot, PlacedRobot) or robot.present for robot in robots)
 
 
 def _overlap(robot: Robot, pose: PlanarPose, other: Robot, other_pose: PlanarPose) -> bool:

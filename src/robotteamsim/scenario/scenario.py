@@ -9,11 +9,13 @@ from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 from robotteamsim.scenario.base import Many, Model, first_repeated, wrong
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
 from robotteamsim.scenario.placement import placed_robots
+from robotteamsim.scenario.schedule import Happening, problem_of
 from robotteamsim.scenario.sections import Control, Mission, Network, PlacedRobot, Radio, Run, Team, Voice
 from robotteamsim.scenario.things import Thing
 
 MAX_ROBOTS = 3000
 MAX_THINGS = 1000
+MAX_HAPPENINGS = 1000
 
 
 def _robots_form(value: Any) -> str | None:
@@ -42,6 +44,9 @@ class Scenario(Model):
     control: Control = Control()
     mission: Mission = Mission()
     things: Many[Thing] = Field(default=(), max_length=MAX_THINGS, description="boxes and barrels that robots push")
+    schedule: Many[Happening] = Field(
+        default=(), max_length=MAX_HAPPENINGS, description="robots that leave and come while the world runs"
+    )
     run: Run = Run()
 
     _plan_file: tuple[FloorPlan, str] | None = PrivateAttr(default=None)
@@ -64,12 +69,23 @@ class Scenario(Model):
         repeated = first_repeated([thing.name for thing in self.things])
         if repeated:
             raise wrong(f"things.{repeated[0]}.name", f"'{repeated[1]}' is the name of another already")
-        num_robots = self.robots.count if isinstance(self.robots, Team) else len(self.robots)
+        present = self._present()
+        if not any(present):
+            raise wrong("robots", "none of them is there at the start")
+        problem = problem_of(self.schedule, present)
+        if problem:
+            raise wrong(*problem)
         if self.mission.base is not None and self.mission.base >= num_robots:
             raise wrong("mission.base", f"there is no robot {self.mission.base}, only 0 to {num_robots - 1}")
         if self.mission.base is not None and num_robots == 1:
             raise wrong("mission.base", "is the only robot; wanted another one that finds something")
         return self
+
+    def _present(self) -> list[bool]:
+        """Return who is there at the start, in id order."""
+        if not isinstance(self.robots, Team):
+            return [robot.present for robot in self.robots]
+        return [robot_id < self.robots.count - self.robots.reserve for robot_id in range(self.robots.count)]
 
     @property
     def plan_file(self) -> str | None:

@@ -130,12 +130,16 @@ class PlacedRobot(Robot):
     """One robot of a list of robots."""
 
     start_pose: PlanarPose = Field(description="[x, y, yaw] in the map frame [m, m, rad]")
+    present: bool = Field(default=True, description="whether it is there at the start, or comes later")
 
 
 class Team(Robot):
     """A team of equal robots: `count` of them from a formation around `start`, or from `start_poses`."""
 
     count: int = Field(default=3, ge=1, le=3000, description="number of robots")
+    reserve: int = Field(
+        default=0, ge=0, le=2999, description="so many of them, the last, are not there at the start, and come later"
+    )
     start: PlanarPose | None = Field(default=None, description="where the formation stands [m, m, rad]")
     spacing_m: float = Field(default=0.8, gt=0.0, le=20.0, description="between neighbours in the formation [m]")
     formation: Literal["square", "spiral"] = Field(
@@ -147,6 +151,8 @@ class Team(Robot):
     def _check(self) -> Team:
         if self.start is None and not self.start_poses:
             raise wrong("start", "missing; wanted [x, y, yaw], or start_poses instead")
+        if self.reserve >= self.count:
+            raise wrong("reserve", f"{self.reserve} leaves none of {self.count} robots for the start")
         if self.spacing_m < 2.0 * self.reach_m:
             raise wrong("spacing_m", f"{self.spacing_m:g} is below two radii, {2.0 * self.reach_m:g}")
         return self

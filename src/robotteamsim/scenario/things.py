@@ -79,5 +79,5 @@ def check_things(plan: FloorPlan, things: Sequence[Thing], robots: Sequence[Plac
                 raise PlacementError(f"{place} stands in {other.kind} '{other.name}'")
         for robot_id, robot in enumerate(robots):
             is_near = math.dist((x_m, y_m), robot.start_pose[:2]) < thing.reach_m + robot.reach_m
-            if is_near and body.overlaps(robot.body_at(robot.start_pose), TOUCH_M):
+            if robot.present and is_near and body.overlaps(robot.body_at(robot.start_pose), TOUCH_M):
                 raise PlacementError(f"{place} stands where robot {robot_id} starts")

@@ -14,6 +14,7 @@ from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.body import Body
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import Solid, solids
+from robotteamsim.scenario.schedule import Happening, in_order
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.things import Thing, check_things
 from robotteamsim.world.doors import DoorState, core_door, door_at_start, door_state, leaf_outline
@@ -31,15 +32,26 @@ class World:
     friction: they take the velocity that presses a robot into something, so it slides along a wall that it meets at an
     angle, and pushes robots. A robot that touches nothing moves in double precision exactly as its drive says.
 
+    The team's size is fixed, but a robot may leave and come (again): one that is not there has no body, is seen by no
+    sensor, and stands nowhere: its pose is NaN.
+
     Everything is deterministic: equal calls give equal bits, and `reset` begins the same again.
     """
 
     def __init__(
-        self, plan: FloorPlan, robots: Sequence[PlacedRobot], run: Run, *, things: Sequence[Thing] = (), seed: int = 0
+        self,
+        plan: FloorPlan,
+        robots: Sequence[PlacedRobot],
+        run: Run,
+        *,
+        things: Sequence[Thing] = (),
+        schedule: Sequence[Happening] = (),
+        seed: int = 0,
     ) -> None:
         """Place the robots at their start poses, in id order.
 
-        Args:   seed: for what is random in a world; so far nothing is.
+        Args:   schedule: robots that leave and come by themselves; one whose place is taken comes when it is free.
+                seed: for what is random in a world; so far nothing is.
         Raises: PlacementError: a robot or thing starts in a wall, block, closed door, robot or thing, or outside.
         """
         self.seed = seed
@@ -53,17 +65,28 @@ class World:
         self._doors = {door.name: door_at_start(door) for door in plan.doors}
         self._reaches_m = np.array([robot.reach_m for robot in self._robots])
         self._start_poses = [Pose(*robot.start_pose) for robot in self._robots]
+        self._schedule = [happening for _, happening in in_order(schedule)]
         self._check_start_poses()
         check_things(plan, self._things, self._robots)
         self.core = self._build(run)
         """The C++ world, for the sensors that look at it."""
         self._have_leaves = any(door.motion != "instant" for door in plan.doors)
-        self._step_index = 0
+        self._begin()
 
     @property
     def num_robots(self) -> int:
-        """Number of robots; their ids count from 0."""
+        """Number of robots, there or not; their ids count from 0."""
         return len(self._robots)
+
+    @property
+    def present(self) -> np.ndarray | None:
+        """Whether each robot is there, bool, shape (n,); None: all are. The same object until one comes or leaves."""
+        return self._present
+
+    @property
+    def arrivals(self) -> tuple[int, ...]:
+        """How often each robot has come, its start included; the same object until one comes or leaves."""
+        return self._arrivals
 
     @property
     def step_index(self) -> int:
@@ -83,9 +106,12 @@ class World:
     def step(self, twists: Sequence[Twist] | np.ndarray) -> None:
         """Advance by one step with one command per robot, in id order.
 
+        What the schedule has for now happens first. The command of a robot that is not there changes nothing.
         Args:   twists: as an array float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s].
         Raises: ValueError: the number of twists is wrong, or one is not finite; nothing has moved then.
         """
+        if self._to_come:
+            self._follow_schedule()
         if not isinstance(twists, np.ndarray):
             self.core.step_each(twists)
         else:
@@ -95,11 +121,11 @@ class World:
             self._look_at_doors()
 
     def poses(self) -> list[Pose]:
-        """Return `map_T_base_link` of every robot."""
+        """Return `map_T_base_link` of every robot; NaN of one that is not there."""
         return [Pose(*row) for row in self.core.poses().tolist()]
 
     def positions_m(self) -> np.ndarray:
-        """Return the robots' positions in `map`, float64, shape (n, 2) [m]."""
+        """Return the robots' positions in `map`, float64, shape (n, 2) [m]; NaN of one that is not there."""
         return self.core.poses()[:, :2]
 
     def twists(self) -> list[Twist]:
@@ -146,17 +172,30 @@ class World:
 
         Raises: PlacementError: it cannot stand there. ValueError: no such robot, or the pose is not finite.
         """
-        if not 0 <= robot_id < self.num_robots:
-            raise ValueError(f"robot_id must be in 0..{self.num_robots - 1}, got {robot_id}")
-        others = self.core.poses()
-        others[robot_id] = math.nan
-        self._check_pose(robot_id, pose, others, "pose")
-        body = self._robots[robot_id].body_at((pose.x_m, pose.y_m, pose.yaw_rad))
-        for thing, row in zip(self._things, self.core.thing_poses().tolist(), strict=True):
-            if body.overlaps(thing.body_at(tuple(row)), _TOUCH_M):
-                place = f"robot_{robot_id}: pose ({pose.x_m:.2f}, {pose.y_m:.2f})"
-                raise PlacementError(f"{place} is inside {thing.kind} '{thing.name}'")
+        if not self._is_there(robot_id):
+            raise ValueError(f"robot_{robot_id} is not there; wanted one that is")
+        self._check_free(robot_id, pose)
         self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
+
+    def remove_robot(self, robot_id: int) -> None:
+        """Take a robot off the floor. Raises: ValueError: no such robot, or it is not there."""
+        if not self._is_there(robot_id):
+            raise ValueError(f"robot_{robot_id} is not there; it cannot be removed")
+        self.core.remove_robot(robot_id)
+        self._look_who_is_there()
+
+    def spawn_robot(self, robot_id: int, pose: Pose | None = None) -> None:
+        """Put a robot that is not there somewhere, standing still; without a pose where it starts.
+
+        Raises: PlacementError: it cannot stand there.
+                ValueError: no such robot, it is there already, or the pose is not finite.
+        """
+        if self._is_there(robot_id):
+            raise ValueError(f"robot_{robot_id} is there already; it cannot be spawned")
+        place = self._start_poses[robot_id] if pose is None else pose
+        self._check_free(robot_id, place)
+        self.core.spawn_robot(robot_id, (place.x_m, place.y_m, place.yaw_rad))
+        self._look_who_is_there()
 
     def thing_models(self) -> tuple[Thing, ...]:
         """Return the things that are there, in the order of `things`, as they were put down; they may be elsewhere."""
@@ -205,14 +244,46 @@ class World:
     def reset_positions(self) -> None:
         """Put all robots back to their start poses, standing still; time, things and doors stay as they are."""
         for robot_id, pose in enumerate(self._start_poses):
-            self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
+            if self._is_there(robot_id):
+                self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
 
     def reset(self) -> None:
-        """Begin again as new: time, poses, things and doors as at the start."""
+        """Begin again as new: time, poses, who is there, things and doors as at the start."""
         self.core.reset()
         self._doors = {door.name: door_at_start(door) for door in self._plan.doors}
         self._things = self._first_things
+        self._begin()
+
+    def _begin(self) -> None:
         self._step_index = 0
+        self._to_come = list(self._schedule)
+        self._look_who_is_there()
+
+    def _look_who_is_there(self) -> None:
+        present = self.core.present()
+        self._present: np.ndarray | None = None if present.all() else present
+        self._arrivals = tuple(self.core.arrivals())
+
+    def _is_there(self, robot_id: int) -> bool:
+        """Raises: ValueError: no such robot."""
+        if not 0 <= robot_id < self.num_robots:
+            raise ValueError(f"robot_id must be in 0..{self.num_robots - 1}, got {robot_id}")
+        return self._present is None or bool(self._present[robot_id])
+
+    def _follow_schedule(self) -> None:
+        """Let happen what is due; what does not fit any more, as others had a hand in it, is left out."""
+        waiting = []
+        while self._to_come and round(self._to_come[0].at_s * 1e9) <= self.sim_time_ns:
+            happening = self._to_come.pop(0)
+            is_there = self._is_there(happening.robot_id)
+            if happening.spawn is None and is_there:
+                self.remove_robot(happening.robot_id)
+            elif happening.spawn is not None and not is_there:
+                try:
+                    self.spawn_robot(happening.robot_id, happening.pose and Pose(*happening.pose))
+                except PlacementError:
+                    waiting.append(happening)
+        self._to_come = waiting + self._to_come
 
     def _build(self, run: Run) -> _core.World:
         still = [_core.Solid(solid.corners, convex_pieces(solid.corners)) for solid in self._solids]
@@ -223,8 +294,21 @@ class World:
     def _check_start_poses(self) -> None:
         placed = np.full((self.num_robots, 3), math.nan)
         for robot_id, pose in enumerate(self._start_poses):
+            if not self._robots[robot_id].present:
+                continue
             self._check_pose(robot_id, pose, placed, "start pose")
             placed[robot_id] = pose.x_m, pose.y_m, pose.yaw_rad
+
+    def _check_free(self, robot_id: int, pose: Pose) -> None:
+        """Raise an error unless a robot can stand there now."""
+        others = self.core.poses()
+        others[robot_id] = math.nan
+        self._check_pose(robot_id, pose, others, "pose")
+        body = self._robots[robot_id].body_at((pose.x_m, pose.y_m, pose.yaw_rad))
+        for thing, row in zip(self._things, self.core.thing_poses().tolist(), strict=True):
+            if body.overlaps(thing.body_at(tuple(row)), _TOUCH_M):
+                place = f"robot_{robot_id}: pose ({pose.x_m:.2f}, {pose.y_m:.2f})"
+                raise PlacementError(f"{place} is inside {thing.kind} '{thing.name}'")
 
     def _check_pose(self, robot_id: int, pose: Pose, others: np.ndarray, what: str) -> None:
         """Raise an error unless a robot can stand there; others has rows of NaN for robots that are not there."""
@@ -305,6 +389,7 @@ def _body(robot: PlacedRobot) -> _core.Robot:
         drive=_core.Drive(**robot.drive.model_dump()),
         start=robot.start_pose,
         footprint_m=robot.corners_m,
+        present=robot.present,
     )
 
 

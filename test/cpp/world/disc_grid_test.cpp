@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -37,6 +38,22 @@ void ExpectNoneMissed(int count, double width, double height, double most_listed
     }
   }
   EXPECT_LE(listed, most_listed + 1e-9);
+}
+
+TEST(DiscGrid, LeavesOutThoseWhoAreNowhere) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  DiscGrid grid;
+  std::vector<int> found;
+  const auto look = [&] {
+    found.clear();
+    grid.ForEachNear({1.0, 1.0}, 10.0, [&](int robot, const Pose&) { found.push_back(robot); });
+    std::sort(found.begin(), found.end());
+    return found;
+  };
+  grid.Rebuild({{nan, nan, nan}, {1.0, 1.0, 0.0}, {nan, nan, nan}, {2.0, 1.0, 0.0}});
+  EXPECT_EQ(look(), (std::vector<int>{1, 3}));
+  grid.Rebuild({{nan, nan, nan}});
+  EXPECT_TRUE(look().empty());
 }
 
 TEST(DiscGrid, MissesNoRobotWithinReachAndLeavesFarOnesOut) {

@@ -327,6 +327,34 @@ TEST(World, RefusesFootprintsThatAreNoBodyAroundBaseLink) {
   EXPECT_THROW(World({}, {}, {robot}, kStep, kSubsteps), std::invalid_argument);
 }
 
+TEST(World, TakesNoNoticeOfARobotThatIsNotThere) {
+  Robot absent = RobotAt(2.0, 2.0, 0.0);
+  absent.is_present = false;
+  World world(Room(), {}, {RobotAt(1.0, 2.0, 0.0), absent}, kStep, kSubsteps);
+  World alone(Room(), {}, {RobotAt(1.0, 2.0, 0.0)}, kStep, kSubsteps);
+  for (int step = 0; step < 30; ++step) {
+    world.Step({kForward, kForward});
+    alone.Step({kForward});
+    EXPECT_EQ(world.poses()[0].x, alone.poses()[0].x);
+  }
+  EXPECT_TRUE(std::isnan(world.poses()[1].x));
+  EXPECT_EQ(world.arrivals(), (std::vector<int>{1, 0}));
+}
+
+TEST(World, SpawnedRobotIsPushedLikeOneThatWasAlwaysThere) {
+  Robot absent = RobotAt(2.0, 2.0, 0.0);
+  absent.is_present = false;
+  World world(Room(), {}, {RobotAt(1.0, 2.0, 0.0), absent}, kStep, kSubsteps);
+  World always(Room(), {}, {RobotAt(1.0, 2.0, 0.0), RobotAt(2.0, 2.0, 0.0)}, kStep, kSubsteps);
+  world.SpawnRobot(1, {2.0, 2.0, 0.0});
+  for (int step = 0; step < 30; ++step) {
+    world.Step({kForward, {}});
+    always.Step({kForward, {}});
+    EXPECT_TRUE(SameBits(world.poses(), always.poses()));
+  }
+  EXPECT_GT(world.poses()[1].x, 2.1);
+}
+
 TEST(World, RefusesWrongCommandsAndDoesNotMoveThen) {
   World world({}, {}, {RobotAt(0.0, 0.0, 0.0), RobotAt(2.0, 0.0, 0.0)}, kStep, kSubsteps);
   EXPECT_THROW(world.Step({kForward}), std::invalid_argument);

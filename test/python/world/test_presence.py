@@ -1,0 +1,233 @@
+"""Robots that leave and come while the world runs."""
+
+import math
+
+import numpy as np
+import pytest
+
+from robotteamsim.errors import PlacementError
+from robotteamsim.geometry import Pose, Twist
+from robotteamsim.scenario import load
+from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
+from robotteamsim.scenario.schedule import Happening
+from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.scenario.sensors import Laser as LaserModel
+from robotteamsim.scenario.things import Thing
+from robotteamsim.sensing.laser import Laser
+from robotteamsim.world import World
+
+PLAN = FloorPlan(
+    name="two rooms",
+    bounds=Bounds(max=(12.0, 6.0)),
+    walls=(
+        Wall(name="middle south", start=(6.0, 0.2), end=(6.0, 2.5), thickness_m=0.1),
+        Wall(name="middle north", start=(6.0, 3.5), end=(6.0, 5.8), thickness_m=0.1),
+    ),
+    doors=(Door(name="gate", start=(6.0, 2.5), end=(6.0, 3.5), motion="slide", time_s=1.0),),
+)
+FORWARD = Twist(0.7)
+STARTS = ((2.0, 2.0, 0.0), (3.0, 2.0, 0.0))
+
+
+def world_of(*poses: tuple[float, float, float], absent: tuple[int, ...] = (), **keys: object) -> World:
+    robots = [PlacedRobot(start_pose=pose, present=i not in absent) for i, pose in enumerate(poses)]
+    return World(PLAN, robots, Run(), **keys)
+
+
+def present(world: World) -> list[bool]:
+    return [True] * world.num_robots if world.present is None else world.present.tolist()
+
+
+def bits(world: World) -> bytes:
+    return world.core.pose_readings().tobytes()
+
+
+def test_all_are_there_unless_the_scenario_says_otherwise():
+    assert world_of(*STARTS).present is None
+    world = world_of(*STARTS, absent=(1,))
+    assert (present(world), world.arrivals) == ([True, False], (1, 0))
+
+
+def test_robot_that_is_removed_is_nowhere_and_stays_so():
+    world = world_of(*STARTS)
+    world.remove_robot(1)
+    for _ in range(5):
+        world.step([FORWARD, FORWARD])
+    assert present(world) == [True, False]
+    assert all(map(math.isnan, world.core.pose_readings()[1]))
+    assert (world.twists()[1], world.motions()[1], world.in_contact()[1]) == (Twist(), Pose(0.0, 0.0, 0.0), False)
+    assert np.isfinite(world.positions_m()[0]).all()
+
+
+def test_way_is_free_where_a_robot_was():
+    blocked, free = world_of(*STARTS), world_of(*STARTS)
+    free.remove_robot(1)
+    for world in (blocked, free):
+        for _ in range(20):
+            world.step([FORWARD, Twist()])
+    assert blocked.in_contact()[0]
+    assert free.positions_m()[0, 0] > 3.2
+    assert not free.in_contact()[0]
+
+
+def test_no_beam_meets_a_robot_that_is_not_there_and_it_sees_nothing_itself():
+    world = world_of(*STARTS)
+    laser = Laser(LaserModel(beams=3, angle_min_rad=-1.5, angle_max_rad=1.5, range_max_m=3.0), world)
+    assert laser.scan([0], [])[0, 1] < 1.0
+    world.remove_robot(1)
+    assert laser.scan([0, 1], [])[:, 1].tolist() == [3.0, 3.0]
+    world.spawn_robot(1, Pose(4.0, 2.0, 0.0))
+    assert 1.5 < laser.scan([0], [])[0, 1] < 2.0
+
+
+def test_robot_comes_again_at_rest_where_it_is_put_and_moves():
+    world = world_of(*STARTS)
+    for _ in range(5):
+        world.step([Twist(), FORWARD])
+    world.remove_robot(1)
+    world.step([Twist(), FORWARD])
+    world.spawn_robot(1, Pose(8.0, 4.0, 0.0))
+    assert (world.poses()[1], world.arrivals, world.present) == (Pose(8.0, 4.0, 0.0), (1, 2), None)
+    world.step([Twist(), Twist()])
+    assert world.poses()[1] == Pose(8.0, 4.0, 0.0)
+    world.step([Twist(), FORWARD])
+    assert world.positions_m()[1, 0] > 8.0
+
+
+def test_without_a_pose_a_robot_comes_at_its_start():
+    world = world_of(*STARTS, absent=(1,))
+    world.spawn_robot(1)
+    assert (world.poses()[1], world.arrivals) == (Pose(*STARTS[1]), (1, 1))
+
+
+def test_who_came_stands_in_the_way_of_others():
+    world = world_of(*STARTS, absent=(1,))
+    world.spawn_robot(1, Pose(2.6, 2.0, 0.0))
+    for _ in range(10):
+        world.step([FORWARD, Twist()])
+    assert world.in_contact()[0]
+
+
+def test_leaf_of_a_door_waits_for_no_robot_that_is_gone():
+    world = world_of((6.0, 3.0, 0.0), (2.0, 2.0, 0.0))
+    world.set_door("gate", True)
+    for _ in range(20):
+        world.step([Twist(), Twist()])
+    assert not world.doors()["gate"]
+    world.remove_robot(0)
+    for _ in range(20):
+        world.step([Twist(), Twist()])
+    assert world.doors()["gate"]
+
+
+def test_what_others_do_after_a_robot_left_is_as_if_it_had_never_been_there():
+    alone, left = world_of(STARTS[0], (9.0, 4.0, 0.0), absent=(1,)), world_of(STARTS[0], (9.0, 4.0, 0.0))
+    left.remove_robot(1)
+    for _ in range(30):
+        for world in (alone, left):
+            world.step([FORWARD, FORWARD])
+        assert bits(alone) == bits(left)
+
+
+def test_reset_brings_back_who_was_there_at_the_start():
+    world = world_of(*STARTS, (4.0, 4.0, 0.0), absent=(2,))
+    script = [[FORWARD, FORWARD, FORWARD]] * 10
+
+    def run() -> list[bytes]:
+        record = []
+        for twists in script:
+            world.step(twists)
+            record.append(bits(world))
+        return record
+
+    first = run()
+    world.remove_robot(0)
+    world.spawn_robot(2, Pose(8.0, 4.0, 0.0))
+    world.reset()
+    assert (present(world), world.arrivals) == ([True, True, False], (1, 1, 0))
+    assert run() == first
+
+
+def test_robots_put_back_are_those_who_are_there():
+    world = world_of(*STARTS)
+    world.remove_robot(0)
+    world.set_pose(1, Pose(8.0, 4.0, 0.0))
+    world.reset_positions()
+    assert present(world) == [False, True]
+    assert world.poses()[1] == Pose(*STARTS[1])
+
+
+@pytest.mark.parametrize(
+    ("pose", "error", "message"),
+    [
+        (Pose(6.0, 1.0, 0.0), PlacementError, r"robot_1: pose \(6.00, 1.00\) is inside wall 'middle south'"),
+        (Pose(2.1, 2.0, 0.0), PlacementError, r"robot_1: pose \(2.10, 2.00\) is inside robot_0"),
+        (Pose(9.0, 3.0, 0.0), PlacementError, r"robot_1: pose \(9.00, 3.00\) is inside barrel 'drum'"),
+        (Pose(-1.0, 2.0, 0.0), PlacementError, r"robot_1: pose \(-1.00, 2.00\) is outside the plan"),
+        (Pose(2.0, math.nan, 0.0), ValueError, "robot_1: pose must be finite"),
+    ],
+)
+def test_robot_cannot_come_where_it_cannot_stand(pose: Pose, error: type[Exception], message: str):
+    drum = Thing(name="drum", kind="barrel", radius_m=0.3, pose=(9.0, 3.0, 0.0))
+    world = world_of(*STARTS, absent=(1,), things=[drum])
+    with pytest.raises(error, match=message):
+        world.spawn_robot(1, pose)
+    assert present(world) == [True, False]
+
+
+def test_robots_that_are_unknown_there_or_not_there_are_refused():
+    world = world_of(*STARTS)
+    with pytest.raises(ValueError, match=r"robot_id must be in 0..1, got 2"):
+        world.remove_robot(2)
+    with pytest.raises(ValueError, match=r"robot_id must be in 0..1, got -1"):
+        world.spawn_robot(-1)
+    with pytest.raises(ValueError, match="robot_1 is there already; it cannot be spawned"):
+        world.spawn_robot(1)
+    world.remove_robot(1)
+    with pytest.raises(ValueError, match="robot_1 is not there; it cannot be removed"):
+        world.remove_robot(1)
+    with pytest.raises(ValueError, match="robot_1 is not there; wanted one that is"):
+        world.set_pose(1, Pose(8.0, 4.0, 0.0))
+
+
+def test_schedule_lets_robots_leave_and_come_with_the_step_that_begins_then():
+    schedule = [Happening(at_s=0.5, spawn=0, pose=(8.0, 4.0, 0.0)), Happening(at_s=0.2, remove=0)]
+    world = world_of(*STARTS, schedule=schedule)
+    seen = []
+    for _ in range(6):
+        world.step([Twist(), Twist()])
+        seen.append(present(world)[0])
+    assert seen == [True, True, False, False, False, True]
+    assert world.poses()[0] == Pose(8.0, 4.0, 0.0)
+    world.reset()
+    assert world.present is None
+    for _ in range(3):
+        world.step([Twist(), Twist()])
+    assert present(world) == [False, True]
+
+
+def test_scheduled_robot_waits_until_its_place_is_free():
+    world = world_of(*STARTS, absent=(1,), schedule=[Happening(at_s=0.0, spawn=1, pose=(2.3, 2.0, 0.0))])
+    world.step([Twist(-0.7), Twist()])
+    assert present(world) == [True, False]
+    for _ in range(10):
+        world.step([Twist(-0.7), Twist()])
+    assert world.present is None
+
+
+def test_schedule_that_others_forestalled_changes_nothing():
+    world = world_of(*STARTS, schedule=[Happening(at_s=0.1, remove=0), Happening(at_s=0.2, spawn=0)])
+    world.remove_robot(0)
+    world.step([Twist(), Twist()])
+    world.spawn_robot(0)
+    world.step([Twist(), Twist()])
+    assert not present(world)[0]
+    world.step([Twist(), Twist()])
+    assert (world.present, world.arrivals) == (None, (3, 1))
+
+
+def test_reserve_of_a_team_is_its_last_robots_at_their_places():
+    robots = load("garage_sar", ["robots.count=5", "robots.reserve=2"]).placed_robots()
+    assert [robot.present for robot in robots] == [True, True, True, False, False]
+    everybody = load("garage_sar", ["robots.count=5"]).placed_robots()
+    assert [robot.start_pose for robot in robots] == [robot.start_pose for robot in everybody]
