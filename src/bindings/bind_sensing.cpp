@@ -14,6 +14,7 @@
 #include "bindings.hpp"
 #include "robotteamsim/sensing/laser.hpp"
 #include "robotteamsim/sensing/odometry.hpp"
+#include "tuples.hpp"
 
 namespace py = pybind11;
 
@@ -50,36 +51,54 @@ py::array_t<float> Nearest(const Laser& laser, const World& world, const std::ve
   return nearest;
 }
 
-// The rows of an array, cut into tuples of given types and lengths, side by side: for each part a list of one tuple per
-// row. A type is `tuple` or a class of it that adds nothing, as a NamedTuple does.
-std::vector<py::list> Tuples(const Doubles& rows, const std::vector<std::pair<py::type, int>>& parts) {
-  if (rows.ndim() != 2) throw std::invalid_argument("rows must have shape (n, columns)");
-  int columns = 0;
-  for (const auto& [type, length] : parts) {
-    if (!PyType_IsSubtype(reinterpret_cast<PyTypeObject*>(type.ptr()), &PyTuple_Type) || length < 1) {
-      throw std::invalid_argument("parts must be tuples with at least one element");
+/// Makes `RobotReading`s of the arrays of a team: of a few robots that is most of what sensing takes in Python.
+class ReadingMaker {
+ public:
+  ReadingMaker(py::type pose, py::type twist, py::type odometry, py::type reading)
+      : pose_(std::move(pose)),
+        twist_(std::move(twist)),
+        odometry_(std::move(odometry)),
+        reading_(std::move(reading)),
+        tuple_(py::type::of(py::tuple())) {}
+
+  // Arguments as the fields of `TeamReadings`; `further` of all robots, or empty, and then `nothing` is that of each.
+  py::tuple Make(const Doubles& ground_truth, const Doubles& twists, const Doubles& odometry,
+                 const py::sequence& ranges, const py::array_t<bool, py::array::c_style>& in_contact,
+                 const py::dict& contact_angles, const py::sequence& further, const py::object& nothing) const {
+    const auto n = static_cast<py::ssize_t>(ranges.size());
+    if (ground_truth.size() != 4 * n || twists.size() != 3 * n || odometry.size() != 16 * n || in_contact.size() != n) {
+      throw std::invalid_argument("arrays of readings must have a row per robot");
     }
-    columns += length;
-  }
-  if (columns != rows.shape(1)) throw std::invalid_argument("parts must have as many elements as a row");
-  std::vector<py::list> lists;
-  const double* part = rows.data();
-  for (const auto& [type, length] : parts) {
-    auto* const cls = reinterpret_cast<PyTypeObject*>(type.ptr());
-    py::list list(rows.shape(0));
-    for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
-      auto tuple = py::reinterpret_steal<py::object>(cls->tp_alloc(cls, length));
-      if (!tuple) throw py::error_already_set();
-      for (int k = 0; k < length; ++k) {
-        PyTuple_SET_ITEM(tuple.ptr(), k, PyFloat_FromDouble(part[i * columns + k]));
-      }
-      PyList_SET_ITEM(list.ptr(), i, tuple.release().ptr());
+    const bool has_further = further.size() > 0;
+    const py::object no_angles = py::tuple();
+    py::tuple readings(n);
+    for (py::ssize_t i = 0; i < n; ++i) {
+      const double* const odom = odometry.data() + 16 * i;
+      py::object believed =
+          odometry_.Of({pose_.OfNumbers(odom, 4).release().ptr(), twist_.OfNumbers(odom + 4, 3).release().ptr(),
+                        tuple_.OfNumbers(odom + 7, 6).release().ptr(), tuple_.OfNumbers(odom + 13, 3).release().ptr()});
+      py::object angles = in_contact.data()[i] ? AnglesOf(contact_angles, i, no_angles) : no_angles;
+      py::object rest = has_further ? py::object(further[i]) : nothing;
+      PyTuple_SET_ITEM(readings.ptr(), i,
+                       reading_
+                           .Of({pose_.OfNumbers(ground_truth.data() + 4 * i, 4).release().ptr(),
+                                twist_.OfNumbers(twists.data() + 3 * i, 3).release().ptr(), believed.release().ptr(),
+                                py::object(ranges[i]).release().ptr(), py::bool_(in_contact.data()[i]).release().ptr(),
+                                angles.release().ptr(), rest.release().ptr()})
+                           .release()
+                           .ptr());
     }
-    lists.push_back(std::move(list));
-    part += length;
+    return readings;
   }
-  return lists;
-}
+
+ private:
+  static py::object AnglesOf(const py::dict& contact_angles, py::ssize_t robot, const py::object& none) {
+    const py::int_ id(robot);
+    return contact_angles.contains(id) ? py::object(contact_angles[id]) : none;
+  }
+
+  TupleClass pose_, twist_, odometry_, reading_, tuple_;
+};
 
 std::vector<Odometry> ToTeam(const std::vector<std::array<double, 4>>& alphas, double step_s,
                              const std::vector<bool>& omni) {
@@ -157,7 +176,10 @@ class TeamOdometry {
 }  // namespace
 
 void BindSensing(py::module_& m) {
-  m.def("tuples", &Tuples, py::arg("rows"), py::arg("parts"));
+  py::class_<ReadingMaker>(m, "ReadingMaker")
+      .def(py::init<py::type, py::type, py::type, py::type>(), py::arg("pose"), py::arg("twist"), py::arg("odometry"),
+           py::arg("reading"))
+      .def("make", &ReadingMaker::Make);
   py::class_<Laser>(m, "Laser")
       .def(py::init([](const World& world, int beams, double angle_min_rad, double angle_max_rad, double forward_m,
                        double range_min_m, double range_max_m, double too_near_m, double no_return_m, double left_m) {

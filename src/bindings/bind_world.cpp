@@ -139,9 +139,21 @@ py::dict ContactAngles(const World& world) {
   return angles;
 }
 
+// One row per robot: x, y.
+py::array_t<double> Positions(const World& world) {
+  py::array_t<double> rows({static_cast<py::ssize_t>(world.poses().size()), py::ssize_t{2}});
+  double* row = rows.mutable_data();
+  for (const Pose& pose : world.poses()) {
+    *row++ = pose.x;
+    *row++ = pose.y;
+  }
+  return rows;
+}
+
 // All that sensors of the body tell after a step, in one call: few robots step so fast that calls from Python count.
 py::tuple Readings(const World& world) {
-  return py::make_tuple(PoseReadings(world), ToArray(world.twists()), InContact(world), ContactAngles(world));
+  return py::make_tuple(PoseReadings(world), Positions(world), ToArray(world.twists()), InContact(world),
+                        ContactAngles(world));
 }
 
 }  // namespace

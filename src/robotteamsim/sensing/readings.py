@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import NamedTuple, overload
 
 import numpy as np
@@ -86,12 +86,16 @@ class RobotReading(NamedTuple):
     further: FurtherReadings = NOTHING_FURTHER
 
 
+_MAKER = _core.ReadingMaker(PoseReading, Twist, OdometryReading, RobotReading)
+
+
 # Not frozen: each field of a frozen class costs a call when it is made, and this is made in every step.
 @dataclass(eq=False)
 class TeamReadings(Sequence[RobotReading]):
     """The readings of all robots in one step, in id order: as arrays, or one by one.
 
     ground_truth: float64, shape (n, 4): x, y [m], qz, qw in `map`.
+    positions_m:  float64, shape (n, 2): x, y of them once more.
     twists:       float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s] in `base_link`.
     odometry:     float64, shape (n, 16): x, y [m], qz, qw in `odom`, the twist that the wheels measured, then the
                   covariances of `OdometryReading`, six and three.
@@ -102,6 +106,7 @@ class TeamReadings(Sequence[RobotReading]):
     """
 
     ground_truth: np.ndarray
+    positions_m: np.ndarray
     twists: np.ndarray
     odometry: np.ndarray
     ranges_m: Sequence[np.ndarray] | np.ndarray
@@ -124,20 +129,17 @@ class TeamReadings(Sequence[RobotReading]):
 
     @cached_property
     def _one_by_one(self) -> tuple[RobotReading, ...]:
-        parts = [(PoseReading, 4), (Twist, 3), (tuple, 6), (tuple, 3)]
-        odometry = map(_odometry_reading, zip(*_core.tuples(self.odometry, parts), strict=True))
-        return tuple(
-            map(
-                RobotReading,
-                *_core.tuples(self.ground_truth, [(PoseReading, 4)]),
-                *_core.tuples(self.twists, [(Twist, 3)]),
-                odometry,
-                self.ranges_m,
-                self.in_contact.tolist(),
-                [self.contact_angles_rad.get(robot_id, ()) for robot_id in range(len(self))],
-                self.further or (NOTHING_FURTHER,) * len(self),
-            )
+        readings: tuple[RobotReading, ...] = _MAKER.make(
+            self.ground_truth,
+            self.twists,
+            self.odometry,
+            self.ranges_m,
+            self.in_contact,
+            self.contact_angles_rad,
+            self.further,
+            NOTHING_FURTHER,
         )
+        return readings
 
 
 def ground_truth_rows(readings: Sequence[RobotReading]) -> np.ndarray:
@@ -145,10 +147,6 @@ def ground_truth_rows(readings: Sequence[RobotReading]) -> np.ndarray:
     if isinstance(readings, TeamReadings):
         return readings.ground_truth
     return np.array([reading.ground_truth for reading in readings], dtype=np.float64).reshape(-1, 4)
-
-
-# Of an iterable, without a call of Python: these are made for every robot in every step.
-_odometry_reading = partial(tuple.__new__, OdometryReading)
 
 
 class Observation(NamedTuple):

@@ -36,9 +36,10 @@ class RobotSensors:
 
         Odometry adds that step's motion, so this is called once after each step.
         """
-        ground_truth, twists, in_contact, contact_angles_rad = self._world.core.readings()
+        ground_truth, positions_m, twists, in_contact, contact_angles_rad = self._world.core.readings()
         return TeamReadings(
             ground_truth=ground_truth,
+            positions_m=positions_m,
             twists=twists,
             odometry=self._odometry.follow(self._world),
             ranges_m=self._scan(),

@@ -24,6 +24,7 @@ class Environment:
         num_robots, run = len(scenario.placed_robots()), scenario.run
         self._network = Network(self._radio, scenario.network, num_robots, seed=run.seed, step_ns=run.step_ns)
         self._closed = {door.name: door.closed for door in scenario.plan.doors}
+        self._followed: Mapping[str, DoorState] = {}
 
     @property
     def voice_map_changes(self) -> int:
@@ -58,12 +59,16 @@ class Environment:
         self._radio.set_door(name, closed)
         self._voice.set_door(name, closed)
         self._closed[name] = closed
+        self._followed = {}
 
     def follow_doors(self, doors: Mapping[str, DoorState]) -> None:
         """Take over which doors of the world are closed now."""
+        if doors is self._followed:
+            return
         for name, door in doors.items():
             if door.closed != self._closed[name]:
                 self.set_door(name, door.closed)
+        self._followed = doors
 
     def set_noise_db(self, noise_db: float) -> None:
         """Set the background noise [dB]; voices below it are not heard."""

@@ -12,7 +12,7 @@ from robotteamsim.control.controller import Decision, Task
 from robotteamsim.mission import Mission
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import Observation, RobotReading, ground_truth_rows
+from robotteamsim.sensing.readings import Observation, RobotReading, TeamReadings, ground_truth_rows
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.record import Observer, Result, StepRecord
@@ -140,4 +140,6 @@ class Simulation:
 
 def true_positions_m(readings: Sequence[RobotReading]) -> np.ndarray:
     """Return the robots' true positions in `map`, float64 of shape (n, 2) [m]."""
+    if isinstance(readings, TeamReadings):
+        return readings.positions_m
     return np.ascontiguousarray(ground_truth_rows(readings)[:, :2])

@@ -14,6 +14,7 @@ def test_readings_one_by_one_hold_the_rows_of_the_arrays():
     odometry = np.arange(32.0).reshape(2, 16)
     readings = TeamReadings(
         ground_truth=np.array([[1.0, 2.0, 0.0, 1.0], [0.1, 0.2, 0.6, 0.8]]),
+        positions_m=np.array([[1.0, 2.0], [0.1, 0.2]]),
         twists=np.array([[0.5, 0.0, -1.0], [0.25, 0.0, 0.0]]),
         odometry=odometry,
         ranges_m=np.zeros((2, 3), np.float32),
@@ -32,7 +33,19 @@ def test_readings_one_by_one_hold_the_rows_of_the_arrays():
     assert isinstance(readings[0], RobotReading)
 
 
-@pytest.mark.parametrize("parts", [[(tuple, 2)], [(tuple, 2), (list, 1)], [(tuple, 3), (tuple, 0)]])
-def test_parts_that_are_no_tuples_or_do_not_fill_a_row_are_refused(parts):
-    with pytest.raises(ValueError, match="parts must"):
-        _core.tuples(np.zeros((1, 3)), parts)
+def test_arrays_without_a_row_per_robot_are_refused():
+    readings = TeamReadings(
+        ground_truth=np.zeros((1, 4)),
+        positions_m=np.zeros((1, 2)),
+        twists=np.zeros((1, 3)),
+        odometry=np.zeros((2, 16)),
+        ranges_m=np.zeros((2, 3), np.float32),
+        in_contact=np.zeros(2, dtype=bool),
+    )
+    with pytest.raises(ValueError, match="must have a row per robot"):
+        list(readings)
+
+
+def test_readings_are_made_of_tuples_only():
+    with pytest.raises(ValueError, match="wanted a class of tuples"):
+        _core.ReadingMaker(PoseReading, Twist, OdometryReading, list)
