@@ -1,11 +1,11 @@
-"""Make the pictures of README and docs anew: run the garage mission, halt it at a good moment, and look with rviz.
+"""Make the pictures of README and docs anew: run missions in ROS, halt them at a good moment, and look with rviz.
 
-Needs no display: rviz draws on a virtual one, by software. Run by `make pictures`; takes about two minutes.
+Needs no display: rviz draws on a virtual one, by software. Run by `make pictures`; takes about five minutes.
+Usage: python docs/make_pictures.py [NAME...]     names of pictures without `.png`; all by default
 """
 
 from __future__ import annotations
 
-import copy
 import math
 import os
 import socket
@@ -15,6 +15,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,10 @@ from robotteamsim.srv import Step
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
+from robotteamsim.ros.node import PARAMETERS
+from robotteamsim.ros.rviz_view import fitted
+from robotteamsim.scenario import load
+
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
 CONFIG = ROOT / "rviz" / "robotteamsim.rviz"
@@ -34,9 +39,7 @@ CONFIG = ROOT / "rviz" / "robotteamsim.rviz"
 SIZE = (1600, 900)
 FINER = 2
 """rviz draws this many times as large; reducing the picture smooths its edges."""
-MOMENT_STEPS = 3051
-"""The mission, which begins with the first step, is halted after these: at 305 s."""
-RUN = ("seed:=7", "lockstep:=true", "speed:=20", "rviz:=false", "mission_stays:=true")
+RUN = ("lockstep:=true", "speed:=20", "rviz:=false", "mission_stays:=true")
 PATIENCE_S = 120.0
 
 LOOK_PERIOD_S = 1.5
@@ -73,26 +76,68 @@ def from_above(x_m: float, y_m: float, pixels_per_m: float) -> dict[str, Any]:
     }
 
 
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """A run in ROS, halted after some steps, and the pictures taken then; a view of None is rviz's own."""
+
+    launch: str
+    arguments: tuple[str, ...]
+    steps: int
+    views: dict[str, dict[str, Any] | None]
+    close: str | None = None
+    """Name of a picture from near by, with the middle of the team and the nearest victim in its middle."""
+
+
+MOMENTS = (
+    Moment(
+        "garage_sar.launch",
+        ("seed:=7",),
+        3051,
+        {"garage_sar": None, "garage_sar_from_above": from_above(30.0, 21.0, 20.0 * FINER)},
+        close="garage_sar_close",
+    ),
+    Moment(
+        "garage_sar.launch",
+        ("seed:=2", "robots:=9", "controllers:=team", "set:=control.swarms.initial=3 control.swarms.max=4"),
+        900,
+        {"swarms": None},
+    ),
+    Moment("office_manet.launch", ("seed:=3", "controllers:=team"), 1800, {"office_manet": None}),
+    Moment("warehouse_push.launch", (), 300, {"warehouse_push": None}),
+)
+
+
 def main() -> None:
-    """Write all pictures."""
+    """Write all pictures, or those of the moments that have one of the names given."""
     IMAGES.mkdir(parents=True, exist_ok=True)
+    names = set(sys.argv[1:])
+    chosen = [moment for moment in MOMENTS if not names or names & {*moment.views, moment.close}]
     with ExitStack() as stack:
         scratch = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         screen = stack.enter_context(virtual_display())
         port = free_port()
-        os.environ |= {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOSTNAME": "localhost", "PWD": str(scratch)}
-        launch = ["roslaunch", "-p", str(port), "robotteamsim", "garage_sar.launch", *RUN]
-        stack.enter_context(running(launch, scratch / "launch.log"))
-        stack.enter_context(running(["rosrun", "robotteamsim", "scene"], scratch / "scene.log"))
-        x_m, y_m = halt_at_the_moment()
-        views = {
-            "garage_sar": None,
-            "garage_sar_from_above": from_above(30.0, 21.0, 20.0 * FINER),
-            "garage_sar_close": orbit(x_m, y_m, 14.0, 0.8, 4.4),
-        }
+        environment = {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOSTNAME": "localhost", "PWD": str(scratch)}
+        os.environ |= environment
+        master = ["rosmaster", "--core", "-p", str(port)]
+        stack.enter_context(running(master, scratch / "master.log"))
+        wait_for_master()
+        rospy.init_node("make_pictures", disable_rostime=True)
+        for moment in chosen:
+            take_pictures(moment, screen, scratch)
+
+
+def take_pictures(moment: Moment, screen: str, scratch: Path) -> None:
+    """Run to the moment and write its pictures."""
+    launch = ["roslaunch", "robotteamsim", moment.launch, *RUN, *moment.arguments]
+    with (
+        running(launch, scratch / "launch.log"),
+        running(["rosrun", "robotteamsim", "scene"], scratch / "scene.log"),
+    ):
+        x_m, y_m = halt_after(moment.steps)
+        views = moment.views | ({moment.close: orbit(x_m, y_m, 14.0, 0.8, 4.4)} if moment.close else {})
         for name, view in views.items():
             path = IMAGES / f"{name}.png"
-            take_picture(screen, view, scratch, path, hidden=("Headline",) if "close" in name else ())
+            take_picture(screen, view, scratch, path, hidden=("Headline",) if name == moment.close else ())
             print(f"{path.relative_to(ROOT)}: {path.stat().st_size // 1024} kB")
 
 
@@ -127,18 +172,16 @@ def free_port() -> int:
         return int(listener.getsockname()[1])
 
 
-def halt_at_the_moment() -> tuple[float, float]:
-    """Let the mission run from its start to the moment and stand still.
+def halt_after(steps: int) -> tuple[float, float]:
+    """Let the mission, which begins with the first step, run from its start for some steps and stand still.
 
     Returns: the point midway between the middle of the team and the victim nearest to it [m].
     """
-    wait_for_master()
-    rospy.init_node("make_pictures", disable_rostime=True)
     rospy.wait_for_message("/scene/robots", MarkerArray, PATIENCE_S)
     rospy.wait_for_message("/mission/status", MissionStatus, PATIENCE_S)
     for name in ("/pause", "/reset"):  # the scene may have missed the first steps, which would cut the trails
         call(name, Trigger)
-    call("/step", Step, MOMENT_STEPS)
+    call("/step", Step, steps)
     positions_m = [
         rospy.wait_for_message(f"/robot_{robot_id}/base_pose_ground_truth", Odometry, PATIENCE_S).pose.pose.position
         for robot_id in range(rospy.get_param("/robotteamsim/robots"))
@@ -179,7 +222,7 @@ def take_picture(
     screen: str, view: dict[str, Any] | None, scratch: Path, path: Path, hidden: tuple[str, ...] = ()
 ) -> None:
     """Look at the scene without its hidden displays, wait until it stands still, and write what is seen."""
-    config = copy.deepcopy(yaml.safe_load(CONFIG.read_text(encoding="utf-8")))
+    config = fitted(CONFIG, load(rospy.get_param(f"{PARAMETERS}/scenario")).plan.bounds)
     if view is not None:
         config["Visualization Manager"]["Views"]["Current"] = view
     for display in config["Visualization Manager"]["Displays"]:

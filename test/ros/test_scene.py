@@ -14,13 +14,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from PIL import Image
 from running import PATIENCE_S, environment
 
 from robotteamsim.recording import BagWriter
+from robotteamsim.ros.rviz_view import fitted
 from robotteamsim.ros.scene_plan import FLOOR, WALL
 from robotteamsim.ros.scene_team import robot_colour
-from robotteamsim.scenario import load
+from robotteamsim.scenario import Bounds, load
 from robotteamsim.simulation import Simulation
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -36,6 +38,26 @@ print(json.dumps({
     topic: [[m.ns, m.id, m.action, m.header.frame_id] for m in rospy.wait_for_message(topic, MarkerArray, 60.0).markers]
     for topic in sys.argv[1:]
 }))
+"""
+
+LATE_NETWORK = """
+import rospy
+from robotteamsim.msg import MissionStatus, NetworkState
+from visualization_msgs.msg import MarkerArray
+
+def headline_with(words):
+    while True:
+        text = rospy.wait_for_message("/scene/headline", MarkerArray, 60.0).markers[-1].text
+        if words in text:
+            return text
+
+rospy.init_node("late_network", anonymous=True, disable_rostime=True)
+status = rospy.Publisher("/mission/status", MissionStatus, queue_size=1, latch=True)
+network = rospy.Publisher("/network/state", NetworkState, queue_size=1, latch=True)
+status.publish(MissionStatus(scenario="late", state="running"))
+headline_with("late")
+network.publish(NetworkState(num_endangered=3))
+print(headline_with("danger 3"))
 """
 
 
@@ -100,6 +122,28 @@ def test_late_listener_gets_the_whole_scene_of_a_bag_that_has_ended(master):
     assert {frame for markers in scene.values() for _, _, _, frame in markers} == {"map"}
 
 
+def test_headline_counts_links_that_are_told_of_after_the_status(master):
+    command = [sys.executable, "-c", LATE_NETWORK]
+    answer = subprocess.run(command, env=master, check=True, capture_output=True, timeout=PATIENCE_S, text=True)
+    assert "late" in answer.stdout
+
+
+@pytest.mark.parametrize(
+    ("corner", "scale"), [((60.0, 40.0), 1.0), ((30.0, 20.0), 0.5), ((12.0, 40.0), 1.0), ((120.0, 10.0), 2.0)]
+)
+def test_view_is_from_so_far_that_the_building_fits(corner, scale):
+    config = ROOT / "rviz" / "robotteamsim.rviz"
+    before, after = (
+        {view["Name"]: view for view in (views["Current"], *views["Saved"])}
+        for views in (
+            settings["Visualization Manager"]["Views"]
+            for settings in (yaml.safe_load(config.read_text()), fitted(config, Bounds(max=corner)))
+        )
+    )
+    assert after["Current View"]["Distance"] == scale * before["Current View"]["Distance"]
+    assert after["From above"]["Scale"] == before["From above"]["Scale"] / scale
+
+
 def grab(display: str) -> np.ndarray:
     """Return the screen, shape (height, width, 3)."""
     command = ["import", "-display", display, "-window", "root", "-depth", "8", "rgb:-"]
@@ -119,7 +163,7 @@ def test_rviz_shows_floor_walls_and_robots(master, tmp_path):
         os.close(writer)
         with os.fdopen(reader) as lines:
             display = f":{lines.readline().strip()}"
-        rviz = ["rviz", "-d", str(ROOT / "rviz" / "robotteamsim.rviz")]
+        rviz = [sys.executable, str(ROOT / "scripts" / "rviz_view")]
         with running(
             rviz, master | {"DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"}, stderr=subprocess.DEVNULL
         ) as process:

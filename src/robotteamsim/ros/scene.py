@@ -112,7 +112,9 @@ class Scene:
         self._voice = Feed("/voice_map/values", FloatMap)
         self._links: list[scene_team.LinkView] = []
         self._scans: dict[tuple[int, str], scene_laser.ScanView] = {}
+        self._mission: MissionStatus | None = None
         self._num_endangered = 0
+        self._headline: scene_mission.Headline | None = None
         self._stamp_ns = 0
         self._discovery_due_s = self._trails_due_s = self._resend_due_s = 0.0
         self._trails_stale = False
@@ -160,6 +162,7 @@ class Scene:
         self._draw_mission()
         self._draw_voice()
         self._draw_team(now_s)
+        self._draw_headline()
         self._draw_laser()
 
     def _note_time(self, now_s: float) -> None:
@@ -186,7 +189,7 @@ class Scene:
         self._robots = dict(sorted(self._robots.items()))
 
     def _draw_mission(self) -> None:
-        areas, victims, status = self._areas.newest(), self._victims.newest(), self._status.newest()
+        areas, victims = self._areas.newest(), self._victims.newest()
         if areas is not None:
             views = [
                 scene_mission.AreaView(a.name, (a.center.x, a.center.y), a.radius_m, a.explored, a.target)
@@ -197,8 +200,6 @@ class Scene:
             self._draw_victims(
                 [scene_mission.VictimView(v.name, (v.position.x, v.position.y), v.state) for v in victims.victims]
             )
-        if status is not None:
-            self._draw_headline(status)
         changes = dict(filter(None, map(scene_plan.door_change, self._events.take())))
         doors = self._doors.newest()
         if doors is not None:
@@ -209,7 +210,10 @@ class Scene:
         if openings != self._openings:
             self._draw_doors(openings)
 
-    def _draw_headline(self, status: MissionStatus) -> None:
+    def _draw_headline(self) -> None:
+        self._mission = status = self._status.newest() or self._mission
+        if status is None:
+            return
         headline = scene_mission.Headline(
             scenario=status.scenario,
             state=status.state,
@@ -222,7 +226,9 @@ class Scene:
             noise_db=status.noise_db,
             num_endangered=self._num_endangered,
         )
-        self._canvas["headline"].draw([scene_mission.headline_marker(headline, self._scenario.plan.bounds)])
+        if headline != self._headline:
+            self._headline = headline
+            self._canvas["headline"].draw([scene_mission.headline_marker(headline, self._scenario.plan.bounds)])
 
     def _draw_voice(self) -> None:
         voice = self._voice.newest()
