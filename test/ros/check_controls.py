@@ -12,7 +12,8 @@ import rospy
 import rostest
 from geometry_msgs.msg import Pose2D, Twist, Vector3
 from listening import PATIENCE_S, Topic, call, drive, place_m, speed_mps
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import OccupancyGrid, Odometry
+from robotteamsim.msg import Areas, Doors, FloatMap, MissionStatus, Victims
 from robotteamsim.srv import RemoveThing, ResetSeed, SetPose, SetSpeed, SetThing
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
@@ -22,6 +23,16 @@ FORWARD = Twist(linear=Vector3(0.5, 0.0, 0.0))
 AT_WALL = Pose2D(10.0, 0.7, -math.pi / 2)
 """Half a metre before the south wall of the garage, facing it."""
 SPEED = 4.0
+LATCHED = {
+    "/clock": Clock,
+    "/map": OccupancyGrid,
+    "/voice_map": OccupancyGrid,
+    "/voice_map/values": FloatMap,
+    "/mission/status": MissionStatus,
+    "/mission/victims": Victims,
+    "/mission/areas": Areas,
+    "/world/doors": Doors,
+}
 ENDLESS = 1e-6
 """At this speed a step takes a day."""
 
@@ -110,16 +121,33 @@ class ControlsTest(unittest.TestCase):
         self.assertTrue(things.is_connected(PATIENCE_S))
         crate = {"name": "crate", "kind": "box", "length_m": 0.6, "width_m": 0.4}
         self.assertTrue(call("/set_thing", SetThing, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
-        things.wait_for(lambda message: places_m(message) == [(12.0, 3.0)], "the crate")
+        things.wait_for_after(0, lambda message: places_m(message) == [(12.0, 3.0)], "the crate")
         self.assertTrue(call("/set_thing", SetThing, name="crate", pose=Pose2D(13.0, 3.5, 0.0)).success)
-        things.wait_for(lambda message: places_m(message) == [(13.0, 3.5)], "the crate elsewhere")
+        things.wait_for_after(0, lambda message: places_m(message) == [(13.0, 3.5)], "the crate elsewhere")
         drum = {"name": "drum", "kind": "barrel", "radius_m": 0.3, "mass_kg": 20.0}
         self.assertTrue(call("/set_thing", SetThing, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
         self.assertTrue(call("/remove_thing", RemoveThing, name="crate").success)
-        left = things.wait_for(lambda message: places_m(message) == [(14.0, 4.5)], "the drum alone")
+        left = things.wait_for_after(0, lambda message: places_m(message) == [(14.0, 4.5)], "the drum alone")
         self.assertTrue(call("/reset", Trigger).success)
         self.assertFalse(call("/remove_thing", RemoveThing, name="drum").success)
         self.assertEqual({marker.ns for marker in left.markers if marker.action == Marker.ADD}, {"things"})
+
+    def test_subscriber_that_comes_late_to_a_paused_world_gets_all_that_changes_rarely(self) -> None:
+        self.assertTrue(call("/pause", Trigger).success)
+        for name, kind in LATCHED.items():
+            self.assertIsNotNone(rospy.wait_for_message(name, kind, PATIENCE_S), name)
+        self.assertTrue(call("/resume", Trigger).success)
+
+    def test_subscriber_that_comes_late_to_a_paused_world_gets_things_where_they_are(self) -> None:
+        self.assertTrue(call("/pause", Trigger).success)
+        crate = {"name": "crate", "kind": "box", "length_m": 0.6, "width_m": 0.4}
+        self.assertTrue(call("/set_thing", SetThing, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
+        for place in ((12.0, 3.0), (13.0, 3.5)):
+            self.assertTrue(call("/set_thing", SetThing, name="crate", pose=Pose2D(*place, 0.0)).success)
+            self.assertEqual(places_m(rospy.wait_for_message("/world/things", MarkerArray, PATIENCE_S)), [place])
+        self.assertTrue(call("/remove_thing", RemoveThing, name="crate").success)
+        self.assertEqual(places_m(rospy.wait_for_message("/world/things", MarkerArray, PATIENCE_S)), [])
+        self.assertTrue(call("/resume", Trigger).success)
 
     def test_thing_that_cannot_be_is_refused_with_the_reason(self) -> None:
         drum = {"name": "drum", "kind": "barrel", "radius_m": 0.3}

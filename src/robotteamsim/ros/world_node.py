@@ -10,7 +10,6 @@ from nav_msgs.msg import OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerResponse
-from visualization_msgs.msg import MarkerArray
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose
@@ -19,12 +18,11 @@ from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.gate import Gate, Pacer
 from robotteamsim.ros.node import SEED, Output, ParameterError, Settings, parameter, read_settings, run
-from robotteamsim.ros.scene_things import thing_markers
 from robotteamsim.ros.team import FreeTeam, LockstepTeam
 from robotteamsim.ros.team_outputs import TeamOutputs
 from robotteamsim.ros.thing_requests import set_thing
+from robotteamsim.ros.things_output import ThingsOutput
 from robotteamsim.scenario import occupancy_grid
-from robotteamsim.scenario.things import Thing
 from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.srv import (
@@ -95,10 +93,10 @@ class WorldNode:
             else FreeTeam(settings, self._robots, follow=lambda: self._pacer.is_flat_out)
         )
         self._clock = Output("/clock", Clock, latched=True)
-        self._things = Output("/world/things", MarkerArray)
+        self._things = ThingsOutput()
+        self._show_things()
         # Environment and mission take from it alone whether a door is closed, in lockstep step by step.
         self._doors = Output("/world/doors", Doors, latched=True)
-        self._shown_things: tuple[Thing, ...] = ()
         # In lockstep a late subscriber must still get the step that everybody waits for.
         self._outputs = TeamOutputs(self._robots, latched=settings.lockstep, localized=localization == "ground_truth")
         self._offer_map()
@@ -144,6 +142,7 @@ class WorldNode:
         rospy.set_param(SEED, str(self._scenario.run.seed))
         with self._world_lock:
             self._build()
+            self._things.show(self._world)
         self._publish_clock(START_NS)
         rospy.loginfo("the world begins anew")
 
@@ -161,18 +160,13 @@ class WorldNode:
         time_ns = self._world.sim_time_ns
         if self._scenario.plan.doors:
             self._doors.publish(fields.doors(self._make, time_ns, doors))
-        self._publish_things()
+        self._show_things()
         self._outputs.publish(time_ns, readings)
         self._publish_clock(time_ns)
 
-    def _publish_things(self) -> None:
-        if not self._things.wanted:
-            return
+    def _show_things(self) -> None:
         with self._world_lock:
-            things, poses = self._world.thing_models(), list(self._world.things().values())
-        if things or self._shown_things:
-            self._things.publish(thing_markers(things, poses, anew=things != self._shown_things))
-        self._shown_things = things
+            self._things.show(self._world)
 
     def _publish_clock(self, time_ns: int) -> None:
         self._clock.publish(fields.clock(self._make, time_ns))
@@ -248,6 +242,7 @@ class WorldNode:
         try:
             with self._world_lock:
                 set_thing(self._world, request)
+                self._things.show(self._world)  # a paused world makes no step that would
         except (PlacementError, ValueError) as error:
             return SetThingResponse(success=False, message=str(error))
         return SetThingResponse(success=True, message="")
@@ -256,6 +251,7 @@ class WorldNode:
         try:
             with self._world_lock:
                 self._world.remove_thing(request.name)
+                self._things.show(self._world)
         except ValueError as error:
             return RemoveThingResponse(success=False, message=str(error))
         return RemoveThingResponse(success=True, message="")
