@@ -1,15 +1,22 @@
-// Floor 5: what a controller reads from its laser.
+// Floor 5: what a controller reads from its laser, how it drives, and what it keeps in mind.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
-#include <limits>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "points.hpp"
 #include "robotteamsim/control/clearance.hpp"
+#include "robotteamsim/control/navigator.hpp"
+#include "robotteamsim/control/ruled_out.hpp"
+#include "robotteamsim/control/surroundings.hpp"
 
 namespace py = pybind11;
 
@@ -17,75 +24,102 @@ namespace robotteamsim::bindings {
 namespace {
 
 using Ranges = py::array_t<float, py::array::c_style | py::array::forcecast>;
+using Heard = std::vector<std::pair<Point, std::optional<Point>>>;
 
 std::vector<float> ToVector(const Ranges& ranges) { return {ranges.data(), ranges.data() + ranges.size()}; }
 
-py::array_t<double> Hits(const ScanClearance& clearance, const Ranges& ranges, double max_distance_m) {
-  const std::vector<Point> hits = clearance.Hits(ToVector(ranges), max_distance_m);
-  py::array_t<double> array({static_cast<py::ssize_t>(hits.size()), py::ssize_t{2}});
-  double* out = array.mutable_data();
-  for (const Point& hit : hits) {
-    *out++ = hit.x;
-    *out++ = hit.y;
-  }
-  return array;
+std::vector<Point> ToPoints(const Doubles& rows) {
+  if (rows.ndim() != 2 || rows.shape(1) != 2) throw std::invalid_argument("points must have shape (n, 2)");
+  std::vector<Point> points;
+  for (const double* row = rows.data(); row != rows.data() + rows.size(); row += 2) points.push_back({row[0], row[1]});
+  return points;
 }
 
-double SquaredDistanceToNearest(const Doubles& points, double x, double y) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const double* point = points.data(); point != points.data() + points.size(); point += 2) {
-    const double dx = x - point[0], dy = y - point[1];
-    nearest = std::min(nearest, dx * dx + dy * dy);
-  }
-  return nearest;
+HeardNotes MakeNotes(const Heard& heard) {
+  std::vector<HeardNote> notes;
+  for (const auto& [position, loudest] : heard) notes.push_back({position, loudest});
+  return HeardNotes(std::move(notes));
 }
 
-// The index of the candidate that is farther from all points than `place` and than the candidates before it; -1 where
-// none is farther than `place`. Arrays have the shape (n, 2).
-int FarthestFrom(const Doubles& points_m, const std::pair<double, double>& place_m, const Doubles& candidates_m) {
-  for (const Doubles* rows : {&points_m, &candidates_m}) {
-    if (rows->ndim() != 2 || rows->shape(1) != 2) throw std::invalid_argument("points must have shape (n, 2)");
-  }
-  int best = -1;
-  double farthest = SquaredDistanceToNearest(points_m, place_m.first, place_m.second);
-  for (int i = 0; i < static_cast<int>(candidates_m.shape(0)); ++i) {
-    const double* const candidate = candidates_m.data() + 2 * i;
-    const double distance = SquaredDistanceToNearest(points_m, candidate[0], candidate[1]);
-    if (distance > farthest) {
-      farthest = distance;
-      best = i;
-    }
-  }
-  return best;
+Heard PairsOf(const HeardNotes& heard) {
+  Heard pairs;
+  for (const HeardNote& note : heard.notes()) pairs.emplace_back(note.position, note.loudest);
+  return pairs;
+}
+
+/// A navigator and the class of its commands.
+struct BoundNavigator {
+  Navigator navigator;
+  py::type twist;
+};
+
+// `teammates` returns a mapping from the ids of robots to their places, when it is asked.
+py::object Drive(BoundNavigator& self, const std::shared_ptr<PlanningGrid>& grid, const Pose& pose,
+                 const Ranges& ranges_m, const Point& goal, double speed_mps, double time_s,
+                 const py::function& teammates) {
+  const auto ask = [&teammates] {
+    const auto places = teammates().cast<std::map<int, Point>>();
+    return Navigator::Teammates(places.begin(), places.end());
+  };
+  const Twist twist = self.navigator.Drive(grid, pose, ToVector(ranges_m), goal, speed_mps, time_s, ask);
+  auto* const type = reinterpret_cast<PyTypeObject*>(self.twist.ptr());
+  return MakeTuple<3>(type, {twist.linear_x, twist.linear_y, twist.angular_z});
+}
+
+void BindNavigator(py::module_& m) {
+  py::class_<LaserLayout>(m, "LaserLayout")
+      .def(py::init([](int beams, double angle_min_rad, double angle_max_rad, double forward_m, double range_max_m) {
+             return LaserLayout{beams, angle_min_rad, angle_max_rad, forward_m, range_max_m};
+           }),
+           py::kw_only(), py::arg("beams"), py::arg("angle_min_rad"), py::arg("angle_max_rad"), py::arg("forward_m"),
+           py::arg("range_max_m"));
+  py::class_<BoundNavigator>(m, "Navigator")
+      .def(py::init([](int robot_id, double radius_m, const LaserLayout& laser, double max_speed_mps,
+                       double max_turn_radps, bool is_car, bool by_path, py::type twist) {
+             const NavigatorBody body{robot_id, radius_m, laser, max_speed_mps, max_turn_radps, is_car};
+             return BoundNavigator{Navigator(body, by_path), std::move(twist)};
+           }),
+           py::kw_only(), py::arg("robot_id"), py::arg("radius_m"), py::arg("laser"), py::arg("max_speed_mps"),
+           py::arg("max_turn_radps"), py::arg("is_car"), py::arg("by_path"), py::arg("twist"))
+      .def("drive", &Drive);
 }
 
 }  // namespace
 
 void BindControl(py::module_& m) {
-  m.def("farthest_from", &FarthestFrom, py::arg("points_m"), py::arg("place_m"), py::arg("candidates_m"));
-  py::class_<ScanClearance>(m, "ScanClearance")
-      .def(py::init([](int beams, double angle_min_rad, double angle_max_rad, double forward_m, double range_max_m) {
-             return ScanClearance({beams, angle_min_rad, angle_max_rad, forward_m, range_max_m});
+  BindNavigator(m);
+  m.def(
+      "farthest_from",
+      [](const Doubles& points_m, const Point& place_m, const Doubles& candidates_m) {
+        return FarthestFrom(ToPoints(points_m), place_m, ToPoints(candidates_m));
+      },
+      py::arg("points_m"), py::arg("place_m"), py::arg("candidates_m"));
+  py::class_<Surroundings>(m, "Surroundings")
+      .def(py::init([](const LaserLayout& laser, int stride, double sensing_radius_m,
+                       const std::vector<double>& headings_rad) {
+             return Surroundings(ScanClearance(laser), stride, sensing_radius_m, headings_rad);
            }),
-           py::arg("beams"), py::arg("angle_min_rad"), py::arg("angle_max_rad"), py::arg("forward_m"),
-           py::arg("range_max_m"))
-      .def("hits", &Hits, py::arg("ranges_m"), py::arg("max_distance_m"))
-      .def("free_distance",
-           [](const ScanClearance& clearance, const Ranges& ranges, double heading_rad, double radius_m,
-              double max_distance_m) {
-             return clearance.FreeDistance(ToVector(ranges), heading_rad, radius_m, max_distance_m);
-           })
-      .def("free_distances", [](const ScanClearance& clearance, const Ranges& ranges,
-                                const std::vector<double>& headings_rad, double radius_m, double max_distance_m) {
-        return clearance.FreeDistances(ToVector(ranges), headings_rad, radius_m, max_distance_m);
-      });
-  py::class_<Sidestepper>(m, "Sidestepper")
-      .def(py::init<ScanClearance, std::vector<double>>(), py::arg("clearance"), py::arg("headings_rad"))
-      .def("find",
-           [](Sidestepper& sidestepper, const Ranges& ranges, double wanted_rad, double radius_m, double needed_m) {
-             const Sidestepper::Way way = sidestepper.Find(ToVector(ranges), wanted_rad, radius_m, needed_m);
-             return std::pair(way.heading, way.free);
+           py::kw_only(), py::arg("laser"), py::arg("stride"), py::arg("sensing_radius_m"), py::arg("headings_rad"))
+      .def("clearest_place",
+           [](const Surroundings& surroundings, const Pose& pose, const Ranges& ranges_m) -> std::optional<Point> {
+             const std::optional<Point> place = surroundings.ClearestPlace(ToVector(ranges_m));
+             if (!place) return std::nullopt;
+             const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
+             return Point{pose.x + cos * place->x - sin * place->y, pose.y + sin * place->x + cos * place->y};
            });
+  py::class_<HeardNotes>(m, "HeardNotes")
+      .def(py::init(&MakeNotes), py::arg("heard"))
+      .def_property_readonly("notes", &PairsOf);
+  py::class_<RuledOut>(m, "RuledOut")
+      .def(py::init<double, double, double>(), py::kw_only(), py::arg("radius_m"), py::arg("cell_m"),
+           py::arg("next_to_m"))
+      .def("clear", &RuledOut::Clear)
+      .def("add",
+           [](RuledOut& ruled_out, const Point& position, const std::optional<Point>& loudest) {
+             ruled_out.Add(HeardNote{position, loudest});
+           })
+      .def("add_all", [](RuledOut& ruled_out, const HeardNotes& heard) { ruled_out.Add(heard); })
+      .def("covers", &RuledOut::Covers);
 }
 
 }  // namespace robotteamsim::bindings

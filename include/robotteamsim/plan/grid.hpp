@@ -24,6 +24,12 @@ struct GridShape {
 /// scratch memory: one object serves one thread.
 class PlanningGrid {
  public:
+  /// A place, and what counts there.
+  struct Valued {
+    Point place;
+    double value;
+  };
+
   /// Blocks every cell whose centre is nearer than `inflation` [m] to an occupied cell (nonzero in `occupied`).
   PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation);
 
@@ -54,10 +60,20 @@ class PlanningGrid {
 
   /// Of the cells within `radius` [m] of `from` that can be reached from it inside that disc, the centre of the one
   /// with the least value of `field` (a DistanceField); nothing where `from` is blocked or all are infinite.
-  std::optional<Point> LeastReachable(const float* field, std::size_t size, const Point& from, double radius) const;
+  std::optional<Valued> LeastReachable(const float* field, std::size_t size, const Point& from, double radius) const;
 
   /// Of the same cells, the centre of the one nearest to `to`; nothing where `from` is blocked.
   std::optional<Point> NearestReachable(const Point& from, const Point& to, double radius) const;
+
+  /// `goal` where the straight way to it is free; else the place nearest to it that can be reached close by.
+  Point ReachableTowards(const Point& from, const Point& goal) const;
+
+  /// Where a shortest way first bends, and its whole length [m]. The bend is `goal` itself, at its straight distance,
+  /// where the straight way is free or there is no way of at most `max_length` [m].
+  Valued FirstStretch(const Point& from, const Point& goal, double max_length) const;
+
+  /// `goal` as the way to it begins: at the way's length, in the direction of its first stretch.
+  Point AlongWay(const Point& from, const Point& goal, double max_length) const;
 
   /// Of all free cells within `radius` [m] of `center`, the centre of the one nearest to `to`, as the crow flies.
   std::optional<Point> NearestInDisc(const Point& center, const Point& to, double radius) const;
@@ -70,15 +86,22 @@ class PlanningGrid {
     double length;
   };
 
+  struct Cell {
+    int index;
+    int row;
+    int col;
+  };
+
   bool Inside(int row, int col) const { return row >= 0 && row < shape_.rows && col >= 0 && col < shape_.cols; }
   bool Free(int row, int col) const { return Inside(row, col) && blocked_[row * shape_.cols + col] == 0; }
   std::uint8_t ExitsOf(int cell) const;
   int RowOf(double y) const;
   int ColOf(double x) const;
   int FreeCellOf(const Point& point) const;
+  Point Center(int row, int col) const;
   Point Center(int cell) const;
   template <typename Value>
-  std::optional<Point> BestReachable(const Point& from, double radius, const Value& value) const;
+  std::optional<Valued> BestReachable(const Point& from, double radius, const Value& value) const;
 
   GridShape shape_;
   std::vector<std::uint8_t> blocked_;
@@ -90,6 +113,7 @@ class PlanningGrid {
   mutable std::vector<std::uint32_t> stamp_;
   mutable std::vector<double> length_;
   mutable std::vector<int> parent_;
+  mutable std::vector<Cell> reached_;
 };
 
 }  // namespace robotteamsim

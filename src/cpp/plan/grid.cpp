@@ -9,10 +9,18 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robotteamsim/geometry/hypot.hpp"
+
 namespace robotteamsim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// So far from a blocked place its way begins or ends at the nearest free cell [m].
+constexpr double kNearby = 1.0;
+
+/// Of the steps of a grid, those along a row or a column.
+constexpr std::array<std::size_t, 4> kStraightSteps{1, 3, 4, 6};
 
 double SquaredDistance(const Point& a, const Point& b) { return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y); }
 
@@ -84,10 +92,11 @@ int PlanningGrid::FreeCellOf(const Point& point) const {
   return row >= 0 && col >= 0 && Free(row, col) ? row * shape_.cols + col : -1;
 }
 
-Point PlanningGrid::Center(int cell) const {
-  return {shape_.origin.x + (cell % shape_.cols + 0.5) * shape_.resolution,
-          shape_.origin.y + (cell / shape_.cols + 0.5) * shape_.resolution};
+Point PlanningGrid::Center(int row, int col) const {
+  return {shape_.origin.x + (col + 0.5) * shape_.resolution, shape_.origin.y + (row + 0.5) * shape_.resolution};
 }
+
+Point PlanningGrid::Center(int cell) const { return Center(cell / shape_.cols, cell % shape_.cols); }
 
 std::uint8_t PlanningGrid::ExitsOf(int cell) const {
   const int row = cell / shape_.cols;
@@ -120,7 +129,7 @@ std::optional<Point> PlanningGrid::NearestInDisc(const Point& center, const Poin
   for (int row = static_cast<int>(std::max(0.0, low_row)); row < std::min<double>(shape_.rows, high_row); ++row) {
     for (int col = static_cast<int>(std::max(0.0, low_col)); col < std::min<double>(shape_.cols, high_col); ++col) {
       if (!Free(row, col)) continue;
-      const Point cell = Center(row * shape_.cols + col);
+      const Point cell = Center(row, col);
       const double squared = SquaredDistance(cell, to);
       if (squared >= best_squared || SquaredDistance(cell, center) > radius * radius) continue;
       best = cell;
@@ -255,46 +264,78 @@ std::vector<Point> PlanningGrid::Shortcut(const std::vector<Point>& path) const 
 }
 
 template <typename Value>
-std::optional<Point> PlanningGrid::BestReachable(const Point& from, double radius, const Value& value) const {
+std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const Point& from, double radius,
+                                                                const Value& value) const {
   const int start = FreeCellOf(from);
   if (start < 0) return std::nullopt;
   ++search_;
-  std::vector<int> reached{start};
+  reached_.assign(1, {start, start / shape_.cols, start % shape_.cols});
   stamp_[start] = search_;
   int best = -1;
   double best_value = kInfinity;
-  for (std::size_t i = 0; i < reached.size(); ++i) {
-    const int cell = reached[i];
-    const double cell_value = value(cell);
+  for (std::size_t i = 0; i < reached_.size(); ++i) {
+    const auto [cell, row, col] = reached_[i];
+    const Point center = Center(row, col);
+    const double cell_value = value(cell, center);
     if (cell_value < best_value || (cell_value == best_value && best >= 0 && cell < best)) {
       best = cell;
       best_value = cell_value;
     }
-    const Point center = Center(cell);
-    for (std::size_t s = 0; s < steps_.size(); ++s) {
+    // Every diagonal step has a way around by two straight ones.
+    for (const std::size_t s : kStraightSteps) {
       const Step& step = steps_[s];
-      // Every diagonal step has a way around by two straight ones.
-      if ((exits_[cell] >> s & 1U) == 0 || (step.d_row != 0 && step.d_col != 0)) continue;
       const int next = cell + step.offset;
-      if (stamp_[next] == search_) continue;
+      if ((exits_[cell] >> s & 1U) == 0 || stamp_[next] == search_) continue;
       const Point next_center{center.x + step.d_col * shape_.resolution, center.y + step.d_row * shape_.resolution};
       if (SquaredDistance(next_center, from) > radius * radius) continue;
       stamp_[next] = search_;
-      reached.push_back(next);
+      reached_.push_back({next, row + step.d_row, col + step.d_col});
     }
   }
   if (best < 0) return std::nullopt;
-  return Center(best);
+  return Valued{Center(best), best_value};
 }
 
-std::optional<Point> PlanningGrid::LeastReachable(const float* field, std::size_t size, const Point& from,
-                                                  double radius) const {
+std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* field, std::size_t size,
+                                                                 const Point& from, double radius) const {
   if (size != blocked_.size()) throw std::invalid_argument("the field must have one value per cell");
-  return BestReachable(from, radius, [&](int cell) { return static_cast<double>(field[cell]); });
+  return BestReachable(from, radius, [&](int cell, const Point&) { return static_cast<double>(field[cell]); });
 }
 
 std::optional<Point> PlanningGrid::NearestReachable(const Point& from, const Point& to, double radius) const {
-  return BestReachable(from, radius, [&](int cell) { return SquaredDistance(Center(cell), to); });
+  const auto best = BestReachable(from, radius, [&](int, const Point& center) { return SquaredDistance(center, to); });
+  if (!best) return std::nullopt;
+  return best->place;
+}
+
+Point PlanningGrid::ReachableTowards(const Point& from, const Point& goal) const {
+  if (IsLineFree(from, goal)) return goal;
+  const std::optional<Point> start = NearestFree(from, kNearby);
+  if (!start) return goal;
+  const double radius = Hypot(start->x - goal.x, start->y - goal.y) + shape_.resolution;
+  return NearestReachable(*start, goal, radius).value_or(goal);
+}
+
+PlanningGrid::Valued PlanningGrid::FirstStretch(const Point& from, const Point& goal, double max_length) const {
+  const Valued straight{goal, Hypot(from.x - goal.x, from.y - goal.y)};
+  if (IsLineFree(from, goal)) return straight;
+  const std::optional<Point> start = NearestFree(from, kNearby), end = NearestFree(goal, kNearby);
+  if (!start || !end) return straight;
+  const std::vector<Point> corners = Shortcut(ShortestPath(*start, *end, max_length));
+  if (corners.size() < 2) return straight;
+  double length = 0.0;
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    length += Hypot(corners[i - 1].x - corners[i].x, corners[i - 1].y - corners[i].y);
+  }
+  return {corners[1], length};
+}
+
+Point PlanningGrid::AlongWay(const Point& from, const Point& goal, double max_length) const {
+  const auto [bend, length] = FirstStretch(from, goal, max_length);
+  const double bend_distance = Hypot(from.x - bend.x, from.y - bend.y);
+  if ((bend.x == goal.x && bend.y == goal.y) || bend_distance == 0.0) return goal;
+  const double stretch = length / bend_distance;
+  return {from.x + stretch * (bend.x - from.x), from.y + stretch * (bend.y - from.y)};
 }
 
 }  // namespace robotteamsim

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from operator import attrgetter
 from typing import NamedTuple
 
+from robotteamsim import _core
 from robotteamsim.control.controller import OUTSIDE
 from robotteamsim.control.report import Best, Report
-from robotteamsim.control.ruled_out import Heard
 from robotteamsim.swarm import SwarmState, Vector
 
 
@@ -44,15 +44,15 @@ class CommonView:
             self.values.setdefault(report.swarm_id, {})[report.robot_id] = report.value
             self.positions.setdefault(report.swarm_id, {})[report.robot_id] = report.position
         self.doors = tuple(dict.fromkeys(sighting for report in reports for sighting in report.doors))
-        self._comparable: dict[tuple[object, ...], tuple[Heard, dict[int, Bests]]] = {}
+        self._comparable: dict[tuple[object, ...], tuple[_core.HeardNotes, dict[int, Bests]]] = {}
 
-    def comparable(self, own: Report) -> tuple[Heard, dict[int, Bests]]:
+    def comparable(self, own: Report) -> tuple[_core.HeardNotes, dict[int, Bests]]:
         """Return what those hear, and by swarm report as bests, who have a robot's task and agree with it on doors."""
         key = (own.epoch, own.doors)
         if key not in self._comparable:
             reports = tuple(report for report in self.reports if (report.epoch, report.doors) == key)
             swarm_ids = {report.swarm_id for report in reports}
-            heard = tuple((report.position, report.loudest) for report in reports)
+            heard = _core.HeardNotes([(report.position, report.loudest) for report in reports])
             self._comparable[key] = heard, {swarm_id: _bests_of(swarm_id, reports) for swarm_id in swarm_ids}
         return self._comparable[key]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import itertools
 import math
 
 import numpy as np
@@ -43,19 +42,20 @@ class KnownMap:
         length_m = self.grid.value_at(field, start) if field is not None and start is not None else math.inf
         return length_m if math.isfinite(length_m) else UNREACHABLE_M + math.dist(goal, position)
 
-    def nearest_by_path(self, goal: Vector, position: Vector, radius_m: float) -> Vector:
-        """Return the cell around a robot from which the path to a goal is shortest.
+    def nearest_by_path(self, goal: Vector, position: Vector, radius_m: float) -> tuple[Vector, float]:
+        """Return the cell around a robot from which the path to a goal is shortest, and how long that is [m].
 
         The cells are those that the robot can reach within `radius_m` of it. Where the goal cannot be reached, the
-        one nearest as the crow flies.
+        one nearest as the crow flies, with the length that `distance_m` gives.
         """
         field = self._field(goal)
         start = self.grid.nearest_free(position, 1.0)
         if field is not None and start is not None:
-            cell = self.grid.least_reachable(field, start, radius_m)
-            if cell is not None:
-                return cell
-        return self.nearest_by_sight(goal, position, radius_m)
+            best = self.grid.least_reachable(field, start, radius_m)
+            if best is not None:
+                return best
+        cell = self.nearest_by_sight(goal, position, radius_m)
+        return cell, self.distance_m(goal, cell)
 
     def nearest_by_sight(self, goal: Vector, position: Vector, radius_m: float) -> Vector:
         """Return the free cell within `radius_m` of a robot that is nearest to a goal as the crow flies."""
@@ -67,26 +67,18 @@ class KnownMap:
 
         The bend is `goal` itself, at its straight distance, where the way is free or no path of `max_length_m` exists.
         """
-        straight_m = math.dist(start, goal)
-        if self.grid.is_line_free(start, goal):
-            return goal, straight_m
-        free_start = self.grid.nearest_free(start, 1.0)
-        free_goal = self.grid.nearest_free(goal, 1.0)
-        if free_start is None or free_goal is None:
-            return goal, straight_m
-        corners = self.grid.waypoints(free_start, free_goal, max_length_m)
-        if len(corners) < 2:
-            return goal, straight_m
-        return corners[1], sum(math.dist(a, b) for a, b in itertools.pairwise(corners))
+        stretch: tuple[Vector, float] = self.grid.first_stretch(start, goal, max_length_m)
+        return stretch
+
+    def along_path(self, start: Vector, goal: Vector, max_length_m: float) -> Vector:
+        """Return a goal as the path to it begins: at the path's length, in the direction of its `first_stretch`."""
+        place: Vector = self.grid.along_way(start, goal, max_length_m)
+        return place
 
     def reachable_towards(self, start: Vector, goal: Vector) -> Vector:
         """Return the goal where the straight way is free; else the place nearest to it that can be reached close by."""
-        if self.grid.is_line_free(start, goal):
-            return goal
-        free_start = self.grid.nearest_free(start, 1.0)
-        if free_start is None:
-            return goal
-        return self.grid.nearest_reachable(free_start, goal, math.dist(free_start, goal) + GRID_RESOLUTION_M)
+        place: Vector = self.grid.reachable_towards(start, goal)
+        return place
 
     def _field(self, goal: Vector) -> np.ndarray | None:
         if goal not in self._fields:

@@ -32,5 +32,5 @@ def find_local_best(
     if scenario.control.navigation == "straight":
         cell = known_map.nearest_by_sight(area, position, radius_m)
         return Best(-math.dist(area, cell), cell)
-    cell = known_map.nearest_by_path(area, position, radius_m)
-    return Best(-known_map.distance_m(area, cell), cell)
+    cell, length_m = known_map.nearest_by_path(area, position, radius_m)
+    return Best(-length_m, cell)

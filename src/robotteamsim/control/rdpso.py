@@ -87,8 +87,6 @@ class RdpsoController:
         self._task = Task()
         self._team: dict[int, Report] = {}
         """The last report of every teammate heard so far."""
-        self._teammates: dict[int, Vector] = {}
-        """Where each of them was then."""
         self._iteration = -1
         self._epoch = -1
         self._own: Report | None = None
@@ -114,7 +112,6 @@ class RdpsoController:
             report = parse_report(message.payload)
             if report is not None and report.robot_id != self._robot_id:
                 self._team[report.robot_id] = report
-                self._teammates[report.robot_id] = report.position
 
     def decide(self) -> Decision:
         """Return command and messages for this step."""
@@ -255,12 +252,7 @@ class RdpsoController:
         """Return a place as the path to it begins: at the path's length, in the direction of its first stretch."""
         if self._control.navigation == "straight":
             return place
-        bend, length_m = self._map.first_stretch(position, place, LONGEST_DETOUR_M)
-        bend_m = math.dist(position, bend)
-        if bend == place or bend_m == 0.0:
-            return place
-        stretch = length_m / bend_m
-        return position[0] + stretch * (bend[0] - position[0]), position[1] + stretch * (bend[1] - position[1])
+        return self._map.along_path(position, place, LONGEST_DETOUR_M)
 
     def _drive(self, pose: Pose, ranges_m: np.ndarray) -> tuple[Twist, Vector]:
         """Return the command towards the goal, and the goal: the next point, or wherever a wandering robot goes."""
@@ -270,7 +262,13 @@ class RdpsoController:
         if goal is None:
             goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), time_s)
             speed_mps = self._control.max_step_speed_mps
-        return self._navigator.drive(self._map, pose, ranges_m, goal, speed_mps, time_s, self._teammates), goal
+        return self._navigator.drive(
+            self._map, pose, ranges_m, goal, speed_mps, time_s, self._where_teammates_were
+        ), goal
+
+    def _where_teammates_were(self) -> dict[int, Vector]:
+        """Return where each teammate was when it was last heard."""
+        return {robot_id: report.position for robot_id, report in self._team.items()}
 
     def _update_map(self) -> None:
         """Take the map with the doors as believed now; bests along other paths are forgotten."""

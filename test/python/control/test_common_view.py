@@ -49,6 +49,6 @@ def test_only_robots_of_the_same_task_and_doors_are_compared():
     door = (("door", True, 2),)
     reports = (report(0), report(1, epoch=2), report(2, doors=door), report(3, loudest=(5.0, 5.0)))
     view = CommonView(reports)
-    assert view.comparable(reports[0])[0] == (((0.0, 0.0), None), ((3.0, 0.0), (5.0, 5.0)))
-    assert view.comparable(reports[2])[0] == (((2.0, 0.0), None),)
+    assert view.comparable(reports[0])[0].notes == [((0.0, 0.0), None), ((3.0, 0.0), (5.0, 5.0))]
+    assert view.comparable(reports[2])[0].notes == [((2.0, 0.0), None)]
     assert view.doors == door

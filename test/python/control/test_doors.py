@@ -91,7 +91,7 @@ def test_closed_door_lengthens_the_path(plan):
     assert around_m == pytest.approx(2.0 * math.dist((9.0, 2.0), (10.0, 8.0)), rel=0.12)
     shut = KnownMap(plan, 0.2, (("a", True), ("b", True)))
     assert shut.distance_m(far, near) == pytest.approx(UNREACHABLE_M + 2.0)
-    assert math.dist(shut.nearest_by_path(far, near, 1.5), far) < 2.0
+    assert math.dist(shut.nearest_by_path(far, near, 1.5)[0], far) < 2.0
 
 
 def test_team_finds_the_other_door_when_the_nearer_one_was_closed(team, hall_scenario, plan):

@@ -71,7 +71,13 @@ class Drivers:
             if goal is not None:
                 others = {k: place for k, place in places.items() if k != i}
                 self._twists[i] = self._navigators[i].drive(
-                    self.map, reading.ground_truth.pose, reading.ranges_m, goal, 0.5, self.time_s, others
+                    self.map,
+                    reading.ground_truth.pose,
+                    reading.ranges_m,
+                    goal,
+                    0.5,
+                    self.time_s,
+                    lambda others=others: others,
                 )
 
     @property

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "robotteamsim/control/clearance.hpp"
+#include "robotteamsim/plan/grid.hpp"
+#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/world/drive.hpp"
+
+namespace robotteamsim {
+
+/// The robot that a navigator drives.
+struct NavigatorBody {
+  int robot_id = 0;
+  double radius = 0.2;  ///< [m]
+  LaserLayout laser;
+  double max_speed = 0.7;  ///< [m/s]
+  double max_turn = 2.0;   ///< [rad/s]
+  bool is_car = false;     ///< cannot turn on the spot
+};
+
+/// Drives one robot to a goal: along the known map, around what the laser sees, and out of jams.
+class Navigator {
+ public:
+  /// Robots by their ids, and where they were last heard to be [m, map].
+  using Teammates = std::vector<std::pair<int, Point>>;
+
+  /// What is known in one step.
+  struct Situation {
+    const PlanningGrid& grid;
+    Pose pose;
+    const std::vector<float>& ranges;
+    double time;                                  ///< of the simulation [s]
+    const std::function<Teammates()>& teammates;  ///< asked for only where the robot is stuck
+  };
+
+  /// Without `by_path` it drives straight towards its goals, as if there were no map.
+  Navigator(const NavigatorBody& body, bool by_path);
+
+  /// Returns the command of this step. A goal [m, map] inside an obstacle stands for the nearest free point that can be
+  /// reached. `speed` [m/s] is not exceeded. With another grid or goal than in the last step the way is looked for
+  /// anew.
+  Twist Drive(const std::shared_ptr<const PlanningGrid>& grid, const Pose& pose, const std::vector<float>& ranges,
+              const Point& goal, double speed, double time, const std::function<Teammates()>& teammates);
+
+ private:
+  std::vector<Point> FindRoute(const PlanningGrid& grid, const Point& position, const Point& goal) const;
+  void FollowRoute(const PlanningGrid& grid, const Point& position);
+  void WatchProgress(const Situation& now);
+  bool Yields(const Point& position, const Teammates& teammates) const;
+  Point FindEscape(const Situation& now, const Teammates& teammates) const;
+  double RoomAt(const Situation& now, const Point& point, double heading, const std::vector<Point>& near) const;
+  Twist Steer(const Pose& pose, const std::vector<float>& ranges, const Point& point, double speed, bool is_last);
+  double ManoeuvringSpeed(const std::vector<float>& ranges, double speed) const;
+
+  NavigatorBody body_;
+  bool by_path_;
+  ScanClearance clearance_;
+  Sidestepper sidestepper_;
+
+  std::shared_ptr<const PlanningGrid> grid_;
+  Point goal_;
+  std::vector<Point> route_;  ///< points to drive to, one after the other; at least one after the first step
+  std::size_t next_ = 0;      ///< of the route
+
+  /// Where and since when the robot makes no progress.
+  Point anchor_{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  double anchor_time_ = 0.0;
+  std::optional<Point> escape_;
+  double escape_until_ = 0.0;
+  int num_escapes_ = 0;
+};
+
+}  // namespace robotteamsim

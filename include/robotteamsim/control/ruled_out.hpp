@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "robotteamsim/plan/types.hpp"
+
+namespace robotteamsim {
+
+/// Where a robot was, and the loudest cell that it heard there; none if it heard nothing.
+struct HeardNote {
+  Point position;
+  std::optional<Point> loudest;
+};
+
+/// The square of 0.25 m in which a robot was and the loudest cell that it heard: notes that agree in both say the same.
+struct HeardKey {
+  explicit HeardKey(const HeardNote& note);
+
+  bool operator==(const HeardKey& other) const;
+
+  double column, row;
+  bool hears;
+  Point loudest;
+};
+
+/// What several robots hear, in an order; made once for all who take note of it.
+class HeardNotes {
+ public:
+  explicit HeardNotes(std::vector<HeardNote> notes);
+
+  const std::vector<HeardNote>& notes() const { return notes_; }
+  const std::vector<HeardKey>& keys() const { return keys_; }
+
+ private:
+  std::vector<HeardNote> notes_;
+  std::vector<HeardKey> keys_;
+};
+
+/// What is known of where victims are not.
+///
+/// A note rules out all places within `radius` [m] of its robot but the cell, of width `cell` [m], that it hears
+/// loudest, and everything within `next_to` [m].
+class RuledOut {
+ public:
+  RuledOut(double radius, double cell, double next_to);
+
+  /// Forgets all notes.
+  void Clear();
+
+  /// Takes note; of notes that say the same, of the first.
+  void Add(const HeardNote& note) { Add(note, HeardKey(note)); }
+  void Add(const HeardNotes& heard);
+
+  bool Covers(const Point& place) const;
+
+ private:
+  struct KeyHash {
+    std::size_t operator()(const HeardKey& key) const;
+  };
+
+  void Add(const HeardNote& note, const HeardKey& key);
+  bool RulesOut(const HeardNote& note, const Point& place) const;
+  std::int64_t BucketOf(double x, double y, int d_column, int d_row) const;
+
+  double radius_, cell_, next_to_, bucket_;
+  std::unordered_set<HeardKey, KeyHash> known_;
+  std::unordered_map<std::int64_t, std::vector<HeardNote>> buckets_;
+};
+
+}  // namespace robotteamsim

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "robotteamsim/control/clearance.hpp"
+#include "robotteamsim/plan/types.hpp"
+
+namespace robotteamsim {
+
+/// The index of the candidate that is farther from all points than `place` and than the candidates before it; -1 where
+/// none is farther than `place`.
+int FarthestFrom(const std::vector<Point>& points, const Point& place, const std::vector<Point>& candidates);
+
+/// Finds where there is room around a robot, among what some of its beams see.
+class Surroundings {
+ public:
+  /// `clearance` reads each `stride`-th beam of a scan. Places are looked for along `headings` [rad, base_link].
+  Surroundings(ScanClearance clearance, int stride, double sensing_radius, std::vector<double> headings);
+
+  /// Of the places seen free at half the sensing radius and at all of it, and the robot's own, the one farthest from
+  /// what the beams hit [m, base_link]; nothing where they hit nothing within the radius.
+  std::optional<Point> ClearestPlace(const std::vector<float>& ranges) const;
+
+ private:
+  ScanClearance clearance_;
+  std::size_t stride_;
+  double sensing_radius_;
+  std::vector<double> headings_;
+};
+
+}  // namespace robotteamsim

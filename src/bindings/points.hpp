@@ -1,0 +1,71 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <array>
+#include <cstddef>
+
+#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/world/drive.hpp"
+
+namespace robotteamsim::bindings {
+
+/// Reads as many numbers as a sequence of Python must have; false, without an error of Python's, where it is another.
+template <std::size_t count>
+bool ReadNumbers(pybind11::handle source, std::array<double, count>* numbers) {
+  const auto sequence = pybind11::reinterpret_steal<pybind11::object>(PySequence_Fast(source.ptr(), ""));
+  bool is_good = sequence && PySequence_Fast_GET_SIZE(sequence.ptr()) == static_cast<Py_ssize_t>(count);
+  for (std::size_t i = 0; i < count && is_good; ++i) {
+    (*numbers)[i] = PyFloat_AsDouble(PySequence_Fast_GET_ITEM(sequence.ptr(), static_cast<Py_ssize_t>(i)));
+    is_good = (*numbers)[i] != -1.0 || PyErr_Occurred() == nullptr;
+  }
+  PyErr_Clear();
+  return is_good;
+}
+
+/// Returns a tuple of floats; `type` is `tuple` or a class of it that adds nothing, as a NamedTuple does.
+template <std::size_t count>
+pybind11::object MakeTuple(PyTypeObject* type, const std::array<double, count>& numbers) {
+  auto tuple = pybind11::reinterpret_steal<pybind11::object>(type->tp_alloc(type, count));
+  if (!tuple) throw pybind11::error_already_set();
+  for (std::size_t i = 0; i < count; ++i) {
+    PyTuple_SET_ITEM(tuple.ptr(), static_cast<Py_ssize_t>(i), PyFloat_FromDouble(numbers[i]));
+  }
+  return tuple;
+}
+
+}  // namespace robotteamsim::bindings
+
+namespace pybind11::detail {
+
+/// A point is (x, y) in Python.
+template <>
+struct type_caster<robotteamsim::Point> {
+  PYBIND11_TYPE_CASTER(robotteamsim::Point, const_name("tuple[float, float]"));
+
+  bool load(handle source, bool) {
+    std::array<double, 2> numbers;
+    if (!robotteamsim::bindings::ReadNumbers(source, &numbers)) return false;
+    value = {numbers[0], numbers[1]};
+    return true;
+  }
+
+  static handle cast(const robotteamsim::Point& point, return_value_policy, handle) {
+    return robotteamsim::bindings::MakeTuple<2>(&PyTuple_Type, {point.x, point.y}).release();
+  }
+};
+
+/// A pose is (x, y, yaw) in Python.
+template <>
+struct type_caster<robotteamsim::Pose> {
+  PYBIND11_TYPE_CASTER(robotteamsim::Pose, const_name("tuple[float, float, float]"));
+
+  bool load(handle source, bool) {
+    std::array<double, 3> numbers;
+    if (!robotteamsim::bindings::ReadNumbers(source, &numbers)) return false;
+    value = {numbers[0], numbers[1], numbers[2]};
+    return true;
+  }
+};
+
+}  // namespace pybind11::detail

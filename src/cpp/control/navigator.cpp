@@ -1,0 +1,186 @@
+#include "robotteamsim/control/navigator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "robotteamsim/geometry/hypot.hpp"
+
+namespace robotteamsim {
+namespace {
+
+const double kTau = 2.0 * std::acos(-1.0);
+
+constexpr double kArrived = 0.05;  // [m]
+/// Kept between the body and what the laser sees; below the map's margin, so that planned paths are not refused [m].
+constexpr double kLaserMargin = 0.04;
+constexpr double kLookAhead = 0.5;      // [m]
+constexpr double kLongestPath = 200.0;  // [m]
+constexpr double kTurnInPlace = 0.8;    // [rad]
+constexpr double kTurnGain = 3.0;       // [1/s]
+constexpr double kBraking = 1.0;        // [m/s^2]
+constexpr double kManoeuvring = 0.3;    // [m/s]
+/// A car that must turn far drives slowly ahead while it has this much room, else back [m].
+constexpr double kRoomToTurn = 0.4;
+
+constexpr double kProgress = 0.2;  // [m]
+constexpr double kPatience = 4.0;  // [s]
+/// How long a robot without progress waits beside a teammate of lower id, who has the right of way [s].
+constexpr double kYieldingPatience = 2.0;
+constexpr double kEscape = 0.7;            // [m]
+constexpr double kEscapeTime = 3.0;        // [s]
+constexpr int kEscapeHeadings = 16;        // tried around the robot
+constexpr double kNearTeammate = 1.0;      // [m]
+constexpr double kNearestFreeStart = 1.0;  // [m]
+constexpr double kNearestFreeGoal = 3.0;   // [m]
+
+double Distance(const Point& a, const Point& b) { return Hypot(a.x - b.x, a.y - b.y); }
+
+Point PlaceOf(const Pose& pose) { return {pose.x, pose.y}; }
+
+bool IsSeen(double heading, const LaserLayout& laser) {
+  return laser.angle_min <= heading && heading <= laser.angle_max;
+}
+
+/// Headings that a robot may take to pass an obstacle: those that its laser sees, every 10 degrees.
+std::vector<double> SidestepsOf(const LaserLayout& laser) {
+  std::vector<double> headings;
+  for (int i = -9; i <= 9; ++i) {
+    const double heading = 10.0 * i * (0.5 * kTau / 180.0);
+    if (IsSeen(heading, laser)) headings.push_back(heading);
+  }
+  if (headings.empty()) headings.push_back(0.0);
+  return headings;
+}
+
+}  // namespace
+
+Navigator::Navigator(const NavigatorBody& body, bool by_path)
+    : body_(body), by_path_(by_path), clearance_(body.laser), sidestepper_(clearance_, SidestepsOf(body.laser)) {}
+
+Twist Navigator::Drive(const std::shared_ptr<const PlanningGrid>& grid, const Pose& pose,
+                       const std::vector<float>& ranges, const Point& goal, double speed, double time,
+                       const std::function<Teammates()>& teammates) {
+  const Point position = PlaceOf(pose);
+  if (grid != grid_ || goal.x != goal_.x || goal.y != goal_.y) {
+    grid_ = grid;
+    goal_ = goal;
+    route_ = FindRoute(*grid, position, goal);
+    next_ = 0;
+  }
+  WatchProgress({*grid, pose, ranges, time, teammates});
+  if (escape_) return Steer(pose, ranges, *escape_, body_.max_speed, true);
+  FollowRoute(*grid, position);
+  return Steer(pose, ranges, route_[next_], speed, next_ + 1 == route_.size());
+}
+
+std::vector<Point> Navigator::FindRoute(const PlanningGrid& grid, const Point& position, const Point& goal) const {
+  if (!by_path_) return {grid.NearestFree(goal, kNearestFreeGoal).value_or(goal)};
+  if (grid.IsLineFree(position, goal)) return {goal};
+  const std::optional<Point> start = grid.NearestFree(position, kNearestFreeStart);
+  if (!start) return {goal};
+  std::vector<Point> corners = grid.Shortcut(grid.ShortestPath(*start, goal, kLongestPath));
+  if (corners.size() < 2) return {grid.ReachableTowards(position, goal)};
+  corners.erase(corners.begin());
+  corners.back() = goal;
+  return corners;
+}
+
+void Navigator::FollowRoute(const PlanningGrid& grid, const Point& position) {
+  while (next_ + 1 < route_.size() && grid.IsLineFree(position, route_[next_ + 1])) ++next_;
+  if (next_ + 1 < route_.size() && Distance(position, route_[next_]) < kArrived) ++next_;
+}
+
+/// Starts an escape when the robot wants to move and does not, ends one when it is over.
+void Navigator::WatchProgress(const Situation& now) {
+  const Point position = PlaceOf(now.pose);
+  const bool moved = Distance(position, anchor_) > kProgress;
+  const bool arrived = Distance(position, route_.back()) < 2.0 * kArrived;
+  if (escape_) {
+    if (now.time < escape_until_ && Distance(position, *escape_) > kArrived) return;
+    escape_.reset();
+    anchor_ = position;
+    anchor_time_ = now.time;
+  }
+  if (moved || arrived) {
+    if (moved) num_escapes_ = 0;
+    anchor_ = position;
+    anchor_time_ = now.time;
+    return;
+  }
+  const double waited = now.time - anchor_time_;
+  if (waited <= kYieldingPatience) return;
+  const Teammates teammates = now.teammates();
+  if (waited <= kPatience && !Yields(position, teammates)) return;
+  escape_ = FindEscape(now, teammates);
+  escape_until_ = now.time + kEscapeTime;
+  ++num_escapes_;
+}
+
+/// Whether a teammate of lower id is near.
+bool Navigator::Yields(const Point& position, const Teammates& teammates) const {
+  return std::any_of(teammates.begin(), teammates.end(), [&](const auto& teammate) {
+    return teammate.first < body_.robot_id && Distance(position, teammate.second) < kNearTeammate;
+  });
+}
+
+/// Returns a point nearby with room around it. Robots, and one robot's attempts, begin to look at other sides.
+Point Navigator::FindEscape(const Situation& now, const Teammates& teammates) const {
+  const Point position = PlaceOf(now.pose);
+  const bool is_free = now.grid.IsFree(position);
+  // Those farther away leave all the room that counts.
+  const double reach = 2.0 * kEscape + body_.radius + 1e-6;
+  std::vector<Point> near;
+  for (const auto& [robot_id, other] : teammates) {
+    if (Distance(position, other) < reach) near.push_back(other);
+  }
+  Point best = position;
+  double best_room = -std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kEscapeHeadings; ++i) {
+    const int side = (i + 5 * body_.robot_id + 3 * num_escapes_) % kEscapeHeadings;
+    const double heading = kTau * side / kEscapeHeadings;
+    const Point point{position.x + kEscape * std::cos(heading), position.y + kEscape * std::sin(heading)};
+    if (!(is_free ? now.grid.IsLineFree(position, point) : now.grid.IsFree(point))) continue;
+    const double room = RoomAt(now, point, heading, near);
+    if (room > best_room + 1e-9) {
+      best = point;
+      best_room = room;
+    }
+  }
+  return best;
+}
+
+/// Returns how much room there is between others and a point, and on the way to it as far as the laser sees.
+double Navigator::RoomAt(const Situation& now, const Point& point, double heading,
+                         const std::vector<Point>& near) const {
+  double room = kEscape;
+  for (const Point& other : near) room = std::min(room, Distance(point, other) - body_.radius);
+  const double relative = NormaliseAngle(heading - now.pose.yaw);
+  if (!IsSeen(relative, body_.laser)) return room;
+  return std::min(room, clearance_.FreeDistance(now.ranges, relative, body_.radius + kLaserMargin, kEscape));
+}
+
+/// Returns the command that leads towards a point in sight, around what stands in the way.
+Twist Navigator::Steer(const Pose& pose, const std::vector<float>& ranges, const Point& point, double speed,
+                       bool is_last) {
+  const double dx = point.x - pose.x, dy = point.y - pose.y;
+  const double distance = Hypot(dx, dy);
+  if (distance < kArrived) return {};
+  const double wanted = NormaliseAngle(std::atan2(dy, dx) - pose.yaw);
+  const double needed = std::min(distance, kLookAhead);
+  const auto [heading, free] = sidestepper_.Find(ranges, wanted, body_.radius + kLaserMargin, needed);
+  const double turn = std::clamp(kTurnGain * heading, -body_.max_turn, body_.max_turn);
+  if (std::abs(heading) > kTurnInPlace) return {ManoeuvringSpeed(ranges, speed), 0.0, turn};
+  const double room = is_last ? std::min(free, distance) : free;
+  const double fastest = std::min({speed, body_.max_speed, std::sqrt(2.0 * kBraking * std::max(0.0, room))});
+  return {fastest * std::cos(heading), 0.0, turn};
+}
+
+/// Returns how fast to drive while turning far: not at all, but a car must; back where no room is ahead.
+double Navigator::ManoeuvringSpeed(const std::vector<float>& ranges, double speed) const {
+  if (!body_.is_car) return 0.0;
+  const double free = clearance_.FreeDistance(ranges, 0.0, body_.radius + kLaserMargin, kRoomToTurn);
+  return std::copysign(std::min({speed, body_.max_speed, kManoeuvring}), free >= kRoomToTurn ? 1.0 : -1.0);
+}
+
+}  // namespace robotteamsim

@@ -1,0 +1,90 @@
+#include "robotteamsim/control/ruled_out.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+#include <utility>
+
+#include "robotteamsim/geometry/hypot.hpp"
+
+namespace robotteamsim {
+namespace {
+
+constexpr double kSamePlace = 0.25;
+
+double Distance(const Point& a, const Point& b) { return Hypot(a.x - b.x, a.y - b.y); }
+
+}  // namespace
+
+HeardKey::HeardKey(const HeardNote& note)
+    : column(std::nearbyint(note.position.x / kSamePlace)),
+      row(std::nearbyint(note.position.y / kSamePlace)),
+      hears(note.loudest.has_value()),
+      loudest(note.loudest.value_or(Point{})) {}
+
+bool HeardKey::operator==(const HeardKey& other) const {
+  return column == other.column && row == other.row && hears == other.hears && loudest.x == other.loudest.x &&
+         loudest.y == other.loudest.y;
+}
+
+HeardNotes::HeardNotes(std::vector<HeardNote> notes) : notes_(std::move(notes)) {
+  for (const HeardNote& note : notes_) keys_.emplace_back(note);
+}
+
+RuledOut::RuledOut(double radius, double cell, double next_to)
+    : radius_(radius), cell_(cell), next_to_(next_to), bucket_(std::max(radius, next_to)) {
+  if (!(bucket_ > 0.0)) throw std::invalid_argument("a note must rule out some place");
+}
+
+std::size_t RuledOut::KeyHash::operator()(const HeardKey& key) const {
+  const std::hash<double> hash;  // takes 0.0 and -0.0 for one
+  std::size_t mixed = key.hears ? 1 : 0;
+  for (const double part : {key.column, key.row, key.loudest.x, key.loudest.y}) {
+    mixed = (mixed ^ hash(part)) * 0x9E3779B97F4A7C15U;
+    mixed ^= mixed >> 32U;
+  }
+  return mixed;
+}
+
+std::int64_t RuledOut::BucketOf(double x, double y, int d_column, int d_row) const {
+  const auto column = static_cast<std::int64_t>(std::floor(x / bucket_)) + d_column;
+  const auto row = static_cast<std::int64_t>(std::floor(y / bucket_)) + d_row;
+  return column * (std::int64_t{1} << 32) + row;
+}
+
+void RuledOut::Clear() {
+  known_.clear();
+  buckets_.clear();
+}
+
+void RuledOut::Add(const HeardNote& note, const HeardKey& key) {
+  if (known_.insert(key).second) buckets_[BucketOf(note.position.x, note.position.y, 0, 0)].push_back(note);
+}
+
+void RuledOut::Add(const HeardNotes& heard) {
+  for (std::size_t i = 0; i < heard.notes().size(); ++i) Add(heard.notes()[i], heard.keys()[i]);
+}
+
+bool RuledOut::Covers(const Point& place) const {
+  for (const int d_column : {-1, 0, 1}) {
+    for (const int d_row : {-1, 0, 1}) {
+      const auto bucket = buckets_.find(BucketOf(place.x, place.y, d_column, d_row));
+      if (bucket == buckets_.end()) continue;
+      for (const HeardNote& note : bucket->second) {
+        if (RulesOut(note, place)) return true;
+      }
+    }
+  }
+  return false;
+}
+
+bool RuledOut::RulesOut(const HeardNote& note, const Point& place) const {
+  // No distance is below its greater part.
+  if (std::abs(place.x - note.position.x) >= bucket_ || std::abs(place.y - note.position.y) >= bucket_) return false;
+  const double distance = Distance(place, note.position);
+  if (distance < next_to_) return true;
+  return distance < radius_ && !(note.loudest && Distance(place, *note.loudest) < 0.5 * cell_);
+}
+
+}  // namespace robotteamsim

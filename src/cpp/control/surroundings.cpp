@@ -1,0 +1,62 @@
+#include "robotteamsim/control/surroundings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace robotteamsim {
+namespace {
+
+/// A place counts as seen free when a disc of this radius could go there [m].
+constexpr double kBeamWidth = 0.05;
+
+double SquaredDistanceToNearest(const std::vector<Point>& points, const Point& place) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Point& point : points) {
+    const double dx = place.x - point.x, dy = place.y - point.y;
+    nearest = std::min(nearest, dx * dx + dy * dy);
+  }
+  return nearest;
+}
+
+}  // namespace
+
+int FarthestFrom(const std::vector<Point>& points, const Point& place, const std::vector<Point>& candidates) {
+  int best = -1;
+  double farthest = SquaredDistanceToNearest(points, place);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const double distance = SquaredDistanceToNearest(points, candidates[i]);
+    if (distance > farthest) {
+      farthest = distance;
+      best = static_cast<int>(i);
+    }
+  }
+  return best;
+}
+
+Surroundings::Surroundings(ScanClearance clearance, int stride, double sensing_radius, std::vector<double> headings)
+    : clearance_(std::move(clearance)),
+      stride_(static_cast<std::size_t>(stride)),
+      sensing_radius_(sensing_radius),
+      headings_(std::move(headings)) {
+  if (stride < 1) throw std::invalid_argument("the stride must be at least 1");
+}
+
+std::optional<Point> Surroundings::ClearestPlace(const std::vector<float>& ranges) const {
+  std::vector<float> some;
+  for (std::size_t beam = 0; beam < ranges.size(); beam += stride_) some.push_back(ranges[beam]);
+  if (clearance_.Hits(some, sensing_radius_).empty()) return std::nullopt;
+  const std::vector<double> free = clearance_.FreeDistances(some, headings_, kBeamWidth, sensing_radius_);
+  std::vector<Point> candidates;
+  for (std::size_t i = 0; i < headings_.size(); ++i) {
+    for (const double reach : {0.5 * sensing_radius_, sensing_radius_}) {
+      if (reach <= free[i]) candidates.push_back({reach * std::cos(headings_[i]), reach * std::sin(headings_[i])});
+    }
+  }
+  const int best = FarthestFrom(clearance_.Hits(some, 2.0 * sensing_radius_), {0.0, 0.0}, candidates);
+  return best < 0 ? Point{0.0, 0.0} : candidates[static_cast<std::size_t>(best)];
+}
+
+}  // namespace robotteamsim
