@@ -205,13 +205,12 @@ class Headline:
 
 def headline_words(headline: Headline) -> str:
     """Return the line, such as "garage_sar   251.3 s   areas 3/5   victims 2/4   noise 10 dB   running"."""
-    parts = [
-        headline.scenario,
-        f"{headline.time_s:.1f} s",
-        f"areas {headline.areas_explored}/{headline.num_areas}",
-        f"victims {headline.victims_saved}/{headline.num_victims}",
-        f"noise {headline.noise_db:g} dB",
-    ]
+    parts = [headline.scenario, f"{headline.time_s:.1f} s"]
+    if headline.num_areas:
+        parts.append(f"areas {headline.areas_explored}/{headline.num_areas}")
+    if headline.num_victims:
+        parts.append(f"victims {headline.victims_saved}/{headline.num_victims}")
+    parts.append(f"noise {headline.noise_db:g} dB")
     if headline.num_endangered:
         parts.append(f"links in danger {headline.num_endangered}")
     parts.append(headline.end.replace("_", " ") if headline.state == "ended" else headline.state)

@@ -125,6 +125,11 @@ def test_headline_tells_why_the_mission_ended_and_that_links_are_in_danger():
     assert headline_words(headline).endswith("links in danger 2    areas explored")
 
 
+def test_headline_is_silent_of_what_the_mission_has_none_of():
+    headline = Headline("patrol", "running", "", 12.0, 0, 0, 0, 0, 30.0, 0)
+    assert headline_words(headline).split("    ") == ["patrol", "12.0 s", "noise 30 dB", "running"]
+
+
 def test_headline_stands_behind_the_building():
     item = headline_marker(
         Headline("x", "running", "", 0.0, 0, 1, 0, 1, 10.0, 0), Bounds(min=(-5.0, 0.0), max=(25.0, 12.0))
