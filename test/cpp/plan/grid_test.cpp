@@ -125,7 +125,7 @@ TEST(PlanningGrid, ReachableCellsEndAtAWallInsideTheDisc) {
   const PlanningGrid grid = Drawn(kWallWithGap);
   const std::vector<float> field = grid.DistanceField({4.5, 0.5});
   // Across the wall there are nearer cells within 3 m, but the disc holds no way to them.
-  const Point least = *grid.LeastReachable(field.data(), field.size(), {1.5, 0.5}, 2.5);
+  const Point least = grid.LeastReachable(field.data(), field.size(), {1.5, 0.5}, 2.5)->place;
   EXPECT_EQ(least.x, 1.5);
   EXPECT_EQ(least.y, 2.5);
   const Point nearest = *grid.NearestReachable({1.5, 0.5}, {4.5, 0.5}, 2.5);
