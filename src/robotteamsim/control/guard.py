@@ -8,11 +8,16 @@ import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from robotteamsim.control.controller import Controller, Decision, Task
+import numpy as np
+
+from robotteamsim.control.controller import OUTSIDE, Controller, Decision, Task
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Twist
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.sensing.readings import Observation
+
+_LARGEST = 2**31 - 1
+"""Numbers of swarms, and what they count, are of 32 bits in messages."""
 
 _logger = logging.getLogger(__name__)
 
@@ -34,7 +39,7 @@ class Guard:
             self.controller = make()
         except RobotTeamSimError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             self._note(error)
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
@@ -43,7 +48,7 @@ class Guard:
             return
         try:
             self.controller.observe(observation, inbox, task)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             self._note(error)
 
     def decide(self) -> Decision:
@@ -55,11 +60,11 @@ class Guard:
                 if not wrong:
                     return decision
                 self._fault = wrong
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 self._note(error)
         return Decision(fault=self._fault)
 
-    def _note(self, error: Exception) -> None:
+    def _note(self, error: BaseException) -> None:
         *_, last = traceback.extract_tb(error.__traceback__)
         text = " ".join(str(error).split())
         self._fault = f"{type(error).__name__}: {text} ({Path(last.filename).name}:{last.lineno})"
@@ -75,17 +80,64 @@ def problem_of(decision: Decision, robot_id: int, num_robots: int) -> str:
         return f"decide returned {twist!r:.120}; wanted a Twist of finite numbers"
     if goal_m is not None and not (isinstance(goal_m, tuple) and len(goal_m) == 2 and _are_finite(goal_m)):
         return f"decide returned the goal {goal_m!r:.60}; wanted finite (x, y), or None"
+    if not isinstance(decision.outbox, (tuple, list)):
+        return f"decide returned the outbox {decision.outbox!r:.60}; wanted a tuple of Messages"
     for message in decision.outbox:
-        if not isinstance(message, Message) or not isinstance(message.payload, str):
-            return f"decide returned {message!r:.60} to send; wanted a Message with text"
-        if message.sender != robot_id:
-            return f"decide returned a message from sender {message.sender!r}; wanted {robot_id}, the robot itself"
-        if message.receiver != EVERYBODY and message.receiver not in range(num_robots):
-            return (
-                f"decide returned a message to receiver {message.receiver!r}; wanted 0 to {num_robots - 1}, or "
-                f"{EVERYBODY} for everybody"
-            )
+        wrong = _problem_of_message(message, robot_id, num_robots)
+        if wrong:
+            return wrong
+    return _problem_of_what_is_told(decision)
+
+
+def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:
+    if not isinstance(message, Message) or not isinstance(message.payload, str):
+        return f"decide returned {message!r:.60} to send; wanted a Message with text"
+    if not message.payload.isascii() and not _has_utf8(message.payload):
+        return f"decide returned the text {message.payload!r:.60} to send, which UTF-8 does not have"
+    if not _is_whole(message.sender) or message.sender != robot_id:
+        return f"decide returned a message from sender {message.sender!r}; wanted {robot_id}, the robot itself"
+    if not _is_whole(message.receiver) or not EVERYBODY <= message.receiver < num_robots:
+        return (
+            f"decide returned a message to receiver {message.receiver!r}; wanted 0 to {num_robots - 1}, or "
+            f"{EVERYBODY} for everybody"
+        )
     return ""
+
+
+def _problem_of_what_is_told(decision: Decision) -> str:
+    """Return what is wrong with what others are told of a decision: messages of ROS and bags hold it as it is."""
+    if _is_plain(decision):
+        return ""
+    if not isinstance(decision.excluded, bool | np.bool_):
+        return f"decide returned excluded = {decision.excluded!r:.60}; wanted True or False"
+    if not _is_whole(decision.swarm) or not OUTSIDE <= decision.swarm <= _LARGEST:
+        return f"decide returned swarm = {decision.swarm!r:.60}; wanted a number from 0 on, or {OUTSIDE} for none"
+    if not _is_whole(decision.search_counter) or not 0 <= decision.search_counter <= _LARGEST:
+        return f"decide returned search_counter = {decision.search_counter!r:.60}; wanted a number from 0 on"
+    if not isinstance(decision.local_best, float | int | np.number):
+        return f"decide returned local_best = {decision.local_best!r:.60}; wanted a number"
+    if not isinstance(decision.fault, str):
+        return f"decide returned fault = {decision.fault!r:.60}; wanted text"
+    return ""
+
+
+def _is_plain(decision: Decision) -> bool:
+    """Whether all that is told is of the plainest types: nearly all is, and this runs for every robot in every step."""
+    _, _, excluded, _, local_best, search_counter, swarm, fault = decision
+    plain = type(excluded) is bool and type(swarm) is type(search_counter) is int and type(local_best) is float
+    return plain and OUTSIDE <= swarm <= _LARGEST and 0 <= search_counter <= _LARGEST and type(fault) is str
+
+
+def _is_whole(value: object) -> bool:
+    return type(value) is int or isinstance(value, np.integer)
+
+
+def _has_utf8(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _are_finite(values: tuple[float, ...]) -> bool:

@@ -173,11 +173,26 @@ def _validated(model: type[M], data: Any, place: str, set_keys: Sequence[tuple[s
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        lines = [_line(str(problem), problem.key, place, set_keys) for problem in problems(error, model, data)]
+        found = problems(error, model, data)
+        lines = [
+            _line(str(problem), problem.key, place, [*set_keys, *_blamed(problem.key, data, set_keys)])
+            for problem in found
+        ]
     raised = ScenarioError(lines[0])
     for line in lines[1:]:
         raised.add_note(line)
     raise raised
+
+
+def _blamed(key: str, data: Any, set_keys: Sequence[tuple[str | int, ...]]) -> list[tuple[str | int, ...]]:
+    """Return a key that is wrong beside another of its section that was set: the file does not have it, so it is no
+    mistake of the file."""
+    *section, name = key.split(".")
+    for part in section:
+        data = data.get(part) if isinstance(data, dict) else None
+    if isinstance(data, dict) and name not in data and any([*map(str, k)][:-1] == section for k in set_keys):
+        return [tuple(key.split("."))]
+    return []
 
 
 def _line(text: str, key: str, place: str, set_keys: Sequence[tuple[str | int, ...]]) -> str:

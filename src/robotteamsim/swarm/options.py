@@ -9,11 +9,13 @@ from typing import Literal
 
 import numpy as np
 
-from robotteamsim.swarm.adaptation import EXACT_LEVELS, PUBLISHED_LEVELS, Adaptation, Levels
+from robotteamsim.swarm.adaptation import EXACT_LEVELS, PUBLISHED_LEVELS, WEIGHT_SUM, Adaptation, Levels
 from robotteamsim.swarm.memory import MemoryMode, memory_coefficients
 
 FRACTIONAL_ORDER = {"inertia": 0.8, "published": 0.45, "grunwald_letnikov": 0.8}
 """Orders with which a swarm comes to rest; see the figure in docs/swarm.md."""
+
+_RDPSO_WEIGHTS = (1.49618, 1.49618, 0.5, 0.5)
 
 COEFFICIENT_MAX = 4.0
 """Beyond c1 + c2 = 4 no inertia within [0, 1] keeps the swarm together, so more than this is a slip of the pen."""
@@ -151,15 +153,16 @@ class RdpsoOptions:
     The number of robots stays. See PsoOptions and RpsoOptions; besides:
 
     communication: the network; none, no term.  c4: its weight, which acts below `endangered_proximity` only.
-    adaptation: whether alpha and c1..c4 follow the context by the rules of 5.2.2 (they then replace those given here).
+    adaptation: whether alpha and c1..c4 follow the context by the rules of 5.2.2 (they then replace those given here,
+        which must keep to (26), too, unless they are left out).
     levels: what these rules mean by small and large; left out, those that suit the memory.
     """
 
     sizes: SwarmSizes = SwarmSizes()
-    c1: float = 1.49618
-    c2: float = 1.49618
-    c3: float = 0.5
-    c4: float = 0.5
+    c1: float = _RDPSO_WEIGHTS[0]
+    c2: float = _RDPSO_WEIGHTS[1]
+    c3: float = _RDPSO_WEIGHTS[2]
+    c4: float = _RDPSO_WEIGHTS[3]
     memory: Literal["inertia"] | MemoryMode = "grunwald_letnikov"
     inertia: float = 0.7298
     alpha: float | None = None
@@ -182,6 +185,10 @@ class RdpsoOptions:
             raise ValueError(f"adaptation must be none, crisp or fuzzy, got {self.adaptation!r}")
         if self.adaptation != "none" and self.memory == "inertia":
             raise ValueError(f"adaptation {self.adaptation!r} sets alpha: it needs a fractional memory, not 'inertia'")
+        weights = (self.c1, self.c2, self.c3, self.c4)
+        if self.adaptation != "none" and weights != _RDPSO_WEIGHTS and not math.isclose(sum(weights), WEIGHT_SUM):
+            demand = f"must be {WEIGHT_SUM:g} with adaptation {self.adaptation!r}, eq. (26)"
+            raise ValueError(f"c1 + c2 + c3 + c4 {demand}, got {sum(weights):g}")
 
     def levels_used(self) -> Levels:
         """Return the levels given, or those that suit the memory."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 
+import numpy as np
 import pytest
 
 from robotteamsim.control import Decision, Guard, Task
@@ -27,7 +28,7 @@ class Scripted:
 
     def decide(self):
         decision = self.decisions.pop(0)
-        if isinstance(decision, Exception):
+        if isinstance(decision, BaseException):
             raise decision
         return decision
 
@@ -61,6 +62,18 @@ def test_decisions_of_a_sound_controller_pass_unchanged():
             Decision(outbox=(Message(1, 3, ""),)),
             "decide returned a message to receiver 3; wanted 0 to 2, or -1 for everybody",
         ),
+        (Decision(outbox=(Message(1, 0.0, ""),)), "decide returned a message to receiver 0.0; wanted 0 to 2"),
+        (Decision(outbox=(Message(1, -2, ""),)), "decide returned a message to receiver -2; wanted 0 to 2"),
+        (Decision(outbox=(Message(1, 0, "\udc00"),)), "decide returned the text '\\udc00' to send, which UTF-8 does"),
+        (Decision(outbox=None), "decide returned the outbox None; wanted a tuple of Messages"),
+        (Decision(excluded="no"), "decide returned excluded = 'no'; wanted True or False"),
+        (Decision(swarm=2.5), "decide returned swarm = 2.5; wanted a number from 0 on, or -1 for none"),
+        (Decision(swarm=-2), "decide returned swarm = -2; wanted a number from 0 on, or -1 for none"),
+        (Decision(swarm=2**31), "decide returned swarm = 2147483648; wanted a number from 0 on"),
+        (Decision(search_counter=None), "decide returned search_counter = None; wanted a number from 0 on"),
+        (Decision(local_best="high"), "decide returned local_best = 'high'; wanted a number"),
+        (Decision(fault=3), "decide returned fault = 3; wanted text"),
+        (SystemExit(3), "SystemExit: 3 (test_guard.py:"),
     ],
 )
 def test_faulty_decision_stops_the_robot_for_good_and_says_why(decision, fault):
@@ -70,6 +83,18 @@ def test_faulty_decision_stops_the_robot_for_good_and_says_why(decision, fault):
     assert told[0].fault.startswith(fault)
     assert "\n" not in told[0].fault
     assert told[0] == told[1] == Decision(fault=told[0].fault)
+
+
+def test_numbers_of_numpy_are_numbers():
+    said = Decision(
+        Twist(np.float32(0.5)),
+        (Message(1, np.int64(2), "grüße"),),
+        excluded=np.bool_(True),
+        local_best=np.float32(1.5),
+        search_counter=np.int32(3),
+        swarm=np.int64(-1),
+    )
+    assert guard(said).decide() is said
 
 
 def test_controller_that_failed_is_not_asked_any_more():

@@ -110,6 +110,9 @@ def test_plan_given_as_override_is_relative_to_the_current_folder(room: str) -> 
             "--set: voice.constant_db.0: the file has no list voice.constant_db; set the whole of it",
         ),
         ("plan.walls=3", "--set: plan.walls: 3 is not a list"),
+        # The file has no control.swarms: what its defaults do not fit is what was set.
+        ("control.swarms.min=3", "--set: control.swarms.initial: 1 is below min, 3"),
+        ("control.swarms.initial=2", "--set: control.swarms.max: 1 is below initial, 2"),
         ("plan.bounds.max=[-1, 2]", "--set: plan.bounds.max: x -1 is not above that of min, 0"),
     ],
 )

@@ -37,6 +37,10 @@ def test_coefficients_outside_their_range_are_refused(kind, wrong, message):
         ({"endangered_proximity": 0.0}, r"endangered_proximity must lie in \(0, 1\], got 0.0"),
         ({"adaptation": "neural"}, "adaptation must be none, crisp or fuzzy, got 'neural'"),
         ({"adaptation": "fuzzy", "memory": "inertia"}, "'fuzzy' sets alpha: it needs a fractional memory"),
+        (
+            {"adaptation": "crisp", "c1": 1.5},
+            r"c1 \+ c2 \+ c3 \+ c4 must be 2 with adaptation 'crisp', eq. \(26\), got 3.99618",
+        ),
     ],
 )
 def test_wrong_terms_of_robots_are_refused(wrong, message):
@@ -57,6 +61,12 @@ def test_wrong_terms_of_robots_are_refused(wrong, message):
 def test_sizes_out_of_order_are_refused(wrong, message):
     with pytest.raises(ValueError, match=message):
         SwarmSizes(**wrong)
+
+
+def test_weights_on_the_constraint_are_taken_with_an_adaptation_and_any_without():
+    assert RdpsoOptions(adaptation="fuzzy", c1=0.5, c2=0.7, c3=0.3, c4=0.5).c2 == 0.7
+    assert RdpsoOptions(adaptation="fuzzy").c1 == RdpsoOptions().c1
+    assert RdpsoOptions(c1=1.5).c1 == 1.5
 
 
 def test_pso_without_particles_and_dpso_that_may_lose_all_swarms_are_refused():
