@@ -2,40 +2,61 @@
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 
-#include <stdexcept>
+#include <utility>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "robotteamsim/network/fiedler.hpp"
 #include "robotteamsim/network/hop_count.hpp"
+#include "robotteamsim/network/team_links.hpp"
 
 namespace py = pybind11;
 
 namespace robotteamsim::bindings {
 namespace {
 
-// Which pairs of robots have a link between two limits, which of these links have a signal below `endangered_below`,
-// and the bytes of the first: bool, shape (n, n), no robot with itself. Link and rssi have the same shape.
-py::tuple Links(const Doubles& link, double at_least, double at_most, const Doubles& rssi_dbm,
-                double endangered_below) {
-  const py::ssize_t n = link.shape(0);
-  if (link.size() != n * n || rssi_dbm.size() != n * n) throw std::invalid_argument("link must have shape (n, n)");
-  py::array_t<bool> adjacency({n, n}), endangered({n, n});
-  bool *const is_link = adjacency.mutable_data(), *const is_weak = endangered.mutable_data();
-  for (py::ssize_t i = 0; i < n * n; ++i) {
-    is_link[i] = link.data()[i] >= at_least && link.data()[i] <= at_most && i % (n + 1) != 0;
-    is_weak[i] = is_link[i] && rssi_dbm.data()[i] < endangered_below;
+/// The links of a team as arrays of `NetworkState`; those that stay as they were are the same objects, to be read only.
+class TeamLinkArrays {
+ public:
+  TeamLinkArrays(bool by_distance, double lost_below_dbm, double max_distance_m, double endangered_below_dbm)
+      : links_({by_distance, lost_below_dbm, max_distance_m, endangered_below_dbm}) {}
+
+  // Of `NetworkState`: rssi_dbm, link, adjacency, hop_count, break_matrix of a connected team, fiedler_value,
+  // endangered.
+  py::tuple Step(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions) {
+    if (links_.Step(faces, model, positions)) {
+      adjacency_ = Kept(links_.adjacency());
+      hops_ = Kept(links_.hops());
+      no_break_ = Kept(CellValues::Zero(positions.rows(), positions.rows()).eval());
+      none_endangered_ = Kept(Adjacency::Constant(positions.rows(), positions.rows(), false).eval());
+    }
+    py::object rssi = py::cast(std::move(links_.rssi()));
+    py::object link = links_.rule().by_distance ? py::cast(std::move(links_.distances())) : rssi;
+    py::object endangered = links_.any_endangered() ? py::cast(links_.endangered()) : none_endangered_;
+    return py::make_tuple(rssi, link, adjacency_, hops_, no_break_, links_.fiedler_value(), endangered);
   }
-  return py::make_tuple(adjacency, endangered, py::bytes(reinterpret_cast<const char*>(is_link), n * n));
-}
+
+ private:
+  template <typename Matrix>
+  static py::object Kept(const Matrix& matrix) {
+    py::object array = py::cast(matrix);
+    array.attr("setflags")(py::arg("write") = false);
+    return array;
+  }
+
+  TeamLinks links_;
+  py::object adjacency_, hops_, no_break_, none_endangered_;
+};
 
 }  // namespace
 
-void BindNetwork(pybind11::module_& m) {
-  m.def("links", &Links, pybind11::arg("link"), pybind11::arg("at_least"), pybind11::arg("at_most"),
-        pybind11::arg("rssi_dbm"), pybind11::arg("endangered_below_dbm"));
-  m.def("hop_count", &CountHops, pybind11::arg("adjacency"));
-  m.def("fiedler_value", &FiedlerValue, pybind11::arg("adjacency"));
+void BindNetwork(py::module_& m) {
+  m.def("hop_count", &CountHops, py::arg("adjacency"));
+  m.def("fiedler_value", &FiedlerValue, py::arg("adjacency"));
+  py::class_<TeamLinkArrays>(m, "TeamLinks")
+      .def(py::init<bool, double, double, double>(), py::kw_only(), py::arg("by_distance"), py::arg("lost_below_dbm"),
+           py::arg("max_distance_m"), py::arg("endangered_below_dbm"))
+      .def("step", &TeamLinkArrays::Step, py::arg("faces"), py::arg("model"), py::arg("positions_m"));
 }
 
 }  // namespace robotteamsim::bindings

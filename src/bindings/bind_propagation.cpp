@@ -12,6 +12,7 @@
 #include "robotteamsim/propagation/face_set.hpp"
 #include "robotteamsim/propagation/radio.hpp"
 #include "robotteamsim/propagation/voice.hpp"
+#include "tuples.hpp"
 
 namespace py = pybind11;
 
@@ -39,13 +40,14 @@ GridShape GridOf(const XY& origin, double resolution_m, const MapView& maps, std
           static_cast<int>(maps.cols())};
 }
 
-// Of each robot: the value of its own cell, 0 beyond the map; whether a cell within the radius is above 0; the centre
-// of the highest such cell, or where the robot is; its value, or 0.
-py::list Hear(const XY& origin, double resolution_m, const Eigen::Ref<const MapValues>& values,
-              const Doubles& positions_m, double radius_m) {
+// A `VoiceReading` of each robot: the value of its own cell, 0 beyond the map; whether a cell within the radius is
+// above 0; the centre of the highest such cell, or where the robot is; its value, or 0.
+py::tuple Hear(const XY& origin, double resolution_m, const Eigen::Ref<const MapValues>& values,
+               const Doubles& positions_m, double radius_m, const py::type& reading) {
   const GridShape grid{ToPoint(origin), resolution_m, static_cast<int>(values.rows()), static_cast<int>(values.cols())};
   if (positions_m.ndim() != 2 || positions_m.shape(1) != 2) throw std::invalid_argument("positions_m must be (n, 2)");
-  py::list heard;
+  const TupleClass readings(reading), places(py::type::of(py::tuple()));
+  py::tuple heard(positions_m.shape(0));
   for (py::ssize_t i = 0; i < positions_m.shape(0); ++i) {
     const Point at{positions_m.at(i, 0), positions_m.at(i, 1)};
     if (!std::isfinite(at.x) || !std::isfinite(at.y)) {
@@ -57,7 +59,10 @@ py::list Hear(const XY& origin, double resolution_m, const Eigen::Ref<const MapV
     const double own = is_inside ? values(static_cast<int>(row), static_cast<int>(col)) : 0.0F;
     const std::optional<Cell> cell = LoudestCell(grid, values, at, radius_m);
     const Point best = cell ? CellCenter(grid, cell->row, cell->col) : at;
-    heard.append(py::make_tuple(own, cell.has_value(), py::make_tuple(best.x, best.y), cell ? cell->value : 0.0));
+    py::object place = places.Of({PyFloat_FromDouble(best.x), PyFloat_FromDouble(best.y)});
+    py::object one = readings.Of({PyFloat_FromDouble(own), py::bool_(cell.has_value()).release().ptr(),
+                                  place.release().ptr(), PyFloat_FromDouble(cell ? cell->value : 0.0)});
+    PyTuple_SET_ITEM(heard.ptr(), i, one.release().ptr());
   }
   return heard;
 }
@@ -123,7 +128,7 @@ void BindVoice(py::module_& m) {
           WriteVoiceMap(faces, model, sources, GridOf(origin, resolution_m, map, 1), solid, map, {threads});
         });
   m.def("hear", &Hear, py::arg("origin"), py::arg("resolution_m"), py::arg("values"), py::arg("positions_m"),
-        py::arg("radius_m"));
+        py::arg("radius_m"), py::arg("reading"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +18,7 @@ Inboxes = list[tuple[Message, ...]]
 _NO_TRAFFIC = Traffic()
 
 
-@dataclass(frozen=True, slots=True)
-class Links:
+class Links(NamedTuple):
     """What messages need to know of the network of one step; shapes (n, n), as in `NetworkState`."""
 
     rssi_dbm: np.ndarray

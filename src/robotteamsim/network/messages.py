@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,9 +52,8 @@ class Traffic:
     refused: tuple[Refusal, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class NetworkState:
-    """The network of n robots in one step.
+class NetworkState(NamedTuple):
+    """The network of n robots in one step. Arrays may be those of the step before, and are to be read only.
 
     rssi_dbm:            float64, shape (n, n), symmetric; 0 on the diagonal.
     link:                float64, shape (n, n), L of eq. (16): distance [m] or rssi [dBm]; 0 on the diagonal.

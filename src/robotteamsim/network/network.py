@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.network.delivery import Delivery, Links
-from robotteamsim.network.graph import break_matrix, fiedler_value, hop_count
+from robotteamsim.network.graph import break_matrix
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState, Refusal
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.sections import Network as NetworkSection
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Topology:
-    """What follows from the adjacency alone, whose bytes are `links`; kept while no link comes or goes."""
-
-    links: bytes
-    hops: np.ndarray
-    fiedler: float
 
 
 class Network:
@@ -47,7 +36,7 @@ class Network:
         self._section = network
         self._num_robots = num_robots
         self._delivery = Delivery(network, num_robots, seed, step_ns)
-        self._topology: _Topology | None = None
+        self._links = self._new_links()
 
     def step(
         self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]]
@@ -65,46 +54,36 @@ class Network:
         positions_m = np.asarray(positions_m, dtype=np.float64)
         if positions_m.shape != (self._num_robots, 2):
             raise ValueError(f"positions_m must have shape ({self._num_robots}, 2), got {positions_m.shape}")
-        refused = self._check(outboxes)
+        if len(outboxes) != self._num_robots:
+            raise ValueError(f"outboxes must hold one sequence per robot: {self._num_robots}, got {len(outboxes)}")
+        refused = self._check(outboxes) if any(outboxes) else ()
         if refused:
             limit = self._section.max_message_bytes
             outboxes = [[message for message in outbox if message.num_bytes <= limit] for outbox in outboxes]
-        rssi_dbm = self._radio_field.rssi_matrix_dbm(positions_m)
-        if self._section.link == "signal":
-            link, limits = rssi_dbm, (self._section.lost_below_dbm, math.inf)
-        else:
-            link = np.hypot(*(positions_m[:, None, :] - positions_m[None, :, :]).transpose(2, 0, 1))
-            limits = (-math.inf, self._section.max_distance_m)
-        adjacency, endangered, links = _core.links(link, *limits, rssi_dbm, self._section.endangered_below_dbm)
-        topology = self._topology_of(adjacency, links)
-        inboxes, traffic = self._delivery.step(Links(rssi_dbm, adjacency, topology.hops), outboxes, refused)
-        state = NetworkState(
-            rssi_dbm=rssi_dbm,
-            link=link,
-            adjacency=adjacency,
-            hop_count=topology.hops,
-            # With one piece there is nothing to look for, and most teams are one piece most of the time.
-            break_matrix=np.zeros(link.shape) if topology.fiedler > 0.0 else break_matrix(link, topology.hops),
-            fiedler_value=topology.fiedler,
-            endangered=endangered,
-            traffic=traffic,
+        field = self._radio_field
+        rssi_dbm, link, adjacency, hops, breaks, fiedler, endangered = self._links.step(
+            field.core_faces, field.core_model, positions_m
         )
-        return state, inboxes
+        if fiedler == 0.0:
+            breaks = break_matrix(link, hops)
+        inboxes, traffic = self._delivery.step(Links(rssi_dbm, adjacency, hops), outboxes, refused)
+        return NetworkState(rssi_dbm, link, adjacency, hops, breaks, fiedler, endangered, traffic), inboxes
 
     def reset(self) -> None:
-        """Forget the last topology and messages on their way, as a new network."""
-        self._topology = None
+        """Forget the last links and messages on their way, as a new network."""
+        self._links = self._new_links()
         self._delivery.reset()
 
-    def _topology_of(self, adjacency: np.ndarray, links: bytes) -> _Topology:
-        if self._topology is None or self._topology.links != links:
-            self._topology = _Topology(links, hop_count(adjacency), fiedler_value(adjacency))
-        return self._topology
+    def _new_links(self) -> _core.TeamLinks:
+        return _core.TeamLinks(
+            by_distance=self._section.link == "distance",
+            lost_below_dbm=self._section.lost_below_dbm,
+            max_distance_m=self._section.max_distance_m,
+            endangered_below_dbm=self._section.endangered_below_dbm,
+        )
 
     def _check(self, outboxes: Sequence[Sequence[Message]]) -> tuple[Refusal, ...]:
         """Return the messages that are too large. Raises: ValueError: as `step`."""
-        if len(outboxes) != self._num_robots:
-            raise ValueError(f"outboxes must hold one sequence per robot: {self._num_robots}, got {len(outboxes)}")
         limit, refused = self._section.max_message_bytes, []
         for robot_id, outbox in enumerate(outboxes):
             for message in outbox:

@@ -41,8 +41,9 @@ class RadioField:
     def __init__(self, plan: FloorPlan, radio: Radio) -> None:
         self._plan = plan
         self._faces = radio_faces(plan, radio)
-        self._core_faces = self._faces.core()
-        self._model = _core.RadioModel(
+        self.core_faces = self._faces.core()
+        """The faces and the model in C++, for the network that looks at them."""
+        self.core_model = _core.RadioModel(
             tx_power_dbm=radio.tx_power_dbm,
             constant_loss_db=radio.constant_loss_db,
             slope_db=radio.slope_db,
@@ -57,7 +58,7 @@ class RadioField:
         Args:   floors_crossed: k_f of eq. (4), the ceilings on the way; the walls are always those of this plan.
         Raises: ValueError: a coordinate is not finite, or floors_crossed negative.
         """
-        return _core.path_loss_db(self._core_faces, self._model, a_m, b_m, floors_crossed)
+        return _core.path_loss_db(self.core_faces, self.core_model, a_m, b_m, floors_crossed)
 
     def rssi_matrix_dbm(self, positions_m: np.ndarray) -> np.ndarray:
         """Return the signal strength between all pairs of robots [dBm].
@@ -69,7 +70,7 @@ class RadioField:
         positions_m = np.asarray(positions_m, dtype=np.float64)
         if positions_m.ndim != 2 or positions_m.shape[1] != 2:
             raise ValueError(f"positions_m must have shape (n, 2), got {positions_m.shape}")
-        return _core.rssi_matrix_dbm(self._core_faces, self._model, positions_m)
+        return _core.rssi_matrix_dbm(self.core_faces, self.core_model, positions_m)
 
     def rssi_map_dbm(
         self,
@@ -107,7 +108,7 @@ class RadioField:
         values = map_array(grid_shape(self._plan, resolution_m), out)
         origin_m = self._plan.bounds.min
         _core.write_best_rssi_map_dbm(
-            self._core_faces, self._model, transmitters_m, floors_crossed, origin_m, resolution_m, values, threads
+            self.core_faces, self.core_model, transmitters_m, floors_crossed, origin_m, resolution_m, values, threads
         )
         return FieldMap(origin_m, resolution_m, values)
 
@@ -129,8 +130,8 @@ class RadioField:
         values = map_array((len(transmitters_m), rows, columns), out)
         origin_m = self._plan.bounds.min
         _core.write_rssi_maps_dbm(
-            self._core_faces,
-            self._model,
+            self.core_faces,
+            self.core_model,
             transmitters_m,
             floors_crossed,
             origin_m,
@@ -147,16 +148,16 @@ class RadioField:
         """
         shape = grid_shape(self._plan, resolution_m)
         origin_m = self._plan.bounds.min
-        weights = _core.WeightMap(self._core_faces, tx_m, origin_m, resolution_m, *shape)
+        weights = _core.WeightMap(self.core_faces, tx_m, origin_m, resolution_m, *shape)
 
         def write(floors_crossed: int, out: np.ndarray | None) -> FieldMap:
             values = map_array(shape, out)
-            weights.update(self._core_faces)
-            weights.write_rssi_dbm(self._model, floors_crossed, values)
+            weights.update(self.core_faces)
+            weights.write_rssi_dbm(self.core_model, floors_crossed, values)
             return FieldMap(origin_m, resolution_m, values)
 
         return KeptRadioMap(write)
 
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door. Raises: ValueError: no such door."""
-        self._core_faces.set_active(self._faces.door_face(name), closed)
+        self.core_faces.set_active(self._faces.door_face(name), closed)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from functools import partial
 
 import numpy as np
 
@@ -14,9 +13,6 @@ from robotteamsim.rng import stream
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.sections import Victim, Voice
 from robotteamsim.sensing.readings import VoiceReading
-
-# Of an iterable, without a call of Python: these are made for every robot in every step.
-_voice_reading = partial(tuple.__new__, VoiceReading)
 
 
 class VoiceSensor:
@@ -34,6 +30,8 @@ class VoiceSensor:
         self._seed = seed
         self._sources: dict[str, VoiceSource] = {}
         self._silenced: frozenset[str] = frozenset()
+        self._asked: Collection[str] | None = None
+        """The names that were asked to be silent last, while they are."""
         self._map: FieldMap | None = None
         self._changes = 0
         for victim in victims:
@@ -63,14 +61,15 @@ class VoiceSensor:
     def read_team(self, positions_m: np.ndarray) -> tuple[VoiceReading, ...]:
         """Return what `read` does for the position of each robot, shape (n, 2)."""
         voice_map = self.map()
-        heard = _core.hear(
+        readings: tuple[VoiceReading, ...] = _core.hear(
             voice_map.origin_m,
             voice_map.resolution_m,
             voice_map.values,
             positions_m,
             self._voice.local_best_radius_m,
+            VoiceReading,
         )
-        return tuple(map(_voice_reading, heard))
+        return readings
 
     def silence(self, name: str) -> None:
         """Let a victim fall silent. Raises: ValueError: no such victim."""
@@ -78,12 +77,15 @@ class VoiceSensor:
 
     def set_silenced(self, names: Collection[str]) -> None:
         """Let these victims be silent and all others call. Raises: ValueError: no such victim."""
+        if names is self._asked and isinstance(names, tuple):
+            return
         for name in names:
             if name not in self._sources:
                 raise ValueError(f"there is no victim '{name}', only {', '.join(self._sources) or 'none'}")
         if self._silenced != frozenset(names):
             self._silenced = frozenset(names)
             self._change()
+        self._asked = names
 
     def set_noise_db(self, noise_db: float) -> None:
         """Set the background noise [dB]. Raises: ValueError: negative or not finite."""
@@ -106,6 +108,7 @@ class VoiceSensor:
         if self._sources.get(name) != source or name in self._silenced:
             self._sources[name] = source
             self._silenced -= {name}
+            self._asked = None
             self._change()
 
     def set_door(self, name: str, closed: bool) -> None:

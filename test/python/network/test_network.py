@@ -1,11 +1,13 @@
 """The network of a team, step by step."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 
-from robotteamsim.network import EVERYBODY, Message, Network
+from robotteamsim import rng
+from robotteamsim.network import EVERYBODY, Message, Network, connectivity_matrix
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.sections import Network as NetworkSection
@@ -163,3 +165,29 @@ def test_broadcasts_arrive_as_if_each_were_asked_about_alone():
             tuple(message for message in sent if state.hop_count[message.sender, receiver] > 0)
             for receiver in range(12)
         ]
+
+
+@pytest.mark.parametrize("link", ["signal", "distance"])
+def test_links_of_wandering_robots_are_those_of_the_definitions_in_every_step(link):
+    network, generator, hops_seen = _network(8, link=link), rng.stream(3, "wander", link), []
+    positions_m = generator.uniform((20.0, 1.0), (180.0, 9.0), (8, 2))
+    section, others = NetworkSection(link=link), ~np.eye(8, dtype=bool)
+    for _ in range(60):
+        state, _ = network.step(positions_m, [()] * 8)
+        apart_m = np.hypot(*(positions_m[:, None] - positions_m[None]).transpose(2, 0, 1))
+        assert np.array_equal(state.link, apart_m if link == "distance" else state.rssi_dbm)
+        near = apart_m <= section.max_distance_m if link == "distance" else state.rssi_dbm >= section.lost_below_dbm
+        assert np.array_equal(state.adjacency, near & others)
+        assert np.array_equal(state.endangered, near & others & (state.rssi_dbm < section.endangered_below_dbm))
+        hops = connectivity_matrix(state.adjacency)
+        hops[(hops == 0) & others] = -1
+        assert np.array_equal(state.hop_count, hops)
+        assert np.array_equal(state.break_matrix, np.where(hops < 0, state.link, 0.0))
+        laplacian = np.diag(state.adjacency.sum(axis=0)) - state.adjacency
+        assert state.fiedler_value == pytest.approx(np.linalg.eigvalsh(laplacian)[1], abs=1e-9)
+        hops_seen.append(state.hop_count)
+        positions_m = np.clip(positions_m + generator.normal(0.0, 1.5, (8, 2)), 0.5, (199.5, 9.5))
+    kept = [before is now for before, now in itertools.pairwise(hops_seen)]
+    assert any(kept)
+    assert not all(kept)
+    assert not hops_seen[-1].flags.writeable

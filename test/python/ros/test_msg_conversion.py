@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import io
-from dataclasses import replace
 
 import genpy
 import numpy as np
@@ -116,7 +115,7 @@ def test_network_keeps_its_matrices(make):
         np.testing.assert_array_equal(got, expected, err_msg=name)
     assert (back.fiedler_value, message.num_endangered) == (1.0, 1)
     assert back.traffic == traffic
-    quiet = conversion.network_state(sent(fields.network_state(make, TIME_NS, replace(network, traffic=Traffic()))))
+    quiet = conversion.network_state(sent(fields.network_state(make, TIME_NS, network._replace(traffic=Traffic()))))
     assert quiet.traffic == Traffic()
 
 

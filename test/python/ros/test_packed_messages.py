@@ -109,8 +109,10 @@ def readings(robots) -> TeamReadings:
     generator = np.random.default_rng(5)
     angles = generator.uniform(-3.0, 3.0, (ROBOTS, 1))
     odometry = np.hstack((generator.normal(size=(ROBOTS, 2)), np.sin(angles), np.cos(angles)))
+    positions_m = generator.normal(size=(ROBOTS, 2))
     return TeamReadings(
-        ground_truth=np.hstack((generator.normal(size=(ROBOTS, 2)), np.sin(-angles), np.cos(-angles))),
+        ground_truth=np.hstack((positions_m, np.sin(-angles), np.cos(-angles))),
+        positions_m=positions_m,
         twists=generator.normal(size=(ROBOTS, 3)),
         odometry=np.hstack((odometry, generator.normal(size=(ROBOTS, 12)))),
         ranges_m=[generator.uniform(0.1, 5.0, robot.laser.beams).astype(np.float32) for robot in robots],
@@ -158,6 +160,7 @@ def test_step_leaves_nothing_of_the_step_before(wire, robots, readings):
     outputs.publish(TIME_NS - 100_000_000, readings)
     still = TeamReadings(
         ground_truth=np.zeros((ROBOTS, 4)),
+        positions_m=np.zeros((ROBOTS, 2)),
         twists=np.zeros((ROBOTS, 3)),
         odometry=np.zeros((ROBOTS, 16)),
         ranges_m=[np.zeros_like(ranges_m) for ranges_m in readings.ranges_m],

@@ -1,0 +1,52 @@
+#include "robotteamsim/network/team_links.hpp"
+
+#include <cmath>
+
+#include "robotteamsim/network/fiedler.hpp"
+
+namespace robotteamsim {
+namespace {
+
+CellValues DistancesBetween(const Eigen::Ref<const Positions>& positions) {
+  const Eigen::Index n = positions.rows();
+  CellValues distances(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j) {
+      distances(i, j) = std::hypot(positions(i, 0) - positions(j, 0), positions(i, 1) - positions(j, 1));
+    }
+  }
+  return distances;
+}
+
+}  // namespace
+
+bool TeamLinks::Step(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions) {
+  rssi_ = RssiMatrixDbm(faces, model, positions);
+  if (rule_.by_distance) distances_ = DistancesBetween(positions);
+  if (!FindLinks(rule_.by_distance ? distances_ : rssi_)) return false;
+  hops_ = CountHops(adjacency_);
+  fiedler_value_ = FiedlerValue(adjacency_);
+  return true;
+}
+
+// Returns whether a link came or went.
+bool TeamLinks::FindLinks(const CellValues& link) {
+  const Eigen::Index n = link.rows();
+  bool has_changed = adjacency_.rows() != n;
+  adjacency_.resize(n, n);
+  endangered_.resize(n, n);
+  any_endangered_ = false;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const bool is_near = rule_.by_distance ? link(i, j) <= rule_.max_distance : link(i, j) >= rule_.lost_below;
+      const bool is_link = is_near && i != j, is_weak = is_link && rssi_(i, j) < rule_.endangered_below;
+      has_changed |= adjacency_(i, j) != is_link;
+      adjacency_(i, j) = is_link;
+      endangered_(i, j) = is_weak;
+      any_endangered_ |= is_weak;
+    }
+  }
+  return has_changed;
+}
+
+}  // namespace robotteamsim
