@@ -39,34 +39,36 @@ py::array_t<Value> ToArray(const std::vector<Value>& values, const GridShape& sh
   return array;
 }
 
-// For each place, shape (m, 2): which of the points, shape (n, 2), is nearest, the first of equals, and how far it is.
-std::pair<std::vector<int>, std::vector<double>> Nearest(const Doubles& points_m, const Doubles& places_m) {
+// Which places, shape (m, 2), have one of the points, shape (n, 2), no farther than their reach, shape (m,): pairs of a
+// place and the point that is nearest to it, the first of equals; places ascending.
+std::vector<std::pair<int, int>> Reached(const Doubles& points_m, const Doubles& places_m, const Doubles& reaches_m) {
   for (const Doubles* rows : {&points_m, &places_m}) {
     if (rows->ndim() != 2 || rows->shape(1) != 2) throw std::invalid_argument("points must have shape (n, 2)");
   }
-  if (points_m.shape(0) == 0) throw std::invalid_argument("of no points, none is nearest");
-  std::pair<std::vector<int>, std::vector<double>> nearest;
-  for (const double* place = places_m.data(); place != places_m.data() + places_m.size(); place += 2) {
-    int best = 0;
-    double best_m = std::numeric_limits<double>::infinity();
+  if (reaches_m.size() != places_m.shape(0)) throw std::invalid_argument("places must have one reach each");
+  std::vector<std::pair<int, int>> reached;
+  for (int k = 0; k < static_cast<int>(places_m.shape(0)); ++k) {
+    const double *const place = places_m.data() + 2 * k, reach = reaches_m.data()[k];
+    double best = std::nextafter(reach, std::numeric_limits<double>::infinity());
+    int nearest = -1;
     for (int i = 0; i < static_cast<int>(points_m.shape(0)); ++i) {
-      const double* const point = points_m.data() + 2 * i;
-      const double distance_m = std::hypot(point[0] - place[0], point[1] - place[1]);
-      if (distance_m < best_m) {
-        best = i;
-        best_m = distance_m;
+      const double dx = points_m.data()[2 * i] - place[0], dy = points_m.data()[2 * i + 1] - place[1];
+      if (std::abs(dx) > reach || std::abs(dy) > reach) continue;
+      const double distance = std::hypot(dx, dy);
+      if (distance < best) {
+        best = distance;
+        nearest = i;
       }
     }
-    nearest.first.push_back(best);
-    nearest.second.push_back(best_m);
+    if (nearest >= 0) reached.emplace_back(k, nearest);
   }
-  return nearest;
+  return reached;
 }
 
 }  // namespace
 
 void BindPlan(py::module_& m) {
-  m.def("nearest", &Nearest, py::arg("points_m"), py::arg("places_m"));
+  m.def("reached", &Reached, py::arg("points_m"), py::arg("places_m"), py::arg("reaches_m"));
   py::class_<PlanningGrid, std::shared_ptr<PlanningGrid>>(m, "PlanningGrid")
       .def(py::init(&MakeGrid), py::arg("occupied"), py::arg("origin_m"), py::arg("resolution_m"),
            py::arg("inflation_m"))

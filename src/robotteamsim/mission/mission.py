@@ -42,7 +42,7 @@ class Mission:
 
     def __init__(self, scenario: Scenario) -> None:
         self._areas = scenario.mission.areas
-        self._victims = list(scenario.mission.victims)
+        self._victims = scenario.mission.victims
         self._save_distance_m = scenario.mission.save_distance_m
         self._time_limit_ns = round(scenario.mission.time_limit_s * 1e9)
         self._autostart = scenario.mission.autostart
@@ -57,7 +57,8 @@ class Mission:
         self._team_was_running = False
         self._num_explored = 0
         self._victim_states: list[VictimState] = ["waiting"] * len(self._victims)
-        self._places_m = self._all_places_m()
+        self._saved: tuple[str, ...] = ()
+        self._places_m, self._reaches_m = self._all_places()
         self._heard_places_m: set[tuple[float, float]] = set()
         """Loudest places for which is known who is heard there, as of the victims who wait or were heard now."""
         self._epoch = 0
@@ -79,16 +80,12 @@ class Mission:
     @property
     def victims(self) -> tuple[Victim, ...]:
         """The victims in the order of `status.victims`, at their present places."""
-        return tuple(self._victims)
+        return self._victims
 
     @property
     def saved_victims(self) -> tuple[str, ...]:
-        """Names of the victims who are saved, and therefore silent."""
-        if "saved" not in self._victim_states:
-            return ()
-        return tuple(
-            [victim.name for victim, state in zip(self._victims, self._victim_states, strict=True) if state == "saved"]
-        )
+        """Names of the victims who are saved, and therefore silent; the same object until that changes."""
+        return self._saved
 
     @property
     def noise_db(self) -> float:
@@ -154,13 +151,11 @@ class Mission:
         """Add a victim, or move the one of that name, who then waits (again) to be heard and saved."""
         victim = Victim(name=name, position=position_m)
         names = [known.name for known in self._victims]
-        if name in names:
-            self._victims[names.index(name)] = victim
-            self._victim_states[names.index(name)] = "waiting"
-        else:
-            self._victims.append(victim)
-            self._victim_states.append("waiting")
-        self._places_m = self._all_places_m()
+        index = names.index(name) if name in names else len(names)
+        self._victims = (*self._victims[:index], victim, *self._victims[index + 1 :])
+        self._victim_states[index : index + 1] = ["waiting"]
+        self._saved = self._names_of_saved()
+        self._places_m, self._reaches_m = self._all_places()
         self._heard_places_m.clear()
         self._tell("victim", name, NOBODY, f"victim {name} calls at ({position_m[0]:.1f}, {position_m[1]:.1f})")
         self._change_task()
@@ -188,38 +183,53 @@ class Mission:
             self._elapsed_ns += sim_time_ns - self._last_step_ns
         self._last_step_ns = sim_time_ns
         if self._state == "running":
-            robot_ids, distances_m = _core.nearest(positions_m, self._places_m)
-            num_victims = len(self._victims)
-            self._judge_victims(voices, robot_ids[:num_victims], distances_m[:num_victims])
-            self._judge_area(robot_ids[num_victims:], distances_m[num_victims:])
-            self._judge_reports(base_inbox)
-            self._judge_links(network)
-            self._judge_messages(network.traffic)
-            self._judge_team(decisions)
+            self._judge_voices(voices)
+            self._judge_places(positions_m)
+            if self._base.unreported:
+                self._judge_reports(base_inbox)
+            if network.endangered is not self._endangered:
+                self._judge_links(network)
+            if network.traffic.refused:
+                self._judge_messages(network.traffic)
+            for change in self._team.changes(decisions):
+                self._tell(change.kind, change.subject, change.robot_id, change.detail)
             self._judge_end()
         self._team_was_running = self._state == "running"
-        self._status = self._make_status()
+        # Where nothing was told, nothing but the time is new.
+        self._status = self._make_status() if self._events else self._status.at(self._elapsed_ns / 1e9)
         events, self._events = tuple(self._events), []
         return events
 
-    def _judge_victims(
-        self, voices: Sequence[VoiceReading], nearest_robots: Sequence[int], distances_m: Sequence[float]
-    ) -> None:
-        if "waiting" in self._victim_states:
-            for robot_id, voice in enumerate(voices):
-                if voice.heard and voice.local_best_m not in self._heard_places_m:
-                    self._heard_places_m.add(voice.local_best_m)
-                    self._hear(robot_id, voice)
-        for index, distance_m in enumerate(distances_m):
-            if distance_m <= self._save_distance_m and self._victim_states[index] != "saved":
-                self._victim_states[index] = "saved"
-                self._heard_places_m.clear()
-                self._epoch += 1  # her voice leaves the map
-                victim = self._victims[index]
-                robot_id, count = nearest_robots[index], f"{len(self.saved_victims)} of {len(self._victims)}"
-                self._tell("victim_saved", victim.name, robot_id, f"robot {robot_id} saves {victim.name} ({count})")
-                place_m, time_s = victim.position, self._elapsed_ns / 1e9
-                self._base.add(Discovery("victim", victim.name, robot_id, place_m, time_s))
+    def _judge_voices(self, voices: Sequence[VoiceReading]) -> None:
+        if "waiting" not in self._victim_states:
+            return
+        for robot_id, voice in enumerate(voices):
+            if voice.heard and voice.local_best_m not in self._heard_places_m:
+                self._heard_places_m.add(voice.local_best_m)
+                self._hear(robot_id, voice)
+
+    def _judge_places(self, positions_m: np.ndarray) -> None:
+        num_victims = len(self._victims)
+        area = num_victims + self._num_explored
+        for place, robot_id in _core.reached(positions_m, self._places_m, self._reaches_m):
+            if place == area:
+                self._explore(robot_id)
+            elif place < num_victims and self._victim_states[place] != "saved":
+                self._save(place, robot_id)
+
+    def _save(self, index: int, robot_id: int) -> None:
+        victim = self._victims[index]
+        self._victim_states[index] = "saved"
+        self._saved = self._names_of_saved()
+        self._heard_places_m.clear()
+        self._epoch += 1  # her voice leaves the map
+        count = f"{len(self._saved)} of {len(self._victims)}"
+        self._tell("victim_saved", victim.name, robot_id, f"robot {robot_id} saves {victim.name} ({count})")
+        self._base.add(Discovery("victim", victim.name, robot_id, victim.position, self._elapsed_ns / 1e9))
+
+    def _names_of_saved(self) -> tuple[str, ...]:
+        states = zip(self._victims, self._victim_states, strict=True)
+        return tuple([victim.name for victim, state in states if state == "saved"])
 
     def _hear(self, robot_id: int, voice: VoiceReading) -> None:
         unsaved = [i for i, state in enumerate(self._victim_states) if state != "saved"]
@@ -229,17 +239,13 @@ class Mission:
             name, level_db = self._victims[index].name, voice.local_best_level_db
             self._tell("victim_heard", name, robot_id, f"robot {robot_id} hears {name} at {level_db:.1f} dB")
 
-    def _judge_area(self, nearest_robots: Sequence[int], distances_m: Sequence[float]) -> None:
-        if self._num_explored == len(self._areas):
-            return
+    def _explore(self, robot_id: int) -> None:
         area = self._areas[self._num_explored]
-        if distances_m[self._num_explored] <= area.radius_m:
-            robot_id = nearest_robots[self._num_explored]
-            self._num_explored += 1
-            self._epoch += 1
-            count = f"{self._num_explored} of {len(self._areas)}"
-            self._tell("area_explored", area.name, robot_id, f"robot {robot_id} explores {area.name} ({count})")
-            self._base.add(Discovery("area", area.name, robot_id, area.center, self._elapsed_ns / 1e9))
+        self._num_explored += 1
+        self._epoch += 1
+        count = f"{self._num_explored} of {len(self._areas)}"
+        self._tell("area_explored", area.name, robot_id, f"robot {robot_id} explores {area.name} ({count})")
+        self._base.add(Discovery("area", area.name, robot_id, area.center, self._elapsed_ns / 1e9))
 
     def _judge_reports(self, base_inbox: Sequence[Message]) -> None:
         time_s = self._elapsed_ns / 1e9
@@ -264,10 +270,6 @@ class Mission:
                 size = f"{refusal.num_bytes} bytes, the limit is {refusal.limit_bytes}"
                 self._tell("message_too_large", "", refusal.sender, f"robot {refusal.sender} cannot send {size}")
 
-    def _judge_team(self, decisions: Sequence[Decision]) -> None:
-        for change in self._team.changes(decisions):
-            self._tell(change.kind, change.subject, change.robot_id, change.detail)
-
     def _judge_end(self) -> None:
         if self._areas and self._num_explored == len(self._areas) and not self._base.unreported:
             self._finish("areas_explored")
@@ -282,10 +284,11 @@ class Mission:
         count = f"{self._num_explored}/{len(self._areas)} areas, {saved}/{len(self._victims)} victims"
         self._tell("end", "", NOBODY, f"mission ends: {_END_DETAIL[end]}; {count}")
 
-    def _all_places_m(self) -> np.ndarray:
-        """Return where the victims are and then the areas, shape (victims + areas, 2) [m]."""
+    def _all_places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return where the victims are and then the areas, shape (n, 2), and how near one must come, shape (n,) [m]."""
         places = [victim.position for victim in self._victims] + [area.center for area in self._areas]
-        return np.array(places, dtype=np.float64).reshape(-1, 2)
+        reaches = [self._save_distance_m] * len(self._victims) + [area.radius_m for area in self._areas]
+        return np.array(places, dtype=np.float64).reshape(-1, 2), np.array(reaches, dtype=np.float64)
 
     def _change_task(self) -> None:
         self._epoch += 1

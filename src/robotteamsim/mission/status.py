@@ -69,6 +69,10 @@ class MissionStatus(NamedTuple):
     task: Task
     reports: Reports | None = None
 
+    def at(self, time_s: float) -> MissionStatus:
+        """Return the same at another time of the mission's clock [s]."""
+        return MissionStatus(self.state, self.end, time_s, *self[3:])
+
     @property
     def areas_explored(self) -> int:
         """Number of explored areas."""

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 from robotteamsim.control.controller import OUTSIDE, Decision
+
+_WATCHED = attrgetter("excluded", "swarm", "fault")
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +30,7 @@ class TeamWatch:
 
     def __init__(self, base: int | None = None) -> None:
         self._base = base
+        self._told: list[tuple[bool, int, str]] = []
         self._swarms: list[int] = []
         self._faults: list[str] = []
 
@@ -37,12 +41,14 @@ class TeamWatch:
 
     def changes(self, decisions: Sequence[Decision]) -> list[Change]:
         """Return what has changed since the last step, in id order; a swarm's end follows after who left it."""
+        told = list(map(_WATCHED, decisions))
+        if told == self._told:
+            return []
+        self._told = told
         swarms = [OUTSIDE if decision.excluded else decision.swarm for decision in decisions]
         faults = [decision.fault for decision in decisions]
         if self._base is not None:
             swarms[self._base] = OUTSIDE
-        if swarms == self._swarms and faults == self._faults:
-            return []
         before = self._swarms or [OUTSIDE if i == self._base else max(swarm, 0) for i, swarm in enumerate(swarms)]
         found = [*_changes_of_swarms(before, swarms), *_new_faults(self._faults or [""] * len(faults), faults)]
         self._swarms, self._faults = swarms, faults

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from robotteamsim import _core, rng
 from robotteamsim.control.controller import Decision, Task
 from robotteamsim.mission import Mission
 from robotteamsim.network.messages import NetworkState, Refusal, Traffic
@@ -328,3 +329,13 @@ def test_a_message_that_is_too_large_is_told_once_with_robot_size_and_limit(miss
     assert [(e.kind, e.robot_id, e.detail) for e in told] == [
         ("message_too_large", 1, "robot 1 cannot send 70000 bytes, the limit is 65507")
     ]
+
+
+def test_places_are_reached_by_the_nearest_robot_within_reach_the_first_of_equals():
+    generator = rng.stream(5, "places")
+    for _ in range(200):
+        points_m, places_m = generator.integers(0, 12, (7, 2)) * 0.5, generator.integers(0, 12, (9, 2)) * 0.5
+        reaches_m = generator.integers(0, 4, 9) * 0.5
+        apart_m = np.hypot(*(places_m[:, None] - points_m[None]).transpose(2, 0, 1))
+        expected = [(place, int(np.argmin(row))) for place, row in enumerate(apart_m) if row.min() <= reaches_m[place]]
+        assert _core.reached(points_m, places_m, reaches_m) == expected
