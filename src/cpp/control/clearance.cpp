@@ -15,10 +15,11 @@ double FreeDistanceAmong(const std::vector<Point>& hits, double heading, double 
   double free = max_distance;
   for (const Point& hit : hits) {
     const double along = hit.x * cos + hit.y * sin;
-    if (along <= 0.0) continue;
     const double across = hit.y * cos - hit.x * sin;
     const double half_chord_squared = radius * radius - across * across;
-    if (half_chord_squared <= 0.0) continue;
+    // One branch for all hits that do not count: beside the way, behind, and beyond what another one leaves free.
+    const bool counts = (along > 0.0) & (half_chord_squared > 0.0) & (along - radius < free);
+    if (!counts) continue;
     const double touch = along - std::sqrt(half_chord_squared);
     if (touch >= 0.0) {
       free = std::min(free, touch);
@@ -50,6 +51,7 @@ std::vector<Point> ScanClearance::Hits(const std::vector<float>& ranges, double 
   // A range this close to range_max is no return: float32 may round range_max itself to either side.
   const double longest = std::min(layout_.range_max * (1.0 - 1e-6), max_distance + std::abs(layout_.forward) + 1e-3);
   std::vector<Point> hits;
+  hits.reserve(ranges.size());
   for (std::size_t beam = 0; beam < ranges.size(); ++beam) {
     const double range = ranges[beam];
     if (!(range < longest)) continue;
@@ -84,25 +86,25 @@ Sidestepper::Way Sidestepper::Find(const std::vector<float>& ranges, double want
     passing_side_ = 0;
     return straight;
   }
-  Way free_way{0.0, -1.0}, farthest{0.0, -1.0};
-  double least_cost = std::numeric_limits<double>::infinity();
-  for (const double heading : headings_) {
-    const Way way{heading, FreeDistanceAmong(hits, heading, radius, needed)};
-    const double offset = heading - wanted;
-    if (way.free > farthest.free ||
-        (way.free == farthest.free && std::abs(offset) < std::abs(farthest.heading - wanted))) {
-      farthest = way;
-    }
-    double cost = std::abs(offset) + (offset > 0.0 ? kLeftPenalty : 0.0);
-    if (passing_side_ * offset < 0.0) cost += kChangePenalty;
-    if (way.free >= needed && cost < least_cost) {
-      free_way = way;
-      least_cost = cost;
-    }
+  std::vector<Way> ways;
+  for (const double heading : headings_) ways.push_back({heading, 0.0});
+  const auto cost = [&](const Way& way) {
+    const double offset = way.heading - wanted;
+    const double side_cost = offset > 0.0 ? kLeftPenalty : 0.0;
+    return std::abs(offset) + side_cost + (passing_side_ * offset < 0.0 ? kChangePenalty : 0.0);
+  };
+  std::stable_sort(ways.begin(), ways.end(), [&](const Way& a, const Way& b) { return cost(a) < cost(b); });
+  for (Way& way : ways) {
+    way.free = FreeDistanceAmong(hits, way.heading, radius, needed);
+    if (way.free < needed) continue;
+    passing_side_ = way.heading > wanted ? 1 : -1;
+    return way;
   }
-  if (free_way.free < 0.0) return farthest;
-  passing_side_ = free_way.heading > wanted ? 1 : -1;
-  return free_way;
+  return *std::min_element(ways.begin(), ways.end(), [&](const Way& a, const Way& b) {
+    if (a.free != b.free) return a.free > b.free;
+    const double offset_a = std::abs(a.heading - wanted), offset_b = std::abs(b.heading - wanted);
+    return offset_a != offset_b ? offset_a < offset_b : a.heading < b.heading;
+  });
 }
 
 }  // namespace robotteamsim

@@ -12,6 +12,7 @@ namespace robotteamsim {
 namespace {
 
 constexpr double kSamePlace = 0.25;
+constexpr std::size_t kSmallestTable = 64;  // a power of two, as all are
 
 double Distance(const Point& a, const Point& b) { return Hypot(a.x - b.x, a.y - b.y); }
 
@@ -21,11 +22,18 @@ HeardKey::HeardKey(const HeardNote& note)
     : column(std::nearbyint(note.position.x / kSamePlace)),
       row(std::nearbyint(note.position.y / kSamePlace)),
       hears(note.loudest.has_value()),
-      loudest(note.loudest.value_or(Point{})) {}
+      loudest(note.loudest.value_or(Point{})),
+      hash(hears ? 1 : 0) {
+  const std::hash<double> hash_of;  // takes 0.0 and -0.0 for one
+  for (const double part : {column, row, loudest.x, loudest.y}) {
+    hash = (hash ^ hash_of(part)) * 0x9E3779B97F4A7C15U;
+    hash ^= hash >> 32U;
+  }
+}
 
 bool HeardKey::operator==(const HeardKey& other) const {
-  return column == other.column && row == other.row && hears == other.hears && loudest.x == other.loudest.x &&
-         loudest.y == other.loudest.y;
+  return hash == other.hash && column == other.column && row == other.row && hears == other.hears &&
+         loudest.x == other.loudest.x && loudest.y == other.loudest.y;
 }
 
 HeardNotes::HeardNotes(std::vector<HeardNote> notes) : notes_(std::move(notes)) {
@@ -33,18 +41,8 @@ HeardNotes::HeardNotes(std::vector<HeardNote> notes) : notes_(std::move(notes)) 
 }
 
 RuledOut::RuledOut(double radius, double cell, double next_to)
-    : radius_(radius), cell_(cell), next_to_(next_to), bucket_(std::max(radius, next_to)) {
+    : radius_(radius), cell_(cell), next_to_(next_to), bucket_(std::max(radius, next_to)), table_(kSmallestTable, 0) {
   if (!(bucket_ > 0.0)) throw std::invalid_argument("a note must rule out some place");
-}
-
-std::size_t RuledOut::KeyHash::operator()(const HeardKey& key) const {
-  const std::hash<double> hash;  // takes 0.0 and -0.0 for one
-  std::size_t mixed = key.hears ? 1 : 0;
-  for (const double part : {key.column, key.row, key.loudest.x, key.loudest.y}) {
-    mixed = (mixed ^ hash(part)) * 0x9E3779B97F4A7C15U;
-    mixed ^= mixed >> 32U;
-  }
-  return mixed;
 }
 
 std::int64_t RuledOut::BucketOf(double x, double y, int d_column, int d_row) const {
@@ -55,11 +53,30 @@ std::int64_t RuledOut::BucketOf(double x, double y, int d_column, int d_row) con
 
 void RuledOut::Clear() {
   known_.clear();
+  table_.assign(kSmallestTable, 0);
   buckets_.clear();
 }
 
 void RuledOut::Add(const HeardNote& note, const HeardKey& key) {
-  if (known_.insert(key).second) buckets_[BucketOf(note.position.x, note.position.y, 0, 0)].push_back(note);
+  const std::size_t place = PlaceOf(key);
+  if (table_[place] != 0) return;
+  known_.push_back(key);
+  table_[place] = static_cast<std::uint32_t>(known_.size());
+  buckets_[BucketOf(note.position.x, note.position.y, 0, 0)].push_back(note);
+  if (2 * known_.size() > table_.size()) Grow();
+}
+
+void RuledOut::Grow() {
+  table_.assign(2 * table_.size(), 0);
+  for (std::size_t i = 0; i < known_.size(); ++i) table_[PlaceOf(known_[i])] = static_cast<std::uint32_t>(i + 1);
+}
+
+/// Returns where in the table a key is, or should be.
+std::size_t RuledOut::PlaceOf(const HeardKey& key) const {
+  const std::size_t mask = table_.size() - 1;
+  std::size_t place = key.hash & mask;
+  while (table_[place] != 0 && !(known_[table_[place] - 1] == key)) place = (place + 1) & mask;
+  return place;
 }
 
 void RuledOut::Add(const HeardNotes& heard) {

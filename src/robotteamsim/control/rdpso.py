@@ -19,7 +19,7 @@ from robotteamsim.control.local_best import find_local_best
 from robotteamsim.control.localisation import Localiser, body_of
 from robotteamsim.control.membership import Membership
 from robotteamsim.control.navigation import Navigator
-from robotteamsim.control.report import Best, Report, parse_report
+from robotteamsim.control.report import Best, Report, parse_report, reports_in
 from robotteamsim.control.ruled_out import RuledOut
 from robotteamsim.control.surroundings import Surroundings
 from robotteamsim.control.wander import Wander
@@ -50,6 +50,9 @@ PATIENCE = 0.5
 
 HURRY = 1.25
 """A robot drives this much faster than its swarm velocity, so that it is there when the next iteration begins."""
+
+
+_ITERATION, _ROBOT_ID, _SWARM_ID = (attrgetter(name) for name in ("iteration", "robot_id", "swarm_id"))
 
 
 class RdpsoController:
@@ -108,10 +111,9 @@ class RdpsoController:
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
         """Take in what the robot perceives, the messages that arrived, and the mission's task."""
         self._observation, self._task = observation, task
-        for message in inbox:
-            report = parse_report(message.payload)
-            if report is not None and report.robot_id != self._robot_id:
-                self._team[report.robot_id] = report
+        if inbox:
+            self._team |= {report.robot_id: report for report in reports_in(inbox)}
+            self._team.pop(self._robot_id, None)
 
     def decide(self) -> Decision:
         """Return command and messages for this step."""
@@ -138,7 +140,7 @@ class RdpsoController:
         assert self._observation is not None
         if self._observation.sim_time_ns - self._reported_ns >= self._patience_ns:
             return True
-        return own.iteration - 1 not in [report.iteration for report in self._team.values()]
+        return own.iteration - 1 not in map(_ITERATION, self._team.values())
 
     def _evaluate(self, pose: Pose, ranges_m: np.ndarray) -> Report:
         """Phase 1: return the report on what the robot knows at the start of an iteration."""
@@ -171,9 +173,9 @@ class RdpsoController:
         """Phase 2: share the bests, judge the swarm, and set the goal to x[t+1]."""
         position = (pose.x_m, pose.y_m)
         reports = [own, *[report for report in self._team.values() if report.iteration == own.iteration]]
-        view = common_view(tuple(sorted(reports, key=attrgetter("robot_id"))))
+        view = common_view(tuple(sorted(reports, key=_ROBOT_ID)))
         bests = self._share_bests(own, view)
-        in_use = {report.swarm_id for report in (own, *self._team.values())}
+        in_use = {own.swarm_id, *map(_SWARM_ID, self._team.values())}
         improved = [swarm_id for swarm_id, (_, has_improved) in bests.items() if has_improved]
         self._membership.judge(own.iteration, view, improved, in_use)
         # A new swarm begins with what the excluded know.
@@ -278,12 +280,7 @@ class RdpsoController:
             self._known_best = None
 
     def _decision(self, twist: Twist, goal: Vector | None = None, outbox: tuple[Message, ...] = ()) -> Decision:
-        return Decision(
-            twist=twist,
-            outbox=outbox,
-            excluded=self._membership.excluded,
-            goal_m=goal,
-            local_best=self._local_best.value if self._local_best else 0.0,
-            search_counter=self._membership.state.search_counter,
-            swarm=self._membership.swarm_id,
-        )
+        value = self._local_best.value if self._local_best else 0.0
+        membership = self._membership
+        told = membership.excluded, goal, value, membership.state.search_counter, membership.swarm_id
+        return Decision(twist, outbox, *told)

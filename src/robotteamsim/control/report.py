@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import functools
 import json
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from operator import attrgetter
+from typing import NamedTuple
 
 from robotteamsim.control.controller import OUTSIDE
+from robotteamsim.network.messages import Message
 from robotteamsim.swarm import SwarmState, Vector
 
+_PAYLOAD = attrgetter("payload")
 
-@dataclass(frozen=True, slots=True)
-class Best:
+
+class Best(NamedTuple):
     """A place and what it is worth: larger is better; any heard voice is worth more than any distance to an area."""
 
     value: float
@@ -23,8 +27,7 @@ class Best:
         return self.value > 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Report:
+class Report(NamedTuple):
     """One robot's view at the start of an iteration; positions in `map` [m].
 
     epoch:      of the task; bests of different epochs, or of robots that disagree on doors, are not comparable.
@@ -53,20 +56,14 @@ class Report:
 
     def to_json(self) -> str:
         """Return the report as one line of JSON; numbers keep every bit."""
-        return json.dumps(
-            {
-                "robot": self.robot_id,
-                "iteration": self.iteration,
-                "epoch": self.epoch,
-                "position": self.position,
-                "loudest": self.loudest,
-                "local_best": _best_to_list(self.local_best),
-                "known_best": _best_to_list(self.known_best),
-                "swarm": self.swarm_id,
-                "search_counter": self.swarm.search_counter,
-                "num_killed": self.swarm.num_killed,
-                "doors": self.doors,
-            }
+        x, y = self.position
+        # As json.dumps writes it, in a fraction of the time: every robot says this in every iteration.
+        return (
+            f'{{"robot": {self.robot_id}, "iteration": {self.iteration}, "epoch": {self.epoch}, '
+            f'"position": [{x!r}, {y!r}], "loudest": {_numbers(self.loudest)}, '
+            f'"local_best": {_best(self.local_best)}, "known_best": {_best(self.known_best)}, '
+            f'"swarm": {self.swarm_id}, "search_counter": {self.swarm.search_counter}, '
+            f'"num_killed": {self.swarm.num_killed}, "doors": {json.dumps(self.doors) if self.doors else "[]"}}}'
         )
 
     @property
@@ -102,8 +99,17 @@ def parse_report(payload: str) -> Report | None:
         return None
 
 
-def _best_to_list(best: Best | None) -> list[float] | None:
-    return [best.value, *best.position] if best else None
+def reports_in(inbox: Iterable[Message]) -> Iterator[Report]:
+    """Yield the reports that messages carry, and nothing for those that carry something else."""
+    return filter(None, map(parse_report, map(_PAYLOAD, inbox)))
+
+
+def _numbers(numbers: tuple[float, ...] | None) -> str:
+    return "null" if numbers is None else f"[{', '.join(map(repr, numbers))}]"
+
+
+def _best(best: Best | None) -> str:
+    return "null" if best is None else _numbers((best.value, *best.position))
 
 
 def _to_best(data: list[float] | None) -> Best | None:

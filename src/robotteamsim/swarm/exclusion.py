@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,8 +16,7 @@ class ExclusionRules:
     max_robots: int = 15
 
 
-@dataclass(frozen=True, slots=True)
-class SwarmState:
+class SwarmState(NamedTuple):
     """The memory of one swarm.
 
     search_counter: SC, iterations without improvement.  num_killed: N_kill, robots excluded and not called back.
@@ -26,8 +26,7 @@ class SwarmState:
     num_killed: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Verdict:
+class Verdict(NamedTuple):
     """What an iteration does to a swarm: its new state, who has to leave and who is called in, in id order."""
 
     state: SwarmState

@@ -42,8 +42,10 @@ def memory_coefficients(mode: MemoryMode, alpha: Coordinates, terms: int) -> tup
 
 def memory_term(coefficients: Sequence[float], velocities: Sequence[Vector]) -> Vector:
     """Return the weighted sum of past velocities, newest first; missing ones count as zero [same unit]."""
-    x = weighted_sum(coefficients, [v_x for v_x, _ in velocities])
-    y = weighted_sum(coefficients, [v_y for _, v_y in velocities])
+    x = y = 0.0
+    for coefficient, (v_x, v_y) in zip(coefficients, velocities, strict=False):
+        x += coefficient * v_x
+        y += coefficient * v_y
     return x, y
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import TypeVar, cast
+from typing import NamedTuple, TypeVar, cast
 
 import numpy as np
 
@@ -16,8 +15,7 @@ Vector = tuple[float, float]
 """(x, y) in one frame; positions [m], velocities [m per iteration]."""
 
 
-@dataclass(frozen=True, slots=True)
-class Weights:
+class Weights(NamedTuple):
     """c1..c4 of eq. (22): what a robot, its swarm, obstacles and the network have to say."""
 
     cognitive: float
@@ -26,8 +24,7 @@ class Weights:
     communication: float
 
 
-@dataclass(frozen=True, slots=True)
-class Attractors:
+class Attractors(NamedTuple):
     """x_LB, x_GB, x_OB and x_CB of eq. (22): where each of them draws the robot [m]."""
 
     local_best: Vector
@@ -44,16 +41,10 @@ def next_velocity(
     v[t+1] = inertia + sum over the four components of c * r * (attractor - x[t]), with one random number r in [0, 1)
     per component. Four numbers are drawn whatever the weights, so that a weight never shifts the others' numbers.
     """
-    pulls = tuple(
-        zip(
-            (weights.cognitive, weights.social, weights.obstacle, weights.communication),
-            rng.random(4).tolist(),
-            (attractors.local_best, attractors.global_best, attractors.obstacle, attractors.communication),
-            strict=True,
-        )
-    )
-    v_x = add_pulls(inertia[0], position[0], ((weight, random, place[0]) for weight, random, place in pulls))
-    v_y = add_pulls(inertia[1], position[1], ((weight, random, place[1]) for weight, random, place in pulls))
+    (v_x, v_y), (x, y) = inertia, position
+    for weight, random, (place_x, place_y) in zip(weights, rng.random(4).tolist(), attractors, strict=True):
+        v_x += weight * random * (place_x - x)
+        v_y += weight * random * (place_y - y)
     return v_x, v_y
 
 
@@ -64,7 +55,7 @@ def add_pulls(
 ) -> Coordinates:
     """Return inertia + the sum of c * r * (attractor - position) over (c, r, attractor), in the order given.
 
-    For one coordinate of one robot, or for all of a swarm at once where arrays of one shape are given.
+    For all of a swarm at once: arrays of one shape.
     """
     velocity: float | np.ndarray = inertia
     for weight, random, attractor in pulls:
