@@ -68,6 +68,7 @@ WORKS = (
     Work("links of 100 robots, 428 faces", "Links/100", "LinksPlain/100", Goal("per_item_ns", 150.0, "ns")),
     Work("  of 1000", "Links/1000", "LinksPlain/1000", Goal("per_item_ns", 40.0, "ns")),
     Work("  of 3000", "Links/3000", goal=Goal("per_item_ns", 20.0, "ns")),
+    Work("  of 3000, into fresh memory", "LinksInFreshMemory/3000"),
     Work(
         "hops of 1000 robots, most in reach", "Hops/dense/1000", "HopsPlain/dense/1000", Goal("time_us", 6000.0, "us")
     ),

@@ -83,6 +83,9 @@ void BindRadio(py::module_& m) {
         [](const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions) {
           return RssiMatrixDbm(faces, model, positions);
         });
+  m.def("write_rssi_matrix_dbm",
+        [](const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
+           Eigen::Ref<CellValues> rssi_dbm) { WriteRssiMatrixDbm(faces, model, positions, rssi_dbm); });
   // Maps are written into arrays of the caller; other Python threads run on meanwhile.
   m.def("write_best_rssi_map_dbm",
         [](const FaceSet& faces, const RadioModel& model, const std::vector<XY>& transmitters, int floors_crossed,

@@ -31,7 +31,7 @@ struct ScreenBlock {
   // As the plan has them.
   alignas(64) double x[kCorners][kLinkLanes];  // of the corners [mm]
   alignas(64) double y[kCorners][kLinkLanes];
-  alignas(64) double normal_x[kFaces][kLinkLanes];  // to the left of a face, as long as the face [mm]
+  alignas(64) double normal_x[kFaces][kLinkLanes];  // to the left of a face, as long as it [mm]; of boxes 1 long
   alignas(64) double normal_y[kFaces][kLinkLanes];
   alignas(64) double least_left[kFaces][kLinkLanes];  // points with normal * (point - corner) >= this, 0 or 1, are left
   alignas(64) double weight[kLinkLanes];              // of each face; 0 where there is no screen
@@ -75,6 +75,10 @@ struct LinkKernels {
   bool (*add_faces)(const LinkSource& source, ScreenBlock<1>* screens, int num_blocks, std::int32_t* scratch,
                     TargetBlock* targets);
   bool (*add_rings)(const LinkSource& source, ScreenBlock<4>* screens, int num_blocks, std::int32_t* scratch,
+                    TargetBlock* targets);
+
+  /// The same for boxes: rings whose normals are along x, y, x and y. Half of each product is 0, and is left out.
+  bool (*add_boxes)(const LinkSource& source, ScreenBlock<4>* screens, int num_blocks, std::int32_t* scratch,
                     TargetBlock* targets);
 };
 

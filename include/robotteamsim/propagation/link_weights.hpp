@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "robotteamsim/propagation/face_set.hpp"
@@ -9,12 +11,12 @@
 
 namespace robotteamsim {
 
-/// What is between a point and those after it, these in some order: target k, in lane k % kLinkLanes of block
-/// k / kLinkLanes, is order[k] + 1 places after the point.
+/// What is between a point and those after it, these in some order: the one i + 1 places after the point is target
+/// places[i], in lane places[i] % kLinkLanes of block places[i] / kLinkLanes.
 struct LinkTargets {
   int count = 0;
   const TargetBlock* blocks = nullptr;
-  const std::int32_t* order = nullptr;
+  const std::int32_t* places = nullptr;
 };
 
 /// What the faces weigh between all pairs of many points: the same numbers as FaceSet::WeightBetween.
@@ -41,8 +43,9 @@ class LinkWeights {
   };
 
   void AddFaces();
+  void AddScreenAt(std::size_t first_face, std::optional<std::array<Face, 4>> ring);
   template <int kFaces>
-  void AddScreen(std::size_t first_face, bool is_reversed, Screens<kFaces>* screens);
+  void AddScreen(std::size_t first_face, const std::array<Face, kFaces>& faces, bool is_box, Screens<kFaces>* screens);
   void CountOneByOne(std::size_t source);
   void SortTargets(std::size_t source);
   template <int kFaces>
@@ -55,12 +58,14 @@ class LinkWeights {
   std::vector<double> point_x_, point_y_;  // [mm]
   Screens<1> faces_;
   Screens<4> rings_;
+  Screens<4> boxes_;
   std::vector<std::int32_t> scratch_;
   LinkSource seen_from_;
   std::vector<double> directions_;  // of the targets
   std::vector<std::int32_t> bins_;
   std::vector<std::int32_t> bin_start_;
-  std::vector<std::int32_t> order_;  // of the targets, by bins
+  std::vector<std::int32_t> order_;   // of the targets, by bins
+  std::vector<std::int32_t> places_;  // of each in that order
   std::vector<TargetBlock> blocks_;
 };
 

@@ -34,9 +34,14 @@ using Positions = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 /// floors.
 double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, PointMm b, int floors_crossed = 0);
 
-/// Returns the signal strength between all pairs of robots [dBm]: tx power - L; symmetric to the bit, diagonal 0.
+/// Writes the signal strength between all pairs of robots [dBm]: tx power - L; symmetric to the bit, diagonal 0.
 /// Each is tx power - PathLossDb to the bit, with any instruction set.
-/// Throws std::invalid_argument, naming the robot, where a position is not finite.
+/// Throws std::invalid_argument, naming the robot, where a position is not finite, and where the matrix is not of one
+/// row and one column per robot.
+void WriteRssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
+                        Eigen::Ref<CellValues> rssi_dbm, Simd simd = BestSimd());
+
+/// Returns what WriteRssiMatrixDbm writes, in fresh memory: a large matrix takes an eighth longer.
 CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
                          Simd simd = BestSimd());
 

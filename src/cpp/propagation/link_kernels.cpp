@@ -188,7 +188,9 @@ struct Loops {
     }
   }
 
-  template <int kFaces>
+  /// Adds the weight of the faces of a screen that are crossed on the way to targets between two directions. Normals of
+  /// a box are along x, y, x and y.
+  template <bool kIsBox, int kFaces>
   static ROBOTTEAMSIM_INLINE void Shade(const ScreenBlock<kFaces>& screen, int lane, double from, double to,
                                         std::int32_t first, std::int32_t end, TargetBlock* targets) {
     double away_x[kFaces], away_y[kFaces], near_from[kFaces], far_from[kFaces];
@@ -209,7 +211,12 @@ struct Loops {
         bool is_before_far = true;
 #pragma GCC unroll 4
         for (int j = 0; j < kFaces; ++j) {
-          const double away = away_x[j] * block.x[i] + away_y[j] * block.y[i];
+          double away = 0.0;
+          if constexpr (kIsBox) {
+            away = j % 2 == 0 ? away_x[j] * block.x[i] : away_y[j] * block.y[i];
+          } else {
+            away = away_x[j] * block.x[i] + away_y[j] * block.y[i];
+          }
           is_beyond_near &= away >= near_from[j];
           if constexpr (kFaces > 1) is_before_far &= away < far_from[j];
         }
@@ -220,7 +227,7 @@ struct Loops {
     }
   }
 
-  template <int kFaces>
+  template <bool kAreBoxes, int kFaces>
   static ROBOTTEAMSIM_INLINE bool AddScreens(const LinkSource& source, ScreenBlock<kFaces>* screens, int num_blocks,
                                              std::int32_t* __restrict seen, TargetBlock* targets) {
     std::int32_t num_seen = 0, num_left_out = 0;
@@ -236,10 +243,10 @@ struct Loops {
       const ScreenBlock<kFaces>& screen = screens[seen[k] / kLanes];
       const int i = seen[k] % kLanes;
       if (screen.from[i] < screen.to[i]) {
-        Shade(screen, i, screen.from[i], screen.to[i], screen.first[i], screen.end[i], targets);
+        Shade<kAreBoxes>(screen, i, screen.from[i], screen.to[i], screen.first[i], screen.end[i], targets);
       } else {  // around straight down: in two parts
-        Shade(screen, i, screen.from[i], kAfterAll, screen.first[i], source.num_targets, targets);
-        Shade(screen, i, kBeforeAll, screen.to[i], 0, screen.end[i], targets);
+        Shade<kAreBoxes>(screen, i, screen.from[i], kAfterAll, screen.first[i], source.num_targets, targets);
+        Shade<kAreBoxes>(screen, i, kBeforeAll, screen.to[i], 0, screen.end[i], targets);
       }
     }
     return num_left_out > 0;
@@ -259,13 +266,17 @@ struct Loops {
     }                                                                                                                 \
     attributes static bool AddFaces(const LinkSource& source, ScreenBlock<1>* screens, int num_blocks,                \
                                     std::int32_t* scratch, TargetBlock* targets) {                                    \
-      return Loops::AddScreens(source, screens, num_blocks, scratch, targets);                                        \
+      return Loops::AddScreens<false>(source, screens, num_blocks, scratch, targets);                                 \
     }                                                                                                                 \
     attributes static bool AddRings(const LinkSource& source, ScreenBlock<4>* screens, int num_blocks,                \
                                     std::int32_t* scratch, TargetBlock* targets) {                                    \
-      return Loops::AddScreens(source, screens, num_blocks, scratch, targets);                                        \
+      return Loops::AddScreens<false>(source, screens, num_blocks, scratch, targets);                                 \
     }                                                                                                                 \
-    static constexpr LinkKernels kKernels{Find, Fill, AddFaces, AddRings};                                            \
+    attributes static bool AddBoxes(const LinkSource& source, ScreenBlock<4>* screens, int num_blocks,                \
+                                    std::int32_t* scratch, TargetBlock* targets) {                                    \
+      return Loops::AddScreens<true>(source, screens, num_blocks, scratch, targets);                                  \
+    }                                                                                                                 \
+    static constexpr LinkKernels kKernels{Find, Fill, AddFaces, AddRings, AddBoxes};                                  \
   };
 
 ROBOTTEAMSIM_KERNELS(Portable, )

@@ -23,28 +23,29 @@ ROBOTTEAMSIM_INLINE double LossDb(const RadioModel& model, double dx_mm, double 
   return one_slope_db + wall_units / kRadioUnitsPerDb;                                                   // (3), (4)
 }
 
-/// Writes the signals of the links from a robot into the places of those after it.
+/// Writes the signals of the links from a robot to those after it. They are computed in the order of their targets and
+/// picked up then, so that the matrix is written from one end to the other: it is too large for the caches.
+/// Args: signals_dbm: room for whole blocks of targets.
 ROBOTTEAMSIM_INLINE void WriteSignals(const RadioModel& model, const LinkTargets& targets,
-                                      double* __restrict rssi_dbm) {
+                                      double* __restrict signals_dbm, double* __restrict rssi_dbm) {
   const RadioModel m = model;
-  for (int first = 0; first < targets.count; first += kLinkLanes) {
+  const int count = targets.count;
+  for (int first = 0; first < count; first += kLinkLanes) {
     const TargetBlock& block = targets.blocks[first / kLinkLanes];
-    alignas(64) double signals_dbm[kLinkLanes];
 #pragma GCC unroll 1  // unrolled at once, the lanes would be computed one by one
     for (int i = 0; i < kLinkLanes; ++i) {
-      signals_dbm[i] = m.tx_power_dbm - LossDb(m, block.x[i], block.y[i], block.weight[i]);
+      signals_dbm[first + i] = m.tx_power_dbm - LossDb(m, block.x[i], block.y[i], block.weight[i]);
     }
-    const std::int32_t* const places = targets.order + first;
-    const int count = std::min(kLinkLanes, targets.count - first);
-    for (int i = 0; i < count; ++i) rssi_dbm[places[i]] = signals_dbm[i];
   }
+  const std::int32_t* __restrict const places = targets.places;
+  for (int i = 0; i < count; ++i) rssi_dbm[i] = signals_dbm[places[i]];
 }
 
-using Signals = void (*)(const RadioModel&, const LinkTargets&, double*);
+using Signals = void (*)(const RadioModel&, const LinkTargets&, double*, double*);
 
-#define ROBOTTEAMSIM_SIGNALS(Name, attributes)                                                  \
-  attributes void Name(const RadioModel& model, const LinkTargets& targets, double* rssi_dbm) { \
-    WriteSignals(model, targets, rssi_dbm);                                                     \
+#define ROBOTTEAMSIM_SIGNALS(Name, attributes)                                                                       \
+  attributes void Name(const RadioModel& model, const LinkTargets& targets, double* signals_dbm, double* rssi_dbm) { \
+    WriteSignals(model, targets, signals_dbm, rssi_dbm);                                                             \
   }
 ROBOTTEAMSIM_SIGNALS(PortableSignals, )
 #if ROBOTTEAMSIM_HAS_X86_TARGETS
@@ -76,9 +77,13 @@ double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, Poin
          FloorLossDb(model, floors_crossed);
 }
 
-CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
-                         Simd simd) {
+void WriteRssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
+                        Eigen::Ref<CellValues> rssi_dbm, Simd simd) {
   const Eigen::Index n = positions.rows();
+  if (rssi_dbm.rows() != n || rssi_dbm.cols() != n) {
+    throw std::invalid_argument("the matrix must have " + std::to_string(n) + " rows and columns, got " +
+                                std::to_string(rssi_dbm.rows()) + " and " + std::to_string(rssi_dbm.cols()));
+  }
   std::vector<PointMm> points;
   points.reserve(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -86,14 +91,23 @@ CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Ei
   }
   LinkWeights links(faces, std::move(points), simd);
   const Signals write_signals = SignalsFor(simd);
-  CellValues rssi_dbm(n, n);
-  AskForLargePages(rssi_dbm.data(), static_cast<std::size_t>(n * n) * sizeof(double));
-  CellValues rows(std::min(n, kMirroredRows), n);
+  std::vector<double> signals_dbm(n + kLinkLanes);
   for (Eigen::Index top = 0; top < n; top += kMirroredRows) {
     const Eigen::Index end = std::min(top + kMirroredRows, n);
-    for (Eigen::Index i = top; i < end; ++i) write_signals(model, links.After(i), &rows(i - top, 0) + i + 1);
-    PlaceMirrored(rows, top, end, &rssi_dbm);
+    for (Eigen::Index i = top; i < end; ++i) {
+      double* const diagonal = &rssi_dbm(i, i);
+      *diagonal = 0.0;
+      write_signals(model, links.After(i), signals_dbm.data(), diagonal + 1);
+    }
+    MirrorRows(top, end, &rssi_dbm);
   }
+}
+
+CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
+                         Simd simd) {
+  CellValues rssi_dbm(positions.rows(), positions.rows());
+  AskForLargePages(rssi_dbm.data(), static_cast<std::size_t>(rssi_dbm.size()) * sizeof(double));
+  WriteRssiMatrixDbm(faces, model, positions, rssi_dbm, simd);
   return rssi_dbm;
 }
 

@@ -60,17 +60,23 @@ class RadioField:
         """
         return _core.path_loss_db(self.core_faces, self.core_model, a_m, b_m, floors_crossed)
 
-    def rssi_matrix_dbm(self, positions_m: np.ndarray) -> np.ndarray:
+    def rssi_matrix_dbm(self, positions_m: np.ndarray, *, out: np.ndarray | None = None) -> np.ndarray:
         """Return the signal strength between all pairs of robots [dBm].
 
         Args:    positions_m: shape (n, 2), in `map` [m].
+                 out: float64, shape (n, n), C-contiguous: the matrix is written here, and no memory is taken.
         Returns: float64, shape (n, n), symmetric to the bit; 0 on the diagonal.
-        Raises:  ValueError: another shape; a coordinate is not finite (the message names the robot).
+        Raises:  ValueError: another shape; a coordinate is not finite (the message names the robot); `out` of another
+                 shape or type.
         """
         positions_m = np.asarray(positions_m, dtype=np.float64)
         if positions_m.ndim != 2 or positions_m.shape[1] != 2:
             raise ValueError(f"positions_m must have shape (n, 2), got {positions_m.shape}")
-        return _core.rssi_matrix_dbm(self.core_faces, self.core_model, positions_m)
+        if out is None:
+            return _core.rssi_matrix_dbm(self.core_faces, self.core_model, positions_m)
+        rssi_dbm = map_array((len(positions_m), len(positions_m)), out, np.float64)
+        _core.write_rssi_matrix_dbm(self.core_faces, self.core_model, positions_m, rssi_dbm)
+        return rssi_dbm
 
     def rssi_map_dbm(
         self,

@@ -31,12 +31,13 @@ void ExpectExact(const FaceSet& faces, const std::vector<PointMm>& points) {
       const LinkTargets targets = links.After(i);
       ASSERT_EQ(targets.count, points.size() - i - 1);
       std::vector<bool> is_there(targets.count, false);
-      for (int k = 0; k < targets.count; ++k) {
+      for (int after = 0; after < targets.count; ++after) {
         const PointMm a = points[i];
-        const PointMm b = points.at(i + 1 + targets.order[k]);
+        const PointMm b = points.at(i + 1 + after);
+        const int k = targets.places[after];
         const TargetBlock& block = targets.blocks[k / kLinkLanes];
         const int lane = k % kLinkLanes;
-        is_there.at(targets.order[k]) = true;
+        is_there.at(k) = true;
         ASSERT_EQ(block.x[lane], static_cast<double>(b.x - a.x));
         ASSERT_EQ(block.y[lane], static_cast<double>(b.y - a.y));
         ASSERT_EQ(block.weight[lane], static_cast<double>(faces.WeightBetween(a, b)))

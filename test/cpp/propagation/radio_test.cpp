@@ -81,6 +81,22 @@ TEST(RssiMatrix, IsPathLossOfEachLinkToTheBitWithAnyInstructionSet) {
   }
 }
 
+TEST(RssiMatrix, IsTheSameInMemoryOfTheCallerWhateverIsThere) {
+  std::mt19937 generator(22);
+  const FaceSet faces = scenes::Walls(&generator, 30, 30);
+  CellValues kept = CellValues::Constant(70, 70, 5.0);
+  for (int team = 0; team < 2; ++team) {
+    Positions positions(70, 2);
+    for (Eigen::Index i = 0; i < positions.size(); ++i) {
+      positions(i / 2, i % 2) = static_cast<double>(scenes::Draw(&generator, 0, 40'000)) / 1000.0;
+    }
+    WriteRssiMatrixDbm(faces, kModel, positions, kept);
+    EXPECT_EQ(kept, RssiMatrixDbm(faces, kModel, positions));
+    EXPECT_THROW(WriteRssiMatrixDbm(faces, kModel, positions, kept.leftCols(69)), std::invalid_argument);
+    EXPECT_THROW(WriteRssiMatrixDbm(faces, kModel, positions, kept.topRows(69)), std::invalid_argument);
+  }
+}
+
 TEST(RssiMatrix, NamesTheRobotWhosePositionIsNotFinite) {
   Positions positions(2, 2);
   positions << 0.0, 0.0, std::nan(""), 1.0;
