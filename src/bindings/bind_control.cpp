@@ -2,6 +2,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -17,6 +18,7 @@
 #include "robotteamsim/control/navigator.hpp"
 #include "robotteamsim/control/ruled_out.hpp"
 #include "robotteamsim/control/surroundings.hpp"
+#include "tuples.hpp"
 
 namespace py = pybind11;
 
@@ -50,7 +52,7 @@ Heard PairsOf(const HeardNotes& heard) {
 /// A navigator and the class of its commands.
 struct BoundNavigator {
   Navigator navigator;
-  py::type twist;
+  TupleClass twist;
 };
 
 // `teammates` returns a mapping from the ids of robots to their places, when it is asked.
@@ -62,8 +64,8 @@ py::object Drive(BoundNavigator& self, const std::shared_ptr<PlanningGrid>& grid
     return Navigator::Teammates(places.begin(), places.end());
   };
   const Twist twist = self.navigator.Drive(grid, pose, ToVector(ranges_m), goal, speed_mps, time_s, ask);
-  auto* const type = reinterpret_cast<PyTypeObject*>(self.twist.ptr());
-  return MakeTuple<3>(type, {twist.linear_x, twist.linear_y, twist.angular_z});
+  const std::array<double, 3> numbers{twist.linear_x, twist.linear_y, twist.angular_z};
+  return self.twist.OfNumbers(numbers.data(), 3);
 }
 
 void BindNavigator(py::module_& m) {
@@ -77,17 +79,59 @@ void BindNavigator(py::module_& m) {
       .def(py::init([](int robot_id, double radius_m, const LaserLayout& laser, double max_speed_mps,
                        double max_turn_radps, bool is_car, bool by_path, py::type twist) {
              const NavigatorBody body{robot_id, radius_m, laser, max_speed_mps, max_turn_radps, is_car};
-             return BoundNavigator{Navigator(body, by_path), std::move(twist)};
+             return BoundNavigator{Navigator(body, by_path), TupleClass(std::move(twist))};
            }),
            py::kw_only(), py::arg("robot_id"), py::arg("radius_m"), py::arg("laser"), py::arg("max_speed_mps"),
            py::arg("max_turn_radps"), py::arg("is_car"), py::arg("by_path"), py::arg("twist"))
       .def("drive", &Drive);
 }
 
+bool IsFinite(PyObject* number) { return PyFloat_CheckExact(number) && std::isfinite(PyFloat_AS_DOUBLE(number)); }
+
+bool IsWhole(PyObject* number, long least, long most) {
+  if (!PyLong_CheckExact(number)) return false;
+  int overflow = 0;
+  const long value = PyLong_AsLongAndOverflow(number, &overflow);
+  return overflow == 0 && least <= value && value <= most;
+}
+
+bool AreFinite(PyObject* tuple, Py_ssize_t count) {
+  if (PyTuple_GET_SIZE(tuple) != count) return false;
+  for (Py_ssize_t i = 0; i < count; ++i) {
+    if (!IsFinite(PyTuple_GET_ITEM(tuple, i))) return false;
+  }
+  return true;
+}
+
+// Whether a decision is of its class, a named tuple of 8, with a twist of its own, sends nothing, and holds plain and
+// finite values in their ranges. Most are and do, and this is asked of every robot in every step.
+bool IsPlainDecision(py::handle decision, py::handle decision_class, py::handle twist_class) {
+  PyObject* const told = decision.ptr();
+  if (Py_TYPE(told) != reinterpret_cast<PyTypeObject*>(decision_class.ptr()) || PyTuple_GET_SIZE(told) != 8) {
+    return false;
+  }
+  PyObject* const twist = PyTuple_GET_ITEM(told, 0);
+  if (Py_TYPE(twist) != reinterpret_cast<PyTypeObject*>(twist_class.ptr()) || !AreFinite(twist, 3)) return false;
+  PyObject *const outbox = PyTuple_GET_ITEM(told, 1), *const goal = PyTuple_GET_ITEM(told, 3);
+  if (!PyTuple_CheckExact(outbox) || PyTuple_GET_SIZE(outbox) != 0) return false;
+  if (goal != Py_None && !(PyTuple_CheckExact(goal) && AreFinite(goal, 2))) return false;
+  constexpr long kLargest = 2147483647;  // messages of ROS have 32 bits for it
+  return PyBool_Check(PyTuple_GET_ITEM(told, 2)) && PyFloat_CheckExact(PyTuple_GET_ITEM(told, 4)) &&
+         IsWhole(PyTuple_GET_ITEM(told, 5), 0, kLargest) && IsWhole(PyTuple_GET_ITEM(told, 6), -1, kLargest) &&
+         PyUnicode_CheckExact(PyTuple_GET_ITEM(told, 7));
+}
+
 }  // namespace
 
 void BindControl(py::module_& m) {
   BindNavigator(m);
+  m.def("is_plain_decision", &IsPlainDecision);
+  m.def("to_pose", [](py::handle reading, const py::type& pose) {
+    std::array<double, 4> numbers;
+    if (!ReadNumbers(reading, &numbers)) throw std::invalid_argument("the reading of a pose must be x, y, qz, qw");
+    numbers[2] = NormaliseAngle(2.0 * std::atan2(numbers[2], numbers[3]));
+    return TupleClass(pose).OfNumbers(numbers.data(), 3);
+  });
   m.def(
       "farthest_from",
       [](const Doubles& points_m, const Point& place_m, const Doubles& candidates_m) {

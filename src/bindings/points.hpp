@@ -23,17 +23,6 @@ bool ReadNumbers(pybind11::handle source, std::array<double, count>* numbers) {
   return is_good;
 }
 
-/// Returns a tuple of floats; `type` is `tuple` or a class of it that adds nothing, as a NamedTuple does.
-template <std::size_t count>
-pybind11::object MakeTuple(PyTypeObject* type, const std::array<double, count>& numbers) {
-  auto tuple = pybind11::reinterpret_steal<pybind11::object>(type->tp_alloc(type, count));
-  if (!tuple) throw pybind11::error_already_set();
-  for (std::size_t i = 0; i < count; ++i) {
-    PyTuple_SET_ITEM(tuple.ptr(), static_cast<Py_ssize_t>(i), PyFloat_FromDouble(numbers[i]));
-  }
-  return tuple;
-}
-
 }  // namespace robotteamsim::bindings
 
 namespace pybind11::detail {
@@ -51,7 +40,7 @@ struct type_caster<robotteamsim::Point> {
   }
 
   static handle cast(const robotteamsim::Point& point, return_value_policy, handle) {
-    return robotteamsim::bindings::MakeTuple<2>(&PyTuple_Type, {point.x, point.y}).release();
+    return make_tuple(point.x, point.y).release();
   }
 };
 

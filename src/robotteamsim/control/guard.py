@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.control.controller import OUTSIDE, Controller, Decision, Task
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Twist
@@ -73,6 +74,8 @@ class Guard:
 
 def problem_of(decision: Decision, robot_id: int, num_robots: int) -> str:
     """Return what is wrong with a decision, in a few words; "": nothing."""
+    if _core.is_plain_decision(decision, Decision, Twist):
+        return ""
     if not isinstance(decision, Decision):
         return f"decide returned {decision!r:.60}; wanted a Decision"
     twist, goal_m = decision.twist, decision.goal_m
@@ -106,8 +109,6 @@ def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:
 
 def _problem_of_what_is_told(decision: Decision) -> str:
     """Return what is wrong with what others are told of a decision: messages of ROS and bags hold it as it is."""
-    if _is_plain(decision):
-        return ""
     if not isinstance(decision.excluded, bool | np.bool_):
         return f"decide returned excluded = {decision.excluded!r:.60}; wanted True or False"
     if not _is_whole(decision.swarm) or not OUTSIDE <= decision.swarm <= _LARGEST:
@@ -119,13 +120,6 @@ def _problem_of_what_is_told(decision: Decision) -> str:
     if not isinstance(decision.fault, str):
         return f"decide returned fault = {decision.fault!r:.60}; wanted text"
     return ""
-
-
-def _is_plain(decision: Decision) -> bool:
-    """Whether all that is told is of the plainest types: nearly all is, and this runs for every robot in every step."""
-    _, _, excluded, _, local_best, search_counter, swarm, fault = decision
-    plain = type(excluded) is bool and type(swarm) is type(search_counter) is int and type(local_best) is float
-    return plain and OUTSIDE <= swarm <= _LARGEST and 0 <= search_counter <= _LARGEST and type(fault) is str
 
 
 def _is_whole(value: object) -> bool:
@@ -142,7 +136,6 @@ def _has_utf8(text: str) -> bool:
 
 def _are_finite(values: tuple[float, ...]) -> bool:
     try:
-        # A sum of few numbers is finite where all are, but for huge ones; it takes a fraction of the time.
-        return math.isfinite(sum(values)) or all(map(math.isfinite, values))
+        return all(map(math.isfinite, values))
     except TypeError:
         return False

@@ -39,6 +39,12 @@ class LinkKeeper:
         self._keeps_tree = scenario.control.kept_link == "tree"
         self._network = scenario.network
         self._radio = scenario.radio
+        lost_dbm, endangered_dbm = scenario.network.lost_below_dbm, scenario.network.endangered_below_dbm
+        signal_at_1_m_dbm = scenario.radio.tx_power_dbm - scenario.radio.constant_loss_db
+        # A hair above the limit keeps P_n defined where both thresholds, or q_1m and q_min, are one number.
+        self._reference_dbm = max(signal_at_1_m_dbm, endangered_dbm, lost_dbm + 1e-9)
+        at_risk_dbm = max(endangered_dbm, lost_dbm + 1e-9)
+        self._endangered_proximity = robot_proximity_by_signal(at_risk_dbm, lost_dbm, self._reference_dbm)
         self._field = _radio_field(scenario.plan, scenario.radio.model_dump_json()) if self._c4 > 0.0 else None
 
     def pull(
@@ -100,14 +106,10 @@ class LinkKeeper:
     def _by_signal(self, position: Vector, neighbour: Vector) -> tuple[float, float, float]:
         assert self._field is not None
         signal_dbm = self._radio.tx_power_dbm - self._field.path_loss_db(position, neighbour)
-        signal_at_1_m_dbm = self._radio.tx_power_dbm - self._radio.constant_loss_db
         lost_dbm, endangered_dbm = self._network.lost_below_dbm, self._network.endangered_below_dbm
-        # A hair above the limit keeps P_n defined where both thresholds, or q_1m and q_min, are one number.
-        reference_dbm = max(signal_at_1_m_dbm, endangered_dbm, lost_dbm + 1e-9)
-        proximity = robot_proximity_by_signal(signal_dbm, lost_dbm, reference_dbm)
-        endangered = robot_proximity_by_signal(max(endangered_dbm, lost_dbm + 1e-9), lost_dbm, reference_dbm)
+        proximity = robot_proximity_by_signal(signal_dbm, lost_dbm, self._reference_dbm)
         range_m = math.dist(position, neighbour) * 10.0 ** ((signal_dbm - endangered_dbm) / self._radio.slope_db)
-        return proximity, endangered, range_m
+        return proximity, self._endangered_proximity, range_m
 
 
 def strongest_tree(strength: np.ndarray) -> list[tuple[int, int]]:

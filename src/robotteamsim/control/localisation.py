@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from robotteamsim import _core
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.scenario import Scenario
@@ -20,7 +21,9 @@ class Localiser:
     def map_T_base_link(self, reading: RobotReading) -> Pose:  # noqa: N802
         """Return the robot's pose in `map`."""
         if self._map_T_odom is None:
-            return reading.ground_truth.pose
+            # What `reading.ground_truth.pose` is, at once: every robot asks for it in every step.
+            pose: Pose = _core.to_pose(reading.ground_truth, Pose)
+            return pose
         return self._map_T_odom @ reading.odometry.pose.pose
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
+from functools import partial
 from operator import attrgetter
 
 import numpy as np
@@ -53,6 +54,9 @@ HURRY = 1.25
 
 
 _ITERATION, _ROBOT_ID, _SWARM_ID = (attrgetter(name) for name in ("iteration", "robot_id", "swarm_id"))
+
+# Of an iterable, without a call of Python: every robot makes one in every step.
+_DECISION = partial(tuple.__new__, Decision)
 
 
 class RdpsoController:
@@ -282,5 +286,5 @@ class RdpsoController:
     def _decision(self, twist: Twist, goal: Vector | None = None, outbox: tuple[Message, ...] = ()) -> Decision:
         value = self._local_best.value if self._local_best else 0.0
         membership = self._membership
-        told = membership.excluded, goal, value, membership.state.search_counter, membership.swarm_id
-        return Decision(twist, outbox, *told)
+        told = goal, value, membership.state.search_counter, membership.swarm_id, ""
+        return _DECISION((twist, outbox, membership.excluded, *told))

@@ -11,12 +11,15 @@ from scipy import ndimage
 
 from robotteamsim import _core
 from robotteamsim.control.known_map import KnownMap
+from robotteamsim.control.localisation import Localiser
 from robotteamsim.control.navigation import Navigator
 from robotteamsim.control.surroundings import Surroundings
-from robotteamsim.geometry import Pose
+from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.scenario import load
 from robotteamsim.scenario.drives import CarDrive, Drive
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan
 from robotteamsim.scenario.sections import Laser, PlacedRobot
+from robotteamsim.sensing.readings import RobotReading
 
 SIZE_M = 12.0
 
@@ -68,6 +71,14 @@ def test_navigator_commands_what_the_plain_one_commands(seed, drive, mode):
         assert robots[0].drive(*sensed, lambda others=others, asked=asked: asked.append(1) or others) == expected
         escapes += len(asked)
     assert escapes > 10
+
+
+def test_localiser_reads_a_pose_as_the_reading_does():
+    rng = np.random.default_rng(2)
+    localiser = Localiser(0, load("garage_sar", ["control.localisation=ground_truth"]))
+    for pose in [Pose(0.0, 0.0, math.pi), *(Pose(*row) for row in rng.uniform(-4.0, 4.0, (200, 3)).tolist())]:
+        reading = RobotReading(PoseReading.from_pose(pose), Twist(), None, None, False)
+        assert localiser.map_T_base_link(reading) == reading.ground_truth.pose
 
 
 @pytest.mark.parametrize("beams", [5, 61, 181, 360])
