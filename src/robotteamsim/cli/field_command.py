@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from robotteamsim import scenario
 from robotteamsim.cli.parser import UsageError, number, point
 from robotteamsim.cli.pictures import save
 from robotteamsim.cli.run_command import add_set_option
+from robotteamsim.errors import ScenarioError
 from robotteamsim.recording.files import atomically, write_atomically
 
 if TYPE_CHECKING:
@@ -105,14 +107,27 @@ class _Variant:
     overrides: list[str]
     at_m: list[tuple[float, float]]
     voice_range: VoiceRange
+    own_keys: tuple[str, ...] = ()
 
     def load(self, options: argparse.Namespace) -> scenario.Scenario:
-        """Load the scenario of this map."""
-        loaded = scenario.load(options.scenario, self.overrides)
+        """Load the scenario of this map. Raises: ScenarioError, UsageError: they name the option."""
+        try:
+            loaded = scenario.load(options.scenario, self.overrides)
+        except ScenarioError as error:
+            error.args = (self._told_by_option(str(error)),)
+            raise
         for x, y in self.at_m:
             if not loaded.plan.bounds.contains((x, y)):
-                raise UsageError(f"--at {x:g},{y:g} lies outside the plan, {loaded.plan.bounds}")
+                option = "--compare: at=" if "at" in self.own_keys else "--at "
+                raise UsageError(f"{option}{x:g},{y:g} lies outside the plan, {loaded.plan.bounds}")
         return loaded
+
+    def _told_by_option(self, message: str) -> str:
+        """Return what scenario.load says of a --set, with --compare in its place where the key came by that."""
+        option, colon, rest = message.partition(": ")
+        told = re.split("[:=]", rest.lstrip("'"))[0] + "."
+        is_own = any(told.startswith(f"{key}.") or f"{key}.".startswith(told) for key in self.own_keys)
+        return f"--compare{colon}{rest}" if option == "--set" and is_own else message
 
 
 def draw_radio(options: argparse.Namespace) -> None:
@@ -156,11 +171,12 @@ def _variants(options: argparse.Namespace) -> list[_Variant]:
 
 def _variant(common: _Variant, text: str) -> _Variant:
     overrides, at_m, voice_range = list(common.overrides), [], common.voice_range
-    names = []
+    names, keys = [], []
     for part in text.split():
         key, equals, value = part.partition("=")
         if not equals:
             raise UsageError(f"--compare: '{part}' is not of the form KEY=VALUE, such as voice.noise_db=20 or at=4,5")
+        keys.append(key)
         if key == "at":
             try:
                 at_m.append(point(value))
@@ -174,7 +190,12 @@ def _variant(common: _Variant, text: str) -> _Variant:
             overrides.append(part)
             names += [] if key in SHOWN_KEYS else [part]
     return replace(
-        common, name=", ".join(names), overrides=overrides, at_m=at_m or common.at_m, voice_range=voice_range
+        common,
+        name=", ".join(names),
+        overrides=overrides,
+        at_m=at_m or common.at_m,
+        voice_range=voice_range,
+        own_keys=tuple(keys),
     )
 
 

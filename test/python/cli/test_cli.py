@@ -182,7 +182,7 @@ def test_broken_pipe_is_silent():
         ),
         (
             ["field", "radio", "garage_sar", "--compare", "at=4,5", "--compare", "at=99,4", "--png", "x.png"],
-            "--at 99,4 lies outside the plan, [0, 0] .. [60, 40]",
+            "--compare: at=99,4 lies outside the plan, [0, 0] .. [60, 40]",
         ),
         (
             ["field", "voice", "garage_sar", "--compare", "range=lowest", "--compare", "range=low", "--png", "x.png"],
@@ -204,7 +204,7 @@ def test_broken_pipe_is_silent():
                 "--png",
                 "x.png",
             ],
-            "--set: voice.noise: unknown key; did you mean 'noise_db'?",
+            "--compare: voice.noise: unknown key; did you mean 'noise_db'?",
         ),
         (["field", "radio", "garage_sar", "--at", "1", "--png", "x.png"], "argument --at: '1' is not of the form X,Y"),
         (["field", "voice", "garage_sar", "--at", "99,1", "--png", "x.png"], "--at 99,1 lies outside the plan"),
@@ -221,6 +221,19 @@ def test_version_is_told(capsys):
         main(["--version"])
     assert left.value.code == 0
     assert capsys.readouterr().out == f"robotteamsim {robotteamsim.__version__}\n"
+
+
+@pytest.mark.parametrize(
+    ("common", "own", "line"),
+    [
+        ("voice.wall_loss_db=2", "voice.noise_db=x", "--compare: voice.noise_db: 'x'"),
+        ("voice.wall_loss_db=2", "voice..a=1", "--compare: 'voice..a=1' is not of the form KEY=VALUE"),
+        ("voice.noise=1", "voice.noise_db=20", "--set: voice.noise: unknown key; did you mean 'noise_db'?"),
+    ],
+)
+def test_mistake_of_one_of_several_maps_names_the_option_that_it_came_by(capsys, tmp_path, common, own, line):
+    arguments = ["field", "voice", "garage_sar", "--set", common, "--compare", "range=lowest", "--compare", own]
+    assert line in refusal(capsys, *arguments, "--png", str(tmp_path / "x.png"))
 
 
 @pytest.mark.parametrize(
