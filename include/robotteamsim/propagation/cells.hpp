@@ -16,7 +16,9 @@ using CellValues = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::
 using MapValues = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Returns the centre of a cell [m].
-Point CellCenter(const GridShape& grid, int row, int col);
+inline Point CellCenter(const GridShape& grid, int row, int col) {
+  return {grid.origin.x + (col + 0.5) * grid.resolution, grid.origin.y + (row + 0.5) * grid.resolution};
+}
 
 /// Indices from first to before last.
 struct IndexRange {

@@ -21,10 +21,6 @@ std::int64_t PitchMm(double resolution_m) {
 
 }  // namespace
 
-Point CellCenter(const GridShape& grid, int row, int col) {
-  return {grid.origin.x + (col + 0.5) * grid.resolution, grid.origin.y + (row + 0.5) * grid.resolution};
-}
-
 int CentersMm::FirstFrom(std::int64_t position) const {
   const int last = Count() - 1;
   if (position > at[last]) return Count();

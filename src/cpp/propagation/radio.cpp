@@ -41,6 +41,27 @@ ROBOTTEAMSIM_INLINE void WriteSignals(const RadioModel& model, const LinkTargets
   for (int i = 0; i < count; ++i) rssi_dbm[i] = signals_dbm[places[i]];
 }
 
+/// Up to so many robots, the links one by one are as fast as tables of directions and faces.
+constexpr Eigen::Index kFewRobots = 8;
+
+void WriteFewSignals(const FaceSet& faces, const RadioModel& model, const std::vector<PointMm>& points,
+                     Eigen::Ref<CellValues> rssi_dbm) {
+  const auto n = static_cast<Eigen::Index>(points.size());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    rssi_dbm(i, i) = 0.0;
+    for (Eigen::Index j = i + 1; j < n; ++j) {
+      rssi_dbm(i, j) = rssi_dbm(j, i) = model.tx_power_dbm - PathLossDb(faces, model, points[i], points[j]);
+    }
+  }
+}
+
+PointMm RobotAt(const Eigen::Ref<const Positions>& positions, Eigen::Index robot) {
+  const Point at{positions(robot, 0), positions(robot, 1)};
+  // Names take memory: only what is wrong gets one.
+  if (std::abs(at.x) < 1e5 && std::abs(at.y) < 1e5) return RoundToMm(at, {});
+  return RoundToMm(at, "position of robot " + std::to_string(robot));
+}
+
 using Signals = void (*)(const RadioModel&, const LinkTargets&, double*, double*);
 
 #define ROBOTTEAMSIM_SIGNALS(Name, attributes)                                                                       \
@@ -86,9 +107,8 @@ void WriteRssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eig
   }
   std::vector<PointMm> points;
   points.reserve(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    points.push_back(RoundToMm({positions(i, 0), positions(i, 1)}, "position of robot " + std::to_string(i)));
-  }
+  for (Eigen::Index i = 0; i < n; ++i) points.push_back(RobotAt(positions, i));
+  if (n <= kFewRobots) return WriteFewSignals(faces, model, points, rssi_dbm);
   LinkWeights links(faces, std::move(points), simd);
   const Signals write_signals = SignalsFor(simd);
   std::vector<double> signals_dbm(n + kLinkLanes);

@@ -66,14 +66,16 @@ std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const Ma
   const int col_from = from(grid.origin.x, at.x, grid.cols);
   const int col_to = to(grid.origin.x, at.x, grid.cols);
   const int row_to = to(grid.origin.y, at.y, grid.rows);
+  float highest = 0.0F;
   for (int row = from(grid.origin.y, at.y, grid.rows); row < row_to; ++row) {
+    const double dy = CellCenter(grid, row, 0).y - at.y;
+    if (dy * dy > radius_m * radius_m) continue;
     for (int col = col_from; col < col_to; ++col) {
-      const double value = values(row, col);
-      if (value <= (best ? best->value : 0.0)) continue;
-      const Point center = CellCenter(grid, row, col);
-      const double dx = center.x - at.x;
-      const double dy = center.y - at.y;
-      if (dx * dx + dy * dy <= radius_m * radius_m) best = Cell{row, col, value};
+      if (values(row, col) <= highest) continue;
+      const double dx = CellCenter(grid, row, col).x - at.x;
+      if (dx * dx + dy * dy > radius_m * radius_m) continue;
+      highest = values(row, col);
+      best = Cell{row, col, highest};
     }
   }
   return best;

@@ -149,6 +149,13 @@ def ground_truth_rows(readings: Sequence[RobotReading]) -> np.ndarray:
     return np.array([reading.ground_truth for reading in readings], dtype=np.float64).reshape(-1, 4)
 
 
+def contact_flags(readings: Sequence[RobotReading]) -> np.ndarray:
+    """Return whether each robot touches something, as `TeamReadings` has it: bool, shape (n,)."""
+    if isinstance(readings, TeamReadings):
+        return readings.in_contact
+    return np.array([reading.in_contact for reading in readings], dtype=bool)
+
+
 class Observation(NamedTuple):
     """All that a controller is told of the world in one step; sim_time_ns is the stamp of every part."""
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from robotteamsim.control.controller import Decision
-from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.simulation.record import RobotFigures
 
 _STAY_RADIUS_M = 0.5
@@ -19,12 +17,21 @@ class TeamFigures:
         self._logs = [_RobotLog() for _ in range(num_robots)]
         self._step_s = step_s
 
-    def update(self, readings: Sequence[RobotReading], decisions: Sequence[Decision], running: bool) -> None:
-        """Take in one step, in id order. Staying counts only while the mission runs."""
-        for log, reading, decision in zip(self._logs, readings, decisions, strict=True):
-            log.move(reading.ground_truth[:2], running)
-            log.contact_steps += reading.in_contact
-            log.excluded_steps += decision.excluded
+    def update(
+        self,
+        positions_m: Sequence[tuple[float, float]],
+        in_contact: Sequence[bool],
+        excluded: Sequence[bool],
+        running: bool,
+    ) -> None:
+        """Take in one step, in id order. Staying counts only while the mission runs.
+
+        Args: positions_m: true ones, in `map` [m].
+        """
+        for log, position_m, touches, is_excluded in zip(self._logs, positions_m, in_contact, excluded, strict=True):
+            log.move(position_m, running)
+            log.contact_steps += touches
+            log.excluded_steps += is_excluded
 
     def result(self) -> tuple[RobotFigures, ...]:
         """Return the figures so far, in id order."""

@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 import time
+from typing import NamedTuple
+
+import numpy as np
 
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import ground_truth_rows
+from robotteamsim.sensing.readings import contact_flags, ground_truth_rows
 from robotteamsim.simulation.figures import TeamFigures
 from robotteamsim.simulation.record import Result, StepRecord
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
 
-_PENDING_ROBOTS = 200
-"""Steps are added up in lots of so many robots: one by one, between the other stages, each would find cold code."""
+_PENDING_STEPS = 64
+"""So many steps are added up at once: one by one, between the other stages, each would find cold code."""
+
+
+class _Step(NamedTuple):
+    """What is added up of a step; of readings no more than that, so that their memory is free for the next ones."""
+
+    sim_time_ns: int
+    ground_truth: np.ndarray
+    in_contact: np.ndarray
+    excluded: list[bool]
+    running: bool
 
 
 class Tally:
@@ -20,18 +33,18 @@ class Tally:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._hash = TrajectoryHash()
-        num_robots = len(scenario.placed_robots())
-        self._figures = TeamFigures(num_robots, scenario.run.step_s)
+        self._figures = TeamFigures(len(scenario.placed_robots()), scenario.run.step_s)
         self._wall_start_s = time.perf_counter()
         self._last: StepRecord | None = None
-        self._pending: list[StepRecord] = []
-        self._max_pending = max(1, _PENDING_ROBOTS // num_robots)
+        self._pending: list[_Step] = []
 
     def add(self, record: StepRecord) -> None:
         """Take in one step."""
         self._last = record
-        self._pending.append(record)
-        if len(self._pending) >= self._max_pending:
+        excluded = [decision.excluded for decision in record.decisions]
+        rows, in_contact = ground_truth_rows(record.readings), contact_flags(record.readings)
+        self._pending.append(_Step(record.sim_time_ns, rows, in_contact, excluded, record.mission.state == "running"))
+        if len(self._pending) >= _PENDING_STEPS:
             self._add_pending()
 
     def result(self) -> Result:
@@ -63,7 +76,8 @@ class Tally:
         )
 
     def _add_pending(self) -> None:
-        for record in self._pending:
-            self._hash.update(record.sim_time_ns, ground_truth_rows(record.readings))
-            self._figures.update(record.readings, record.decisions, record.mission.state == "running")
+        for step in self._pending:
+            self._hash.update(step.sim_time_ns, step.ground_truth)
+            positions_m = [(x_m, y_m) for x_m, y_m, _, _ in step.ground_truth.tolist()]
+            self._figures.update(positions_m, step.in_contact.tolist(), step.excluded, step.running)
         self._pending.clear()
