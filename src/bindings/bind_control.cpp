@@ -18,6 +18,7 @@
 #include "robotteamsim/control/navigator.hpp"
 #include "robotteamsim/control/ruled_out.hpp"
 #include "robotteamsim/control/surroundings.hpp"
+#include "robotteamsim/geometry/hypot.hpp"
 #include "tuples.hpp"
 
 namespace py = pybind11;
@@ -86,6 +87,21 @@ void BindNavigator(py::module_& m) {
       .def("drive", &Drive);
 }
 
+// The place that is nearest to a position, the first of equals.
+py::object NearestPlace(const Point& position, const py::list& places) {
+  py::object nearest;
+  double least = 0.0;
+  for (const py::handle item : places) {
+    const auto place = item.cast<Point>();
+    const double distance = Hypot(place.x - position.x, place.y - position.y);
+    if (nearest && distance >= least) continue;
+    nearest = py::reinterpret_borrow<py::object>(item);
+    least = distance;
+  }
+  if (!nearest) throw std::invalid_argument("of no places, none is nearest");
+  return nearest;
+}
+
 bool IsFinite(PyObject* number) { return PyFloat_CheckExact(number) && std::isfinite(PyFloat_AS_DOUBLE(number)); }
 
 bool IsWhole(PyObject* number, long least, long most) {
@@ -125,6 +141,7 @@ bool IsPlainDecision(py::handle decision, py::handle decision_class, py::handle 
 
 void BindControl(py::module_& m) {
   BindNavigator(m);
+  m.def("nearest_place", &NearestPlace, py::arg("position_m"), py::arg("places_m"));
   m.def("is_plain_decision", &IsPlainDecision);
   m.def("to_pose", [](py::handle reading, const py::type& pose) {
     std::array<double, 4> numbers;

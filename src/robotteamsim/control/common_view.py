@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterable
 from operator import attrgetter
 from typing import NamedTuple
@@ -11,6 +10,9 @@ from robotteamsim import _core
 from robotteamsim.control.controller import OUTSIDE
 from robotteamsim.control.report import Best, Report
 from robotteamsim.swarm import SwarmState, Vector
+
+_KEPT_VIEWS = 64
+_views: dict[tuple[int, ...], CommonView] = {}
 
 
 class Bests(NamedTuple):
@@ -57,11 +59,19 @@ class CommonView:
         return self._comparable[key]
 
 
-# Robots of one process that heard each other hold the same reports.
-@functools.lru_cache(maxsize=64)
 def common_view(reports: tuple[Report, ...]) -> CommonView:
-    """Return the view of reports that are in the order of robot ids."""
-    return CommonView(reports)
+    """Return the view of reports that are in the order of robot ids.
+
+    Robots of one process that heard each other hold the same objects, and share one view: it keeps them, so that their
+    identities stay theirs while it is there.
+    """
+    key = tuple(map(id, reports))
+    view = _views.get(key)
+    if view is None:
+        while len(_views) >= _KEPT_VIEWS:
+            del _views[next(iter(_views))]
+        view = _views[key] = CommonView(reports)
+    return view
 
 
 def _bests_of(swarm_id: int, reports: Iterable[Report]) -> Bests:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
@@ -61,7 +62,7 @@ class LinkKeeper:
         if self._keeps_tree and not missing:
             neighbour = self._weakest_of_tree(position, list(heard.values()))
         else:
-            neighbour = min(members.values(), key=functools.partial(math.dist, position))
+            neighbour = _core.nearest_place(position, list(members.values()))
         if self._network.link == "distance":
             proximity, endangered, range_m = self._by_distance(position, neighbour)
         else:

@@ -14,6 +14,10 @@ from robotteamsim.swarm import SwarmState, Vector
 
 _PAYLOAD = attrgetter("payload")
 
+_KEPT = 8192
+_SAID: dict[str, Report] = {}
+"""Reports that this process wrote and nobody has read yet; text keeps every bit, so reading gives the same."""
+
 
 class Best(NamedTuple):
     """A place and what it is worth: larger is better; any heard voice is worth more than any distance to an area."""
@@ -50,21 +54,20 @@ class Report(NamedTuple):
     swarm: SwarmState
     doors: tuple[tuple[str, bool, int], ...] = ()
 
-    def __hash__(self) -> int:
-        """A robot reports once in an iteration; teams of many look up all their reports in every one."""
-        return self.robot_id + (self.iteration << 16)
-
     def to_json(self) -> str:
         """Return the report as one line of JSON; numbers keep every bit."""
-        x, y = self.position
         # As json.dumps writes it, in a fraction of the time: every robot says this in every iteration.
-        return (
+        text = (
             f'{{"robot": {self.robot_id}, "iteration": {self.iteration}, "epoch": {self.epoch}, '
-            f'"position": [{x!r}, {y!r}], "loudest": {_numbers(self.loudest)}, '
+            f'"position": {_numbers(self.position)}, "loudest": {_numbers(self.loudest)}, '
             f'"local_best": {_best(self.local_best)}, "known_best": {_best(self.known_best)}, '
             f'"swarm": {self.swarm_id}, "search_counter": {self.swarm.search_counter}, '
             f'"num_killed": {self.swarm.num_killed}, "doors": {json.dumps(self.doors) if self.doors else "[]"}}}'
         )
+        if len(_SAID) >= _KEPT:
+            _SAID.clear()
+        _SAID[text] = self
+        return text
 
     @property
     def excluded(self) -> bool:
@@ -78,9 +81,13 @@ class Report(NamedTuple):
 
 
 # All robots of one process parse the same text.
-@functools.lru_cache(maxsize=8192)
+@functools.lru_cache(maxsize=_KEPT)
 def parse_report(payload: str) -> Report | None:
     """Return the report that a message carries; none where it carries something else."""
+    return _SAID.pop(payload, None) or _read(payload)
+
+
+def _read(payload: str) -> Report | None:
     try:
         data = json.loads(payload)
         return Report(
@@ -105,7 +112,7 @@ def reports_in(inbox: Iterable[Message]) -> Iterator[Report]:
 
 
 def _numbers(numbers: tuple[float, ...] | None) -> str:
-    return "null" if numbers is None else f"[{', '.join(map(repr, numbers))}]"
+    return "null" if numbers is None else f"[{', '.join(map(repr, map(float, numbers)))}]"
 
 
 def _best(best: Best | None) -> str:

@@ -73,6 +73,17 @@ def test_navigator_commands_what_the_plain_one_commands(seed, drive, mode):
     assert escapes > 10
 
 
+def test_nearest_place_is_the_first_of_the_nearest():
+    rng = np.random.default_rng(4)
+    for _ in range(200):
+        position, places = place(rng), [place(rng) for _ in range(rng.integers(1, 9))]
+        places += [(places[0][0], places[0][1])]
+        nearest = _core.nearest_place(position, places)
+        assert nearest is min(places, key=lambda other, position=position: math.dist(position, other))
+    with pytest.raises(ValueError, match="of no places, none is nearest"):
+        _core.nearest_place((0.0, 0.0), [])
+
+
 def test_localiser_reads_a_pose_as_the_reading_does():
     rng = np.random.default_rng(2)
     localiser = Localiser(0, load("garage_sar", ["control.localisation=ground_truth"]))
