@@ -115,7 +115,10 @@ std::vector<Odometry> ToTeam(const std::vector<std::array<double, 4>>& alphas, d
 class TeamOdometry {
  public:
   TeamOdometry(const std::vector<std::array<double, 4>>& alphas, double step_s, const std::vector<bool>& omni)
-      : team_(ToTeam(alphas, step_s, omni)) {}
+      : first_(ToTeam(alphas, step_s, omni)), team_(first_) {}
+
+  // Begins a robot's anew, at its origin.
+  void Restart(int robot_id) { team_.at(robot_id) = first_.at(robot_id); }
 
   // Rows of motions, twists and noise are those of the robots; returns x, y, qz, qw, vx, vy, turn of each, then the
   // covariance of x, y, yaw (upper triangle), then the variances of vx, vy and turn.
@@ -170,6 +173,7 @@ class TeamOdometry {
     return readings;
   }
 
+  std::vector<Odometry> first_;
   std::vector<Odometry> team_;
 };
 
@@ -195,6 +199,7 @@ void BindSensing(py::module_& m) {
   py::class_<TeamOdometry>(m, "TeamOdometry")
       .def(py::init<const std::vector<std::array<double, 4>>&, double, const std::vector<bool>&>(), py::arg("alphas"),
            py::arg("step_s"), py::arg("omni"))
+      .def("restart", &TeamOdometry::Restart, py::arg("robot_id"))
       .def("step", &TeamOdometry::Step, py::arg("motions"), py::arg("twists"), py::arg("noise"))
       .def("follow", &TeamOdometry::Follow, py::arg("world"), py::arg("noise"));
 }

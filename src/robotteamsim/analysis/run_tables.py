@@ -20,6 +20,7 @@ _SHORT_ENDS = {
     "areas_explored": "explored",
     "time_limit": "time limit",
     "all_excluded": "excluded",
+    "none_left": "none left",
 }
 
 

@@ -25,6 +25,7 @@ _END_DETAIL: dict[MissionEnd, str] = {
     "areas_explored": "all areas are explored",
     "time_limit": "the time is up",
     "all_excluded": "all robots are excluded",
+    "none_left": "no robot is left",
     "aborted": "aborted",
 }
 
@@ -65,6 +66,10 @@ class Mission:
         self._endangered_links = 0
         self._endangered: np.ndarray | None = None
         self._team = TeamWatch(scenario.mission.base)
+        present = np.array([robot.present for robot in scenario.placed_robots()], dtype=bool)
+        self._num_robots = len(present)
+        self._present = None if present.all() else present
+        """Whether each robot was there in the last step; None: all were."""
         self._base = BaseWatch(scenario)
         self._refusals: set[Refusal] = set()
         self._events: list[Event] = []
@@ -168,6 +173,7 @@ class Mission:
         network: NetworkState,
         decisions: Sequence[Decision],
         base_inbox: Sequence[Message] = (),
+        present: np.ndarray | None = None,
     ) -> tuple[Event, ...]:
         """Judge one step of the world and return the events since the last one, in order.
 
@@ -176,12 +182,15 @@ class Mission:
             positions_m: true positions of the robots in `map`, shape (n, 2) [m].
             voices, decisions: one per robot, in id order.
             base_inbox: what the base receives in this step, where there is one.
+            present:    whether each robot is there, bool, shape (n,); None: all are. The others count for nothing.
         """
         if self._autostart:
             self.start()
         if self._team_was_running:
             self._elapsed_ns += sim_time_ns - self._last_step_ns
         self._last_step_ns = sim_time_ns
+        if present is not self._present:
+            self._judge_presence(present)
         if self._state == "running":
             self._judge_voices(voices)
             self._judge_places(positions_m)
@@ -191,7 +200,7 @@ class Mission:
                 self._judge_links(network)
             if network.traffic.refused:
                 self._judge_messages(network.traffic)
-            for change in self._team.changes(decisions):
+            for change in self._team.changes(decisions, present):
                 self._tell(change.kind, change.subject, change.robot_id, change.detail)
             self._judge_end()
         self._team_was_running = self._state == "running"
@@ -270,11 +279,22 @@ class Mission:
                 size = f"{refusal.num_bytes} bytes, the limit is {refusal.limit_bytes}"
                 self._tell("message_too_large", "", refusal.sender, f"robot {refusal.sender} cannot send {size}")
 
+    def _judge_presence(self, present: np.ndarray | None) -> None:
+        before, self._present = self._present, present
+        now = np.ones(self._num_robots, dtype=bool) if present is None else present
+        then = np.ones(self._num_robots, dtype=bool) if before is None else before
+        for robot_id in np.flatnonzero(then & ~now).tolist():
+            self._tell("robot_removed", "", robot_id, f"robot {robot_id} is gone")
+        for robot_id in np.flatnonzero(now & ~then).tolist():
+            self._tell("robot_spawned", "", robot_id, f"robot {robot_id} has come")
+
     def _judge_end(self) -> None:
         if self._areas and self._num_explored == len(self._areas) and not self._base.unreported:
             self._finish("areas_explored")
         elif self._elapsed_ns >= self._time_limit_ns:
             self._finish("time_limit")
+        elif self._present is not None and not self._present.any():
+            self._finish("none_left")
         elif self._team.all_excluded:
             self._finish("all_excluded")
 

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 from robotteamsim.control.controller import Task
 
 MissionState = Literal["waiting", "running", "paused", "ended"]
-MissionEnd = Literal["", "areas_explored", "time_limit", "all_excluded", "aborted"]
+MissionEnd = Literal["", "areas_explored", "time_limit", "all_excluded", "none_left", "aborted"]
 VictimState = Literal["waiting", "heard", "saved"]
 
 
@@ -17,7 +17,8 @@ class Event:
     """Something that happened.
 
     kind:     start, pause, resume, end, area_explored, victim_heard, victim_saved, link_endangered, robot_excluded,
-              robot_included, swarm_founded, swarm_dissolved, controller_failed, message_too_large,
+              robot_included, robot_removed, robot_spawned, swarm_founded, swarm_dissolved, controller_failed,
+              message_too_large,
               find_reported (the base has heard of an area explored or a victim reached, by robot_id),
               door (opened or closed), door_moves (its leaf sets off, is held up or arrives), noise, ...
     subject:  name of the area, victim, door, link ("0-2") or swarm ("swarm 1") it happened to; "" for the mission.

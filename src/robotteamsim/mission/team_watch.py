@@ -6,9 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 
+import numpy as np
+
 from robotteamsim.control.controller import OUTSIDE, Decision
 
 _WATCHED = attrgetter("excluded", "swarm", "fault")
+
+_ABSENT = -2
+"""In place of its swarm: the robot is not there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,39 +30,51 @@ class TeamWatch:
     """Compares each step's decisions with those of the step before.
 
     Swarms are known by who says to belong to them; each robot decides for itself, so those who leave, join or found a
-    swarm together may do so in different steps. The base belongs to no swarm.
+    swarm together may do so in different steps. The base belongs to no swarm, and neither does who is not there.
     """
 
     def __init__(self, base: int | None = None) -> None:
         self._base = base
         self._told: list[tuple[bool, int, str]] = []
+        self._present: np.ndarray | None = None
         self._swarms: list[int] = []
         self._faults: list[str] = []
 
     @property
     def all_excluded(self) -> bool:
         """Whether no robot belongs to a swarm."""
-        return bool(self._swarms) and self._swarms.count(OUTSIDE) == len(self._swarms)
+        return bool(self._swarms) and all(swarm in (OUTSIDE, _ABSENT) for swarm in self._swarms)
 
-    def changes(self, decisions: Sequence[Decision]) -> list[Change]:
-        """Return what has changed since the last step, in id order; a swarm's end follows after who left it."""
+    def changes(self, decisions: Sequence[Decision], present: np.ndarray | None = None) -> list[Change]:
+        """Return what has changed since the last step, in id order; a swarm's end follows after who left it.
+
+        Args: present: whether each robot is there, bool, shape (n,); None: all are.
+        """
         told = list(map(_WATCHED, decisions))
-        if told == self._told:
+        if told == self._told and present is self._present:
             return []
-        self._told = told
+        self._told, self._present = told, present
         swarms = [OUTSIDE if decision.excluded else decision.swarm for decision in decisions]
         faults = [decision.fault for decision in decisions]
         if self._base is not None:
             swarms[self._base] = OUTSIDE
-        before = self._swarms or [OUTSIDE if i == self._base else max(swarm, 0) for i, swarm in enumerate(swarms)]
+        if present is not None:
+            swarms = [swarm if there else _ABSENT for swarm, there in zip(swarms, present.tolist(), strict=True)]
+        before = self._swarms or self._at_first(swarms)
         found = [*_changes_of_swarms(before, swarms), *_new_faults(self._faults or [""] * len(faults), faults)]
         self._swarms, self._faults = swarms, faults
         return found
 
+    def _at_first(self, swarms: list[int]) -> list[int]:
+        """Return who belonged where before the first step: who is excluded in it has been in the first swarm."""
+        return [0 if swarm == OUTSIDE and i != self._base else swarm for i, swarm in enumerate(swarms)]
+
 
 def _changes_of_swarms(before: list[int], now: list[int]) -> Iterator[Change]:
-    there, left = set(before) - {OUTSIDE}, set(now) - {OUTSIDE}
+    there, left = set(before) - {OUTSIDE, _ABSENT}, set(now) - {OUTSIDE, _ABSENT}
     for robot_id, (old, new) in enumerate(zip(before, now, strict=True)):
+        if _ABSENT in (old, new):
+            continue  # Who leaves is not excluded, and who comes not taken in: it is told otherwise.
         if old != new and old != OUTSIDE:
             yield Change("robot_excluded", _name(old), robot_id, f"robot {robot_id} is excluded from {_name(old)}")
         if old != new and new in there:

@@ -19,11 +19,15 @@ _NO_TRAFFIC = Traffic()
 
 
 class Links(NamedTuple):
-    """What messages need to know of the network of one step; shapes (n, n), as in `NetworkState`."""
+    """What messages need to know of the network of one step; shapes (n, n), as in `NetworkState`.
+
+    present: whether each robot is there, bool, shape (n,); None: all are.
+    """
 
     rssi_dbm: np.ndarray
     adjacency: np.ndarray
     hop_count: np.ndarray
+    present: np.ndarray | None = None
 
 
 @dataclass(slots=True, eq=False)
@@ -92,15 +96,19 @@ class Delivery:
         delivered = sum(map(len, inboxes))
         return inboxes, Traffic(
             delivered=delivered,
-            cut_off=self._num_copies(outboxes) - delivered,
+            cut_off=self._num_copies(outboxes, links.present) - delivered,
             mean_delay_s=self._step_ns / 1e9 if delivered else 0.0,
             refused=refused,
         )
 
-    def _num_copies(self, outboxes: Sequence[Sequence[Message]]) -> int:
-        """Return how many robots should hear something, summed over messages."""
-        others = self._num_robots - 1
-        return sum(others if m.receiver == EVERYBODY else m.receiver != m.sender for box in outboxes for m in box)
+    def _num_copies(self, outboxes: Sequence[Sequence[Message]], present: np.ndarray | None) -> int:
+        """Return how many robots should hear something, summed over messages; who is not there should hear nothing
+        that is for everybody."""
+        listeners = np.ones(self._num_robots, dtype=bool) if present is None else present
+        others = (int(np.count_nonzero(listeners)) - listeners).tolist()
+        return sum(
+            others[m.sender] if m.receiver == EVERYBODY else m.receiver != m.sender for box in outboxes for m in box
+        )
 
     def _carry(
         self, links: Links, outboxes: Sequence[Sequence[Message]], refused: tuple[Refusal, ...]
@@ -120,7 +128,7 @@ class Delivery:
             if self._advance(flight, links, loss, arrivals):
                 going.append(flight)
             else:
-                missed, apart = self._missed(flight, links.hop_count)
+                missed, apart = self._missed(flight, links)
                 lost, cut_off = lost + missed, cut_off + apart
         self._flights = going
         delays_steps = [self._step - flight.sent_step for arrived in arrivals for flight in arrived]
@@ -186,11 +194,11 @@ class Delivery:
             self._generators[transmitter] = generator
         return np.asarray(generator.random(self._num_robots) >= loss[transmitter])
 
-    def _missed(self, flight: _Flight, hops: np.ndarray) -> tuple[int, int]:
+    def _missed(self, flight: _Flight, links: Links) -> tuple[int, int]:
         """Return how many copies of an ended flight were lost on the way, and how many had no path of links."""
-        sender, receiver = flight.message.sender, flight.message.receiver
+        sender, receiver, hops = flight.message.sender, flight.message.receiver, links.hop_count
         if receiver == EVERYBODY:
-            missing = ~flight.reached
+            missing = ~flight.reached if links.present is None else ~flight.reached & links.present
             lost = int(np.count_nonzero(missing & (hops[sender] > 0)))
             return lost, int(np.count_nonzero(missing)) - lost
         if flight.reached[receiver]:

@@ -63,6 +63,9 @@ class NetworkState(NamedTuple):
     fiedler_value:       algebraic connectivity, eq. (33); 0 exactly when the team is split.
     endangered:          bool, shape (n, n): links that exist but are below the endangered threshold.
     traffic:             what became of messages.
+
+    A robot that is not there has no link, is on no path and counts in no figure; its rows and columns are 0, but -inf
+    in `rssi_dbm` and -1 in `hop_count`, the diagonal included.
     """
 
     rssi_dbm: np.ndarray
@@ -81,5 +84,5 @@ class NetworkState(NamedTuple):
 
     @property
     def swarm_connectivity(self) -> float:
-        """C_s of eq. (34): Fiedler value over the number of robots."""
-        return self.fiedler_value / len(self.adjacency)
+        """C_s of eq. (34): Fiedler value over the number of robots that are there."""
+        return self.fiedler_value / max(int(np.count_nonzero(np.diagonal(self.hop_count) == 0)), 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,6 +13,34 @@ from robotteamsim.network.graph import break_matrix
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState, Refusal
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.sections import Network as NetworkSection
+
+
+_Graph = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float, np.ndarray]
+"""What `NetworkState` tells but for the traffic, in its order."""
+
+_NONE = np.zeros((0, 0))
+_NOBODY: _Graph = (_NONE, _NONE, _NONE, _NONE, _NONE, 0.0, _NONE)
+
+
+def _among_all(graph: _Graph, present: np.ndarray) -> _Graph:
+    """Return the graph of those who are there with rows and columns for all; present: bool, shape (n,)."""
+    there, shape = np.ix_(present, present), (len(present), len(present))
+
+    def spread(matrix: np.ndarray, nothing: float, kind: type) -> np.ndarray:
+        whole = np.full(shape, nothing, dtype=kind)
+        whole[there] = matrix
+        return whole
+
+    rssi_dbm, link, adjacency, hops, breaks, fiedler, endangered = graph
+    return (
+        spread(rssi_dbm, -math.inf, np.float64),
+        spread(link, 0.0, np.float64),
+        spread(adjacency, False, np.bool_),
+        spread(hops, -1, np.int32),
+        spread(breaks, 0.0, np.float64),
+        fiedler,
+        spread(endangered, False, np.bool_),
+    )
 
 
 class Network:
@@ -37,15 +66,17 @@ class Network:
         self._num_robots = num_robots
         self._delivery = Delivery(network, num_robots, seed, step_ns)
         self._links = self._new_links()
+        self._present: np.ndarray | None = None
 
     def step(
-        self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]]
+        self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]], present: np.ndarray | None = None
     ) -> tuple[NetworkState, list[tuple[Message, ...]]]:
         """Return the network at these positions, and what each robot receives over it.
 
         Args:
             positions_m: shape (n, 2), in `map` [m].
             outboxes:    messages sent in the step before, one sequence per robot in id order.
+            present:     whether each robot is there, bool, shape (n,); None: all are.
         Returns: the state, and one inbox per robot in id order: what arrives in this step, sorted by sender, then in
                  the order of sending. Nobody receives his own messages; one that is too large is refused.
         Raises: ValueError: wrong number of robots; a position is not finite; a message with a sender that is not the
@@ -60,14 +91,25 @@ class Network:
         if refused:
             limit = self._section.max_message_bytes
             outboxes = [[message for message in outbox if message.num_bytes <= limit] for outbox in outboxes]
+        if present is not self._present:
+            # What is kept from step to step is of the same robots.
+            self._links, self._present = self._new_links(), present
+        graph = self._graph(positions_m) if present is None else _among_all(self._graph(positions_m[present]), present)
+        rssi_dbm, _, adjacency, hops, *_ = graph
+        inboxes, traffic = self._delivery.step(Links(rssi_dbm, adjacency, hops, present), outboxes, refused)
+        return NetworkState(*graph, traffic), inboxes
+
+    def _graph(self, positions_m: np.ndarray) -> _Graph:
+        """Return the links of robots at these positions, all of whom are there."""
+        if not len(positions_m):
+            return _NOBODY
         field = self._radio_field
         rssi_dbm, link, adjacency, hops, breaks, fiedler, endangered = self._links.step(
             field.core_faces, field.core_model, positions_m
         )
         if fiedler == 0.0:
             breaks = break_matrix(link, hops)
-        inboxes, traffic = self._delivery.step(Links(rssi_dbm, adjacency, hops), outboxes, refused)
-        return NetworkState(rssi_dbm, link, adjacency, hops, breaks, fiedler, endangered, traffic), inboxes
+        return rssi_dbm, link, adjacency, hops, breaks, fiedler, endangered
 
     def reset(self) -> None:
         """Forget the last links and messages on their way, as a new network."""

@@ -21,6 +21,7 @@ END_WORDS: dict[MissionEnd, str] = {
     "areas_explored": "all areas are explored",
     "time_limit": "the time was up",
     "all_excluded": "all robots were excluded",
+    "none_left": "no robot was left",
     "aborted": "aborted",
 }
 

@@ -11,7 +11,7 @@ from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import Gps, MountedLaser
 from robotteamsim.sensing.gps import fix, is_due
 from robotteamsim.sensing.laser import Laser
-from robotteamsim.sensing.readings import Fix, FurtherReadings
+from robotteamsim.sensing.readings import NOTHING_FURTHER, Fix, FurtherReadings
 from robotteamsim.sensing.sonar import Sonar
 from robotteamsim.world import World
 
@@ -37,21 +37,28 @@ class FurtherSensors:
 
     def reset(self) -> None:
         """Begin all random streams anew."""
-        self._streams = {
-            (robot_id, sensor.name): stream(self._seed, kind, robot_id, sensor.name)
-            for robot_id, robot in enumerate(self._robots)
-            for kind, sensors in (("laser", robot.lasers), ("sonar", robot.sonars))
-            for sensor in sensors
-        }
-        self._gps_streams = [stream(self._seed, "gps", robot_id) for robot_id in range(len(self._robots))]
+        self._streams: dict[tuple[int, str], np.random.Generator] = {}
+        self._gps_streams: dict[int, np.random.Generator] = {}
+        for robot_id in range(len(self._robots)):
+            self.restart(robot_id, ())
+
+    def restart(self, robot_id: int, again: tuple[int, ...]) -> None:
+        """Begin a robot's random streams anew. Args: again: what stands at the end of their names."""
+        robot = self._robots[robot_id]
+        for kind, sensors in (("laser", robot.lasers), ("sonar", robot.sonars)):
+            for sensor in sensors:
+                self._streams[robot_id, sensor.name] = stream(self._seed, kind, robot_id, sensor.name, *again)
+        self._gps_streams[robot_id] = stream(self._seed, "gps", robot_id, *again)
 
     def read(self) -> tuple[FurtherReadings, ...]:
         """Return every robot's further readings after the step that the world made last; () where none has any."""
         if not self._has_any:
             return ()
-        positions_m = self._world.positions_m().tolist()
+        positions_m, present = self._world.positions_m().tolist(), self._world.present
         return tuple(
-            FurtherReadings(
+            NOTHING_FURTHER
+            if present is not None and not present[robot_id]
+            else FurtherReadings(
                 scans_m=tuple(self._scan(robot_id, laser) for laser in robot.lasers),
                 sonars_m=tuple(
                     self._sonars[sonar].read(robot_id, self._streams[robot_id, sonar.name]) for sonar in robot.sonars

@@ -49,7 +49,7 @@ class TeamOdometry:
         """
         alphas = [(model.alpha1, model.alpha2, model.alpha3, model.alpha4) for model in models]
         self._core = _core.TeamOdometry(alphas, step_s, [False] * len(alphas) if omni is None else list(omni))
-        self._generators = tuple(generators)
+        self._generators = list(generators)
         self._noise = np.empty((_STEPS_PER_DRAW, len(self._generators), 3))
         self._steps_left = 0
 
@@ -67,6 +67,13 @@ class TeamOdometry:
     def follow(self, world: World) -> np.ndarray:
         """Return what `step` does, for the step that a world of as many robots made last."""
         return self._core.follow(world.core, self._next_noise())
+
+    def restart(self, robot_id: int, generator: np.random.Generator) -> None:
+        """Begin a robot's odometry anew at (0, 0, 0), where it has come (again), with a generator of its own."""
+        self._core.restart(robot_id)
+        self._generators[robot_id] = generator
+        if self._steps_left:
+            self._noise[-self._steps_left :, robot_id] = generator.standard_normal((self._steps_left, 3))
 
     def _next_noise(self) -> np.ndarray:
         if not self._steps_left:

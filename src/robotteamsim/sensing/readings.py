@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -68,6 +69,9 @@ class FurtherReadings:
 
 NOTHING_FURTHER = FurtherReadings()
 
+NOTHING_HEARD = VoiceReading(0.0, False, (math.nan, math.nan), 0.0)
+"""What a robot hears that is not there."""
+
 
 class RobotReading(NamedTuple):
     """What the world gives one robot in one step.
@@ -94,7 +98,8 @@ _MAKER = _core.ReadingMaker(PoseReading, Twist, OdometryReading, RobotReading)
 class TeamReadings(Sequence[RobotReading]):
     """The readings of all robots in one step, in id order: as arrays, or one by one.
 
-    ground_truth: float64, shape (n, 4): x, y [m], qz, qw in `map`.
+    ground_truth: float64, shape (n, 4): x, y [m], qz, qw in `map`; NaN of a robot that is not there, whose other
+                  readings mean nothing.
     positions_m:  float64, shape (n, 2): x, y of them once more.
     twists:       float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s] in `base_link`.
     odometry:     float64, shape (n, 16): x, y [m], qz, qw in `odom`, the twist that the wheels measured, then the
@@ -154,6 +159,12 @@ def contact_flags(readings: Sequence[RobotReading]) -> np.ndarray:
     if isinstance(readings, TeamReadings):
         return readings.in_contact
     return np.array([reading.in_contact for reading in readings], dtype=bool)
+
+
+_NOWHERE = PoseReading(math.nan, math.nan, math.nan, math.nan)
+
+NOT_THERE = RobotReading(_NOWHERE, Twist(), OdometryReading(_NOWHERE, Twist()), np.zeros(0, np.float32), False)
+"""What is told of a robot that is not there, where something must stand."""
 
 
 class Observation(NamedTuple):

@@ -16,7 +16,11 @@ from robotteamsim.world import World
 
 
 class RobotSensors:
-    """The sensors of all robots of a world. Random streams: ("odometry", id), ("laser", id); `FurtherSensors`' own."""
+    """The sensors of all robots of a world. Random streams: ("odometry", id), ("laser", id); `FurtherSensors`' own.
+
+    With a robot that comes (again) its sensors begin anew; from the second time on that number ends the names of its
+    streams, so nothing that it draws depends on what was before.
+    """
 
     def __init__(self, world: World, robots: Sequence[PlacedRobot], seed: int) -> None:
         """Args: robots: those that the world was built with, in id order."""
@@ -36,6 +40,8 @@ class RobotSensors:
 
         Odometry adds that step's motion, so this is called once after each step.
         """
+        if self._world.arrivals is not self._arrivals:
+            self._begin_for_those_who_came()
         ground_truth, positions_m, twists, in_contact, contact_angles_rad = self._world.core.readings()
         return TeamReadings(
             ground_truth=ground_truth,
@@ -50,6 +56,7 @@ class RobotSensors:
 
     def reset(self) -> None:
         """Begin again as new, after `World.reset`: odometry at its origin, all random streams from their start."""
+        self._arrivals = self._world.arrivals
         self._further.reset()
         self._laser_streams = [
             [stream(self._seed, "laser", robot_id) for robot_id in robot_ids] for _, robot_ids in self._lasers
@@ -60,6 +67,18 @@ class RobotSensors:
             [stream(self._seed, "odometry", robot_id) for robot_id in range(len(self._robots))],
             [robot.drive.kind == "omni" for robot in self._robots],
         )
+
+    def _begin_for_those_who_came(self) -> None:
+        arrivals = self._world.arrivals
+        for robot_id, (before, now) in enumerate(zip(self._arrivals, arrivals, strict=True)):
+            if before != now:
+                again = (now,) if now > 1 else ()
+                self._odometry.restart(robot_id, stream(self._seed, "odometry", robot_id, *again))
+                for (_, robot_ids), streams in zip(self._lasers, self._laser_streams, strict=True):
+                    if robot_id in robot_ids:
+                        streams[robot_ids.index(robot_id)] = stream(self._seed, "laser", robot_id, *again)
+                self._further.restart(robot_id, again)
+        self._arrivals = arrivals
 
     def _scan(self) -> Sequence[np.ndarray] | np.ndarray:
         """Return the scan of every robot, in id order; of robots of one kind as one array."""

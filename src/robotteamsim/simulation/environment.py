@@ -10,7 +10,7 @@ from robotteamsim.network import Network
 from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.propagation import FieldMap, RadioField
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.sensing.readings import NOTHING_HEARD, VoiceReading
 from robotteamsim.sensing.voice import VoiceSensor
 from robotteamsim.world.doors import DoorState
 
@@ -40,7 +40,11 @@ class Environment:
         return self._radio.rssi_map_dbm(position_m, resolution_m)
 
     def step(
-        self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]], saved: Collection[str]
+        self,
+        positions_m: np.ndarray,
+        outboxes: Sequence[Sequence[Message]],
+        saved: Collection[str],
+        present: np.ndarray | None = None,
     ) -> tuple[tuple[VoiceReading, ...], NetworkState, tuple[tuple[Message, ...], ...]]:
         """Let each robot hear, and carry what robots sent on over the links of this step.
 
@@ -48,11 +52,16 @@ class Environment:
             positions_m: true positions in `map`, shape (n, 2) [m].
             outboxes:    messages sent in the last step, one sequence per robot in id order.
             saved:       names of the victims saved up to the last step; they are silent.
+            present:     whether each robot is there, bool, shape (n,); None: all are. The others hear nothing.
         Returns: voice readings in id order, the network, and the inbox of each robot in id order.
         """
         self._voice.set_silenced(saved)
-        network, inboxes = self._network.step(positions_m, outboxes)
-        return self._voice.read_team(positions_m), network, tuple(inboxes)
+        network, inboxes = self._network.step(positions_m, outboxes, present)
+        if present is None:
+            return self._voice.read_team(positions_m), network, tuple(inboxes)
+        heard = iter(self._voice.read_team(positions_m[present]))
+        voices = tuple(next(heard) if is_there else NOTHING_HEARD for is_there in present.tolist())
+        return voices, network, tuple(inboxes)
 
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door for radio and voices. Raises: ValueError: no such door."""

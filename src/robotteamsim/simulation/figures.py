@@ -26,9 +26,12 @@ class TeamFigures:
     ) -> None:
         """Take in one step, in id order. Staying counts only while the mission runs.
 
-        Args: positions_m: true ones, in `map` [m].
+        Args: positions_m: true ones, in `map` [m]; NaN of a robot that is not there, of whom nothing counts.
         """
         for log, position_m, touches, is_excluded in zip(self._logs, positions_m, in_contact, excluded, strict=True):
+            if math.isnan(position_m[0]):
+                log.leave()
+                continue
             log.move(position_m, running)
             log.contact_steps += touches
             log.excluded_steps += is_excluded
@@ -54,6 +57,10 @@ class _RobotLog:
         self.contact_steps = self.excluded_steps = self.stay_steps = self.longest_stay_steps = 0
         self._last_m: tuple[float, float] | None = None
         self._anchor_m = (math.inf, math.inf)
+
+    def leave(self) -> None:
+        """Take note that the robot is not there: it comes again without a way from where it was."""
+        self._last_m, self._anchor_m = None, (math.inf, math.inf)
 
     def move(self, position_m: tuple[float, float], running: bool) -> None:
         """Take in where the robot is."""

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
+import numpy as np
+
 from robotteamsim.control.controller import Decision
 from robotteamsim.mission.status import Event, MissionEnd, MissionStatus
 from robotteamsim.network.messages import Message, NetworkState
@@ -25,6 +27,7 @@ class StepRecord(NamedTuple):
     decisions:  what the controllers made of it; their outboxes arrive in the next step.
     victims:    in the order of `mission.victims`, at their places.
     doors:      as they are after the step, by name, in the plan's order; the same object until one of them changes.
+    present:    whether each robot is there, bool, shape (n,); None: all are. What stands for the others means nothing.
     voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
     """
 
@@ -41,6 +44,11 @@ class StepRecord(NamedTuple):
     noise_db: float
     voice_map: FieldMap | None
     doors: Mapping[str, DoorState] = MappingProxyType({})
+    present: np.ndarray | None = None
+
+    def is_there(self, robot_id: int) -> bool:
+        """Whether a robot is there."""
+        return self.present is None or bool(self.present[robot_id])
 
     @property
     def sim_time_s(self) -> float:

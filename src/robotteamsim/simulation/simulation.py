@@ -9,7 +9,9 @@ import numpy as np
 
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.controller import Decision, Task
+from robotteamsim.geometry import Pose, Twist
 from robotteamsim.mission import Mission
+from robotteamsim.network.messages import Message
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import Observation, RobotReading, TeamReadings, ground_truth_rows
@@ -32,10 +34,12 @@ class Simulation:
         """Build all stages. Raises: PlacementError: a robot starts where it cannot stand."""
         robots, seed = scenario.placed_robots(), scenario.run.seed
         self.scenario = scenario
-        self.world = World(scenario.plan, robots, scenario.run, things=scenario.things, seed=seed)
+        things, schedule = scenario.things, scenario.schedule
+        self.world = World(scenario.plan, robots, scenario.run, things=things, schedule=schedule, seed=seed)
         self.sensors = RobotSensors(self.world, robots, seed)
         self.environment = Environment(scenario)
-        self.controllers = [Guard(i, len(robots), partial(make_controller, i, scenario)) for i in range(len(robots))]
+        self.controllers = [self._controller(robot_id) for robot_id in range(len(robots))]
+        self._arrivals = self.world.arrivals
         self.mission = Mission(scenario)
         self._base = scenario.mission.base
         self._decisions: tuple[Decision, ...] = tuple(Decision() for _ in robots)
@@ -47,22 +51,23 @@ class Simulation:
         """Advance by one step and return all that happened in it."""
         # The world moves.
         self.world.step([decision.twist for decision in self._decisions])
-        sim_time_ns, doors = self.world.sim_time_ns, self.world.door_states()
+        sim_time_ns, doors, present = self.world.sim_time_ns, self.world.door_states(), self.world.present
         self.environment.follow_doors(doors)
         self.mission.follow_doors(doors)
         # The robots sense; the network delivers.
         readings = self.sensors.read()
         positions_m = true_positions_m(readings)
         outboxes = [decision.outbox for decision in self._decisions]
-        voices, network, inboxes = self.environment.step(positions_m, outboxes, self._saved)
+        voices, network, inboxes = self.environment.step(positions_m, outboxes, self._saved, present)
         # Each controller decides.
-        told = zip(self.controllers, readings, voices, inboxes, strict=True)
+        controllers = self._present_controllers(present)
+        told = zip(controllers, readings, voices, inboxes, strict=True)
         for robot_id, (controller, reading, voice, inbox) in enumerate(told):
             controller.observe(Observation(robot_id, sim_time_ns, reading, voice), inbox, self._task)
-        self._decisions = tuple([controller.decide() for controller in self.controllers])
+        self._decisions = tuple([controller.decide() for controller in controllers])
         # The mission judges.
         base_inbox = () if self._base is None else inboxes[self._base]
-        events = self.mission.step(sim_time_ns, positions_m, voices, network, self._decisions, base_inbox)
+        events = self.mission.step(sim_time_ns, positions_m, voices, network, self._decisions, base_inbox, present)
         status = self.mission.status
         self._task, self._saved = status.task, self.mission.saved_victims
         return StepRecord(
@@ -79,6 +84,7 @@ class Simulation:
             noise_db=self.mission.noise_db,
             voice_map=self._fresh_voice_map(),
             doors=doors,
+            present=present,
         )
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:
@@ -115,6 +121,24 @@ class Simulation:
         self.environment.set_noise_db(noise_db)
         self.mission.set_noise_db(noise_db)
 
+    def remove_robot(self, robot_id: int) -> None:
+        """Take a robot off the floor, see `World.remove_robot`. What it sent last is lost.
+
+        Raises: ValueError: no such robot, or it is not there.
+        """
+        self.world.remove_robot(robot_id)
+
+    def spawn_robot(self, robot_id: int, pose: Pose | None = None) -> None:
+        """Put a robot that is not there somewhere, see `World.spawn_robot`; it begins anew, its controller included.
+
+        Raises: PlacementError: it cannot stand there.
+                ValueError: no such robot, it is there already, or the pose is not finite.
+        """
+        self.world.spawn_robot(robot_id, pose)
+        # What its controller decided before it left is no command for it now.
+        still = [d if i != robot_id else d._replace(twist=Twist()) for i, d in enumerate(self._decisions)]
+        self._decisions = tuple(still)
+
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
         """Add a victim, or move the one of that name [m, map]."""
         self.environment.set_victim(name, position_m)
@@ -131,11 +155,41 @@ class Simulation:
             if record.mission.state == "ended":
                 return tally.result()
 
+    def _controller(self, robot_id: int) -> Guard:
+        return Guard(robot_id, self.world.num_robots, partial(make_controller, robot_id, self.scenario))
+
+    def _present_controllers(self, present: np.ndarray | None) -> Sequence[Guard | _Nobody]:
+        """Return the controllers in id order, those of robots that have come anew; nobody asks who is not there."""
+        if self._arrivals is not self.world.arrivals:
+            arrivals = self.world.arrivals
+            for robot_id, (before, now) in enumerate(zip(self._arrivals, arrivals, strict=True)):
+                if before != now:
+                    self.controllers[robot_id] = self._controller(robot_id)
+            self._arrivals = arrivals
+        if present is None:
+            return self.controllers
+        who = zip(self.controllers, present.tolist(), strict=True)
+        return [controller if is_there else _NOBODY for controller, is_there in who]
+
     def _fresh_voice_map(self) -> FieldMap | None:
         if self._voice_map_changes == self.environment.voice_map_changes:
             return None
         self._voice_map_changes = self.environment.voice_map_changes
         return self.environment.voice_map()
+
+
+class _Nobody:
+    """The controller of a robot that is not there."""
+
+    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        """Take no notice."""
+
+    def decide(self) -> Decision:
+        """Return no command and no message."""
+        return Decision()
+
+
+_NOBODY = _Nobody()
 
 
 def true_positions_m(readings: Sequence[RobotReading]) -> np.ndarray:

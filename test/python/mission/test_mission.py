@@ -44,7 +44,7 @@ class Course:
     def __init__(self, mission: Mission, num_robots: int = 2) -> None:
         self.mission, self.num_robots, self.sim_time_ns = mission, num_robots, 0
 
-    def step(self, positions=(), voices=(), endangered=(), excluded=()):
+    def step(self, positions=(), voices=(), endangered=(), excluded=(), present=None):
         self.sim_time_ns += STEP_NS
         n = self.num_robots
         return self.mission.step(
@@ -53,6 +53,7 @@ class Course:
             (list(voices) + [SILENCE] * n)[:n],
             network(n, endangered),
             [Decision(excluded=i in excluded) for i in range(n)],
+            present=None if present is None else np.array(present),
         )
 
     def kinds(self, **inputs) -> list[str]:
@@ -339,3 +340,36 @@ def test_places_are_reached_by_the_nearest_robot_within_reach_the_first_of_equal
         apart_m = np.hypot(*(places_m[:, None] - points_m[None]).transpose(2, 0, 1))
         expected = [(place, int(np.argmin(row))) for place, row in enumerate(apart_m) if row.min() <= reaches_m[place]]
         assert _core.reached(points_m, places_m, reaches_m) == expected
+
+
+def test_robots_that_go_and_come_are_events(course):
+    course.step()
+    gone = course.step(present=(True, False))
+    assert [(event.kind, event.robot_id, event.detail) for event in gone] == [("robot_removed", 1, "robot 1 is gone")]
+    assert course.step(present=(True, False)) == ()
+    assert [event.detail for event in course.step()] == ["robot 1 has come"]
+
+
+def test_robot_that_is_not_there_explores_and_saves_nothing(course):
+    course.step()
+    course.step(positions=[(np.nan, np.nan), FAR_M], present=(False, True))
+    assert course.mission.status.areas_explored == 0
+    course.step(positions=[(np.nan, np.nan), AREA_EAST_M], present=(False, True))
+    assert course.mission.status.areas_explored == 1
+
+
+def test_mission_ends_when_no_robot_is_left(course):
+    course.step()
+    course.step(present=(True, False))
+    assert course.mission.status.state == "running"
+    events = course.step(positions=[(np.nan, np.nan)] * 2, present=(False, False))
+    assert course.mission.status.end == "none_left"
+    assert events[-1].detail.startswith("mission ends: no robot is left; ")
+
+
+def test_robots_held_back_at_the_start_are_no_event(hall_scenario):
+    loaded = hall_scenario()
+    robots = tuple(robot.model_copy(update={"present": i == 0}) for i, robot in enumerate(loaded.robots))
+    course = Course(Mission(loaded.model_copy(update={"robots": robots})))
+    assert course.kinds(present=(True, False)) == ["start"]
+    assert course.kinds() == ["robot_spawned"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from robotteamsim.control.controller import OUTSIDE, Decision
@@ -68,4 +69,22 @@ def test_base_belongs_to_no_swarm():
     assert watch.changes(in_swarms(0, 0, 0)) == []
     changes = watch.changes(in_swarms(0, OUTSIDE, OUTSIDE))
     assert [change.kind for change in changes] == ["robot_excluded", "robot_excluded", "swarm_dissolved"]
+    assert watch.all_excluded
+
+
+def test_robot_that_goes_or_comes_is_neither_excluded_nor_taken_in(watch):
+    gone = np.array([True, False, True, True])
+    assert watch.changes(in_swarms(0, 0, 1, 1), gone) == []
+    assert told(watch, 0, 0, 1, 1) == []
+
+
+def test_swarm_of_robots_that_are_gone_is_dissolved(watch):
+    gone = np.array([True, True, False, False])
+    assert [change.detail for change in watch.changes(in_swarms(0, 0, 1, 1), gone)] == ["swarm 1 is dissolved"]
+    assert not watch.all_excluded
+
+
+def test_all_are_excluded_when_those_who_are_there_are(watch):
+    gone = np.array([True, True, False, False])
+    watch.changes(in_swarms(OUTSIDE, OUTSIDE, 0, 0), gone)
     assert watch.all_excluded

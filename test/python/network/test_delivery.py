@@ -244,3 +244,21 @@ def test_a_message_that_is_too_large_is_refused_and_the_others_travel(keys):
     assert inboxes == [(), (fits,)]
     assert state.traffic.refused == (Refusal(0, 11, 10), Refusal(1, 12, 10))
     assert state.traffic.delivered == 1
+
+
+def test_message_that_is_carried_by_a_robot_that_goes_is_cut_off():
+    network = _network(5, hop_delay_s=0.1)
+    network.step(ROW_M, [(Message(0, 4, "on"),), (), (), (), ()])
+    network.step(ROW_M, _silence(5))
+    state, _ = network.step(ROW_M, _silence(5), np.array([True, True, False, True, True]))
+    assert (state.traffic.delivered, state.traffic.lost + state.traffic.cut_off) == (0, 1)
+
+
+def test_flood_with_losses_is_owed_to_those_only_who_are_there():
+    present = np.array([True, True, True, False, True])
+    network = _network(5, hop_delay_s=0.1)
+    outboxes = [(Message(0, EVERYBODY, "all"),), (), (), (), ()]
+    states = [network.step(ROW_M, outboxes, present)[0]]
+    states += [network.step(ROW_M, _silence(5), present)[0] for _ in range(5)]
+    assert sum(state.traffic.delivered for state in states) == 2
+    assert sum(state.traffic.cut_off for state in states) == 1

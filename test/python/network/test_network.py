@@ -191,3 +191,47 @@ def test_links_of_wandering_robots_are_those_of_the_definitions_in_every_step(li
     assert any(kept)
     assert not all(kept)
     assert not hops_seen[-1].flags.writeable
+
+
+def test_robot_that_is_not_there_counts_in_no_figure():
+    positions_m = np.array([[0.0, 5.0], [np.nan, np.nan], [70.0, 5.0], [140.0, 5.0]])
+    present = np.array([True, False, True, True])
+    among, _ = _network(4).step(positions_m, [()] * 4, present)
+    alone, _ = _network(3).step(_IN_A_ROW, _SILENT)
+    assert (among.fiedler_value, among.swarm_connectivity) == (alone.fiedler_value, alone.swarm_connectivity)
+    for name in ("rssi_dbm", "link", "adjacency", "hop_count", "break_matrix", "endangered"):
+        matrix = getattr(among, name)
+        assert matrix.dtype == getattr(alone, name).dtype
+        assert np.array_equal(matrix[np.ix_(present, present)], getattr(alone, name))
+    assert among.hop_count[1].tolist() == [-1] * 4
+    assert not among.adjacency[:, 1].any()
+    assert not among.break_matrix[1].any()
+    assert np.isneginf(among.rssi_dbm[1]).all()
+
+
+def test_network_of_nobody_has_no_link():
+    state, inboxes = _network().step(np.full((3, 2), np.nan), _SILENT, np.zeros(3, dtype=bool))
+    assert (state.fiedler_value, state.swarm_connectivity, state.num_endangered) == (0.0, 0.0, 0)
+    assert not state.adjacency.any()
+    assert inboxes == [(), (), ()]
+
+
+def test_links_are_found_anew_when_another_robot_goes():
+    network = _network()
+    split, _ = network.step(_IN_A_ROW, _SILENT, np.array([True, False, True]))
+    near, _ = network.step(_IN_A_ROW, _SILENT, np.array([True, True, False]))
+    assert (split.fiedler_value, near.fiedler_value) == (0.0, pytest.approx(2.0))
+
+
+def test_what_goes_to_all_counts_as_cut_off_for_those_only_who_are_there():
+    outboxes = [(Message(0, EVERYBODY, "all"), Message(0, 1, "you")), (), ()]
+    state, inboxes = _network().step(_IN_A_ROW, outboxes, np.array([True, False, True]))
+    assert inboxes == [(), (), ()]
+    assert (state.traffic.delivered, state.traffic.cut_off) == (0, 2)
+
+
+def test_last_words_of_a_robot_that_goes_reach_nobody():
+    outboxes = [(), (Message(1, EVERYBODY, "help"),), ()]
+    state, inboxes = _network().step(_IN_A_ROW, outboxes, np.array([True, False, True]))
+    assert inboxes == [(), (), ()]
+    assert state.traffic.cut_off == 2

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from robotteamsim.simulation.figures import TeamFigures
@@ -23,3 +25,10 @@ def test_longest_stay_is_the_longest_time_within_half_a_metre_while_the_mission_
     for _ in range(10):
         figures.update([(2.0, 0.0)], [False], [False], running=False)
     assert figures.result()[0].longest_stay_s == 3.0
+
+
+def test_robot_that_comes_elsewhere_has_no_way_between():
+    figures = TeamFigures(1, step_s=1.0)
+    for x in (0.0, 3.0, math.nan, 10.0, 11.0):
+        figures.update([(x, 0.0 * x)], [False], [False], running=True)
+    assert figures.result()[0].distance_m == 4.0

@@ -33,7 +33,7 @@ class FakeParts:
     def names(self) -> list[str]:
         return [call[0] for call in self.calls]
 
-    def world(self, plan, robots, run, *, things, seed) -> FakeWorld:
+    def world(self, plan, robots, run, *, things, schedule, seed) -> FakeWorld:
         return FakeWorld(self)
 
     def sensors(self, world, robots, seed) -> FakeSensors:
@@ -49,6 +49,9 @@ class FakeParts:
 @dataclasses.dataclass
 class FakeWorld:
     parts: FakeParts
+    num_robots: int = 2
+    present: None = None
+    arrivals: tuple[int, ...] = (1, 1)
 
     @property
     def step_index(self) -> int:
@@ -89,7 +92,7 @@ class FakeEnvironment:
     def follow_doors(self, doors) -> None:
         assert doors == {}
 
-    def step(self, positions_m, outboxes, saved):
+    def step(self, positions_m, outboxes, saved, present):
         self.parts.calls.append(("environment", [[m.payload for m in outbox] for outbox in outboxes], tuple(saved)))
         none = np.zeros((2, 2))
         network = NetworkState(none, none, none > 0, none.astype(np.int32), none, 0.0, none > 0)

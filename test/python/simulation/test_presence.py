@@ -1,0 +1,130 @@
+"""Missions in which robots leave and come."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from robotteamsim.geometry import Pose
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation, StepRecord
+
+FAILS = "schedule=[{at_s: 5, remove: 1}]"
+LIMIT = "mission.time_limit_s=20"
+
+
+def garage(*overrides: str) -> Simulation:
+    return Simulation(load("garage_sar", ["run.seed=7", *overrides]))
+
+
+def steps(simulation: Simulation, count: int) -> list[StepRecord]:
+    return [simulation.step() for _ in range(count)]
+
+
+def kinds(records: list[StepRecord]) -> list[str]:
+    return [event.kind for record in records for event in record.events if event.kind.startswith("robot_")]
+
+
+def test_robot_that_fails_is_out_of_everything_and_the_others_go_on():
+    simulation = garage(FAILS)
+    records = steps(simulation, 100)
+    before, after = records[49], records[50]
+    assert (before.present, after.present.tolist()) == (None, [True, False, True])
+    assert kinds(records) == ["robot_removed"]
+    assert all(map(math.isnan, after.readings[1].ground_truth))
+    assert not after.voices[1].heard
+    assert (after.inboxes[1], after.decisions[1].outbox) == ((), ())
+    assert after.network.hop_count[1].tolist() == [-1, -1, -1]
+    assert after.network.fiedler_value == 2.0
+    assert not any(message.sender == 1 for record in records[50:] for box in record.inboxes for message in box)
+    assert records[-1].mission.state == "running"
+    moved_m = np.abs(records[-1].readings[0].ground_truth.x_m - after.readings[0].ground_truth.x_m)
+    assert moved_m > 0.1
+
+
+def test_schedule_and_calls_at_the_same_step_are_the_same_to_the_bit():
+    scheduled = garage(FAILS, LIMIT).run()
+    called = garage()
+    steps(called, 50)
+    called.remove_robot(1)
+    records = steps(called, 30)
+    again = steps(garage(FAILS), 80)[50:]
+    for one, other in zip(records, again, strict=True):
+        assert np.array_equal(one.readings.ground_truth, other.readings.ground_truth, equal_nan=True)
+    assert scheduled.trajectory_hash == garage(FAILS, LIMIT).run().trajectory_hash
+    assert scheduled.trajectory_hash != garage(LIMIT).run().trajectory_hash
+
+
+def test_robot_that_comes_again_begins_anew():
+    simulation = garage()
+    steps(simulation, 50)
+    first, first_controller = simulation.controllers[1], simulation.controllers[1].controller
+    simulation.remove_robot(1)
+    steps(simulation, 3)
+    simulation.spawn_robot(1, Pose(6.0, 5.0, 1.0))
+    record = simulation.step()
+    reading = record.readings[1]
+    assert reading.ground_truth.pose == Pose(6.0, 5.0, pytest.approx(1.0))
+    assert (reading.odometry.pose.x_m, reading.odometry.pose.y_m, reading.odometry.pose_covariance) == (
+        0.0,
+        0.0,
+        (0.0,) * 6,
+    )
+    assert record.present is None
+    assert simulation.controllers[1] is not first
+    assert simulation.controllers[1].controller is not first_controller
+    assert kinds(steps(simulation, 50)) == []
+    assert simulation.world.poses()[1] != Pose(6.0, 5.0, 1.0)
+
+
+def test_command_from_before_is_none_after():
+    simulation = garage()
+    steps(simulation, 60)
+    assert simulation.world.twists()[1].linear_x_mps > 0.1
+    simulation.remove_robot(1)
+    simulation.spawn_robot(1, Pose(6.0, 5.0, 1.0))
+    simulation.step()
+    assert simulation.world.poses()[1] == Pose(6.0, 5.0, 1.0)
+
+
+def drift(away_steps: int) -> list[tuple[float, ...]]:
+    """Return the odometry of a robot that went and came after so many steps, step by step."""
+    simulation = garage("control.algorithm=random_walk")
+    steps(simulation, 20)
+    simulation.remove_robot(1)
+    steps(simulation, away_steps)
+    for robot_id in (0, 2):
+        simulation.remove_robot(robot_id)
+    simulation.spawn_robot(1, Pose(6.0, 5.0, 1.0))
+    return [tuple(record.readings[1].odometry.pose) for record in steps(simulation, 100)]
+
+
+def test_what_a_robot_draws_after_it_came_depends_on_no_time():
+    assert drift(1) == drift(80)
+
+
+def test_reserve_comes_by_schedule():
+    simulation = garage("robots.count=4", "robots.reserve=1", "schedule=[{at_s: 2, spawn: 3}]")
+    records = steps(simulation, 30)
+    assert records[19].present.tolist() == [True, True, True, False]
+    assert records[20].present is None
+    assert tuple(simulation.world.arrivals) == (1, 1, 1, 1)
+    assert kinds(records) == ["robot_spawned"]
+
+
+def test_mission_fails_when_the_last_robot_does():
+    schedule = "schedule=[{at_s: 3, remove: 0}, {at_s: 4, remove: 1}, {at_s: 5, remove: 2}]"
+    result = garage(schedule).run()
+    assert (result.end, result.steps) == ("none_left", 51)
+    assert all(math.isfinite(robot.distance_m) for robot in result.robots)
+
+
+@pytest.mark.parametrize("algorithm", ["rdpso", "random_walk", "greedy", "pso", "rpso", "sebs", "cover"])
+def test_every_controller_goes_on_without_a_teammate_and_with_a_new_one(algorithm: str):
+    schedule = "schedule=[{at_s: 3, remove: 1}, {at_s: 6, spawn: 1}]"
+    records = steps(garage(f"control.algorithm={algorithm}", schedule), 120)
+    assert not any(decision.fault for decision in records[-1].decisions)
+    assert records[-1].present is None
+    assert records[-1].readings[1].ground_truth != records[61].readings[1].ground_truth
