@@ -19,17 +19,28 @@ _HEADER = struct.Struct("<II")
 
 
 class PathLog:
-    """Notes the true positions of all robots once a second, to a centimetre."""
+    """Notes the true positions of all robots once a second, to a centimetre.
+
+    One that is not there counts as where it was noted last, or at first as where it starts.
+    """
 
     def begin(self, scenario: Scenario) -> None:
         """Begin anew."""
         self._every = steps_between(scenario)
+        self._starts_m = [robot.start_pose[:2] for robot in scenario.placed_robots()]
         self._positions_m: list[list[tuple[float, float]]] = []
 
     def step(self, record: StepRecord) -> None:
         """Take in one step; the first is kept, and then every so many."""
         if (record.step_index - 1) % self._every == 0:
-            self._positions_m.append([(r.ground_truth.x_m, r.ground_truth.y_m) for r in record.readings])
+            last_m = self._positions_m[-1] if self._positions_m else self._starts_m
+            poses = [reading.ground_truth for reading in record.readings]
+            self._positions_m.append(
+                [
+                    (pose.x_m, pose.y_m) if record.is_there(robot_id) else last_m[robot_id]
+                    for robot_id, pose in enumerate(poses)
+                ]
+            )
 
     def end(self, result: Result) -> None:
         """Nothing is left to do."""

@@ -14,7 +14,6 @@ from robotteamsim.network.messages import EVERYBODY, Message, NetworkState, Refu
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.sections import Network as NetworkSection
 
-
 _Graph = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float, np.ndarray]
 """What `NetworkState` tells but for the traffic, in its order."""
 
@@ -27,7 +26,7 @@ def _among_all(graph: _Graph, present: np.ndarray) -> _Graph:
     there, shape = np.ix_(present, present), (len(present), len(present))
 
     def spread(matrix: np.ndarray, nothing: float, kind: type) -> np.ndarray:
-        whole = np.full(shape, nothing, dtype=kind)
+        whole: np.ndarray = np.full(shape, nothing, dtype=kind)
         whole[there] = matrix
         return whole
 

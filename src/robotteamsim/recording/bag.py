@@ -53,6 +53,7 @@ TEAM_TOPICS = (
     Topic("/mission/victims", "robotteamsim/Victims", latched=True),
     Topic("/mission/areas", "robotteamsim/Areas", latched=True),
     Topic("/world/doors", "robotteamsim/Doors", latched=True),
+    Topic("/world/robots", "robotteamsim/Robots", latched=True),
 )
 
 ROBOT_TOPICS = (
@@ -216,6 +217,8 @@ class BagWriter:
         for topic, message in self._team_messages(record):
             yield time_ns, topic, message
         for robot_id in range(len(self._robots)):
+            if not record.is_there(robot_id):
+                continue
             for topic, message in self._robot_messages(record, robot_id):
                 yield time_ns, f"/{fields.robot_name(robot_id)}/{topic}", message
         yield time_ns, "/clock", fields.clock(make, time_ns)
@@ -225,10 +228,14 @@ class BagWriter:
         if last is None:
             grid = occupancy_grid(self._scenario.plan, MAP_RESOLUTION_M)
             yield "/map", fields.occupancy_grid(make, time_ns, grid)
-        odometry = [reading.odometry for reading in record.readings]
+        odometry = [
+            reading.odometry if record.is_there(robot_id) else None for robot_id, reading in enumerate(record.readings)
+        ]
         yield "/tf", fields.transforms(make, time_ns, self._robots, odometry)
         if record.doors and (last is None or record.doors is not last.doors):
             yield "/world/doors", fields.doors(make, time_ns, record.doors)
+        if last is None or record.present is not last.present or record.arrivals is not last.arrivals:
+            yield "/world/robots", fields.robots(make, time_ns, record.present, record.arrivals)
         if record.voice_map is not None:
             yield "/voice_map", fields.field_map_picture(make, time_ns, record.voice_map)
             yield "/voice_map/values", fields.field_map(make, time_ns, record.voice_map, "voice_level", "dB")

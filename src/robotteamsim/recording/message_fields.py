@@ -145,13 +145,14 @@ def contact(make: Make, time_ns: int, robot_id: int, in_contact: bool, angles_ra
     )
 
 
-def transforms(make: Make, time_ns: int, robots: Sequence[Robot], odometry: Iterable[OdometryReading]) -> Any:
-    """tf2_msgs/TFMessage: the `robot_transforms` of all robots, in id order."""
+def transforms(make: Make, time_ns: int, robots: Sequence[Robot], odometry: Iterable[OdometryReading | None]) -> Any:
+    """tf2_msgs/TFMessage: the `robot_transforms` of all robots, in id order; None stands for one that is not there."""
     return make(
         "tf2_msgs/TFMessage",
         transforms=[
             transform
             for robot_id, (robot, reading) in enumerate(zip(robots, odometry, strict=True))
+            if reading is not None
             for transform in robot_transforms(make, time_ns, robot_id, robot, reading)
         ],
     )
@@ -356,6 +357,16 @@ def doors(make: Make, time_ns: int, states: Mapping[str, DoorState]) -> Any:
             make("robotteamsim/Door", name=name, closed=door.closed, opening=float(door.opening), motion=door.motion)
             for name, door in states.items()
         ],
+    )
+
+
+def robots(make: Make, time_ns: int, present: np.ndarray | None, arrivals: Sequence[int]) -> Any:
+    """robotteamsim/Robots; present: bool, shape (n,); None: all are there."""
+    return make(
+        "robotteamsim/Robots",
+        header=header(make, time_ns, MAP_FRAME),
+        present=np.ones(len(arrivals), dtype=np.uint8) if present is None else present.astype(np.uint8),
+        arrivals=np.array(arrivals, dtype=np.uint32),
     )
 
 

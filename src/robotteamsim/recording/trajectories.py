@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from robotteamsim.geometry import PoseReading
@@ -16,7 +17,8 @@ TUM_HEADER = "# timestamp tx ty tz qx qy qz qw"
 class TumWriter:
     """Writes each robot's true trajectory into `folder`/robot_<id>.tum when the mission has ended.
 
-    The format is that of the TUM RGB-D benchmark: one pose in `map` per line, [s], [m], unit quaternion.
+    The format is that of the TUM RGB-D benchmark: one pose in `map` per line, [s], [m], unit quaternion. Of steps in
+    which a robot was not there it has none.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -35,7 +37,8 @@ class TumWriter:
     def end(self, result: Result) -> None:
         """Write all trajectories. Raises: RecordingError."""
         for robot_id in range(len(result.robots)):
-            lines = [tum_line(time_ns, poses[robot_id]) for time_ns, poses in self._steps]
+            told = [(time_ns, poses[robot_id]) for time_ns, poses in self._steps]
+            lines = [tum_line(time_ns, pose) for time_ns, pose in told if not math.isnan(pose.x_m)]
             path = self._folder / f"{robot_name(robot_id)}.tum"
             write_atomically(path, "\n".join([TUM_HEADER, *lines, ""]))
 

@@ -28,6 +28,7 @@ class StepRecord(NamedTuple):
     victims:    in the order of `mission.victims`, at their places.
     doors:      as they are after the step, by name, in the plan's order; the same object until one of them changes.
     present:    whether each robot is there, bool, shape (n,); None: all are. What stands for the others means nothing.
+    arrivals:   how often each robot has come, its start included; both are the same objects until that changes.
     voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
     """
 
@@ -45,6 +46,7 @@ class StepRecord(NamedTuple):
     voice_map: FieldMap | None
     doors: Mapping[str, DoorState] = MappingProxyType({})
     present: np.ndarray | None = None
+    arrivals: tuple[int, ...] = ()
 
     def is_there(self, robot_id: int) -> bool:
         """Whether a robot is there."""

@@ -85,6 +85,7 @@ class Simulation:
             voice_map=self._fresh_voice_map(),
             doors=doors,
             present=present,
+            arrivals=self.world.arrivals,
         )
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from robotteamsim.campaign import Trial, decode_paths, run_trial
-from robotteamsim.campaign.paths import PERIOD_S, encode_paths
+from robotteamsim.campaign.paths import PERIOD_S, PathLog, encode_paths
 from robotteamsim.errors import CampaignError
+from robotteamsim.scenario import load
 from robotteamsim.scenario.sections import Run
 from robotteamsim.simulation import Simulation
 
@@ -56,3 +57,12 @@ def test_trial_keeps_where_its_robots_were_once_a_second(hall_scenario, step_s):
     kept_m = decode_paths(run_trial(scenario, Trial(0, 1, 5), VERSION).paths)
     assert kept_m.shape == wanted_m.shape
     assert np.abs(kept_m - wanted_m).max() <= 0.005 + 1e-9
+
+
+def test_robot_that_is_not_there_counts_as_where_it_was_noted_last():
+    overrides = ["schedule=[{at_s: 1.5, remove: 1}]", "mission.time_limit_s=4"]
+    log = PathLog()
+    Simulation(load("garage_sar", overrides)).run([log])
+    paths = decode_paths(log.encoded())
+    assert np.array_equal(paths[2, 1], paths[1, 1])
+    assert not np.array_equal(paths[1, 1], paths[0, 1])

@@ -17,6 +17,8 @@ from rosbags.rosbag1 import Reader
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_types import bag_typestore
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
 
 ROSBAG = shutil.which("rosbag", path="/usr/bin:/opt/ros/noetic/bin")
 needs_rosbag = pytest.mark.skipif(ROSBAG is None, reason="ROS's rosbag is not installed")
@@ -68,6 +70,7 @@ def test_bag_has_the_topics_and_types_of_a_ros_run(bag):
         "/mission/victims": "robotteamsim/Victims",
         "/mission/areas": "robotteamsim/Areas",
         "/world/doors": "robotteamsim/Doors",
+        "/world/robots": "robotteamsim/Robots",
     }
 
 
@@ -78,7 +81,7 @@ def test_bag_counts_one_message_per_step_and_latched_ones_when_they_change(bag):
     assert counts["/clock"] == 25  # five ticks per step
     assert counts["/map"] == counts["/mission/areas"] == 1
     assert counts["/voice_map"] == counts["/mission/victims"] == 2
-    assert counts["/mission/events"] == 1
+    assert counts["/mission/events"] == counts["/world/robots"] == 1
 
 
 def test_ground_truth_in_a_bag_has_the_bits_of_the_trial(trial, bag):
@@ -263,3 +266,21 @@ def test_full_disk_ends_a_recording_with_one_line_and_a_bag_to_reindex(trial, tm
     wanted = f"{active}: cannot be written: File too large; `rosbag reindex {active}` saves what was recorded\n"
     assert errors == wanted
     assert reindexed_steps(active) >= 100
+
+
+def test_topics_of_a_robot_are_silent_while_it_is_not_there(tmp_path):
+    schedule = "schedule=[{at_s: 0.3, remove: 1}, {at_s: 0.6, spawn: 1}]"
+    path = tmp_path / "fails.bag"
+    Simulation(load("garage_sar", [schedule, "mission.time_limit_s=1"])).run([BagWriter(path)])
+    with Reader(path) as reader:
+        counts = Counter(connection.topic for connection, _, _ in reader.messages())
+    mine = {topic: count for topic, count in counts.items() if topic.startswith("/robot_1/")}
+    assert set(mine.values()) == {counts["/robot_0/odom"] - 3}
+    told = [(time_ns, m.present.tolist(), m.arrivals.tolist()) for time_ns, m in messages(path, "/world/robots")]
+    assert told == [
+        (100_000_000, [1, 1, 1], [1, 1, 1]),
+        (400_000_000, [1, 0, 1], [1, 1, 1]),
+        (700_000_000, [1, 1, 1], [1, 2, 1]),
+    ]
+    frames = [{transform.header.frame_id for transform in m.transforms} for _, m in messages(path, "/tf")]
+    assert ["robot_1/odom" in parents for parents in frames[:8]] == [True] * 3 + [False] * 3 + [True] * 2

@@ -9,6 +9,8 @@ from robotteamsim.errors import RecordingError
 from robotteamsim.geometry import PoseReading
 from robotteamsim.recording import TumWriter
 from robotteamsim.recording.trajectories import TUM_HEADER, tum_line
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
 
 
 def test_tum_line_has_time_position_and_quaternion():
@@ -45,3 +47,10 @@ def test_unwritable_folder_is_refused_at_the_beginning(trial, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(RecordingError, match="file/deeper: cannot be written: Not a directory"):
         TumWriter(tmp_path / "file" / "deeper").begin(trial.scenario)
+
+
+def test_robot_that_is_not_there_has_no_line(tmp_path):
+    schedule = "schedule=[{at_s: 0.3, remove: 1}, {at_s: 0.6, spawn: 1}]"
+    Simulation(load("garage_sar", [schedule, "mission.time_limit_s=0.9"])).run([TumWriter(tmp_path)])
+    stamps_s = np.loadtxt(tmp_path / "robot_1.tum")[:, 0]
+    np.testing.assert_allclose(stamps_s[:5], [0.1, 0.2, 0.3, 0.7, 0.8])
