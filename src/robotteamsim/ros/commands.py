@@ -43,6 +43,7 @@ class Answers:
 
     def __init__(self, names: Iterable[str]) -> None:
         self._last_ns = dict.fromkeys(names, -1)
+        self._excused: frozenset[str] = frozenset()
         self._closed = False
         self._changed = threading.Condition()
 
@@ -50,6 +51,12 @@ class Answers:
         """Note an answer; its stamp is 0 when a node says that it is there."""
         with self._changed:
             self._last_ns[name] = stamp_ns
+            self._changed.notify_all()
+
+    def excuse(self, names: Iterable[str]) -> None:
+        """Wait for all but these from now on."""
+        with self._changed:
+            self._excused = frozenset(names)
             self._changed.notify_all()
 
     def wait_for(self, stamp_ns: int, timeout_s: float) -> list[str]:
@@ -70,4 +77,4 @@ class Answers:
             self._changed.notify_all()
 
     def _missing(self, stamp_ns: int) -> list[str]:
-        return [name for name, last_ns in self._last_ns.items() if last_ns < stamp_ns]
+        return [name for name, last_ns in self._last_ns.items() if last_ns < stamp_ns and name not in self._excused]

@@ -23,6 +23,8 @@ from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.further_inputs import FurtherInputs
 from robotteamsim.ros.inbox import Channel, Step
 from robotteamsim.ros.node import (
+    WHO_IS_THERE,
+    Attendance,
     Input,
     Output,
     ParameterError,
@@ -73,7 +75,8 @@ class Seat:
             f"{prefix}{name}" for name in ("odom", "base_scan", "base_pose_ground_truth")
         )
         self._contact, self._voice, self._received = (f"{prefix}{name}" for name in ("contact", "voice", "network/rx"))
-        self._further = FurtherInputs(body_of(robot_id, settings.scenario), prefix, settings.step_ns)
+        self._further = FurtherInputs(body_of(robot_id, settings.scenario), prefix, settings.step_ns, robot_id)
+        self._arrivals: int | None = None
         self.build(settings)
         latched = settings.lockstep
         self._answer = Output(f"{prefix}cmd_vel_stamped", TwistStamped, latched=True)
@@ -85,12 +88,12 @@ class Seat:
     def inputs(self) -> list[Input]:
         """The topics that it needs."""
         return [
-            Input(Channel(self._odom, needed=True), Odometry),
-            Input(Channel(self._scan, needed=True), LaserScan),
-            Input(Channel(self._truth, needed=self._by_truth), Odometry),
-            Input(Channel(self._contact), Contact),
-            Input(Channel(self._voice, needed=True), Voice),
-            Input(Channel(self._received), NetworkMessages),
+            Input(Channel(self._odom, needed=True, robot_id=self._robot_id), Odometry),
+            Input(Channel(self._scan, needed=True, robot_id=self._robot_id), LaserScan),
+            Input(Channel(self._truth, needed=self._by_truth, robot_id=self._robot_id), Odometry),
+            Input(Channel(self._contact, robot_id=self._robot_id), Contact),
+            Input(Channel(self._voice, needed=True, robot_id=self._robot_id), Voice),
+            Input(Channel(self._received, robot_id=self._robot_id), NetworkMessages),
             *self._further.inputs,
         ]
 
@@ -99,6 +102,14 @@ class Seat:
         self._further.begin_anew()
         make = partial(make_controller, self._robot_id, settings.scenario)
         self._controller = Guard(self._robot_id, settings.num_robots, make)
+
+    def is_taken(self, attendance: Attendance, settings: Settings) -> bool:
+        """Return whether the robot is there; where it has come (again), its controller begins anew."""
+        if attendance.arrivals is not None:
+            before, self._arrivals = self._arrivals, attendance.arrivals[self._robot_id]
+            if before not in (None, self._arrivals):
+                self.build(settings)
+        return attendance.is_there(self._robot_id)
 
     def greet(self) -> None:
         """Answer no step yet: it says that the controller is there."""
@@ -149,8 +160,10 @@ class ControllerNode:
         self._settings = settings
         self._seats = seats
         self._task = Task()
+        self._attendance = Attendance()
         inputs = [an_input for seat in seats for an_input in seat.inputs]
-        self._inbox = make_inbox(settings, [*inputs, Input(Channel(STATUS, of_last_step=True), MissionStatus)])
+        status = Input(Channel(STATUS, of_last_step=True), MissionStatus)
+        self._inbox = make_inbox(settings, [*inputs, WHO_IS_THERE, status])
         for seat in seats:
             seat.greet()
 
@@ -165,5 +178,7 @@ class ControllerNode:
             status = step.latest(STATUS)
             if status is not None:
                 self._task = conversion.task(status)
+            self._attendance.follow(step)
             for seat in self._seats:
-                seat.step(step, self._task)
+                if seat.is_taken(self._attendance, self._settings):
+                    seat.step(step, self._task)

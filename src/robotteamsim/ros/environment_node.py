@@ -16,12 +16,23 @@ from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.inbox import Channel, Step
 from robotteamsim.ros.msg_conversion import RosTypes
-from robotteamsim.ros.node import Input, Output, Settings, make_inbox, read_seed, read_settings, run
+from robotteamsim.ros.node import (
+    WHO_IS_THERE,
+    Attendance,
+    Input,
+    Output,
+    Settings,
+    make_inbox,
+    read_seed,
+    read_settings,
+    run,
+)
 from robotteamsim.scenario.placement import check_places
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.sections import Mission as MissionSection
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.scenario.sections import Voice as VoiceSection
+from robotteamsim.sensing.readings import NOT_THERE
 from robotteamsim.simulation.environment import Environment
 from robotteamsim.srv import (
     GetRadioMap,
@@ -92,6 +103,7 @@ class EnvironmentNode:
         self._voice_picture = Output("/voice_map", OccupancyGrid, latched=True)
         self._voice_map = Output("/voice_map/values", FloatMap, latched=True)
         self._radio_maps = [RadioMaps(fields.robot_name(robot_id)) for robot_id in range(settings.num_robots)]
+        self._attendance = Attendance()
         self._build()
         self._publish_voice_map(0)
         self._inbox = make_inbox(settings, self._inputs())
@@ -110,15 +122,18 @@ class EnvironmentNode:
             self._step(step)
 
     def _inputs(self) -> list[Input]:
-        places = [Input(Channel(topic, needed=True), Odometry) for topic in self._places]
+        places = [
+            Input(Channel(topic, needed=True, robot_id=robot_id), Odometry)
+            for robot_id, topic in enumerate(self._places)
+        ]
         controlled = self._settings.controlled
         sent = [
-            Input(Channel(topic, of_last_step=True, may_be_silent=True), NetworkMessages)
+            Input(Channel(topic, of_last_step=True, may_be_silent=True, robot_id=robot_id), NetworkMessages)
             for robot_id, topic in enumerate(self._sent)
             if robot_id in controlled or not self._settings.lockstep
         ]
         doors = [Input(Channel(DOORS), Doors)] if self._settings.scenario.plan.doors else []
-        return [*places, *sent, *doors, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
+        return [*places, *sent, *doors, WHO_IS_THERE, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
 
     def _build(self) -> None:
         self._environment = Environment(self._settings.scenario)
@@ -130,7 +145,12 @@ class EnvironmentNode:
             radio_maps.restart()
 
     def _step(self, step: Step) -> None:
-        places = [conversion.pose_reading(step.latest(topic).pose.pose) for topic in self._places]
+        self._attendance.follow(step)
+        is_there = self._attendance.is_there
+        places = [
+            conversion.pose_reading(step.latest(topic).pose.pose) if is_there(robot_id) else NOT_THERE.ground_truth
+            for robot_id, topic in enumerate(self._places)
+        ]
         positions_m = np.array([(place.x_m, place.y_m) for place in places])
         outboxes = [
             [sent for message in step.messages.get(topic, ()) for sent in conversion.network_messages(message)]
@@ -144,20 +164,24 @@ class EnvironmentNode:
             if status is not None:
                 states = zip(self._victims, status.victims, strict=False)
                 self._saved = tuple(name for name, state in states if state == "saved")
-            voices, network, inboxes = self._environment.step(positions_m, outboxes, self._saved)
+            voices, network, inboxes = self._environment.step(
+                positions_m, outboxes, self._saved, self._attendance.present
+            )
         make, time_ns = self._make, step.stamp_ns
-        for output, voice in zip(self._voices, voices, strict=True):
-            if output.wanted:
+        for robot_id, (output, voice) in enumerate(zip(self._voices, voices, strict=True)):
+            if is_there(robot_id) and output.wanted:
                 output.publish(fields.voice(make, time_ns, voice))
-        for output, inbox in zip(self._received, inboxes, strict=True):
-            if output.wanted:
+        for robot_id, (output, inbox) in enumerate(zip(self._received, inboxes, strict=True)):
+            if is_there(robot_id) and output.wanted:
                 output.publish(fields.network_messages(make, time_ns, inbox))
         if self._network.wanted:
             self._network.publish(fields.network_state(make, time_ns, network))
         self._publish_voice_map(time_ns)
         with self._environment_lock:
             self._last_step = time_ns, [(place.x_m, place.y_m) for place in places]
-            for radio_maps, place in zip(self._radio_maps, places, strict=True):
+            for robot_id, (radio_maps, place) in enumerate(zip(self._radio_maps, places, strict=True)):
+                if not is_there(robot_id):
+                    continue
                 radio_maps.publish(make, time_ns, (place.x_m, place.y_m), self._environment)
 
     def _publish_voice_map(self, time_ns: int) -> None:
@@ -186,6 +210,8 @@ class EnvironmentNode:
             return f"robot_id: {robot_id}; wanted 0 to {self._settings.num_robots - 1}"
         if not FINEST_M <= resolution_m <= COARSEST_M:
             return f"resolution_m: {resolution_m:g}; wanted {FINEST_M:g} to {COARSEST_M:g}, or 0"
+        if not self._attendance.is_there(robot_id):
+            return f"robot_id: {robot_id}; that robot is not there"
         return "" if self._last_step else "no step has been taken so far"
 
     def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from sensor_msgs.msg import LaserScan, NavSatFix, Range
@@ -19,23 +20,25 @@ from robotteamsim.sensing.readings import NOTHING_FURTHER, FurtherReadings
 class FurtherInputs:
     """Makes `RobotReading.further` of the topics of one robot."""
 
-    def __init__(self, robot: Robot, prefix: str, step_ns: int) -> None:
+    def __init__(self, robot: Robot, prefix: str, step_ns: int, robot_id: int | None = None) -> None:
         """Args: prefix: stands before the names of the topics. step_ns: length of a step [ns]."""
         self._robot = robot
         self._lasers = [f"{prefix}{laser.name}" for laser in robot.lasers]
         self._sonars = [f"{prefix}{sonar.name}" for sonar in robot.sonars]
         self._fix = f"{prefix}fix"
         self._step_ns = step_ns
+        self._robot_id = robot_id
         self.begin_anew()
 
     @property
     def inputs(self) -> list[Input]:
         """The topics; out of lockstep no step waits for them."""
         dues = [_turns(laser.every_steps, self._step_ns) for laser in self._robot.lasers]
-        inputs = [Input(Channel(name, due=due), LaserScan) for name, due in zip(self._lasers, dues, strict=True)]
-        inputs += [Input(Channel(name), Range) for name in self._sonars]
+        mine = partial(Channel, robot_id=self._robot_id)
+        inputs = [Input(mine(name, due=due), LaserScan) for name, due in zip(self._lasers, dues, strict=True)]
+        inputs += [Input(mine(name), Range) for name in self._sonars]
         if self._robot.gps is not None:
-            inputs.append(Input(Channel(self._fix, due=_turns_of_fix(self._robot.gps, self._step_ns)), NavSatFix))
+            inputs.append(Input(mine(self._fix, due=_turns_of_fix(self._robot.gps, self._step_ns)), NavSatFix))
         return inputs
 
     def begin_anew(self) -> None:

@@ -25,6 +25,8 @@ class Channel:
     may_be_silent:  in lockstep, this channel is not waited for while it has been silent for too long.
     due:            in lockstep, tells by a step's stamp whether it has a message then; none: in every step. One that
                     has says nothing in the first step.
+    robot_id:       whose it is: it says nothing in the steps in which that robot is not there; none: of no robot.
+    tells_who:      its messages' `present` tells which robots are there in the step of their stamp.
     """
 
     name: str
@@ -32,6 +34,8 @@ class Channel:
     of_last_step: bool = False
     may_be_silent: bool = False
     due: Callable[[int], bool] | None = None
+    robot_id: int | None = None
+    tells_who: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +65,7 @@ class _Queue:
     life: int = 0
     last_ns: int = -1
     silent: bool = False
+    skipped: bool = False
     waiting: list[tuple[int, Any]] = field(default_factory=list)
 
     def has(self, stamp_ns: int) -> bool:
@@ -68,6 +73,11 @@ class _Queue:
         while self.waiting and self.waiting[0][0] < stamp_ns:
             del self.waiting[0]
         return bool(self.waiting) and self.waiting[0][0] == stamp_ns
+
+    def skip(self, stamp_ns: int, life: int) -> None:
+        """Count a step of a robot that is not there as if it had spoken: later stamps then tell whether time jumps."""
+        self.last_ns = max(self.last_ns, stamp_ns) if self.life == life else stamp_ns
+        self.life, self.skipped = life, True
 
 
 class _Watch:
@@ -101,15 +111,25 @@ class Inbox(ABC):
         self._life = 0
         self._restarted = False
         self._closed = False
+        self._present: dict[int, Sequence[int]] = {}
+        """Which robots are there, by the stamps of steps; of stamps that are not told all are."""
         # Its lock may be taken twice by one thread: a signal handler may close the inbox in the midst of `take`.
         self._changed = threading.Condition()
 
     def put(self, channel: str, stamp_ns: int, message: Any) -> None:
         """Take a message in, from any thread."""
         with self._changed:
-            self._accept(self._queues[channel], stamp_ns, message)
-            if all(map(self._ready, self._queues.values())):
+            queue = self._queues[channel]
+            self._accept(queue, stamp_ns, message)
+            if queue.channel.tells_who:
+                self._note_who(stamp_ns, message.present)
+            if self._has_step():
                 self._changed.notify_all()
+
+    def note_who(self, stamp_ns: int, present: Sequence[int]) -> None:
+        """Take note of who is there in a step; for the node that decides it."""
+        with self._changed:
+            self._note_who(stamp_ns, present)
 
     def close(self) -> None:
         """Make `take` return None from now on."""
@@ -123,14 +143,27 @@ class Inbox(ABC):
             watch = _Watch(time.monotonic())
             while not self._closed:
                 missing = [queue for queue in self._queues.values() if not self._ready(queue)]
-                if not missing:
+                if not missing and self._has_step():
                     step, self._restarted = self._hand_out(), False
                     return step
                 if (alarm_s := watch.due_s()) > 0.0:
                     self._changed.wait(alarm_s)
-                else:
+                elif missing:
                     self._ring(missing, watch)
             return None
+
+    def _has_step(self) -> bool:
+        return all(map(self._ready, self._queues.values()))
+
+    def _note_who(self, stamp_ns: int, present: Sequence[int]) -> None:
+        if self._present and stamp_ns < next(reversed(self._present)):
+            self._present.clear()
+        self._present[stamp_ns] = present
+
+    @staticmethod
+    def _is_absent(queue: _Queue, present: Sequence[int] | None) -> bool:
+        robot_id = queue.channel.robot_id
+        return robot_id is not None and present is not None and not present[robot_id]
 
     @abstractmethod
     def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None: ...
@@ -166,10 +199,22 @@ class LatestInbox(Inbox):
         queue.waiting.append((stamp_ns, message))
 
     def _ready(self, queue: _Queue) -> bool:
-        return not queue.channel.needed or bool(queue.waiting)
+        return not queue.channel.needed or bool(queue.waiting) or self._is_absent(queue, self._who())
+
+    def _has_step(self) -> bool:
+        # With nobody there all may be ready, but nothing new has come.
+        return super()._has_step() and any(queue.waiting for queue in self._queues.values() if queue.channel.needed)
+
+    def _who(self) -> Sequence[int] | None:
+        return next(reversed(self._present.values())) if self._present else None
 
     def _hand_out(self) -> Step:
+        present = self._who()
+        for queue in self._queues.values():
+            if self._is_absent(queue, present):
+                queue.waiting.clear()
         stamp_ns = max(queue.last_ns for queue in self._queues.values() if queue.channel.needed)
+        self._present = {} if present is None else {stamp_ns: present}
         messages = {name: tuple(message for _, message in queue.waiting) for name, queue in self._queues.items()}
         for queue in self._queues.values():
             queue.waiting.clear()
@@ -204,10 +249,14 @@ class LockstepInbox(Inbox):
         with self._changed:
             self._life += 1
             self._next_ns = self._step_ns
+            self._present.clear()
 
     def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
         if stamp_ns == queue.last_ns and queue.life == self._life:
             return  # a latched message can arrive twice at a late subscriber
+        if stamp_ns == 0 and queue.skipped:
+            return  # the node of a robot that is not there is late; nobody has waited for it
+        queue.skipped = False
         if queue.channel.due is not None:
             # It may have had no turn before time jumped back, so its stamps do not tell that it did. Those of the
             # others have told: the world does not go on to such a step before all have made the first one.
@@ -226,7 +275,7 @@ class LockstepInbox(Inbox):
 
     def _ready(self, queue: _Queue) -> bool:
         stamp_ns, due = self._wanted_ns(queue), queue.channel.due
-        if due is not None and not due(stamp_ns):
+        if (due is not None and not due(stamp_ns)) or self._is_absent(queue, self._present.get(stamp_ns)):
             return True
         return queue.silent or stamp_ns == 0 or (queue.life == self._life and queue.has(stamp_ns))
 
@@ -234,9 +283,13 @@ class LockstepInbox(Inbox):
         messages = {}
         for name, queue in self._queues.items():
             stamp_ns = self._wanted_ns(queue)
+            if self._is_absent(queue, self._present.get(stamp_ns)):
+                queue.skip(stamp_ns, self._life)
             there = stamp_ns > 0 and queue.life == self._life and queue.has(stamp_ns)
             messages[name] = (queue.waiting.pop(0)[1],) if there else ()
         stamp_ns, self._next_ns = self._next_ns, self._next_ns + self._step_ns
+        for old in [told_ns for told_ns in self._present if told_ns < stamp_ns]:
+            del self._present[old]
         return Step(stamp_ns, self._restarted, messages)
 
     def _wanted_ns(self, queue: _Queue) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,8 @@ from robotteamsim.recording.table import print_result
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.inbox import Channel, Step
 from robotteamsim.ros.node import (
+    WHO_IS_THERE,
+    Attendance,
     Input,
     Output,
     Settings,
@@ -44,7 +47,7 @@ from robotteamsim.ros.node import (
     wait_for_shutdown,
 )
 from robotteamsim.ros.trial import Trial
-from robotteamsim.sensing.readings import RobotReading
+from robotteamsim.sensing.readings import NOT_THERE, NOTHING_HEARD, RobotReading, VoiceReading
 from robotteamsim.simulation import Observer
 from robotteamsim.srv import (
     SetDoor,
@@ -76,6 +79,7 @@ class RobotInputs:
 
     def __init__(self, robot_id: int) -> None:
         name = fields.robot_name(robot_id)
+        self._robot_id = robot_id
         self.ground_truth = f"/{name}/base_pose_ground_truth"
         self.contact = f"/{name}/contact"
         self.voice = f"/{name}/voice"
@@ -83,13 +87,14 @@ class RobotInputs:
 
     def inputs(self, controlled: bool) -> list[Input]:
         """Return the inputs; a robot without a controller tells nothing of decisions."""
+        mine = partial(Channel, robot_id=self._robot_id)
         inputs = [
-            Input(Channel(self.ground_truth, needed=True), Odometry),
-            Input(Channel(self.contact), Contact),
-            Input(Channel(self.voice, needed=True), Voice),
+            Input(mine(self.ground_truth, needed=True), Odometry),
+            Input(mine(self.contact), Contact),
+            Input(mine(self.voice, needed=True), Voice),
         ]
         if controlled:
-            inputs.append(Input(Channel(self.status, may_be_silent=True), ControllerStatus))
+            inputs.append(Input(mine(self.status, may_be_silent=True), ControllerStatus))
         return inputs
 
     def reading(self, step: Step) -> RobotReading:
@@ -97,6 +102,10 @@ class RobotInputs:
         truth = conversion.odometry_reading(step.latest(self.ground_truth))
         contact = step.latest(self.contact)
         return RobotReading(truth.pose, truth.twist, truth, _NO_RANGES, contact is not None and contact.in_contact)
+
+    def heard(self, step: Step) -> VoiceReading:
+        """Return what the robot hears."""
+        return conversion.voice_reading(step.latest(self.voice))
 
     def decision(self, step: Step) -> Decision:
         """Return what is told of the robot's decision."""
@@ -115,7 +124,9 @@ class MissionNode:
         self._folder = Path(out).expanduser() if out else None
         self._robots = [RobotInputs(robot_id) for robot_id in range(settings.num_robots)]
         base = settings.scenario.mission.base
+        self._base = base
         self._base_received = "" if base is None else f"/{fields.robot_name(base)}/network/rx"
+        self._attendance = Attendance()
         self._trial_lock = threading.Lock()
         self._trial = self._begin_trial()
         self._inbox = make_inbox(settings, self._inputs())
@@ -150,8 +161,10 @@ class MissionNode:
         controlled = self._settings.controlled
         inputs = [an_input for i, topics in enumerate(self._robots) for an_input in topics.inputs(i in controlled)]
         doors = [Input(Channel(DOORS), Doors)] if self._settings.scenario.plan.doors else []
-        base = [Input(Channel(self._base_received), NetworkMessages)] if self._base_received else []
-        return [*inputs, *doors, *base, Input(Channel(NETWORK, needed=True), NetworkState)]
+        base = (
+            [Input(Channel(self._base_received, robot_id=self._base), NetworkMessages)] if self._base_received else []
+        )
+        return [*inputs, *doors, *base, WHO_IS_THERE, Input(Channel(NETWORK, needed=True), NetworkState)]
 
     def _begin_trial(self) -> Trial:
         recorders: list[Observer] = []
@@ -161,16 +174,20 @@ class MissionNode:
         return Trial(self._settings.scenario, recorders)
 
     def _step(self, step: Step) -> None:
-        readings = tuple(topics.reading(step) for topics in self._robots)
-        voices = tuple(conversion.voice_reading(step.latest(topics.voice)) for topics in self._robots)
-        decisions = tuple(topics.decision(step) for topics in self._robots)
+        self._attendance.follow(step)
+        present = self._attendance.present
+        there = [True] * len(self._robots) if present is None else present.tolist()
+        told_of = list(zip(self._robots, there, strict=True))
+        readings = tuple(topics.reading(step) if is_there else NOT_THERE for topics, is_there in told_of)
+        voices = tuple(topics.heard(step) if is_there else NOTHING_HEARD for topics, is_there in told_of)
+        decisions = tuple(topics.decision(step) if is_there else Decision() for topics, is_there in told_of)
         network = conversion.network_state(step.latest(NETWORK))
         told = step.latest(DOORS) if self._settings.scenario.plan.doors else None
         doors = None if told is None else conversion.door_states(told)
         received = step.messages[self._base_received] if self._base_received else ()
         heard = [told for message in received for told in conversion.network_messages(message)]
         with self._trial_lock:
-            events = self._trial.step(step.stamp_ns, readings, voices, network, decisions, doors, heard)
+            events = self._trial.step(step.stamp_ns, readings, voices, network, decisions, doors, heard, present)
         self._publish(step.stamp_ns, events)
 
     def _publish(self, time_ns: int, events: Sequence[Event]) -> None:

@@ -9,11 +9,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 import rospy
 from pydantic import ValidationError
 
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.ros.inbox import Channel, Inbox, LatestInbox, LockstepInbox
+from robotteamsim.msg import Robots
+from robotteamsim.ros.inbox import Channel, Inbox, LatestInbox, LockstepInbox, Step
 from robotteamsim.ros.msg_conversion import stamp_ns
 from robotteamsim.ros.packed_messages import Serialized
 from robotteamsim.ros.prompt_connection import accept_all_at_once, answer_all_at_once, send_promptly
@@ -88,6 +90,37 @@ class Input:
 
     channel: Channel
     message_class: type
+
+
+ROBOTS = "/world/robots"
+WHO_IS_THERE = Input(Channel(ROBOTS, tells_who=True), Robots)
+"""Which robots are there; a world that does not tell has them all."""
+
+
+class Attendance:
+    """Which robots are there, as the world has told last."""
+
+    def __init__(self) -> None:
+        self.present: np.ndarray | None = None
+        """Whether each robot is there, bool, shape (n,); None: all are. The same object until that changes."""
+        self.arrivals: tuple[int, ...] | None = None
+        """How often each has come; None: not told so far."""
+
+    def follow(self, step: Step) -> None:
+        """Take in what a step tells."""
+        message = step.latest(ROBOTS)
+        if message is None:
+            return
+        present = np.array(list(message.present), dtype=bool)
+        if present.all():
+            self.present = None
+        elif self.present is None or not np.array_equal(present, self.present):
+            self.present = present
+        self.arrivals = tuple(message.arrivals)
+
+    def is_there(self, robot_id: int) -> bool:
+        """Whether a robot is there."""
+        return self.present is None or bool(self.present[robot_id])
 
 
 class Output:

@@ -56,7 +56,7 @@ class PackedRows:
         lengths = [("length", "<u4")] if with_length else []
         kinds = [np.dtype([*lengths, ("row", _row_layout(example))]) for example in examples]
         self.data = bytearray().join(serialized(example, with_length=with_length) for example in examples)
-        self.num_messages = sum(map(len, examples))
+        self._lengths = [len(example) for example in examples]
         self.rows: list[memoryview] = []
         """The bytes of each robot's row, which the next `set` changes."""
         self._groups: list[tuple[slice, np.ndarray]] = []
@@ -83,6 +83,13 @@ class PackedRows:
             for name in path.split("."):
                 field = field[name]
             field[...] = values[ids]
+
+    def chosen(self, present: np.ndarray | None) -> tuple[int, bytes | bytearray]:
+        """Return how many messages the robots have that are there (None: all), and their bytes."""
+        if present is None:
+            return sum(self._lengths), self.data
+        ids = np.flatnonzero(present).tolist()
+        return sum(self._lengths[i] for i in ids), b"".join(self.rows[i] for i in ids)
 
     def stamp(self, time_ns: int, seq: int) -> None:
         """Set all headers to a time and a number."""

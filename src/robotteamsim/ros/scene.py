@@ -20,10 +20,11 @@ from robotteamsim.msg import (
     MissionEvent,
     MissionStatus,
     NetworkState,
+    Robots,
     Victims,
 )
 from robotteamsim.ros import msg_conversion, scene_laser, scene_mission, scene_plan, scene_sensors, scene_team
-from robotteamsim.ros.node import Output, parameter, read_settings, run
+from robotteamsim.ros.node import ROBOTS, Output, parameter, read_settings, run
 from robotteamsim.ros.scene_feed import Feed, robot_topics
 from robotteamsim.ros.scene_robot import RobotFeed
 from robotteamsim.ros.scene_shapes import FRAME, Shown
@@ -108,6 +109,8 @@ class Scene:
         self._tells_doors = False
         self._areas = Feed("/mission/areas", Areas)
         self._victims = Feed("/mission/victims", Victims)
+        self._who = Feed(ROBOTS, Robots)
+        self._absent: frozenset[int] = frozenset()
         self._network = Feed("/network/state", NetworkState)
         self._voice = Feed("/voice_map/values", FloatMap)
         self._links: list[scene_team.LinkView] = []
@@ -244,13 +247,14 @@ class Scene:
         num_seen = sum(robot.view() is not None for robot in self._robots.values())
         trail_points = max(100, TRAIL_POINTS // max(1, num_seen))
         changed = [robot.look(trail_points) for robot in self._robots.values()]
+        changed.append(self._follow_who_is_there())
         network = self._network.newest()
         if network is not None:
             self._links = scene_team.link_views(msg_conversion.network_state(network))
             self._num_endangered = network.num_endangered
         if any(changed) or network is not None:
             self._note_time(now_s)
-            views = [view for view in (robot.view() for robot in self._robots.values()) if view is not None]
+            views = [view for view in (robot.view() for robot in self._seen().values()) if view is not None]
             positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
             self._canvas["robots"].draw(scene_team.team_markers(views, self._names_m + self._numbers_m))
             self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m))
@@ -263,10 +267,27 @@ class Scene:
                 scene_team.trail_marker(robot_id, points) for robot_id, points in trails.items() if len(points) > 1
             )
 
+    def _follow_who_is_there(self) -> bool:
+        """Return whether robots have left or come; of those who left the trail stays."""
+        told = self._who.newest()
+        absent = self._absent if told is None else frozenset(i for i, there in enumerate(told.present) if not there)
+        if absent == self._absent:
+            return False
+        for robot_id in self._absent - absent:
+            if robot_id in self._robots:
+                self._robots[robot_id].begin_trail()
+        self._absent = absent
+        self._scans = {key: scan for key, scan in self._scans.items() if key[0] not in absent}
+        return True
+
+    def _seen(self) -> dict[int, RobotFeed]:
+        """Return the robots that are there."""
+        return {robot_id: robot for robot_id, robot in self._robots.items() if robot_id not in self._absent}
+
     def _draw_sensors(self) -> None:
         watched = self._canvas["sonars"].watched
-        sonars = {robot_id: robot.sonars(watched) for robot_id, robot in self._robots.items()}
-        fixes = {robot_id: robot.fixes() for robot_id, robot in self._robots.items()}
+        sonars = {robot_id: robot.sonars(watched) for robot_id, robot in self._seen().items()}
+        fixes = {robot_id: robot.fixes() for robot_id, robot in self._seen().items()}
         for layer, markers in (
             ("sonars", scene_sensors.sonar_markers(sonars)),
             ("gps", scene_sensors.fix_markers(fixes)),
@@ -277,7 +298,7 @@ class Scene:
     def _draw_laser(self) -> None:
         fresh = {
             (robot_id, name): scan
-            for robot_id, robot in self._robots.items()
+            for robot_id, robot in self._seen().items()
             for name, scan in robot.scans(self._laser.wanted).items()
         }
         if fresh:

@@ -70,6 +70,10 @@ class RobotFeed:
             self._contact_angles_rad = tuple(contact.angles_rad)
         return bool(truths) or status is not None
 
+    def begin_trail(self) -> None:
+        """Let the trail begin anew: the robot has come (again)."""
+        self.trail = scene_team.Trail()
+
     def view(self) -> scene_team.RobotView | None:
         """Return what to draw of it; None before it has told where it is."""
         if not self._recent:

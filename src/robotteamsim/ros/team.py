@@ -32,6 +32,14 @@ class _Team:
         self._commands = Commands([round(robot.cmd_vel_hold_s * 1e9) for robot in robots])
         self._ids = range(len(robots))
         self._now_ns = 0
+        self._here: tuple[bool, ...] = (True,) * len(robots)
+
+    def note_who(self, stamp_ns: int, here: tuple[bool, ...]) -> None:
+        """Take note of which robots are there in a step: nobody waits for the others, and their commands are void."""
+        for robot_id in self._ids:
+            if not here[robot_id]:
+                self._commands.stop(robot_id)
+        self._here = here
 
     def _listen(self, robot_id: int) -> None:
         """Take the robot's commands from its `cmd_vel`, as they come."""
@@ -58,11 +66,19 @@ class LockstepTeam(_Team):
         self._by_hand = [robot_id for robot_id in self._ids if not settings.drives(robot_id)]
         for robot_id in self._by_hand:
             self._listen(robot_id)
-        inputs = [Input(Channel(topic, may_be_silent=True), TwistStamped) for topic in self._answers.values()]
+        inputs = [
+            Input(Channel(topic, may_be_silent=True, robot_id=robot_id), TwistStamped)
+            for robot_id, topic in self._answers.items()
+        ]
         inputs.append(Input(Channel("/mission/status"), MissionStatus))
         inbox = make_inbox(settings, inputs)
         assert isinstance(inbox, LockstepInbox)
         self._inbox = inbox
+
+    def note_who(self, stamp_ns: int, here: tuple[bool, ...]) -> None:
+        """As for all teams."""
+        super().note_who(stamp_ns, here)
+        self._inbox.note_who(stamp_ns, here)
 
     def assemble(self) -> None:
         """Wait for nobody: who comes late gets the first step all the same, and the second one waits for all."""
@@ -99,6 +115,7 @@ class FreeTeam(_Team):
         super().__init__(robots)
         self._follow = follow
         controllers = {f"/{robot_name(robot_id)}/controller": robot_id for robot_id in settings.controlled}
+        self._names = {robot_id: name for name, robot_id in controllers.items()}
         self._answers = Answers((*controllers, "/mission") if settings.mission else controllers)
         self._environment = Answers(("/environment",) if settings.mission else ())
         rospy.on_shutdown(self._answers.close)
@@ -110,6 +127,12 @@ class FreeTeam(_Team):
         self._listen_to_answers("/mission", "/mission/status", MissionStatus)
         # Latched: it tells that the environment is there; what it says does not matter here.
         subscribe("/voice_map/values", rospy.AnyMsg, lambda _: self._environment.put("/environment", 0))
+
+    def note_who(self, stamp_ns: int, here: tuple[bool, ...]) -> None:
+        """As for all teams."""
+        if here != self._here:
+            self._answers.excuse(name for robot_id, name in self._names.items() if not here[robot_id])
+        super().note_who(stamp_ns, here)
 
     def assemble(self) -> None:
         """Wait until all nodes are there, with patience."""

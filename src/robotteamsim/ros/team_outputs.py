@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -62,8 +63,11 @@ class TeamOutputs:
         of_sensors = sum(output.num_subscribers for _, _, output in self._sensors)
         return of_sensors + sum(topic.num_subscribers for topic in self._topics)
 
-    def publish(self, time_ns: int, readings: TeamReadings) -> None:
-        """Publish one step's readings, where somebody gets them."""
+    def publish(self, time_ns: int, readings: TeamReadings, present: np.ndarray | None = None) -> None:
+        """Publish one step's readings, where somebody gets them.
+
+        Args: present: whether each robot is there, bool, shape (n,); None: all are. The topics of others are silent.
+        """
         self._seq += 1
         if self._truth.wanted:
             _set_pose(self._truth.messages, "0.pose.pose.position", "0.pose.pose.orientation", readings.ground_truth)
@@ -79,12 +83,14 @@ class TeamOutputs:
         if self._contact.wanted:
             self._contact.instead = self._touching(time_ns, readings)
         for topic in self._topics:
-            topic.publish(time_ns, self._seq)
+            topic.publish(time_ns, self._seq, present)
         for robot_id, sensor, output in self._sensors:
+            if present is not None and not present[robot_id]:
+                continue
             further = readings[robot_id].further
             if output.wanted and (message := sensor.message(self._make, time_ns, robot_id, further)) is not None:
                 output.publish(message)
-        self._tf.publish(time_ns, readings)
+        self._tf.publish(time_ns, readings, present)
 
     def _touching(self, time_ns: int, readings: TeamReadings) -> dict[int, memoryview]:
         """Return the messages of robots that touch something, by their ids; they differ in length."""
@@ -119,10 +125,12 @@ class _RobotTopic:
         """How many connections all of them have."""
         return sum(output.num_subscribers for output in self._outputs)
 
-    def publish(self, time_ns: int, seq: int) -> None:
-        """Publish the messages as they are now."""
+    def publish(self, time_ns: int, seq: int, present: np.ndarray | None) -> None:
+        """Publish the messages as they are now, of robots that are there (None: all)."""
         self.messages.stamp(time_ns, seq)
         for robot_id, (output, row) in enumerate(zip(self._outputs, self.messages.rows, strict=True)):
+            if present is not None and not present[robot_id]:
+                continue
             output.publish_bytes(self.instead.get(robot_id, row))
 
 
@@ -143,21 +151,29 @@ class _Tf:
             else None
         )
 
-    def publish(self, time_ns: int, readings: TeamReadings) -> None:
+    def publish(self, time_ns: int, readings: TeamReadings, present: np.ndarray | None) -> None:
         """Publish one step's frames, if anybody listens."""
         if not self._output.wanted:
             return
         _set_pose(self._robots, "0.transform.translation", "0.transform.rotation", readings.odometry)
         self._robots.stamp(time_ns, 0)
-        count, data = self._robots.num_messages, self._robots.data
+        count, data = self._robots.chosen(present)
         if self._localization is not None:
-            origins = [PoseReading.from_pose(r.ground_truth.pose @ r.odometry.pose.pose.inverse()) for r in readings]
+            origins = [_origin(reading) for reading in readings]
             places = np.array([(place.x_m, place.y_m, place.qz, place.qw) for place in origins])
             _set_pose(self._localization, "0.transform.translation", "0.transform.rotation", places)
             self._localization.stamp(time_ns, 0)
-            count, data = count + self._localization.num_messages, data + self._localization.data
+            more, more_data = self._localization.chosen(present)
+            count, data = count + more, data + more_data
         lengths = (4 + len(data)).to_bytes(4, "little") + count.to_bytes(4, "little")
         self._output.publish_bytes(memoryview(lengths + data))
+
+
+def _origin(reading: RobotReading) -> PoseReading:
+    """Return where a robot's odometry has its origin in `map`."""
+    if math.isnan(reading.ground_truth.x_m):
+        return _NOWHERE.pose  # of a robot that is not there; nobody is told
+    return PoseReading.from_pose(reading.ground_truth.pose @ reading.odometry.pose.pose.inverse())
 
 
 def _set_pose(rows: PackedRows, position: str, orientation: str, poses: np.ndarray) -> None:

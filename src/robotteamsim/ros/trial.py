@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from robotteamsim.control.controller import Decision
 from robotteamsim.mission import Mission
 from robotteamsim.mission.status import Event
@@ -39,15 +41,17 @@ class Trial:
         decisions: tuple[Decision, ...],
         doors: Mapping[str, DoorState] | None = None,
         base_inbox: Sequence[Message] = (),
+        present: np.ndarray | None = None,
     ) -> tuple[Event, ...]:
         """Judge one step and return its events; after the end nothing is added up any more.
 
         Args: doors: as they are after the step; None: not told.  base_inbox: what the base receives in it.
+              present: whether each robot is there, bool, shape (n,); None: all are.
         """
         if doors is not None:
             self.mission.follow_doors(doors)
         positions_m = true_positions_m(readings)
-        events = self.mission.step(sim_time_ns, positions_m, voices, network, decisions, base_inbox)
+        events = self.mission.step(sim_time_ns, positions_m, voices, network, decisions, base_inbox, present)
         if self.result is None:
             # Its wall clock starts here: nodes wait for each other before the first step.
             self._tally = self._tally or Tally(self._scenario)
@@ -66,6 +70,7 @@ class Trial:
                 victims=self.mission.victims,
                 noise_db=self.mission.noise_db,
                 voice_map=None,
+                present=present,
             )
             self._tally.add(record)
             for recorder in self._recorders:

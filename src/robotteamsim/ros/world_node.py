@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping
 
+import numpy as np
 import rospy
 from nav_msgs.msg import OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse
@@ -13,11 +14,12 @@ from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerResponse
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose
-from robotteamsim.msg import Doors
+from robotteamsim.msg import Doors, Robots
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
+from robotteamsim.ros.commands import STOP
 from robotteamsim.ros.gate import Gate, Pacer
-from robotteamsim.ros.node import SEED, Output, ParameterError, Settings, parameter, read_settings, run
+from robotteamsim.ros.node import ROBOTS, SEED, Output, ParameterError, Settings, parameter, read_settings, run
 from robotteamsim.ros.team import FreeTeam, LockstepTeam
 from robotteamsim.ros.team_outputs import TeamOutputs
 from robotteamsim.ros.thing_requests import set_thing
@@ -26,6 +28,9 @@ from robotteamsim.scenario import occupancy_grid
 from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.srv import (
+    RemoveRobot,
+    RemoveRobotRequest,
+    RemoveRobotResponse,
     RemoveThing,
     RemoveThingRequest,
     RemoveThingResponse,
@@ -44,6 +49,9 @@ from robotteamsim.srv import (
     SetThing,
     SetThingRequest,
     SetThingResponse,
+    SpawnRobot,
+    SpawnRobotRequest,
+    SpawnRobotResponse,
     Step,
     StepRequest,
     StepResponse,
@@ -62,6 +70,10 @@ NAP_S = 0.1
 """A world that waits for its time looks this often whether the speed has changed [s, wall]."""
 FIRST_STEPS = 2
 """A reset comes after these: only then do all nodes see stamps jump backwards."""
+
+
+Who = tuple[np.ndarray | None, tuple[int, ...]]
+"""`World.present` and `World.arrivals` of one step."""
 
 
 def main() -> None:
@@ -97,6 +109,7 @@ class WorldNode:
         self._show_things()
         # Environment and mission take from it alone whether a door is closed, in lockstep step by step.
         self._doors = Output("/world/doors", Doors, latched=True)
+        self._who = Output(ROBOTS, Robots, latched=True)
         # In lockstep a late subscriber must still get the step that everybody waits for.
         self._outputs = TeamOutputs(self._robots, latched=settings.lockstep, localized=localization == "ground_truth")
         self._offer_map()
@@ -117,9 +130,13 @@ class WorldNode:
                 self._gate.reset_done()
                 continue
             with self._world_lock:
+                for robot_id in self._come:
+                    twists[robot_id] = STOP  # what its controller decided before it left
+                self._come.clear()
                 self._world.step(twists)
-                readings, doors = self._sensors.read(), self._world.door_states()
-            self._publish(readings, doors)
+                readings, doors, present = self._sensors.read(), self._world.door_states(), self._world.present
+                who = present, self._world.arrivals
+            self._publish(readings, doors, who)
             self._gate.passed()
 
     def _await_listeners(self) -> None:
@@ -131,8 +148,11 @@ class WorldNode:
 
     def _build(self) -> None:
         seed = self._scenario.run.seed
-        things = self._scenario.things
-        self._world = World(self._scenario.plan, self._robots, self._scenario.run, things=things, seed=seed)
+        things, schedule = self._scenario.things, self._scenario.schedule
+        self._world = World(
+            self._scenario.plan, self._robots, self._scenario.run, things=things, schedule=schedule, seed=seed
+        )
+        self._come: set[int] = set()
         self._sensors = RobotSensors(self._world, self._robots, seed)
 
     def _reset(self) -> None:
@@ -156,12 +176,15 @@ class WorldNode:
             if tick < ticks:
                 self._publish_clock(time_ns)
 
-    def _publish(self, readings: TeamReadings, doors: Mapping[str, DoorState]) -> None:
-        time_ns = self._world.sim_time_ns
+    def _publish(self, readings: TeamReadings, doors: Mapping[str, DoorState], who: Who) -> None:
+        time_ns, (present, arrivals) = self._world.sim_time_ns, who
+        here = (True,) * len(arrivals) if present is None else tuple(present.tolist())
+        self._team.note_who(time_ns, here)
+        self._who.publish(fields.robots(self._make, time_ns, present, arrivals))
         if self._scenario.plan.doors:
             self._doors.publish(fields.doors(self._make, time_ns, doors))
         self._show_things()
-        self._outputs.publish(time_ns, readings)
+        self._outputs.publish(time_ns, readings, present)
         self._publish_clock(time_ns)
 
     def _show_things(self) -> None:
@@ -186,6 +209,8 @@ class WorldNode:
         rospy.Service("/reset_positions", Empty, self._serve_reset_positions)
         rospy.Service("/set_speed", SetSpeed, self._serve_set_speed)
         rospy.Service("/set_pose", SetPose, self._serve_set_pose)
+        rospy.Service("/spawn_robot", SpawnRobot, self._serve_spawn_robot)
+        rospy.Service("/remove_robot", RemoveRobot, self._serve_remove_robot)
         rospy.Service("/set_thing", SetThing, self._serve_set_thing)
         rospy.Service("/remove_thing", RemoveThing, self._serve_remove_thing)
         rospy.Service("/world/set_door", SetDoor, self._serve_set_door)
@@ -237,6 +262,24 @@ class WorldNode:
         except (PlacementError, ValueError) as error:
             return SetPoseResponse(success=False, message=str(error))
         return SetPoseResponse(success=True, message="")
+
+    def _serve_spawn_robot(self, request: SpawnRobotRequest) -> SpawnRobotResponse:
+        pose = None if request.at_start else Pose(request.pose.x, request.pose.y, request.pose.theta)
+        try:
+            with self._world_lock:
+                self._world.spawn_robot(request.robot_id, pose)
+                self._come.add(request.robot_id)
+        except (PlacementError, ValueError) as error:
+            return SpawnRobotResponse(success=False, message=str(error))
+        return SpawnRobotResponse(success=True, message="")
+
+    def _serve_remove_robot(self, request: RemoveRobotRequest) -> RemoveRobotResponse:
+        try:
+            with self._world_lock:
+                self._world.remove_robot(request.robot_id)
+        except ValueError as error:
+            return RemoveRobotResponse(success=False, message=str(error))
+        return RemoveRobotResponse(success=True, message="")
 
     def _serve_set_thing(self, request: SetThingRequest) -> SetThingResponse:
         try:

@@ -246,3 +246,95 @@ def test_lockstep_channel_with_turns_begins_again_with_the_others(lockstep, firs
             step = Taker(inbox).result()
             assert (step.stamp_ns, step.restarted) == (100 * number, (life, number) == (1, 1))
             assert step.latest("rear") == (f"rear {number} of {life}" if has_turn else None)
+
+
+class Who:
+    """A message that tells who is there."""
+
+    def __init__(self, *present: int) -> None:
+        self.present = present
+
+
+WHO = Channel("who", tells_who=True)
+
+
+def test_lockstep_step_does_not_wait_for_a_robot_that_is_not_there(lockstep):
+    inbox = lockstep(WHO, Channel("odom 0", robot_id=0), Channel("odom 1", robot_id=1))
+    told = Who(1, 0)
+    inbox.put("odom 0", 100, "here")
+    inbox.put("who", 100, told)
+    assert inbox.take() == Step(100, False, {"who": (told,), "odom 0": ("here",), "odom 1": ()})
+
+
+def test_lockstep_channel_of_the_last_step_goes_by_who_was_there_then(lockstep):
+    inbox = lockstep(WHO, Channel("sent", of_last_step=True, robot_id=0))
+    inbox.put("who", 100, Who(1))
+    assert inbox.take().messages["sent"] == ()
+    inbox.put("who", 200, Who(0))
+    taker = Taker(inbox)
+    assert taker.is_waiting
+    inbox.put("sent", 100, "last words")
+    assert taker.result().messages["sent"] == ("last words",)
+    inbox.put("who", 300, Who(1))
+    assert inbox.take().messages["sent"] == ()
+
+
+def test_lockstep_robot_that_comes_is_waited_for_and_its_first_message_is_no_restart(lockstep):
+    inbox = lockstep(WHO, Channel("odom", robot_id=0))
+    for stamp_ns in (100, 200):
+        inbox.put("who", stamp_ns, Who(0))
+        assert inbox.take().messages["odom"] == ()
+    inbox.put("who", 300, Who(1))
+    taker = Taker(inbox)
+    assert taker.is_waiting
+    inbox.put("odom", 300, "first")
+    step = taker.result()
+    assert (step.restarted, step.messages["odom"]) == (False, ("first",))
+
+
+@pytest.mark.parametrize("spoke", [True, False])
+def test_lockstep_robot_that_was_away_before_a_restart_is_heard_in_the_time_after(lockstep, spoke):
+    inbox = lockstep(WHO, Channel("odom", robot_id=0))
+    for stamp_ns in (100, 200, 300):
+        present = spoke and stamp_ns < 300
+        inbox.put("who", stamp_ns, Who(present))
+        if present:
+            inbox.put("odom", stamp_ns, "before")
+        inbox.take()
+    inbox.put("who", 100, Who(0))
+    assert inbox.take().restarted
+    inbox.put("who", 200, Who(1))
+    inbox.put("odom", 200, "after")
+    step = inbox.take()
+    assert (step.stamp_ns, step.restarted, step.messages["odom"]) == (200, False, ("after",))
+
+
+def test_lockstep_node_that_begins_late_for_a_robot_that_is_not_there_restarts_nothing(lockstep):
+    inbox = lockstep(Channel("answer", may_be_silent=True, robot_id=0))
+    for stamp_ns in (100, 200):
+        inbox.note_who(stamp_ns, (False,))
+        assert inbox.take().stamp_ns == stamp_ns
+    inbox.put("answer", 0, "greeting")
+    inbox.note_who(300, (True,))
+    inbox.put("answer", 300, "answer")
+    assert inbox.take() == Step(300, False, {"answer": ("answer",)})
+
+
+def test_latest_step_goes_on_without_a_robot_that_left():
+    robots = [Channel(f"odom {robot_id}", needed=True, robot_id=robot_id) for robot_id in (0, 1)]
+    inbox = LatestInbox((WHO, *robots), print)
+    inbox.put("odom 0", 100, "here")
+    taker = Taker(inbox)
+    assert taker.is_waiting
+    inbox.put("who", 100, Who(1, 0))
+    assert taker.result().messages["odom 1"] == ()
+
+
+def test_latest_step_needs_something_new_though_nobody_is_there():
+    inbox = LatestInbox((WHO, Channel("odom", needed=True, robot_id=0)), print)
+    inbox.put("who", 100, Who(0))
+    taker = Taker(inbox)
+    assert taker.is_waiting
+    inbox.put("who", 200, Who(1))
+    inbox.put("odom", 200, "here")
+    assert taker.result().messages["odom"] == ("here",)

@@ -52,6 +52,9 @@ class FakeTeam:
     def assemble(self) -> None:
         pass
 
+    def note_who(self, stamp_ns: int, here: tuple[bool, ...]) -> None:
+        assert here == (True, True)
+
     def twists(self, step_index: int, sim_time_ns: int) -> list[Twist] | None:
         return [Twist(0.5, 0.0, 0.0), Twist()] if step_index < STEPS else None
 
@@ -108,7 +111,9 @@ def test_clock_comes_after_all_else_of_its_step(sent):
             assert stamp_ns > clock_ns, topic
             stamps.setdefault(topic, []).append(stamp_ns)
     names = ["odom", "base_scan", "base_pose_ground_truth", "contact"]
-    assert sorted(stamps) == sorted(["/tf", *(f"/robot_{robot_id}/{name}" for robot_id in (0, 1) for name in names)])
+    assert sorted(stamps) == sorted(
+        ["/tf", "/world/robots", *(f"/robot_{robot_id}/{name}" for robot_id in (0, 1) for name in names)]
+    )
     assert set(map(tuple, stamps.values())) == {(STEP_NS, 2 * STEP_NS, 3 * STEP_NS)}
 
 
