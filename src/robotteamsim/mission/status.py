@@ -72,7 +72,7 @@ class MissionStatus(NamedTuple):
 
     def at(self, time_s: float) -> MissionStatus:
         """Return the same at another time of the mission's clock [s]."""
-        return MissionStatus(self.state, self.end, time_s, *self[3:])
+        return tuple.__new__(MissionStatus, (*self[:2], time_s, *self[3:]))
 
     @property
     def areas_explored(self) -> int:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import NamedTuple, overload
 
 import numpy as np
@@ -118,6 +117,7 @@ class TeamReadings(Sequence[RobotReading]):
     in_contact: np.ndarray
     contact_angles_rad: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
     further: Sequence[FurtherReadings] = ()
+    _readings: tuple[RobotReading, ...] = field(default=(), init=False, repr=False)
 
     def __len__(self) -> int:
         return len(self.ranges_m)
@@ -127,24 +127,24 @@ class TeamReadings(Sequence[RobotReading]):
     @overload
     def __getitem__(self, index: slice) -> Sequence[RobotReading]: ...
     def __getitem__(self, index: int | slice) -> RobotReading | Sequence[RobotReading]:
-        return self._one_by_one[index]
+        return self._one_by_one()[index]
 
     def __iter__(self) -> Iterator[RobotReading]:
-        return iter(self._one_by_one)
+        return iter(self._one_by_one())
 
-    @cached_property
     def _one_by_one(self) -> tuple[RobotReading, ...]:
-        readings: tuple[RobotReading, ...] = _MAKER.make(
-            self.ground_truth,
-            self.twists,
-            self.odometry,
-            self.ranges_m,
-            self.in_contact,
-            self.contact_angles_rad,
-            self.further,
-            NOTHING_FURTHER,
-        )
-        return readings
+        if not self._readings:
+            self._readings = _MAKER.make(
+                self.ground_truth,
+                self.twists,
+                self.odometry,
+                self.ranges_m,
+                self.in_contact,
+                self.contact_angles_rad,
+                self.further,
+                NOTHING_FURTHER,
+            )
+        return self._readings
 
 
 def ground_truth_rows(readings: Sequence[RobotReading]) -> np.ndarray:

@@ -259,3 +259,11 @@ def test_unknown_doors_and_robots_are_refused():
         world.set_pose(1, Pose(2.0, 2.0, 0.0))
     with pytest.raises(ValueError, match="robot_0: pose must be finite"):
         world.set_pose(0, Pose(2.0, math.nan, 0.0))
+
+
+def test_a_command_that_is_no_twist_is_refused_and_nothing_moves():
+    world, untouched = world_of((2.0, 2.0, 0.0)), world_of((2.0, 2.0, 0.0))
+    for wrong, error in ((0.5, ValueError), ((0.5, 0.0), ValueError), (("fast", 0.0, 0.0), TypeError)):
+        with pytest.raises(error, match=r"a twist must be a tuple of three numbers|must be real number"):
+            world.step([wrong])
+    assert bits(world) == bits(untouched)
