@@ -37,13 +37,10 @@ class TeamWatch:
         self._base = base
         self._told: list[tuple[bool, int, str]] = []
         self._present: np.ndarray | None = None
+        self.all_excluded = False
+        """Whether no robot that is there belongs to a swarm."""
         self._swarms: list[int] = []
         self._faults: list[str] = []
-
-    @property
-    def all_excluded(self) -> bool:
-        """Whether no robot belongs to a swarm."""
-        return bool(self._swarms) and all(swarm in (OUTSIDE, _ABSENT) for swarm in self._swarms)
 
     def changes(self, decisions: Sequence[Decision], present: np.ndarray | None = None) -> list[Change]:
         """Return what has changed since the last step, in id order; a swarm's end follows after who left it.
@@ -63,6 +60,7 @@ class TeamWatch:
         before = self._swarms or self._at_first(swarms)
         found = [*_changes_of_swarms(before, swarms), *_new_faults(self._faults or [""] * len(faults), faults)]
         self._swarms, self._faults = swarms, faults
+        self.all_excluded = all(swarm in (OUTSIDE, _ABSENT) for swarm in swarms)
         return found
 
     def _at_first(self, swarms: list[int]) -> list[int]:
