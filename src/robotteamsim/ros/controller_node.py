@@ -10,8 +10,6 @@ from functools import partial
 
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import TwistStamped
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import LaserScan
 
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.controller import Decision, Task
@@ -35,6 +33,7 @@ from robotteamsim.ros.node import (
     read_settings,
     run,
 )
+from robotteamsim.ros.quick_messages import BareScan, PlanarOdometry
 from robotteamsim.sensing.readings import Observation, RobotReading
 
 STATUS = "/mission/status"
@@ -88,9 +87,9 @@ class Seat:
     def inputs(self) -> list[Input]:
         """The topics that it needs."""
         return [
-            Input(Channel(self._odom, needed=True, robot_id=self._robot_id), Odometry),
-            Input(Channel(self._scan, needed=True, robot_id=self._robot_id), LaserScan),
-            Input(Channel(self._truth, needed=self._by_truth, robot_id=self._robot_id), Odometry),
+            Input(Channel(self._odom, needed=True, robot_id=self._robot_id), PlanarOdometry),
+            Input(Channel(self._scan, needed=True, robot_id=self._robot_id), BareScan),
+            Input(Channel(self._truth, needed=self._by_truth, robot_id=self._robot_id), PlanarOdometry),
             Input(Channel(self._contact, robot_id=self._robot_id), Contact),
             Input(Channel(self._voice, needed=True, robot_id=self._robot_id), Voice),
             Input(Channel(self._received, robot_id=self._robot_id), NetworkMessages),
@@ -121,10 +120,10 @@ class Seat:
         self._publish(step.stamp_ns, self._controller.decide())
 
     def _observation(self, step: Step) -> Observation:
-        odometry = conversion.odometry_reading(step.latest(self._odom))
+        odometry = step.latest(self._odom).reading
         # A real robot that navigates by odometry has no ground truth.
         truth = step.latest(self._truth)
-        ground_truth = odometry if truth is None else conversion.odometry_reading(truth)
+        ground_truth = odometry if truth is None else truth.reading
         contact = step.latest(self._contact)
         robot = RobotReading(
             ground_truth=ground_truth.pose,

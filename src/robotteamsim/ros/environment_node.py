@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import rospy
-from nav_msgs.msg import OccupancyGrid, Odometry
+from nav_msgs.msg import OccupancyGrid
 from pydantic import ValidationError
 
 from robotteamsim.errors import PlacementError
@@ -27,6 +27,7 @@ from robotteamsim.ros.node import (
     read_settings,
     run,
 )
+from robotteamsim.ros.quick_messages import PlanarOdometry
 from robotteamsim.scenario.placement import check_places
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.sections import Mission as MissionSection
@@ -123,7 +124,7 @@ class EnvironmentNode:
 
     def _inputs(self) -> list[Input]:
         places = [
-            Input(Channel(topic, needed=True, robot_id=robot_id), Odometry)
+            Input(Channel(topic, needed=True, robot_id=robot_id), PlanarOdometry)
             for robot_id, topic in enumerate(self._places)
         ]
         controlled = self._settings.controlled
@@ -148,7 +149,7 @@ class EnvironmentNode:
         self._attendance.follow(step)
         is_there = self._attendance.is_there
         places = [
-            conversion.pose_reading(step.latest(topic).pose.pose) if is_there(robot_id) else NOT_THERE.ground_truth
+            step.latest(topic).reading.pose if is_there(robot_id) else NOT_THERE.ground_truth
             for robot_id, topic in enumerate(self._places)
         ]
         positions_m = np.array([(place.x_m, place.y_m) for place in places])

@@ -6,11 +6,12 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from sensor_msgs.msg import LaserScan, NavSatFix, Range
+from sensor_msgs.msg import NavSatFix, Range
 
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.inbox import Channel, Step
 from robotteamsim.ros.node import Input
+from robotteamsim.ros.quick_messages import BareScan
 from robotteamsim.scenario.sections import Robot
 from robotteamsim.scenario.sensors import Gps
 from robotteamsim.sensing.gps import is_due
@@ -35,7 +36,7 @@ class FurtherInputs:
         """The topics; out of lockstep no step waits for them."""
         dues = [_turns(laser.every_steps, self._step_ns) for laser in self._robot.lasers]
         mine = partial(Channel, robot_id=self._robot_id)
-        inputs = [Input(mine(name, due=due), LaserScan) for name, due in zip(self._lasers, dues, strict=True)]
+        inputs = [Input(mine(name, due=due), BareScan) for name, due in zip(self._lasers, dues, strict=True)]
         inputs += [Input(mine(name), Range) for name in self._sonars]
         if self._robot.gps is not None:
             inputs.append(Input(mine(self._fix, due=_turns_of_fix(self._robot.gps, self._step_ns)), NavSatFix))

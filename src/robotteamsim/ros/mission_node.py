@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import rospy
-from nav_msgs.msg import Odometry
 from rich.console import Console
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
@@ -46,6 +45,7 @@ from robotteamsim.ros.node import (
     run,
     wait_for_shutdown,
 )
+from robotteamsim.ros.quick_messages import PlanarOdometry
 from robotteamsim.ros.trial import Trial
 from robotteamsim.sensing.readings import NOT_THERE, NOTHING_HEARD, RobotReading, VoiceReading
 from robotteamsim.simulation import Observer
@@ -89,7 +89,7 @@ class RobotInputs:
         """Return the inputs; a robot without a controller tells nothing of decisions."""
         mine = partial(Channel, robot_id=self._robot_id)
         inputs = [
-            Input(mine(self.ground_truth, needed=True), Odometry),
+            Input(mine(self.ground_truth, needed=True), PlanarOdometry),
             Input(mine(self.contact), Contact),
             Input(mine(self.voice, needed=True), Voice),
         ]
@@ -99,7 +99,7 @@ class RobotInputs:
 
     def reading(self, step: Step) -> RobotReading:
         """Return what the mission knows of the robot's senses: no odometry of its own, and no ranges."""
-        truth = conversion.odometry_reading(step.latest(self.ground_truth))
+        truth = step.latest(self.ground_truth).reading
         contact = step.latest(self.contact)
         return RobotReading(truth.pose, truth.twist, truth, _NO_RANGES, contact is not None and contact.in_contact)
 

@@ -19,6 +19,7 @@ from robotteamsim.ros.inbox import Channel, Inbox, LatestInbox, LockstepInbox, S
 from robotteamsim.ros.msg_conversion import stamp_ns
 from robotteamsim.ros.packed_messages import Serialized
 from robotteamsim.ros.prompt_connection import accept_all_at_once, answer_all_at_once, send_promptly
+from robotteamsim.ros.shared_ear import hear_with_one_thread
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.sections import Run, Team
@@ -170,6 +171,7 @@ def run(name: str, serve: Callable[[], None]) -> None:
     rospy.init_node(name, disable_rostime=True)
     accept_all_at_once()
     send_promptly()
+    hear_with_one_thread()
     _forward_logging()
     try:
         serve()
