@@ -106,6 +106,16 @@ def test_surroundings_find_what_the_plain_ones_find(beams):
     assert found > 50
 
 
+def test_scans_are_read_alike_whatever_array_holds_them():
+    rng = np.random.default_rng(3)
+    surroundings, pose = Surroundings(Laser(), 1.2), Pose(1.0, 2.0, 0.3)
+    ranges_m = scan(rng, Laser().beams)
+    expected = surroundings.attractor(pose, ranges_m)
+    assert expected is not None
+    for other in (ranges_m.astype(np.float64), ranges_m.astype(">f4"), np.repeat(ranges_m, 2)[::2]):
+        assert surroundings.attractor(pose, other) == expected
+
+
 @pytest.mark.parametrize("together", [True, False])
 def test_ruled_out_covers_what_the_plain_one_covers(together):
     rng = np.random.default_rng(5)
