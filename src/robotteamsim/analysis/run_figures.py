@@ -142,8 +142,10 @@ def max_hops(network: RecordedNetwork) -> np.ndarray:
 
 
 def is_split(network: RecordedNetwork) -> np.ndarray:
-    """Return whether some robot cannot reach another, over time: bool, shape (n,)."""
-    return np.asarray((network.hop_count < 0).any(axis=(1, 2)))
+    """Return whether some robot cannot reach another, over time: bool, shape (n,). Those not there reach nobody."""
+    there = network.hop_count.diagonal(axis1=1, axis2=2) == 0
+    pairs = there[:, :, np.newaxis] & there[:, np.newaxis, :]
+    return np.asarray(((network.hop_count < 0) & pairs).any(axis=(1, 2)))
 
 
 def endangered_links(network: RecordedNetwork) -> np.ndarray:

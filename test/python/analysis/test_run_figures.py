@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.analysis import run_figures
-from robotteamsim.analysis.recorded_run import read_run
+from robotteamsim.analysis.recorded_run import RecordedNetwork, read_run
 from robotteamsim.analysis.run_figures import figures
 from robotteamsim.analysis.run_files import document, write_tables
 
@@ -67,6 +67,16 @@ def test_fiedler_values_links_hops_and_splits_are_those_of_networkx(run):
         assert run_figures.max_hops(network)[index] == max(networkx.diameter(part) for part in parts)
         algebraic = np.sort(networkx.laplacian_spectrum(graph))[1]
         assert network.fiedler_value[index] == pytest.approx(algebraic, abs=1e-9)
+
+
+def test_robot_that_is_not_there_splits_no_team():
+    together, apart = (
+        np.array([[0, 1, -1], [1, 0, -1], [-1, -1, -1]]),
+        np.array([[0, -1, -1], [-1, 0, -1], [-1, -1, -1]]),
+    )
+    hops = np.stack([together, apart]).astype(np.int32)
+    network = RecordedNetwork(np.arange(2), hops == 1, np.zeros(hops.shape, bool), hops, np.zeros(2))
+    assert run_figures.is_split(network).tolist() == [False, True]
 
 
 def test_collisions_are_counted_when_they_begin():
