@@ -269,13 +269,16 @@ def _in_order(topic: str, samples: list[tuple[int, Any]]) -> list[tuple[int, Any
 
 def _robot(namespace: str, taken: Mapping[str, list[tuple[int, Any]]], transforms: Transforms) -> RecordedRobot | None:
     truth, odom = taken.get(f"{namespace}/{TRUTH}"), taken.get(f"{namespace}/{ODOM}")
-    track = from_truth(truth) if truth else from_odometry(odom or [], transforms)
-    if track is None:
-        return None
     name = namespace.strip("/") or "robot"
     number = re.fullmatch(r"robot_(\d+)", name)
+    robot_id = int(number[1]) if number else None
+    events = taken.get("/mission/events", [])
+    came_ns = [ns for ns, event in events if event.kind == "robot_spawned" and event.robot_id == robot_id]
+    track = from_truth(truth, came_ns) if truth else from_odometry(odom or [], transforms)
+    if track is None:
+        return None
     contact, excluded = taken.get(f"{namespace}/contact"), taken.get(f"{namespace}/controller/status")
-    return RecordedRobot(name, int(number[1]) if number else None, track, _flags(contact), _flags(excluded))
+    return RecordedRobot(name, robot_id, track, _flags(contact), _flags(excluded))
 
 
 def _flags(samples: list[tuple[int, Any]] | None) -> Flags | None:

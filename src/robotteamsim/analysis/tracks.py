@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -74,13 +74,17 @@ class Transforms:
         return np.array([place[0] for place in places]), np.array([place[1:] for place in places])
 
 
-def from_truth(samples: Sequence[tuple[int, PoseSample]]) -> Track | None:
-    """Return the track of true poses in `map`; None where no pose is finite."""
+def from_truth(samples: Sequence[tuple[int, PoseSample]], came_ns: Sequence[int] = ()) -> Track | None:
+    """Return the track of true poses in `map`; None where no pose is finite.
+
+    Args: came_ns: stamps of the steps in which the robot was put there anew: that is no way.
+    """
     finite = _finite(samples)
     if not finite:
         return None
     stamps_ns, poses, turns = _arrays(finite)
-    return Track("truth", MAP_FRAME, stamps_ns, poses, turns, _driven_m(poses))
+    came = np.searchsorted(stamps_ns, np.array(came_ns, dtype=np.int64))
+    return Track("truth", MAP_FRAME, stamps_ns, poses, turns, _driven_m(poses, came))
 
 
 def from_odometry(samples: Sequence[tuple[int, PoseSample]], transforms: Transforms) -> Track | None:
@@ -124,11 +128,16 @@ def _arrays(samples: Sequence[tuple[int, PoseSample]]) -> tuple[np.ndarray, np.n
     return stamps_ns, np.column_stack((values[:, :2], yaw_rad)), values[:, 4:]
 
 
-def _driven_m(poses: np.ndarray) -> np.ndarray:
-    """Return the length of the path so far, the same sum in the same order as a trial's own figures."""
+def _driven_m(poses: np.ndarray, came: Iterable[int] = ()) -> np.ndarray:
+    """Return the length of the path so far, the same sum in the same order as a trial's own figures.
+
+    Args: came: indices of poses that no way leads to.
+    """
     places = poses[:, :2].tolist()
     steps_m = [math.dist(place, before) for before, place in itertools.pairwise(places)]
-    return np.cumsum([0.0, *steps_m])
+    driven_m = np.array([0.0, *steps_m])
+    driven_m[[index for index in came if index < len(driven_m)]] = 0.0
+    return np.cumsum(driven_m)
 
 
 def _yaw_rad(x: Any, y: Any, z: Any, w: Any) -> Any:

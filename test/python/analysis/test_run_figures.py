@@ -15,6 +15,9 @@ from robotteamsim.analysis import run_figures
 from robotteamsim.analysis.recorded_run import RecordedNetwork, read_run
 from robotteamsim.analysis.run_figures import figures
 from robotteamsim.analysis.run_files import document, write_tables
+from robotteamsim.recording import BagWriter
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +42,15 @@ def test_robot_figures_are_those_of_the_run_to_the_bit(busy, run):
             said.excluded_s,
         )
     assert sum(robot.contact_s for robot in figures(run).robots) > 0.0
+
+
+def test_robot_that_leaves_and_comes_elsewhere_has_driven_what_the_run_says(tmp_path):
+    schedule = "schedule=[{at_s: 5, remove: 1}, {at_s: 8, spawn: 1, pose: [20, 5, 0]}]"
+    writer = BagWriter(tmp_path / "comes.bag")
+    result = Simulation(load("garage_sar", [schedule, "mission.time_limit_s=12"])).run([writer])
+    recorded = figures(read_run([tmp_path / "comes.bag"]))
+    assert [robot.distance_m for robot in recorded.robots] == [robot.distance_m for robot in result.robots]
+    assert 1.0 < result.robots[1].distance_m < 8.0
 
 
 def test_hash_of_the_trajectories_is_that_of_the_run(busy, run):
