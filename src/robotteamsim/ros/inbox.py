@@ -203,7 +203,13 @@ class LatestInbox(Inbox):
 
     def _has_step(self) -> bool:
         # With nobody there all may be ready, but nothing new has come.
-        return super()._has_step() and any(queue.waiting for queue in self._queues.values() if queue.channel.needed)
+        return super()._has_step() and any(queue.waiting for queue in self._pacing())
+
+    def _pacing(self) -> list[_Queue]:
+        """Return the queues that a step is made from: those needed; with nobody there, the one that tells so."""
+        present, queues = self._who(), self._queues.values()
+        needed = [queue for queue in queues if queue.channel.needed and not self._is_absent(queue, present)]
+        return needed or [queue for queue in queues if queue.channel.tells_who]
 
     def _who(self) -> Sequence[int] | None:
         return next(reversed(self._present.values())) if self._present else None
@@ -213,7 +219,7 @@ class LatestInbox(Inbox):
         for queue in self._queues.values():
             if self._is_absent(queue, present):
                 queue.waiting.clear()
-        stamp_ns = max(queue.last_ns for queue in self._queues.values() if queue.channel.needed)
+        stamp_ns = max(queue.last_ns for queue in self._pacing())
         self._present = {} if present is None else {stamp_ns: present}
         messages = {name: tuple(message for _, message in queue.waiting) for name, queue in self._queues.items()}
         for queue in self._queues.values():

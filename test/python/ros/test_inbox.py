@@ -330,11 +330,12 @@ def test_latest_step_goes_on_without_a_robot_that_left():
     assert taker.result().messages["odom 1"] == ()
 
 
-def test_latest_step_needs_something_new_though_nobody_is_there():
+def test_latest_step_with_nobody_there_is_made_from_what_tells_so():
     inbox = LatestInbox((WHO, Channel("odom", needed=True, robot_id=0)), print)
     inbox.put("who", 100, Who(0))
+    assert inbox.take().stamp_ns == 100
     taker = Taker(inbox)
     assert taker.is_waiting
-    inbox.put("who", 200, Who(1))
     inbox.put("odom", 200, "here")
+    inbox.put("who", 200, Who(1))
     assert taker.result().messages["odom"] == ("here",)
