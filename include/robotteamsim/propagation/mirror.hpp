@@ -15,12 +15,13 @@ inline void PrefetchToWrite([[maybe_unused]] const void* place) {
 /// Rows of a large matrix that are mirrored together: enough that what is written side by side fills cache lines.
 constexpr Eigen::Index kMirroredRows = 32;
 
-/// Copies what lies above the diagonal in rows top .. end - 1 of a square matrix to below it.
+/// Copies what lies above the diagonal in rows top .. end - 1 of a square matrix, or to its last, to below it.
 template <typename Matrix>
 void MirrorRows(Eigen::Index top, Eigen::Index end, Matrix* matrix) {
   constexpr Eigen::Index kAhead = 8;  // rows: each is as far away as a row is long, where no processor looks by itself
   constexpr Eigen::Index kPerLine = 64 / sizeof(typename Matrix::Scalar);
   const Eigen::Index size = matrix->rows();
+  end = std::min(end, size);
   for (Eigen::Index row = top + 1; row < size; ++row) {
     if (row + kAhead < size) {
       for (Eigen::Index col = top; col < end + kPerLine - 1; col += kPerLine) {
