@@ -33,7 +33,7 @@ bool TeamLinks::Step(const FaceSet& faces, const RadioModel& model, const Eigen:
 bool TeamLinks::FindLinks(const CellValues& link) {
   const Eigen::Index n = link.rows();
   bool has_changed = adjacency_.rows() != n;
-  adjacency_.resize(n, n);
+  if (has_changed) adjacency_.setConstant(n, n, false);
   endangered_.resize(n, n);
   any_endangered_ = false;
   for (Eigen::Index i = 0; i < n; ++i) {
