@@ -151,8 +151,8 @@ def test_other_commands_do_not_wait_for_dask():
 
 
 def test_interrupted_campaign_completes_later(tmp_path):
-    command = [sys.executable, "-m", "robotteamsim.cli", "campaign", "tutorial_arena", *NOISE]
-    command += ["--trials", "20", "--workers", "2", *SHORT, "--quiet", "--out"]
+    command = [sys.executable, "-m", "robotteamsim.cli", "campaign", "garage_sar", *NOISE]
+    command += ["--trials", "20", "--workers", "2", "--set", "mission.time_limit_s=20", "--quiet", "--out"]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen([*command, str(tmp_path / "c")], start_new_session=True, **pipes) as process:
         _wait_for_rows(process, tmp_path / "c", 3)
