@@ -153,8 +153,9 @@ def test_other_commands_do_not_wait_for_dask():
 def test_interrupted_campaign_completes_later(tmp_path):
     command = [sys.executable, "-m", "robotteamsim.cli", "campaign", "garage_sar", *NOISE]
     command += ["--trials", "20", "--workers", "2", "--set", "mission.time_limit_s=20", "--quiet", "--out"]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen([*command, str(tmp_path / "c")], start_new_session=True, **pipes) as process:
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}
+    options["preexec_fn"] = _heed_interrupts
+    with subprocess.Popen([*command, str(tmp_path / "c")], **options) as process:
         _wait_for_rows(process, tmp_path / "c", 3)
         os.killpg(process.pid, signal.SIGINT)  # As a terminal does: the workers get it, too.
         out, err = process.communicate(timeout=60)
@@ -168,6 +169,11 @@ def test_interrupted_campaign_completes_later(tmp_path):
     for folder in ("c", "undisturbed"):
         subprocess.run([*command, str(tmp_path / folder)], check=True, timeout=120)
     assert (tmp_path / "c" / "trials.csv").read_bytes() == (tmp_path / "undisturbed" / "trials.csv").read_bytes()
+
+
+def _heed_interrupts() -> None:
+    """What a shell starts in the background, and its children, ignore them."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _wait_for_rows(process: subprocess.Popen[str], folder: Path, count: int) -> None:
