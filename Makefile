@@ -12,12 +12,14 @@ JOBS ?= $(shell nproc)
 SPEED ?= 5
 FUZZ := $(BUILD)/fuzz
 FUZZ_SECONDS ?= 60
+# Whole missions are left out: with the sanitizers they take many minutes, and nothing in the C++ is theirs alone.
+SANITIZED := $(addprefix test/python/,propagation network sensing world control)
 ARGS ?=
 # Everything that ROS and Python must know of the build, whatever the user's shell has set.
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint bench bench_ros exactness fuzz wheel pictures clean
+.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint bench bench_ros exactness build_fuzz fuzz sanitize wheel pictures clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -84,17 +86,25 @@ exactness: build ## compare fast maps with one ray per cell, on 50 million cells
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_exactness > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@set -o pipefail; $(BUILD)/devel/lib/robotteamsim/robotteamsim_exactness $(ARGS) | tee bench/results/exactness.txt
 
-fuzz: build ## throw odd inputs at propagation, network and import under ASan and UBSan, FUZZ_SECONDS=60 each
-	@command -v clang++-14 > /dev/null || { echo "make fuzz needs clang-14 and libclang-rt-14-dev (apt-get install)"; exit 1; }
+build_fuzz: build
+	@command -v clang++-14 > /dev/null || { echo "it needs clang-14 and libclang-rt-14-dev (apt-get install)"; exit 1; }
 	@mkdir -p $(FUZZ)
+	@echo "-- building under ASan and UBSan"
 	@{ cmake -S test/fuzz -B $(FUZZ) -DCMAKE_CXX_COMPILER=clang++-14 -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) && \
 		cmake --build $(FUZZ) -j$(JOBS); } > $(FUZZ)/build.log 2>&1 || { cat $(FUZZ)/build.log; exit 1; }
+
+fuzz: build_fuzz ## throw odd inputs at propagation, network and import under ASan and UBSan, FUZZ_SECONDS=60 each
 	@for name in propagation network; do mkdir -p $(FUZZ)/corpus_$$name; echo "-- $$name"; \
 		$(FUZZ)/$${name}_fuzzer -max_total_time=$(FUZZ_SECONDS) -max_len=400 -len_control=0 -verbosity=0 \
 		-print_final_stats=1 -artifact_prefix=$(FUZZ)/ $(FUZZ)/corpus_$$name test/fuzz/corpus/$$name || exit 1; done
 	@echo "-- import"; $(ENV) ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD=$$(cat $(FUZZ)/preloaded) \
 		$(PYTHON) test/fuzz/import_fuzz.py --seconds $(FUZZ_SECONDS) --core $(FUZZ)/_core*.so 2> $(FUZZ)/import.log \
 		|| { tail -60 $(FUZZ)/import.log; exit 1; }
+
+sanitize: build_fuzz ## run tests of the parts that are C++ under ASan and UBSan; ARGS="test/python/world -k door" some
+	@$(ENV) ROBOTTEAMSIM_CORE=$$(ls $(CURDIR)/$(FUZZ)/_core*.so) PYTHONPATH=test/fuzz:$$PYTHONPATH \
+		ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD=$$(cat $(FUZZ)/preloaded) $(PYTHON) -m pytest -q -s -p no:cacheprovider -p sanitized_core \
+		$(or $(ARGS),$(SANITIZED))
 
 wheel: $(VENV)/.ready ## build dist/*.whl that carries Box2D inside and needs no compiler
 	@rm -rf dist && mkdir -p dist/raw

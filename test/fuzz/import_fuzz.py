@@ -8,8 +8,6 @@ used instead of the installed one, such as the one under AddressSanitizer that `
 from __future__ import annotations
 
 import argparse
-import importlib.util
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -167,16 +165,6 @@ def fuzz(folder: Path, number: int, examples: int) -> None:
     run()
 
 
-def use_core(path: Path) -> None:
-    """Make a build of the C++ the one that the package imports."""
-    spec = importlib.util.spec_from_file_location("robotteamsim._core", path)
-    assert spec, f"{path} is no module"
-    assert spec.loader
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["robotteamsim._core"] = module
-    spec.loader.exec_module(module)
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=60.0)
@@ -184,6 +172,8 @@ def main() -> None:
     parser.add_argument("--core", type=Path)
     options = parser.parse_args()
     if options.core:
+        from sanitized_core import use_core
+
         use_core(options.core)
     examples, rounds, end_s = 500, 0, time.monotonic() + options.seconds
     with tempfile.TemporaryDirectory() as folder:
