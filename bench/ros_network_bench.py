@@ -16,6 +16,8 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from xmlrpc.client import ServerProxy
 
@@ -56,6 +58,22 @@ def pid_of(node: str) -> int:
     return ServerProxy(rosgraph.Master("/bench").lookupNode(f"/{node}")).getPid("/bench")[2]
 
 
+@contextmanager
+def launched(*arguments: str) -> Iterator[None]:
+    """Launch the garage at real time on a master of its own, as roslaunch would with these arguments; end it after."""
+    with tempfile.TemporaryDirectory() as folder:
+        port = free_port()
+        os.environ |= {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOME": folder, "ROS_LOG_DIR": folder}
+        command = [sys.executable, "-c", "import roslaunch; roslaunch.main()", "-p", str(port)]
+        command += ["robotteamsim", "scenario.launch", *arguments, "speed:=1", "rviz:=false", "mission_stays:=true"]
+        launch = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            yield
+        finally:
+            launch.send_signal(signal.SIGINT)
+            launch.wait(30.0)
+
+
 def measure(robots: int, seconds: float) -> None:
     """Listen to a run that is under way, and print what was seen."""
     rospy.init_node("bench", disable_rostime=True, disable_signals=True)
@@ -89,18 +107,8 @@ def main() -> None:
     parser.add_argument("--robots", type=int, default=100)
     parser.add_argument("--seconds", type=float, default=30.0)
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        port = free_port()
-        os.environ |= {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOME": folder, "ROS_LOG_DIR": folder}
-        command = [sys.executable, "-c", "import roslaunch; roslaunch.main()", "-p", str(port)]
-        command += ["robotteamsim", "scenario.launch", f"robots:={options.robots}", "controllers:=false"]
-        command += ["speed:=1", "rviz:=false", "mission_stays:=true"]
-        launch = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        try:
-            measure(options.robots, options.seconds)
-        finally:
-            launch.send_signal(signal.SIGINT)
-            launch.wait(30.0)
+    with launched(f"robots:={options.robots}", "controllers:=false"):
+        measure(options.robots, options.seconds)
 
 
 if __name__ == "__main__":

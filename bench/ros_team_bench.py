@@ -9,15 +9,10 @@ Usage, with the build's devel/setup.sh sourced: python bench/ros_team_bench.py [
 from __future__ import annotations
 
 import argparse
-import os
-import signal
-import subprocess
-import sys
-import tempfile
 import time
 
 import rospy
-from ros_network_bench import Listener, cpu_s, free_port, pid_of
+from ros_network_bench import Listener, cpu_s, launched, pid_of
 
 NODES = ("world", "environment", "mission", "controllers")
 STEP_S = 0.1
@@ -52,18 +47,8 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=30.0)
     parser.add_argument("--set", default="", help="overrides of the scenario, split at blanks")
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        port = free_port()
-        os.environ |= {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOME": folder, "ROS_LOG_DIR": folder}
-        command = [sys.executable, "-c", "import roslaunch; roslaunch.main()", "-p", str(port)]
-        command += ["robotteamsim", "scenario.launch", f"robots:={options.robots}", "controllers:=team"]
-        command += ["speed:=1", "rviz:=false", "mission_stays:=true", f"set:={options.set}"]
-        launch = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        try:
-            measure(options.robots, options.seconds)
-        finally:
-            launch.send_signal(signal.SIGINT)
-            launch.wait(30.0)
+    with launched(f"robots:={options.robots}", "controllers:=team", f"set:={options.set}"):
+        measure(options.robots, options.seconds)
 
 
 if __name__ == "__main__":
