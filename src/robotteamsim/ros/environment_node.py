@@ -244,11 +244,11 @@ class EnvironmentNode:
         scenario = self._settings.scenario
         try:
             mission = MissionSection(victims=(Victim(name=request.name, position=position_m),))
-            check_places(scenario.plan, scenario.robots, mission, "set_victim")
+            check_places(scenario.plan, scenario.robots, mission)
         except ValidationError as error:
             return SetVictimResponse(success=False, message=str(problems(error, MissionSection)[0]))
         except PlacementError as error:
-            return SetVictimResponse(success=False, message=str(error))
+            return SetVictimResponse(success=False, message=f"set_victim: {error}")
         with self._environment_lock:
             self._environment.set_victim(request.name, position_m)
             if request.name not in self._victims:

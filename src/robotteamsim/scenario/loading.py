@@ -57,13 +57,13 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
         scenario = scenario.with_plan_file(str(plan_path.resolve()))
     else:
         _check_doors(scenario.plan, "plan.", place, set_keys)
-    check_places(scenario.plan, scenario.robots, scenario.mission, place)
     try:
+        check_places(scenario.plan, scenario.robots, scenario.mission)
         robots = scenario.placed_robots() if scenario.things or scenario.schedule else ()
         check_things(scenario.plan, scenario.things, robots)
         check_schedule(scenario.plan, scenario.schedule, robots)
     except PlacementError as error:
-        raise PlacementError(f"{place}: {error}") from None
+        raise PlacementError(_line(str(error), str(error).partition(": ")[0], place, set_keys)) from None
     return scenario
 
 

@@ -49,20 +49,17 @@ def placed_robots(plan: FloorPlan, robots: Team | tuple[PlacedRobot, ...]) -> tu
     return tuple(PlacedRobot(**shared, start_pose=pose, present=i < at_start) for i, pose in enumerate(poses))
 
 
-def check_places(plan: FloorPlan, robots: Team | tuple[PlacedRobot, ...], mission: Mission, place: str) -> None:
-    """Raise PlacementError, headed by `place`, when a robot, area or victim stands where it cannot."""
-    try:
-        footprints = solids(plan)
-        spots = [(f"mission.areas.{i}.center", area.center) for i, area in enumerate(mission.areas)]
-        spots += [(f"mission.victims.{i}.position", victim.position) for i, victim in enumerate(mission.victims)]
-        for key, point in spots:
-            _check_inside(plan, key, point)
-            hit = _solid_near(footprints, point, 0.0)
-            if hit:
-                raise PlacementError(f"{key}: {_text(point)} lies in {hit.kind} '{hit.name}'")
-        placed_robots(plan, robots)
-    except PlacementError as error:
-        raise PlacementError(f"{place}: {error}") from None
+def check_places(plan: FloorPlan, robots: Team | tuple[PlacedRobot, ...], mission: Mission) -> None:
+    """Raise PlacementError, which begins with the key, when a robot, area or victim stands where it cannot."""
+    footprints = solids(plan)
+    spots = [(f"mission.areas.{i}.center", area.center) for i, area in enumerate(mission.areas)]
+    spots += [(f"mission.victims.{i}.position", victim.position) for i, victim in enumerate(mission.victims)]
+    for key, point in spots:
+        _check_inside(plan, key, point)
+        hit = _solid_near(footprints, point, 0.0)
+        if hit:
+            raise PlacementError(f"{key}: {_text(point)} lies in {hit.kind} '{hit.name}'")
+    placed_robots(plan, robots)
 
 
 def _check_poses(plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robot], keys: list[str]) -> None:

@@ -136,9 +136,39 @@ def test_further_mistakes_stand_in_the_notes(room: str) -> None:
     ]
 
 
-def test_badly_placed_robot_is_a_placement_error(room: str) -> None:
-    with pytest.raises(PlacementError, match=r"^room.yaml: robots.start: \[30, 3\] lies outside the plan"):
-        load(room, ["robots.start=[30, 3, 0]"])
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("robots.start=[30, 3, 0]", "robots.start: [30, 3] lies outside the plan, [0, 0] .. [10, 8]"),
+        ("robots={start: [30, 3, 0]}", "robots.start: [30, 3] lies outside the plan, [0, 0] .. [10, 8]"),
+        ("robots.count=500", "robots.count: 500 robots 0.8 m apart find no room around [3, 3], only 108 of them"),
+        (
+            "mission.victims.1.position=[4, 9]",
+            "mission.victims.1.position: [4, 9] lies outside the plan, [0, 0] .. [10, 8]",
+        ),
+        (
+            "things=[{name: crate, kind: barrel, radius_m: 0.5, pose: [20, 2, 0]}]",
+            "things.0.pose: [20, 2]: barrel 'crate' lies outside the plan, [0, 0] .. [10, 8]",
+        ),
+        (
+            "schedule=[{at_s: 60, remove: 1}, {at_s: 90, spawn: 1, pose: [-5, 2, 0]}]",
+            "schedule.1.pose: [-5, 2]: robot 1 lies outside the plan, [0, 0] .. [10, 8]",
+        ),
+    ],
+)
+def test_bad_place_that_was_set_is_a_placement_error_of_set(room: str, override: str, message: str) -> None:
+    with pytest.raises(PlacementError) as raised:
+        load(room, [override])
+    assert str(raised.value) == f"--set: {message}"
+
+
+def test_bad_place_in_the_file_is_not_blamed_on_an_override(room: str) -> None:
+    schedule = "schedule: [{at_s: 60, remove: 1}, {at_s: 90, spawn: 1, pose: [-5, 2, 0]}]\n"
+    Path(room).write_text(SCENARIO + schedule, encoding="utf-8")
+    with pytest.raises(PlacementError, match=r"^room.yaml: schedule.1.pose: \[-5, 2\]: robot 1 lies outside the plan"):
+        load(room, ["schedule.0.at_s=50", "robots.count=3"])
+    with pytest.raises(PlacementError, match=r"^--set: schedule.1.pose: \[-6, 2\]: robot 1 lies outside the plan"):
+        load(room, ["schedule.1.pose=[-6, 2, 0]"])
 
 
 def test_mistake_in_a_plan_file_names_that_file(room: str) -> None:
