@@ -6,8 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol
 
+import numpy as np
+
+from robotteamsim import rng
 from robotteamsim.geometry import Twist
 from robotteamsim.network.messages import Message
+from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import Observation
 
 OUTSIDE = -1
@@ -69,10 +73,19 @@ class Decision(NamedTuple):
 
 
 class Controller(Protocol):
-    """One robot's controller. It is built once per trial and stepped once per loop step."""
+    """One robot's controller, built once per trial and whenever its robot comes again, stepped once per loop step."""
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
         """Take in what the robot perceives, the messages that arrived, and the mission's task."""
 
     def decide(self) -> Decision:
         """Return command and messages for this step."""
+
+
+def own_stream(scenario: Scenario, purpose: str, robot_id: int, arrival: int) -> np.random.Generator:
+    """Return the generator of one robot's controller for a purpose; what the team draws alike is no affair of it.
+
+    Args: arrival: how often the robot has come, its start included: the second time it draws other numbers.
+    """
+    again = (arrival,) if arrival > 1 else ()
+    return rng.stream(scenario.run.seed, purpose, robot_id, *again)

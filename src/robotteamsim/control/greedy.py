@@ -16,8 +16,8 @@ class GreedyController(Rover):
     Without a voice that is the place around it nearest to the area; without an area it wanders.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
-        super().__init__(robot_id, scenario)
+    def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
+        super().__init__(robot_id, scenario, arrival)
         self._ruled_out = RuledOut(scenario)
         self._iteration_ns = round(scenario.control.iteration_s * 1e9)
         self._iteration = self._epoch = -1

@@ -10,8 +10,8 @@ from robotteamsim.scenario.sections import Control
 class RpsoController(RdpsoController):
     """RPSO (15): inertia w, local and global best, obstacles. Nobody is excluded, and no link is kept."""
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
-        super().__init__(robot_id, _changed(scenario, c4=0.0))
+    def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
+        super().__init__(robot_id, _changed(scenario, c4=0.0), arrival)
 
     @staticmethod
     def memory(control: Control) -> tuple[float, ...]:
@@ -22,8 +22,8 @@ class RpsoController(RdpsoController):
 class PsoController(RpsoController):
     """PSO (14): inertia w, local and global best. What keeps its robots off walls is the driving alone."""
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
-        super().__init__(robot_id, _changed(scenario, c3=0.0))
+    def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
+        super().__init__(robot_id, _changed(scenario, c3=0.0), arrival)
 
 
 def _changed(scenario: Scenario, **coefficients: float) -> Scenario:

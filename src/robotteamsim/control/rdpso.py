@@ -10,9 +10,8 @@ from operator import attrgetter
 
 import numpy as np
 
-from robotteamsim import rng
 from robotteamsim.control.common_view import CommonView, common_view
-from robotteamsim.control.controller import OUTSIDE, Decision, Task
+from robotteamsim.control.controller import OUTSIDE, Decision, Task, own_stream
 from robotteamsim.control.doors import DoorBeliefs
 from robotteamsim.control.known_map import known_map
 from robotteamsim.control.link_keeper import LinkKeeper
@@ -68,7 +67,7 @@ class RdpsoController:
     point. All other steps drive there. Robots that heard the same reports come to the same view of the swarm.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+    def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
         control = scenario.control
         body = body_of(robot_id, scenario)
         self._robot_id = robot_id
@@ -87,8 +86,8 @@ class RdpsoController:
         self._ruled_out = RuledOut(scenario)
         self._membership = Membership(robot_id, scenario)
         self._memory = self.memory(control)
-        self._rng = rng.stream(scenario.run.seed, "rdpso", robot_id)
-        self._wander = Wander(rng.stream(scenario.run.seed, "wander", robot_id), control.max_step_speed_mps)
+        self._rng = own_stream(scenario, "rdpso", robot_id, arrival)
+        self._wander = Wander(own_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps)
 
         self._observation: Observation | None = None
         self._task = Task()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
 
@@ -17,8 +18,11 @@ from robotteamsim.control.sebs import SebsController
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.scenario.scenario import Scenario
 
-MakeController = Callable[[int, Scenario], Controller]
-"""A controller class, or anything else that makes the controller of one robot from its id and the scenario."""
+MakeController = Callable[..., Controller]
+"""A controller class, or anything else that makes the controller of one robot from its id and the scenario.
+
+Where it takes `arrival` as well, it is told by that how often the robot has come, its start included.
+"""
 
 ALGORITHMS: dict[str, MakeController] = {
     "rdpso": RdpsoController,
@@ -35,8 +39,8 @@ ENTRY_POINTS = "robotteamsim.controllers"
 """The group of entry points by which other packages offer theirs."""
 
 
-def make_controller(robot_id: int, scenario: Scenario) -> Controller:
-    """Return the controller of one robot, as `control.algorithm` names it.
+def make_controller(robot_id: int, scenario: Scenario, arrival: int = 1) -> Controller:
+    """Return the controller of one robot that has come so often, as `control.algorithm` names it.
 
     The name is one of ALGORITHMS, or of an entry point of the group `robotteamsim.controllers`, or `module:Class`.
     Where there is a base, robots report to it what they find, see `finds.with_base`.
@@ -45,9 +49,10 @@ def make_controller(robot_id: int, scenario: Scenario) -> Controller:
     """
     name = scenario.control.algorithm
     try:
-        made = _find(name)(robot_id, scenario)
+        make = _find(name)
     except _NotFoundError as error:
         raise ScenarioError(f"{scenario.name}: control.algorithm: {error}") from None
+    made = make(robot_id, scenario, **({"arrival": arrival} if _takes_arrival(make) else {}))
     missing = [method for method in ("observe", "decide") if not callable(getattr(made, method, None))]
     if missing:
         raise ScenarioError(
@@ -60,6 +65,13 @@ def make_controller(robot_id: int, scenario: Scenario) -> Controller:
 def algorithm_names() -> list[str]:
     """Return the names that are known: this package's, then those of installed packages, sorted."""
     return [*ALGORITHMS, *sorted({point.name for point in entry_points(group=ENTRY_POINTS)} - set(ALGORITHMS))]
+
+
+def _takes_arrival(make: MakeController) -> bool:
+    try:
+        return "arrival" in inspect.signature(make).parameters
+    except ValueError:  # a class of an extension may tell nothing
+        return False
 
 
 class _NotFoundError(RobotTeamSimError):

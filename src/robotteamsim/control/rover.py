@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from robotteamsim import rng
-from robotteamsim.control.controller import Decision, Task
+from robotteamsim.control.controller import Decision, Task, own_stream
 from robotteamsim.control.known_map import known_map
 from robotteamsim.control.localisation import Localiser, body_of
 from robotteamsim.control.navigation import Navigator
@@ -20,7 +19,7 @@ from robotteamsim.swarm import Vector
 class Rover:
     """Base of a controller that says where to go; the way there, and standing still on demand, are done here."""
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+    def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
         body = body_of(robot_id, scenario)
         self.robot_id = robot_id
         self.scenario = scenario
@@ -28,7 +27,7 @@ class Rover:
         self.speed_mps = scenario.control.max_step_speed_mps
         self._localiser = Localiser(robot_id, scenario)
         self._navigator = Navigator(body, robot_id, scenario.control.navigation)
-        self._wander = Wander(rng.stream(scenario.run.seed, "wander", robot_id), self.speed_mps)
+        self._wander = Wander(own_stream(scenario, "wander", robot_id, arrival), self.speed_mps)
         self._observation: Observation | None = None
         self.inbox: Sequence[Message] = ()
         self.task = Task()

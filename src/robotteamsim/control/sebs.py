@@ -7,8 +7,7 @@ import json
 import math
 from dataclasses import dataclass
 
-from robotteamsim import rng
-from robotteamsim.control.controller import Decision
+from robotteamsim.control.controller import Decision, own_stream
 from robotteamsim.control.localisation import body_of
 from robotteamsim.control.patrol_graph import patrol_graph
 from robotteamsim.control.rover import Rover
@@ -75,12 +74,12 @@ class SebsController(Rover):
     found because it passes by.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
-        super().__init__(robot_id, scenario)
+    def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
+        super().__init__(robot_id, scenario, arrival)
         self._patrol = scenario.control.patrol
         self._graph = patrol_graph(scenario, body_of(robot_id, scenario).reach_m)
         self._team_size = len(scenario.placed_robots())
-        self._rng = rng.stream(scenario.run.seed, "sebs", robot_id)
+        self._rng = own_stream(scenario, "sebs", robot_id, arrival)
         self._visited_s = [0.0] * len(self._graph.places)
         self._intentions: dict[int, int] = {}
         """Where each teammate said that it goes, by robot id."""

@@ -75,7 +75,8 @@ class Seat:
         )
         self._contact, self._voice, self._received = (f"{prefix}{name}" for name in ("contact", "voice", "network/rx"))
         self._further = FurtherInputs(body_of(robot_id, settings.scenario), prefix, settings.step_ns, robot_id)
-        self._arrivals: int | None = None
+        self._arrival = 1
+        """How often the robot has come, its start included."""
         self.build(settings)
         latched = settings.lockstep
         self._answer = Output(f"{prefix}cmd_vel_stamped", TwistStamped, latched=True)
@@ -99,15 +100,14 @@ class Seat:
     def build(self, settings: Settings) -> None:
         """Make the controller, or make it anew."""
         self._further.begin_anew()
-        make = partial(make_controller, self._robot_id, settings.scenario)
+        make = partial(make_controller, self._robot_id, settings.scenario, self._arrival)
         self._controller = Guard(self._robot_id, settings.num_robots, make)
 
     def is_taken(self, attendance: Attendance, settings: Settings) -> bool:
         """Return whether the robot is there; where it has come (again), its controller begins anew."""
-        if attendance.arrivals is not None:
-            before, self._arrivals = self._arrivals, attendance.arrivals[self._robot_id]
-            if before not in (None, self._arrivals):
-                self.build(settings)
+        if attendance.arrivals is not None and attendance.arrivals[self._robot_id] != self._arrival:
+            self._arrival = attendance.arrivals[self._robot_id]
+            self.build(settings)
         return attendance.is_there(self._robot_id)
 
     def greet(self) -> None:

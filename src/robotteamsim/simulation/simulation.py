@@ -38,8 +38,8 @@ class Simulation:
         self.world = World(scenario.plan, robots, scenario.run, things=things, schedule=schedule, seed=seed)
         self.sensors = RobotSensors(self.world, robots, seed)
         self.environment = Environment(scenario)
-        self.controllers = [self._controller(robot_id) for robot_id in range(len(robots))]
         self._arrivals = self.world.arrivals
+        self.controllers = [self._controller(robot_id, 1) for robot_id in range(len(robots))]
         self.mission = Mission(scenario)
         self._base = scenario.mission.base
         self._decisions: tuple[Decision, ...] = tuple(Decision() for _ in robots)
@@ -156,8 +156,8 @@ class Simulation:
             if record.mission.state == "ended":
                 return tally.result()
 
-    def _controller(self, robot_id: int) -> Guard:
-        return Guard(robot_id, self.world.num_robots, partial(make_controller, robot_id, self.scenario))
+    def _controller(self, robot_id: int, arrival: int) -> Guard:
+        return Guard(robot_id, self.world.num_robots, partial(make_controller, robot_id, self.scenario, arrival))
 
     def _present_controllers(self, present: np.ndarray | None) -> Sequence[Guard | _Nobody]:
         """Return the controllers in id order, those of robots that have come anew; nobody asks who is not there."""
@@ -165,7 +165,7 @@ class Simulation:
             arrivals = self.world.arrivals
             for robot_id, (before, now) in enumerate(zip(self._arrivals, arrivals, strict=True)):
                 if before != now:
-                    self.controllers[robot_id] = self._controller(robot_id)
+                    self.controllers[robot_id] = self._controller(robot_id, now)
             self._arrivals = arrivals
         if present is None:
             return self.controllers

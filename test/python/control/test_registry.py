@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from robotteamsim.control import ALGORITHMS, algorithm_names, make_controller
+from robotteamsim.control import ALGORITHMS, Task, algorithm_names, make_controller
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.sections import Control
 
@@ -22,6 +22,10 @@ class Still:
 
     def decide(self):
         return Decision()
+
+class Counting(Still):
+    def __init__(self, robot_id, scenario, *, arrival):
+        self.arrival = arrival
 
 class Mute:
     def __init__(self, robot_id, scenario):
@@ -71,6 +75,30 @@ def test_no_package_takes_a_name_of_ours(hall_scenario):
 @pytest.mark.usefixtures("folder")
 def test_class_is_found_by_its_place(hall_scenario):
     assert type(make(hall_scenario, "others_of_test:Still")).__name__ == "Still"
+
+
+@pytest.mark.usefixtures("folder")
+def test_class_that_takes_it_is_told_how_often_its_robot_has_come(hall_scenario):
+    scenario = hall_scenario(control=Control(algorithm="others_of_test:Counting"))
+    assert [make_controller(0, scenario).arrival, make_controller(0, scenario, 2).arrival] == [1, 2]
+    scenario = hall_scenario(control=Control(algorithm="others_of_test:Still"))
+    assert type(make_controller(0, scenario, 2)).__name__ == "Still"
+
+
+def goals(team, scenario, arrival: int) -> list[tuple[float, float] | None]:
+    """Return where robots go that have come so often, in each of the first 30 s without an area."""
+    hall = team(scenario)
+    hall.controllers = [make_controller(i, scenario, arrival) for i in range(len(hall.controllers))]
+    hall.task = Task(running=True, epoch=1)
+    return [decision.goal_m for _ in range(300) for decision in hall.step()]
+
+
+@pytest.mark.parametrize("name", sorted(set(ALGORITHMS) - {"cover"}))
+def test_controller_of_a_robot_that_comes_again_draws_other_numbers_each_time(team, hall_scenario, name):
+    scenario = hall_scenario(control=Control(algorithm=name))
+    first, again, third = (goals(team, scenario, arrival) for arrival in (1, 2, 3))
+    assert first != again != third != first
+    assert again == goals(team, scenario, 2)
 
 
 KNOWN = "rdpso, random_walk, greedy, pso, rpso, sebs, cover, still"

@@ -105,6 +105,27 @@ def test_what_a_robot_draws_after_it_came_depends_on_no_time():
     assert drift(1) == drift(80)
 
 
+def first_goals(arrivals: int) -> list[tuple[float, float] | None]:
+    """Return where robot 1, alone, goes first each time that it comes to the same place."""
+    simulation, goals = garage("control.algorithm=random_walk"), []
+    simulation.mission.start()
+    simulation.step()
+    for robot_id in (0, 2):
+        simulation.remove_robot(robot_id)
+    for _ in range(arrivals):
+        simulation.remove_robot(1)
+        simulation.spawn_robot(1, Pose(6.0, 5.0, 1.0))
+        goals.append(simulation.step().decisions[1].goal_m)
+    return goals
+
+
+def test_controller_draws_other_numbers_each_time_that_its_robot_comes():
+    goals = first_goals(3)
+    assert len(set(goals)) == 3
+    assert None not in goals
+    assert goals == first_goals(3)
+
+
 def test_reserve_comes_by_schedule():
     simulation = garage("robots.count=4", "robots.reserve=1", "schedule=[{at_s: 2, spawn: 3}]")
     records = steps(simulation, 30)

@@ -42,7 +42,7 @@ class FakeParts:
     def environment(self, loaded) -> FakeEnvironment:
         return FakeEnvironment(self)
 
-    def controller(self, robot_id, loaded) -> FakeController:
+    def controller(self, robot_id, loaded, arrival) -> FakeController:
         return FakeController(self, robot_id)
 
 
