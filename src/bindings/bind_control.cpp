@@ -13,6 +13,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "json_text.hpp"
 #include "points.hpp"
 #include "robotteamsim/control/clearance.hpp"
 #include "robotteamsim/control/navigator.hpp"
@@ -153,6 +154,7 @@ bool IsPlainDecision(py::handle decision, py::handle decision_class, py::handle 
 
 void BindControl(py::module_& m) {
   BindNavigator(m);
+  m.def("json_text", &JsonText, py::arg("value"));
   m.def("nearest_place", &NearestPlace, py::arg("position_m"), py::arg("places_m"));
   m.def("is_plain_decision", &IsPlainDecision);
   m.def("to_pose", [](py::handle reading, const py::type& pose) {

@@ -13,13 +13,17 @@ namespace robotteamsim::bindings {
 /// Reads as many numbers as a sequence of Python must have; false, without an error of Python's, where it is another.
 template <std::size_t count>
 bool ReadNumbers(pybind11::handle source, std::array<double, count>* numbers) {
-  const auto sequence = pybind11::reinterpret_steal<pybind11::object>(PySequence_Fast(source.ptr(), ""));
+  // PySequence_Fast would copy a NamedTuple, as most that come here are.
+  const auto sequence = PyTuple_Check(source.ptr())
+                            ? pybind11::reinterpret_borrow<pybind11::object>(source)
+                            : pybind11::reinterpret_steal<pybind11::object>(PySequence_Fast(source.ptr(), ""));
   bool is_good = sequence && PySequence_Fast_GET_SIZE(sequence.ptr()) == static_cast<Py_ssize_t>(count);
   for (std::size_t i = 0; i < count && is_good; ++i) {
-    (*numbers)[i] = PyFloat_AsDouble(PySequence_Fast_GET_ITEM(sequence.ptr(), static_cast<Py_ssize_t>(i)));
+    PyObject* const number = PySequence_Fast_GET_ITEM(sequence.ptr(), static_cast<Py_ssize_t>(i));
+    (*numbers)[i] = PyFloat_CheckExact(number) ? PyFloat_AS_DOUBLE(number) : PyFloat_AsDouble(number);
     is_good = (*numbers)[i] != -1.0 || PyErr_Occurred() == nullptr;
   }
-  PyErr_Clear();
+  if (!is_good) PyErr_Clear();
   return is_good;
 }
 

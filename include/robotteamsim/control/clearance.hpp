@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/propagation/simd.hpp"
 
 namespace robotteamsim {
 
@@ -15,6 +16,19 @@ struct LaserLayout {
   double range_max = 5.0;
 };
 
+/// A heading [rad, base_link], with what is asked of it again and again.
+struct Direction {
+  explicit Direction(double heading);
+
+  double heading, cos, sin;
+};
+
+/// How far a disc of `radius` [m] can move from (0, 0) in a direction before it touches a hit, at most `max_distance`
+/// [m]. A hit that is inside the disc already counts only when the way leads towards it (within 60 degrees), so that a
+/// robot can always slide along a wall or leave it. `simd` changes no bit of it.
+double FreeDistanceAmong(const std::vector<Point>& hits, const Direction& direction, double radius, double max_distance,
+                         Simd simd);
+
 /// What one robot's laser says about the room around it.
 class ScanClearance {
  public:
@@ -23,18 +37,16 @@ class ScanClearance {
   /// What the beams hit nearer than `max_distance` [m] to base_link, in base_link; beams without return are left out.
   std::vector<Point> Hits(const std::vector<float>& ranges, double max_distance) const;
 
-  /// How far a disc of `radius` [m] can move from base_link towards `heading` [rad, base_link] before it touches a
-  /// hit, at most `max_distance` [m]. A hit that is inside the disc already counts only when the way leads towards it
-  /// (within 60 degrees), so that a robot can always slide along a wall or leave it.
+  /// The FreeDistanceAmong all hits from base_link towards `heading` [rad, base_link].
   double FreeDistance(const std::vector<float>& ranges, double heading, double radius, double max_distance) const;
 
-  /// The same for several headings.
-  std::vector<double> FreeDistances(const std::vector<float>& ranges, const std::vector<double>& headings,
+  /// The same for several directions.
+  std::vector<double> FreeDistances(const std::vector<float>& ranges, const std::vector<Direction>& directions,
                                     double radius, double max_distance) const;
 
  private:
   LaserLayout layout_;
-  std::vector<Point> directions_;
+  std::vector<Point> directions_;  ///< of beams
 };
 
 /// Finds one robot's way past what its laser sees. Robots that meet head-on both keep right, and one that has begun to
@@ -42,7 +54,7 @@ class ScanClearance {
 class Sidestepper {
  public:
   /// `headings` [rad, base_link] are those that it may take instead of the wanted one; at least one.
-  Sidestepper(ScanClearance clearance, std::vector<double> headings);
+  Sidestepper(ScanClearance clearance, const std::vector<double>& headings);
 
   /// A heading [rad, base_link] and how far it is free for a disc of `radius` [m], at most `needed` [m].
   struct Way {
@@ -56,7 +68,7 @@ class Sidestepper {
 
  private:
   ScanClearance clearance_;
-  std::vector<double> headings_;
+  std::vector<Direction> directions_;
   int passing_side_ = 0;
 };
 

@@ -16,7 +16,7 @@ int FarthestFrom(const std::vector<Point>& points, const Point& place, const std
 class Surroundings {
  public:
   /// `clearance` reads each `stride`-th beam of a scan. Places are looked for along `headings` [rad, base_link].
-  Surroundings(ScanClearance clearance, int stride, double sensing_radius, std::vector<double> headings);
+  Surroundings(ScanClearance clearance, int stride, double sensing_radius, const std::vector<double>& headings);
 
   /// Of the places seen free at half the sensing radius and at all of it, and the robot's own, the one farthest from
   /// what the beams hit [m, base_link]; nothing where they hit nothing within the radius.
@@ -26,7 +26,7 @@ class Surroundings {
   ScanClearance clearance_;
   std::size_t stride_;
   double sensing_radius_;
-  std::vector<double> headings_;
+  std::vector<Direction> directions_;
 };
 
 }  // namespace robotteamsim

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "robotteamsim/plan/disc_fill.hpp"
 #include "robotteamsim/plan/types.hpp"
 
 namespace robotteamsim {
@@ -106,6 +107,7 @@ class PlanningGrid {
   GridShape shape_;
   std::vector<std::uint8_t> blocked_;
   std::vector<Step> steps_;
+  DiscFill disc_fill_;
   std::vector<std::uint8_t> exits_;  ///< bit i: step i leads from this free cell to a free one and cuts no corner
 
   // A cell's scratch entries count only where its stamp is the current search's, which saves clearing them.
@@ -114,6 +116,7 @@ class PlanningGrid {
   mutable std::vector<double> length_;
   mutable std::vector<int> parent_;
   mutable std::vector<Cell> reached_;
+  mutable std::vector<DiscFill::Row> filled_;
 };
 
 }  // namespace robotteamsim

@@ -2,32 +2,89 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <utility>
 
 namespace robotteamsim {
 namespace {
 
-double FreeDistanceAmong(const std::vector<Point>& hits, double heading, double radius, double max_distance) {
-  const double cos = std::cos(heading);
-  const double sin = std::sin(heading);
+/// So many beams or hits are looked at together. They lie in the order of directions: most blocks have many of those
+/// that count, or none.
+constexpr std::size_t kBlock = 16;
+
+/// Whether some of a block of hits are neither beside the way, nor behind, nor beyond what is free anyway.
+ROBOTTEAMSIM_INLINE bool SomeCount(const Point* hits, const Direction& way, double radius, double free) {
+  std::int64_t some = 0;
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    const double along = hits[i].x * way.cos + hits[i].y * way.sin;
+    const double across = hits[i].y * way.cos - hits[i].x * way.sin;
+    const bool counts = (along > 0.0) & (radius * radius - across * across > 0.0) & (along - radius < free);
+    some |= counts ? 1 : 0;
+  }
+  return some != 0;
+}
+
+/// Takes one hit into account; false where nothing is left free.
+ROBOTTEAMSIM_INLINE bool Shorten(const Point& hit, const Direction& way, double radius, double* free) {
+  const double along = hit.x * way.cos + hit.y * way.sin;
+  const double across = hit.y * way.cos - hit.x * way.sin;
+  const double half_chord_squared = radius * radius - across * across;
+  // One branch for all hits that do not count.
+  const bool counts = (along > 0.0) & (half_chord_squared > 0.0) & (along - radius < *free);
+  if (!counts) return true;
+  const double touch = along - std::sqrt(half_chord_squared);
+  if (touch >= 0.0) {
+    *free = std::min(*free, touch);
+    return true;
+  }
+  return !(along * along > 0.25 * (along * along + across * across));
+}
+
+ROBOTTEAMSIM_INLINE double FreeAmong(const Point* hits, std::size_t count, const Direction& way, double radius,
+                                     double max_distance) {
   double free = max_distance;
-  for (const Point& hit : hits) {
-    const double along = hit.x * cos + hit.y * sin;
-    const double across = hit.y * cos - hit.x * sin;
-    const double half_chord_squared = radius * radius - across * across;
-    // One branch for all hits that do not count: beside the way, behind, and beyond what another one leaves free.
-    const bool counts = (along > 0.0) & (half_chord_squared > 0.0) & (along - radius < free);
-    if (!counts) continue;
-    const double touch = along - std::sqrt(half_chord_squared);
-    if (touch >= 0.0) {
-      free = std::min(free, touch);
-    } else if (along * along > 0.25 * (along * along + across * across)) {
-      return 0.0;
+  for (std::size_t first = 0; first < count; first += kBlock) {
+    if (count - first >= kBlock && !SomeCount(hits + first, way, radius, free)) continue;
+    for (std::size_t i = first; i < std::min(count, first + kBlock); ++i) {
+      if (!Shorten(hits[i], way, radius, &free)) return 0.0;
     }
   }
   return free;
+}
+
+using FreeAmongFunction = double (*)(const Point*, std::size_t, const Direction&, double, double);
+
+double PortableFreeAmong(const Point* hits, std::size_t count, const Direction& way, double radius,
+                         double max_distance) {
+  return FreeAmong(hits, count, way, radius, max_distance);
+}
+
+#if ROBOTTEAMSIM_HAS_X86_TARGETS
+ROBOTTEAMSIM_AVX2 double Avx2FreeAmong(const Point* hits, std::size_t count, const Direction& way, double radius,
+                                       double max_distance) {
+  return FreeAmong(hits, count, way, radius, max_distance);
+}
+#endif
+
+FreeAmongFunction FreeAmongFor(Simd simd) {
+  if (!IsSupported(simd)) throw std::invalid_argument("this machine does not have the instruction set asked for");
+#if ROBOTTEAMSIM_HAS_X86_TARGETS
+  if (simd != Simd::kPortable) return Avx2FreeAmong;
+#endif
+  return PortableFreeAmong;
+}
+
+double FreeAmongHits(const std::vector<Point>& hits, const Direction& way, double radius, double max_distance) {
+  static const FreeAmongFunction free_among = FreeAmongFor(BestSimd());
+  return free_among(hits.data(), hits.size(), way, radius, max_distance);
+}
+
+bool SomeAreBelow(const float* ranges, double longest) {
+  std::int64_t some = 0;
+  for (std::size_t i = 0; i < kBlock; ++i) some |= ranges[i] < longest ? 1 : 0;
+  return some != 0;
 }
 
 constexpr double kLeftPenalty = 0.25;
@@ -36,6 +93,13 @@ constexpr double kChangePenalty = 0.35;
 constexpr double kAhead = 1.6;
 
 }  // namespace
+
+Direction::Direction(double angle) : heading(angle), cos(std::cos(angle)), sin(std::sin(angle)) {}
+
+double FreeDistanceAmong(const std::vector<Point>& hits, const Direction& direction, double radius, double max_distance,
+                         Simd simd) {
+  return FreeAmongFor(simd)(hits.data(), hits.size(), direction, radius, max_distance);
+}
 
 ScanClearance::ScanClearance(const LaserLayout& layout) : layout_(layout) {
   if (layout.beams < 1) throw std::invalid_argument("a laser needs at least one beam");
@@ -52,53 +116,58 @@ std::vector<Point> ScanClearance::Hits(const std::vector<float>& ranges, double 
   const double longest = std::min(layout_.range_max * (1.0 - 1e-6), max_distance + std::abs(layout_.forward) + 1e-3);
   std::vector<Point> hits;
   hits.reserve(ranges.size());
-  for (std::size_t beam = 0; beam < ranges.size(); ++beam) {
-    const double range = ranges[beam];
-    if (!(range < longest)) continue;
-    const Point hit{layout_.forward + range * directions_[beam].x, range * directions_[beam].y};
-    if (hit.x * hit.x + hit.y * hit.y < max_distance * max_distance) hits.push_back(hit);
+  for (std::size_t first = 0; first < ranges.size(); first += kBlock) {
+    if (ranges.size() - first >= kBlock && !SomeAreBelow(ranges.data() + first, longest)) continue;
+    for (std::size_t beam = first; beam < std::min(ranges.size(), first + kBlock); ++beam) {
+      const double range = ranges[beam];
+      if (!(range < longest)) continue;
+      const Point hit{layout_.forward + range * directions_[beam].x, range * directions_[beam].y};
+      if (hit.x * hit.x + hit.y * hit.y < max_distance * max_distance) hits.push_back(hit);
+    }
   }
   return hits;
 }
 
 double ScanClearance::FreeDistance(const std::vector<float>& ranges, double heading, double radius,
                                    double max_distance) const {
-  return FreeDistanceAmong(Hits(ranges, max_distance + radius), heading, radius, max_distance);
+  return FreeAmongHits(Hits(ranges, max_distance + radius), Direction(heading), radius, max_distance);
 }
 
-std::vector<double> ScanClearance::FreeDistances(const std::vector<float>& ranges, const std::vector<double>& headings,
-                                                 double radius, double max_distance) const {
+std::vector<double> ScanClearance::FreeDistances(const std::vector<float>& ranges,
+                                                 const std::vector<Direction>& directions, double radius,
+                                                 double max_distance) const {
   const std::vector<Point> hits = Hits(ranges, max_distance + radius);
   std::vector<double> free;
-  for (const double heading : headings) free.push_back(FreeDistanceAmong(hits, heading, radius, max_distance));
+  for (const Direction& way : directions) free.push_back(FreeAmongHits(hits, way, radius, max_distance));
   return free;
 }
 
-Sidestepper::Sidestepper(ScanClearance clearance, std::vector<double> headings)
-    : clearance_(std::move(clearance)), headings_(std::move(headings)) {
-  if (headings_.empty()) throw std::invalid_argument("there must be a heading to take");
+Sidestepper::Sidestepper(ScanClearance clearance, const std::vector<double>& headings)
+    : clearance_(std::move(clearance)), directions_(headings.begin(), headings.end()) {
+  if (directions_.empty()) throw std::invalid_argument("there must be a heading to take");
 }
 
 Sidestepper::Way Sidestepper::Find(const std::vector<float>& ranges, double wanted, double radius, double needed) {
   const std::vector<Point> hits = clearance_.Hits(ranges, needed + radius);
-  const Way straight{wanted, FreeDistanceAmong(hits, wanted, radius, needed)};
+  const Way straight{wanted, FreeAmongHits(hits, Direction(wanted), radius, needed)};
   if (straight.free >= needed || std::abs(wanted) >= kAhead) {
     passing_side_ = 0;
     return straight;
   }
-  std::vector<Way> ways;
-  for (const double heading : headings_) ways.push_back({heading, 0.0});
-  const auto cost = [&](const Way& way) {
-    const double offset = way.heading - wanted;
+  const auto cost = [&](const Direction& direction) {
+    const double offset = direction.heading - wanted;
     const double side_cost = offset > 0.0 ? kLeftPenalty : 0.0;
     return std::abs(offset) + side_cost + (passing_side_ * offset < 0.0 ? kChangePenalty : 0.0);
   };
-  std::stable_sort(ways.begin(), ways.end(), [&](const Way& a, const Way& b) { return cost(a) < cost(b); });
-  for (Way& way : ways) {
-    way.free = FreeDistanceAmong(hits, way.heading, radius, needed);
-    if (way.free < needed) continue;
-    passing_side_ = way.heading > wanted ? 1 : -1;
-    return way;
+  std::vector<std::pair<double, const Direction*>> by_cost;
+  for (const Direction& direction : directions_) by_cost.emplace_back(cost(direction), &direction);
+  std::sort(by_cost.begin(), by_cost.end());
+  std::vector<Way> ways;
+  for (const auto& [_, direction] : by_cost) {
+    ways.push_back({direction->heading, FreeAmongHits(hits, *direction, radius, needed)});
+    if (ways.back().free < needed) continue;
+    passing_side_ = direction->heading > wanted ? 1 : -1;
+    return ways.back();
   }
   return *std::min_element(ways.begin(), ways.end(), [&](const Way& a, const Way& b) {
     if (a.free != b.free) return a.free > b.free;

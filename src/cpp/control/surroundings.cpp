@@ -36,11 +36,12 @@ int FarthestFrom(const std::vector<Point>& points, const Point& place, const std
   return best;
 }
 
-Surroundings::Surroundings(ScanClearance clearance, int stride, double sensing_radius, std::vector<double> headings)
+Surroundings::Surroundings(ScanClearance clearance, int stride, double sensing_radius,
+                           const std::vector<double>& headings)
     : clearance_(std::move(clearance)),
       stride_(static_cast<std::size_t>(stride)),
       sensing_radius_(sensing_radius),
-      headings_(std::move(headings)) {
+      directions_(headings.begin(), headings.end()) {
   if (stride < 1) throw std::invalid_argument("the stride must be at least 1");
 }
 
@@ -48,11 +49,11 @@ std::optional<Point> Surroundings::ClearestPlace(const std::vector<float>& range
   std::vector<float> some;
   for (std::size_t beam = 0; beam < ranges.size(); beam += stride_) some.push_back(ranges[beam]);
   if (clearance_.Hits(some, sensing_radius_).empty()) return std::nullopt;
-  const std::vector<double> free = clearance_.FreeDistances(some, headings_, kBeamWidth, sensing_radius_);
+  const std::vector<double> free = clearance_.FreeDistances(some, directions_, kBeamWidth, sensing_radius_);
   std::vector<Point> candidates;
-  for (std::size_t i = 0; i < headings_.size(); ++i) {
+  for (std::size_t i = 0; i < directions_.size(); ++i) {
     for (const double reach : {0.5 * sensing_radius_, sensing_radius_}) {
-      if (reach <= free[i]) candidates.push_back({reach * std::cos(headings_[i]), reach * std::sin(headings_[i])});
+      if (reach <= free[i]) candidates.push_back({reach * directions_[i].cos, reach * directions_[i].sin});
     }
   }
   const int best = FarthestFrom(clearance_.Hits(some, 2.0 * sensing_radius_), {0.0, 0.0}, candidates);

@@ -50,7 +50,7 @@ std::vector<std::pair<int, int>> InflationStamp(double inflation, double resolut
 }  // namespace
 
 PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation)
-    : shape_(shape), blocked_(occupied) {
+    : shape_(shape), blocked_(occupied), disc_fill_(0, 0, {}) {
   CheckShape(shape, occupied.size());
   if (!(inflation >= 0.0)) throw std::invalid_argument("inflation must be >= 0");
   for (int d_row = -1; d_row <= 1; ++d_row) {
@@ -69,6 +69,7 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
       }
     }
   }
+  disc_fill_ = DiscFill(shape.rows, shape.cols, blocked_);
   exits_.resize(blocked_.size());
   for (int cell = 0; cell < static_cast<int>(blocked_.size()); ++cell) exits_[cell] = ExitsOf(cell);
   stamp_.assign(blocked_.size(), 0);
@@ -299,7 +300,25 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const Point& fro
 std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* field, std::size_t size,
                                                                  const Point& from, double radius) const {
   if (size != blocked_.size()) throw std::invalid_argument("the field must have one value per cell");
-  return BestReachable(from, radius, [&](int cell, const Point&) { return static_cast<double>(field[cell]); });
+  const int start = FreeCellOf(from);
+  if (start < 0) return std::nullopt;
+  const Point center{(from.x - shape_.origin.x) / shape_.resolution, (from.y - shape_.origin.y) / shape_.resolution};
+  const DiscFill::Disc disc{center, radius / shape_.resolution};
+  if (!disc_fill_.Reach(disc, start / shape_.cols, start % shape_.cols, &filled_)) {
+    return BestReachable(from, radius, [&](int cell, const Point&) { return static_cast<double>(field[cell]); });
+  }
+  int best = -1;
+  float least = std::numeric_limits<float>::infinity();
+  for (const DiscFill::Row& row : filled_) {
+    int cell = row.row * shape_.cols + row.first_col;
+    for (std::uint64_t cells = row.cells; cells != 0; cells >>= 1U, ++cell) {
+      if ((cells & 1U) == 0 || !(field[cell] < least)) continue;
+      best = cell;
+      least = field[cell];
+    }
+  }
+  if (best < 0) return std::nullopt;
+  return Valued{Center(best), static_cast<double>(least)};
 }
 
 std::optional<Point> PlanningGrid::NearestReachable(const Point& from, const Point& to, double radius) const {

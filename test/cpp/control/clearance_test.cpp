@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -30,6 +31,40 @@ TEST(ScanClearance, HitsLeaveOutBeamsWithoutReturn) {
   EXPECT_TRUE(ThreeBeams().Hits({2.0F, 2.0F, 2.0F}, 1.9).empty());
 }
 
+/// What FreeDistanceAmong says, one hit after the other and from all of them.
+double PlainFreeDistance(const std::vector<Point>& hits, double heading, double radius, double max_distance) {
+  double free = max_distance;
+  for (const Point& hit : hits) {
+    const double along = hit.x * std::cos(heading) + hit.y * std::sin(heading);
+    const double across = hit.y * std::cos(heading) - hit.x * std::sin(heading);
+    if (along <= 0.0 || radius * radius - across * across <= 0.0) continue;
+    const double touch = along - std::sqrt(radius * radius - across * across);
+    if (touch < 0.0 && along * along > 0.25 * (along * along + across * across)) return 0.0;
+    if (touch >= 0.0 && touch < free) free = touch;
+  }
+  return free;
+}
+
+TEST(FreeDistanceAmong, IsThatOfThePlainWayWithEachInstructionSet) {
+  std::mt19937 random(5);  // NOLINT(bugprone-random-generator-seed): the same hits in each run
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (int count = 0; count < 150; ++count) {
+    std::vector<Point> hits;
+    const double nearest = 0.15 + 0.5 * uniform(random);
+    for (int i = 0; i < count; ++i) {
+      const double angle = -kPi / 2 + kPi * i / count, range = nearest + uniform(random);
+      hits.push_back({range * std::cos(angle), range * std::sin(angle)});
+    }
+    for (int i = 0; i < 20; ++i) {
+      const double heading = 2.0 * kPi * (uniform(random) - 0.5);
+      const double plain = PlainFreeDistance(hits, heading, 0.25, 0.7);
+      for (const Simd simd : {Simd::kPortable, Simd::kAvx2, Simd::kAvx512}) {
+        if (IsSupported(simd)) EXPECT_EQ(FreeDistanceAmong(hits, Direction(heading), 0.25, 0.7, simd), plain);
+      }
+    }
+  }
+}
+
 TEST(ScanClearance, DiscStopsWhereItTouchesTheHit) {
   const std::vector<float> ranges = {5.0F, 1.0F, 5.0F};
   EXPECT_NEAR(ThreeBeams().FreeDistance(ranges, 0.0, 0.2, 3.0), 0.8, 1e-9);
@@ -50,7 +85,7 @@ TEST(ScanClearance, DiscSlidesAlongAWallThatItTouches) {
 TEST(ScanClearance, SeveralHeadingsGiveWhatEachGives) {
   const std::vector<float> ranges = {0.5F, 1.0F, 2.0F};
   const std::vector<double> headings = {-1.5, 0.0, 1.5};
-  const std::vector<double> free = ThreeBeams().FreeDistances(ranges, headings, 0.25, 3.0);
+  const std::vector<double> free = ThreeBeams().FreeDistances(ranges, {headings.begin(), headings.end()}, 0.25, 3.0);
   for (std::size_t i = 0; i < headings.size(); ++i) {
     EXPECT_EQ(free[i], ThreeBeams().FreeDistance(ranges, headings[i], 0.25, 3.0));
   }

@@ -1,0 +1,137 @@
+#include "json_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <string_view>
+
+namespace py = pybind11;
+
+namespace robotteamsim::bindings {
+namespace {
+
+// The shortest digits that tell a finite number from all others, as in 1.25e+02.
+std::string ShortestDigits(double number) {
+#ifdef __cpp_lib_to_chars
+  std::array<char, 32> text;
+  const auto result = std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::scientific);
+  return {text.data(), result.ptr};
+#else
+  for (int digits = 0;; ++digits) {
+    const std::unique_ptr<char, decltype(&PyMem_Free)> text(PyOS_double_to_string(number, 'e', digits, 0, nullptr),
+                                                            &PyMem_Free);
+    if (digits == 16 || std::strtod(text.get(), nullptr) == number) return text.get();
+  }
+#endif
+}
+
+// As repr writes it: plain, unless it is below 1e-4 or has more than 16 digits before the point.
+void AppendFinite(double number, std::string* text) {
+  const std::string shortest = ShortestDigits(std::abs(number));
+  const std::size_t mark = shortest.find('e');
+  const int exponent = std::atoi(shortest.c_str() + mark + 1);
+  std::string digits = shortest.substr(0, mark);
+  digits.erase(std::remove(digits.begin(), digits.end(), '.'), digits.end());
+  const int num_digits = static_cast<int>(digits.size());
+  if (std::signbit(number)) *text += '-';
+  if (exponent < -4 || exponent >= 16) {
+    text->append(shortest, 0, mark);
+    *text += exponent < 0 ? "e-" : "e+";
+    if (std::abs(exponent) < 10) *text += '0';
+    *text += std::to_string(std::abs(exponent));
+  } else if (exponent < 0) {
+    text->append("0.").append(static_cast<std::size_t>(-exponent - 1), '0').append(digits);
+  } else if (num_digits <= exponent + 1) {
+    text->append(digits).append(static_cast<std::size_t>(exponent + 1 - num_digits), '0').append(".0");
+  } else {
+    text->append(digits, 0, static_cast<std::size_t>(exponent + 1)) += '.';
+    text->append(digits, static_cast<std::size_t>(exponent + 1), std::string::npos);
+  }
+}
+
+void AppendFloat(double number, std::string* text) {
+  if (std::isfinite(number)) {
+    AppendFinite(number, text);
+  } else {
+    *text += std::isnan(number) ? "NaN" : number > 0.0 ? "Infinity" : "-Infinity";
+  }
+}
+
+bool IsPlain(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; });
+}
+
+void AppendString(py::handle value, std::string* text) {
+  if (PyUnicode_IS_ASCII(value.ptr())) {
+    const std::string_view plain(reinterpret_cast<const char*>(PyUnicode_DATA(value.ptr())),
+                                 static_cast<std::size_t>(PyUnicode_GET_LENGTH(value.ptr())));
+    if (IsPlain(plain)) {
+      text->append("\"").append(plain) += '"';
+      return;
+    }
+  }
+  *text += py::module_::import("json").attr("dumps")(value).cast<std::string>();
+}
+
+void Append(py::handle value, std::string* text);
+
+void AppendItems(py::handle sequence, std::string* text) {
+  const bool is_tuple = PyTuple_Check(sequence.ptr());
+  const Py_ssize_t size = is_tuple ? PyTuple_GET_SIZE(sequence.ptr()) : PyList_GET_SIZE(sequence.ptr());
+  *text += '[';
+  for (Py_ssize_t i = 0; i < size; ++i) {
+    if (i > 0) *text += ", ";
+    Append(is_tuple ? PyTuple_GET_ITEM(sequence.ptr(), i) : PyList_GET_ITEM(sequence.ptr(), i), text);
+  }
+  *text += ']';
+}
+
+void AppendPairs(py::handle pairs, std::string* text) {
+  *text += '{';
+  PyObject *key = nullptr, *value = nullptr;
+  bool is_first = true;
+  for (Py_ssize_t place = 0; PyDict_Next(pairs.ptr(), &place, &key, &value) != 0; is_first = false) {
+    if (!PyUnicode_Check(key)) throw py::type_error("keys must be text");
+    if (!is_first) *text += ", ";
+    AppendString(key, text);
+    *text += ": ";
+    Append(value, text);
+  }
+  *text += '}';
+}
+
+void Append(py::handle value, std::string* text) {
+  PyObject* const item = value.ptr();
+  if (item == Py_None) {
+    *text += "null";
+  } else if (PyBool_Check(item)) {
+    *text += item == Py_True ? "true" : "false";
+  } else if (PyFloat_Check(item)) {
+    AppendFloat(PyFloat_AS_DOUBLE(item), text);
+  } else if (PyLong_Check(item)) {
+    int overflow = 0;
+    const long number = PyLong_AsLongAndOverflow(item, &overflow);
+    *text += overflow == 0 ? std::to_string(number) : py::str(value).cast<std::string>();
+  } else if (PyUnicode_Check(item)) {
+    AppendString(value, text);
+  } else if (PyTuple_Check(item) || PyList_Check(item)) {
+    AppendItems(value, text);
+  } else if (PyDict_Check(item)) {
+    AppendPairs(value, text);
+  } else {
+    throw py::type_error("there is no JSON for an object of class " + std::string(Py_TYPE(item)->tp_name));
+  }
+}
+
+}  // namespace
+
+std::string JsonText(py::handle value) {
+  std::string text;
+  Append(value, &text);
+  return text;
+}
+
+}  // namespace robotteamsim::bindings
