@@ -12,7 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from robotteamsim.analysis.tracks import Track, Transforms, from_odometry, from_truth
+from robotteamsim.analysis.tracks import (
+    AFTER_ALL_NS,
+    BEFORE_ALL_NS,
+    Absence,
+    Track,
+    Transforms,
+    from_odometry,
+    from_truth,
+)
 from robotteamsim.errors import RecordingError
 from robotteamsim.mission.status import Event, Reports
 from robotteamsim.recording.bag_reader import BagReader
@@ -36,6 +44,7 @@ _ROBOT_TYPES = {
 }
 _TF_TYPES = {"/tf": "tf2_msgs/TFMessage", "/tf_static": "tf2_msgs/TFMessage"}
 
+_LEAVES_OR_COMES = ("robot_removed", "robot_spawned")
 _TIMELESS = ("/map", "/mission/areas")
 
 _MAX_DISORDER_NS = 10**9
@@ -272,13 +281,24 @@ def _robot(namespace: str, taken: Mapping[str, list[tuple[int, Any]]], transform
     name = namespace.strip("/") or "robot"
     number = re.fullmatch(r"robot_(\d+)", name)
     robot_id = int(number[1]) if number else None
-    events = taken.get("/mission/events", [])
-    came_ns = [ns for ns, event in events if event.kind == "robot_spawned" and event.robot_id == robot_id]
-    track = from_truth(truth, came_ns) if truth else from_odometry(odom or [], transforms)
+    absences = _absences([item for item in taken.get("/mission/events", []) if item[1].robot_id == robot_id])
+    track = from_truth(truth, absences) if truth else from_odometry(odom or [], transforms, absences)
     if track is None:
         return None
     contact, excluded = taken.get(f"{namespace}/contact"), taken.get(f"{namespace}/controller/status")
     return RecordedRobot(name, robot_id, track, _flags(contact), _flags(excluded))
+
+
+def _absences(events: list[tuple[int, Event]]) -> tuple[Absence, ...]:
+    """Return when a robot was not there, by its events: as the first one comes, it was not there before."""
+    changes = [(ns, event.kind == "robot_spawned") for ns, event in events if event.kind in _LEAVES_OR_COMES]
+    gone_ns = BEFORE_ALL_NS if changes and changes[0][1] else None
+    absences = []
+    for stamp_ns, comes in changes:
+        if comes:
+            absences.append((stamp_ns if gone_ns is None else gone_ns, stamp_ns))
+        gone_ns = None if comes else stamp_ns
+    return (*absences, *([] if gone_ns is None else [(gone_ns, AFTER_ALL_NS)]))
 
 
 def _flags(samples: list[tuple[int, Any]] | None) -> Flags | None:

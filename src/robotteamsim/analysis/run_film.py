@@ -143,9 +143,11 @@ class RunFilm:
         for k, (_, robot) in enumerate(drawn_robots(self._run)):
             track = robot.track
             now, tail = track.index_at(stamp_ns), track.index_at(stamp_ns - round(_TAIL_S * 1e9))
+            self._trails[k].set_data(*track.line(0, tail + 1).T)
+            self._tails[k].set_data(*track.line(tail, now + 1).T)
+            for artist in (self._noses[k], self._dots[k], self._names[k]):
+                artist.set_visible(track.is_there(stamp_ns))
             x, y, yaw_rad = track.poses[now].tolist()
-            self._trails[k].set_data(*track.poses[: tail + 1, :2].T)
-            self._tails[k].set_data(*track.poses[tail : now + 1, :2].T)
             nose = x + self._nose_m * np.cos(yaw_rad), y + self._nose_m * np.sin(yaw_rad)
             self._noses[k].set_data([x, nose[0]], [y, nose[1]])
             self._dots[k].set_data([x], [y])

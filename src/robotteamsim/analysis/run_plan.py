@@ -143,13 +143,15 @@ def draw_victims(axes: Axes, victims: tuple[RecordedVictim, ...]) -> None:
 
 
 def draw_paths(axes: Axes, run: RecordedRun) -> None:
-    """Draw every path, with a ring where it begins and a dot where it ends."""
+    """Draw every path, with a ring where it begins and a dot where it ends; both also where a robot left and came."""
     for index, robot in drawn_robots(run):
-        colour, poses = robot_colour(index), robot.track.poses
+        colour, places = robot_colour(index), robot.track.poses[:, :2]
+        begins = np.array([0, *robot.track.breaks])
+        ends = np.array([*robot.track.breaks, len(places)]) - 1
         halo = [withStroke(linewidth=2.8, foreground="white", alpha=0.7)]
-        axes.plot(poses[:, 0], poses[:, 1], color=colour, linewidth=1.4, zorder=4, path_effects=halo)
-        axes.plot(*poses[0, :2], "o", color="white", markeredgecolor=colour, markersize=5, zorder=5)
-        axes.plot(*poses[-1, :2], "o", color=colour, markeredgecolor="white", markersize=8, zorder=8)
+        axes.plot(*robot.track.line(0, len(places)).T, color=colour, linewidth=1.4, zorder=4, path_effects=halo)
+        axes.plot(*places[begins].T, "o", color="white", markeredgecolor=colour, markersize=5, zorder=5)
+        axes.plot(*places[ends].T, "o", color=colour, markeredgecolor="white", markersize=8, zorder=8)
 
 
 def draw_collisions(axes: Axes, run: RecordedRun) -> None:

@@ -17,8 +17,12 @@ Source = Literal["truth", "odom and tf", "odom"]
 PoseSample = tuple[str, float, float, float, float, float, float]
 """Frame, x, y [m], and x, y, z, w of the unit quaternion."""
 
-_ALWAYS_NS = -(2**62)
+BEFORE_ALL_NS = -(2**62)
 """Stamp of transforms that hold at all times."""
+AFTER_ALL_NS = 2**62
+
+Absence = tuple[int, int]
+"""From which stamp on a robot is not there, and at which it is there again [ns]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,6 +35,7 @@ class Track:
     turns:     float64, shape (n, 2): z and w of the quaternions as recorded.
     driven_m:  float64, shape (n,): length of the path so far [m], in the odometry's frame where there is one: the place
                of that in the map may jump.
+    absences:  when it was not there, in order.
     """
 
     source: Source
@@ -39,6 +44,21 @@ class Track:
     poses: np.ndarray
     turns: np.ndarray
     driven_m: np.ndarray
+    absences: tuple[Absence, ...] = ()
+
+    @property
+    def breaks(self) -> list[int]:
+        """Indices of poses that no way leads to from the one before: the robot was put there anew."""
+        return [index for index in _came(self.stamps_ns, self.absences) if 0 < index < len(self.stamps_ns)]
+
+    def line(self, begin: int, end: int) -> np.ndarray:
+        """Return the path from a pose up to before another one, with NaN at its breaks, shape (m, 2) [m]."""
+        breaks = [index - begin for index in self.breaks if begin < index < end]
+        return np.insert(self.poses[begin:end, :2], breaks, np.nan, axis=0)
+
+    def is_there(self, stamp_ns: int) -> bool:
+        """Whether the robot is there at a stamp [ns]."""
+        return not any(gone_ns <= stamp_ns < came_ns for gone_ns, came_ns in self.absences)
 
     @property
     def is_on_map(self) -> bool:
@@ -61,7 +81,7 @@ class Transforms:
         for transform in message.transforms:
             if transform.header.frame_id.lstrip("/") == MAP_FRAME:
                 stamp = transform.header.stamp
-                stamp_ns = _ALWAYS_NS if is_static else stamp.sec * 10**9 + stamp.nanosec
+                stamp_ns = BEFORE_ALL_NS if is_static else stamp.sec * 10**9 + stamp.nanosec
                 place, q = transform.transform.translation, transform.transform.rotation
                 yaw_rad = float(_yaw_rad(q.x, q.y, q.z, q.w))
                 self._places[transform.child_frame_id.lstrip("/")].append((stamp_ns, place.x, place.y, yaw_rad))
@@ -74,35 +94,34 @@ class Transforms:
         return np.array([place[0] for place in places]), np.array([place[1:] for place in places])
 
 
-def from_truth(samples: Sequence[tuple[int, PoseSample]], came_ns: Sequence[int] = ()) -> Track | None:
-    """Return the track of true poses in `map`; None where no pose is finite.
-
-    Args: came_ns: stamps of the steps in which the robot was put there anew: that is no way.
-    """
+def from_truth(samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...] = ()) -> Track | None:
+    """Return the track of true poses in `map`; None where no pose is finite."""
     finite = _finite(samples)
     if not finite:
         return None
     stamps_ns, poses, turns = _arrays(finite)
-    came = np.searchsorted(stamps_ns, np.array(came_ns, dtype=np.int64))
-    return Track("truth", MAP_FRAME, stamps_ns, poses, turns, _driven_m(poses, came))
+    driven_m = _driven_m(poses, _came(stamps_ns, absences))
+    return Track("truth", MAP_FRAME, stamps_ns, poses, turns, driven_m, absences)
 
 
-def from_odometry(samples: Sequence[tuple[int, PoseSample]], transforms: Transforms) -> Track | None:
+def from_odometry(
+    samples: Sequence[tuple[int, PoseSample]], transforms: Transforms, absences: tuple[Absence, ...] = ()
+) -> Track | None:
     """Return the track of an odometry: in `map` from when on /tf places its frame there, else in its own frame."""
     finite = _finite(samples)
     if not finite:
         return None
     frame = finite[0][1][0]
     stamps_ns, poses, turns = _arrays(finite)
-    driven_m = _driven_m(poses)
+    driven_m = _driven_m(poses, _came(stamps_ns, absences))
     placed = transforms.of(frame)
     if placed is None:
-        return Track("odom", frame, stamps_ns, poses, turns, driven_m)
+        return Track("odom", frame, stamps_ns, poses, turns, driven_m, absences)
     place_stamps_ns, places = placed
     # Before its first place is known, a robot is nowhere on the map.
     first = int(np.searchsorted(stamps_ns, place_stamps_ns[0]))
     if first == len(stamps_ns):
-        return Track("odom", frame, stamps_ns, poses, turns, driven_m)
+        return Track("odom", frame, stamps_ns, poses, turns, driven_m, absences)
     stamps_ns, poses, turns, driven_m = stamps_ns[first:], poses[first:], turns[first:], driven_m[first:]
     place = places[np.searchsorted(place_stamps_ns, stamps_ns, side="right") - 1]
     cos, sin = np.cos(place[:, 2]), np.sin(place[:, 2])
@@ -113,7 +132,7 @@ def from_odometry(samples: Sequence[tuple[int, PoseSample]], transforms: Transfo
             place[:, 2] + poses[:, 2],
         )
     )
-    return Track("odom and tf", MAP_FRAME, stamps_ns, on_map, turns, driven_m)
+    return Track("odom and tf", MAP_FRAME, stamps_ns, on_map, turns, driven_m, absences)
 
 
 def _finite(samples: Sequence[tuple[int, PoseSample]]) -> list[tuple[int, PoseSample]]:
@@ -128,7 +147,12 @@ def _arrays(samples: Sequence[tuple[int, PoseSample]]) -> tuple[np.ndarray, np.n
     return stamps_ns, np.column_stack((values[:, :2], yaw_rad)), values[:, 4:]
 
 
-def _driven_m(poses: np.ndarray, came: Iterable[int] = ()) -> np.ndarray:
+def _came(stamps_ns: np.ndarray, absences: Sequence[Absence]) -> list[int]:
+    """Return the indices of the first poses after absences."""
+    return np.searchsorted(stamps_ns, np.array([came_ns for _, came_ns in absences], dtype=np.int64)).tolist()
+
+
+def _driven_m(poses: np.ndarray, came: Iterable[int]) -> np.ndarray:
     """Return the length of the path so far, the same sum in the same order as a trial's own figures.
 
     Args: came: indices of poses that no way leads to.

@@ -45,6 +45,16 @@ def busy(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
 
 
 @pytest.fixture(scope="session")
+def comes_again(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+    """Of four robots one leaves after 5 s and comes elsewhere after 8 s; the last one is not there for 10 s; 12 s."""
+    path, events = tmp_path_factory.mktemp("comes") / "comes.bag", EventList()
+    schedule = "schedule=[{at_s: 5, remove: 1}, {at_s: 8, spawn: 1, pose: [20, 5, 0]}, {at_s: 10, spawn: 3}]"
+    settings = ["robots.count=4", "robots.reserve=1", schedule, "mission.time_limit_s=12"]
+    result = Simulation(load("garage_sar", settings)).run([BagWriter(path), events])
+    return Recorded(path, result, events.events)
+
+
+@pytest.fixture(scope="session")
 def write_bag() -> Callable[..., Path]:
     """Write samples into a bag; `compression` is "bz2" or "lz4"."""
 

@@ -15,9 +15,9 @@ from robotteamsim.analysis import run_figures
 from robotteamsim.analysis.recorded_run import RecordedNetwork, read_run
 from robotteamsim.analysis.run_figures import figures
 from robotteamsim.analysis.run_files import document, write_tables
-from robotteamsim.recording import BagWriter
-from robotteamsim.scenario import load
-from robotteamsim.simulation import Simulation
+from robotteamsim.mission.status import Event
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording.bag_types import BagTypes
 
 
 @pytest.fixture(scope="module")
@@ -44,13 +44,37 @@ def test_robot_figures_are_those_of_the_run_to_the_bit(busy, run):
     assert sum(robot.contact_s for robot in figures(run).robots) > 0.0
 
 
-def test_robot_that_leaves_and_comes_elsewhere_has_driven_what_the_run_says(tmp_path):
-    schedule = "schedule=[{at_s: 5, remove: 1}, {at_s: 8, spawn: 1, pose: [20, 5, 0]}]"
-    writer = BagWriter(tmp_path / "comes.bag")
-    result = Simulation(load("garage_sar", [schedule, "mission.time_limit_s=12"])).run([writer])
-    recorded = figures(read_run([tmp_path / "comes.bag"]))
+def test_robot_that_leaves_and_comes_elsewhere_has_driven_what_the_run_says(comes_again):
+    recorded, result = figures(read_run([comes_again.bag])), comes_again.result
     assert [robot.distance_m for robot in recorded.robots] == [robot.distance_m for robot in result.robots]
     assert 1.0 < result.robots[1].distance_m < 8.0
+
+
+def test_track_breaks_where_its_robot_comes_again_and_tells_when_it_was_not_there(comes_again):
+    run = read_run([comes_again.bag])
+    first, gone, _, reserve = (robot.track for robot in run.robots)
+    assert (first.breaks, first.absences, reserve.breaks) == ([], (), [])
+    (index,) = gone.breaks
+    assert math.dist(gone.poses[index - 1, :2], gone.poses[index, :2]) > 10.0
+    assert np.array_equal(np.flatnonzero(np.isnan(gone.line(0, len(gone.poses))[:, 0])), [index])
+    assert len(gone.line(0, index)) == index
+    times_s = [0.5, 4.9, 5.1, 7.9, 8.1, 9.9, 10.1]
+    there = [[track.is_there(run.start_ns + round(at_s * 1e9)) for at_s in times_s] for track in (gone, reserve)]
+    assert there == [[True, True, False, False, True, True, True], [False] * 6 + [True]]
+
+
+def test_odometry_that_begins_anew_is_no_way_back_to_its_origin(write_bag, odometry, tmp_path):
+    make, second_ns = BagTypes(), 10**9
+    places_m = [0.0, 1.0, 2.0, 0.0, 1.0]
+    samples = [
+        ("/robot_0/odom", "nav_msgs/Odometry", stamp_ns, odometry(stamp_ns, x_m, 0.0))
+        for stamp_ns, x_m in zip(range(second_ns, 6 * second_ns, second_ns), places_m, strict=True)
+    ]
+    for stamp_ns, kind in ((4 * second_ns - 1, "robot_removed"), (4 * second_ns, "robot_spawned")):
+        event = fields.mission_event(make, stamp_ns, Event(0.0, kind, "", 0, ""))
+        samples.append(("/mission/events", "robotteamsim/MissionEvent", stamp_ns, event))
+    (robot,) = read_run([write_bag(tmp_path / "odom.bag", samples)]).robots
+    assert (robot.track.breaks, robot.track.driven_m.tolist()) == ([3], [0.0, 1.0, 2.0, 2.0, 3.0])
 
 
 def test_hash_of_the_trajectories_is_that_of_the_run(busy, run):

@@ -10,6 +10,7 @@ from robotteamsim.analysis.run_figures import figures
 from robotteamsim.analysis.run_film import RunFilm, link_segments
 
 BLUE = (0x1F, 0x6F, 0xEB)
+SECOND_NS = 10**9
 
 
 @pytest.fixture(scope="module")
@@ -77,3 +78,22 @@ def test_bag_with_odometry_alone_is_filmed_too(write_bag, odometry, tmp_path):
     first, *_, last = RunFilm(run, figures(run), None, width_px=640).frames(5)
     columns = [np.nonzero(marks(frame, BLUE))[1].mean() for frame in (first, last)]
     assert columns[1] > columns[0] + 50
+
+
+def test_robot_that_is_not_there_is_not_drawn(comes_again):
+    run = read_run([comes_again.bag])
+    film = RunFilm(run, figures(run), None, width_px=640)
+    drawn = []
+    for at_s in (4, 6, 9, 11):
+        film.frame(run.start_ns + at_s * SECOND_NS)
+        drawn.append([dot.get_visible() for dot in film._dots])
+        assert [name.get_visible() for name in film._names] == [nose.get_visible() for nose in film._noses] == drawn[-1]
+    assert drawn == [[True, True, True, False], [True, False, True, False], [True, True, True, False], [True] * 4]
+
+
+def test_tail_of_a_robot_that_was_put_elsewhere_is_broken(comes_again):
+    run = read_run([comes_again.bag])
+    film = RunFilm(run, figures(run), None, width_px=640)
+    film.frame(run.end_ns)
+    assert np.isnan(film._tails[1].get_xdata()).sum() == 1
+    assert not np.isnan(film._tails[0].get_xdata()).any()

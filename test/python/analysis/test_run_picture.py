@@ -53,6 +53,17 @@ def legend(figure: Figure) -> set[str]:
     return {text.get_text() for text in figure.legends[0].get_texts()}
 
 
+def test_path_breaks_where_a_robot_left_and_came_elsewhere(comes_again):
+    run = read_run([comes_again.bag])
+    lines = [line for line in draw_runs([run], [figures(run)]).axes[0].lines if line.get_color() == robot_colour(1)]
+    path, *_ = lines
+    (gap,) = np.flatnonzero(np.isnan(path.get_xdata()))
+    steps_m = np.hypot(np.diff(path.get_xdata()), np.diff(path.get_ydata()))
+    assert np.nanmax(steps_m) < 0.2
+    ends = next(line for line in lines if line.get_marker() == "o")
+    assert ends.get_xdata().tolist() == [path.get_xdata()[gap - 1], path.get_xdata()[-1]]
+
+
 def test_one_run_has_its_plan_and_all_curves(run, busy):
     figure = draw_runs([run], [figures(run)])
     assert names(figure) == ["y [m]", "mission", "network", "Fiedler value", "speed [m/s]", "driven [m]"]
