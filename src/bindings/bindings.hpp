@@ -10,4 +10,5 @@ void BindPropagation(pybind11::module_& m);
 void BindNetwork(pybind11::module_& m);
 void BindWorld(pybind11::module_& m);
 void BindSensing(pybind11::module_& m);
+void BindSimulation(pybind11::module_& m);
 }  // namespace robotteamsim::bindings

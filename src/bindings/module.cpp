@@ -10,4 +10,5 @@ PYBIND11_MODULE(_core, m) {
   robotteamsim::bindings::BindNetwork(m);
   robotteamsim::bindings::BindWorld(m);
   robotteamsim::bindings::BindSensing(m);
+  robotteamsim::bindings::BindSimulation(m);
 }

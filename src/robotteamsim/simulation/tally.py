@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,14 +16,9 @@ _PENDING_STEPS = 64
 """So many steps are added up at once: one by one, between the other stages, each would find cold code."""
 
 
-class _Step(NamedTuple):
-    """What is added up of a step; of readings no more than that, so that their memory is free for the next ones."""
-
-    sim_time_ns: int
-    ground_truth: np.ndarray
-    in_contact: np.ndarray
-    excluded: list[bool]
-    running: bool
+_Step = tuple[int, np.ndarray, np.ndarray, list[bool], bool]
+"""What is added up of a step: its stamp [ns], the rows of true poses, who touches something, who is excluded, whether
+the mission runs; of readings no more than that, so that their memory is free for the next ones."""
 
 
 class Tally:
@@ -41,9 +35,9 @@ class Tally:
     def add(self, record: StepRecord) -> None:
         """Take in one step."""
         self._last = record
-        excluded = [decision.excluded for decision in record.decisions]
         rows, in_contact = ground_truth_rows(record.readings), contact_flags(record.readings)
-        self._pending.append(_Step(record.sim_time_ns, rows, in_contact, excluded, record.mission.state == "running"))
+        excluded = [decision.excluded for decision in record.decisions]
+        self._pending.append((record.sim_time_ns, rows, in_contact, excluded, record.mission.state == "running"))
         if len(self._pending) >= _PENDING_STEPS:
             self._add_pending()
 
@@ -76,8 +70,10 @@ class Tally:
         )
 
     def _add_pending(self) -> None:
-        for step in self._pending:
-            self._hash.update(step.sim_time_ns, step.ground_truth)
-            positions_m = [(x_m, y_m) for x_m, y_m, _, _ in step.ground_truth.tolist()]
-            self._figures.update(positions_m, step.in_contact.tolist(), step.excluded, step.running)
+        if not self._pending:
+            return
+        sim_times_ns, rows, in_contact, excluded, running = zip(*self._pending, strict=True)
+        ground_truth = np.stack(rows)
+        self._hash.update_all(sim_times_ns, ground_truth)
+        self._figures.update(ground_truth[:, :, :2], np.stack(in_contact), np.array(excluded), np.array(running))
         self._pending.clear()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import struct
 from collections.abc import Sequence
 
 import numpy as np
@@ -23,8 +22,13 @@ class TrajectoryHash:
 
     def update(self, sim_time_ns: int, ground_truth: Sequence[PoseReading] | np.ndarray) -> None:
         """Take in one step. Args: ground_truth: as an array: shape (n, 4)."""
-        self._sha256.update(struct.pack("<q", sim_time_ns))
-        self._sha256.update(np.asarray(ground_truth, dtype="<f8").tobytes())
+        self.update_all([sim_time_ns], np.asarray(ground_truth, dtype=np.float64)[np.newaxis])
+
+    def update_all(self, sim_times_ns: Sequence[int], ground_truth: np.ndarray) -> None:
+        """Take in some steps, which is faster than one by one. Args: ground_truth: float64, shape (steps, n, 4)."""
+        stamps = np.array(sim_times_ns, dtype="<i8").view(np.uint8).reshape(len(sim_times_ns), -1)
+        poses = np.ascontiguousarray(ground_truth, dtype="<f8").view(np.uint8).reshape(len(sim_times_ns), -1)
+        self._sha256.update(np.concatenate([stamps, poses], axis=1).tobytes())
 
     def hexdigest(self) -> str:
         """Return the hash of the steps so far, 64 hexadecimal digits."""

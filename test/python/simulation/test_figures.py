@@ -2,15 +2,27 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
+from robotteamsim.rng import stream
 from robotteamsim.simulation.figures import TeamFigures
+
+
+def update(figures, positions_m, in_contact, excluded, running):
+    """Take in one step."""
+    figures.update(np.array([positions_m]), np.array([in_contact]), np.array([excluded]), np.array([running]))
+
+
+def walk_along_x(figures, xs_m, running=True):
+    for x_m in xs_m:
+        update(figures, [(x_m, 0.0)], [False], [False], running)
 
 
 def test_distance_contact_and_exclusion_are_added_up_per_robot():
     figures = TeamFigures(2, step_s=0.1)
     for x in (0.0, 3.0, 3.0):
-        figures.update([(x, 0.0), (0.0, x)], [x > 0.0, False], [False, True], running=True)
+        update(figures, [(x, 0.0), (0.0, x)], [x > 0.0, False], [False, True], running=True)
     first, second = figures.result()
     assert (first.distance_m, second.distance_m) == (3.0, 3.0)
     assert (first.contact_s, second.contact_s) == (pytest.approx(0.2), 0.0)
@@ -19,16 +31,65 @@ def test_distance_contact_and_exclusion_are_added_up_per_robot():
 
 def test_longest_stay_is_the_longest_time_within_half_a_metre_while_the_mission_runs():
     figures = TeamFigures(1, step_s=1.0)
-    walk = [0.0, 0.3, 0.4, 1.0, 1.2, 2.0]  # three steps near 0, two near 1, one at 2
-    for x in walk:
-        figures.update([(x, 0.0)], [False], [False], running=True)
-    for _ in range(10):
-        figures.update([(2.0, 0.0)], [False], [False], running=False)
+    walk_along_x(figures, [0.0, 0.3, 0.4, 1.0, 1.2, 2.0])  # three steps near 0, two near 1, one at 2
+    walk_along_x(figures, [2.0] * 10, running=False)
     assert figures.result()[0].longest_stay_s == 3.0
 
 
 def test_robot_that_comes_elsewhere_has_no_way_between():
     figures = TeamFigures(1, step_s=1.0)
-    for x in (0.0, 3.0, math.nan, 10.0, 11.0):
-        figures.update([(x, 0.0 * x)], [False], [False], running=True)
+    walk_along_x(figures, (0.0, 3.0, math.nan, 10.0, 11.0))
     assert figures.result()[0].distance_m == 4.0
+
+
+def test_nothing_counts_of_a_robot_that_is_not_there():
+    figures = TeamFigures(1, step_s=1.0)
+    for _ in range(3):
+        update(figures, [(math.nan, math.nan)], [True], [True], running=True)
+    assert figures.result()[0] == type(figures.result()[0])(0.0, 0.0, 0.0, 0.0)
+
+
+def by_hand(path_m, in_contact, excluded, running):
+    """Return the distance, and the steps in contact, excluded and of the longest stay, of one robot."""
+    distance_m, stays = 0.0, [0]
+    before_m = anchor_m = None
+    for at_m, runs in zip(path_m, running, strict=True):
+        if math.isnan(at_m[0]):
+            before_m = anchor_m = None
+            continue
+        if before_m is not None:
+            distance_m += math.dist(at_m, before_m)
+        before_m = at_m
+        if anchor_m is None or math.dist(at_m, anchor_m) > 0.5:
+            anchor_m = at_m
+            stays.append(0)
+        stays[-1] += bool(runs)
+    there = [not math.isnan(at_m[0]) for at_m in path_m]
+    return distance_m, int(np.sum(in_contact & there)), int(np.sum(excluded & there)), max(stays)
+
+
+def test_figures_of_random_walks_are_those_added_up_by_hand_in_one_go_and_in_parts():
+    generator = stream(3, "figures")
+    steps, robots = 500, 4
+    paths_m = np.cumsum(generator.normal(0.0, 0.15, (steps, robots, 2)), axis=0)
+    paths_m[generator.random((steps, robots)) < 0.02] = math.nan
+    in_contact, excluded = generator.random((2, steps, robots)) < 0.3
+    running = generator.random(steps) < 0.9
+    whole, parts = TeamFigures(robots, step_s=1.0), TeamFigures(robots, step_s=1.0)
+    whole.update(paths_m, in_contact, excluded, running)
+    for begin in range(0, steps, 64):
+        part = slice(begin, begin + 64)
+        parts.update(paths_m[part], in_contact[part], excluded[part], running[part])
+    assert whole.result() == parts.result()
+    for robot_id, figures in enumerate(whole.result()):
+        distance_m, *counts = by_hand(
+            paths_m[:, robot_id].tolist(), in_contact[:, robot_id], excluded[:, robot_id], running
+        )
+        assert figures.distance_m == distance_m
+        assert [figures.contact_s, figures.excluded_s, figures.longest_stay_s] == counts
+
+
+def test_rows_that_do_not_fit_the_team_are_refused():
+    flags = np.zeros((1, 2), dtype=bool)
+    with pytest.raises(ValueError, match="one row per robot in each step"):
+        TeamFigures(2, step_s=1.0).update(np.zeros((1, 3, 2)), flags, flags, np.array([True]))

@@ -4,6 +4,7 @@ import hashlib
 import struct
 
 from robotteamsim.geometry import PoseReading
+from robotteamsim.rng import stream
 from robotteamsim.simulation import TrajectoryHash
 
 POSE = PoseReading(1.5, -2.25, 0.6, 0.8)
@@ -27,3 +28,12 @@ def test_hash_can_be_read_on_the_way():
     ours = TrajectoryHash()
     ours.update(0, [POSE])
     assert ours.hexdigest() == ours.hexdigest()
+
+
+def test_many_steps_at_once_hash_as_one_by_one():
+    one, many = TrajectoryHash(), TrajectoryHash()
+    rows = stream(1, "poses").normal(size=(5, 3, 4))
+    for step, row in enumerate(rows):
+        one.update(step * 100_000_000, row)
+    many.update_all(range(0, 500_000_000, 100_000_000), rows)
+    assert one.hexdigest() == many.hexdigest()
