@@ -12,7 +12,8 @@ from typing import Any
 
 from robotteamsim import rng, scenario
 from robotteamsim.campaign.factors import MAX_TRIALS, Factor
-from robotteamsim.errors import CampaignError, ScenarioError
+from robotteamsim.control import make_controller
+from robotteamsim.errors import CampaignError, RobotTeamSimError, ScenarioError
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import shown
 
@@ -100,11 +101,16 @@ def make_design(
     if not 0 <= seed < _NUM_SEEDS:
         raise CampaignError(f"--seed: {seed} is not between 0 and 2^53")
     base = _load(scenario_name, overrides)
+    checked: set[str] = set()
     cells: dict[str, Cell] = {}
     for group in groups:
         for values in itertools.product(*(factor.values for factor in factors)):
             chosen = [Factor(factor.key, (value,), factor.place) for factor, value in zip(factors, values, strict=True)]
-            cell = _cell(scenario_name, [*overrides, *group, *chosen], keys)
+            settings = [*overrides, *group, *chosen]
+            cell = _cell(scenario_name, settings, keys)
+            if cell.scenario.control.algorithm not in checked:
+                _check_algorithm(cell.scenario, settings)
+                checked.add(cell.scenario.control.algorithm)
             name = json.dumps(cell.values)
             if name in cells:
                 place = (chosen or group)[-1].place
@@ -152,6 +158,18 @@ def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
         matching = [s for s in settings if f"{message.partition(': ')[0]}.".startswith(f"{s.key}.")]
         place = matching[-1].place if matching else "--set"
         raise CampaignError(f"{place}: {message}") from None
+
+
+def _check_algorithm(of: Scenario, settings: Sequence[Factor]) -> None:
+    """Raise CampaignError unless there is such a controller: else every trial would find that out for itself."""
+    try:
+        make_controller(0, of)
+    except RobotTeamSimError as error:
+        matching = [s for s in settings if s.key in ("control", "control.algorithm")]
+        message = str(error).removeprefix(f"{of.name}: ")
+        raise CampaignError(f"{matching[-1].place if matching else of.name}: {message}") from None
+    except (Exception, SystemExit):
+        return  # A class that fails for one robot stops that robot, in a mission: an event tells.
 
 
 def _value_at(data: Any, key: str, default: Any) -> Any:

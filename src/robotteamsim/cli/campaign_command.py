@@ -127,6 +127,8 @@ def _run_missing(options: argparse.Namespace, design: Design, store: Store, clie
         with contextlib.ExitStack() as stack:
             progress = CampaignProgress(console, design.scenario.name, total, total - len(missing))
             stack.enter_context(progress)
+            if client and not client.ncores():
+                progress.tell(f"{options.scheduler} has no workers yet; missions begin as they come")
             client = client or stack.enter_context(local_workers(options.workers))
             progress.begin()
 

@@ -40,7 +40,7 @@ class CampaignProgress:
             self._bar.start()
         else:
             before = f", {self._done} of them done before" if self._done else ""
-            self._tell(f"{self._name}: {self._total} trials{before}")
+            self.tell(f"{self._name}: {self._total} trials{before}")
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -65,7 +65,8 @@ class CampaignProgress:
         if now_s - self._told_s >= _LINE_EVERY_S or self._done == self._total:
             self._told_s = now_s
             left_s = (now_s - self._start_s) / (self._done - self._done_before) * (self._total - self._done)
-            self._tell(f"{self._done} of {self._total} trials, {left_s:.0f} s left{failures and ', ' + failures}")
+            self.tell(f"{self._done} of {self._total} trials, {left_s:.0f} s left{failures and ', ' + failures}")
 
-    def _tell(self, line: str) -> None:
+    def tell(self, line: str) -> None:
+        """Print a line, above the bar where there is one."""
         self._console.print(line, markup=False, highlight=False, soft_wrap=True)

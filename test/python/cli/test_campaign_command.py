@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -16,6 +17,7 @@ from robotteamsim.campaign import read_store
 from robotteamsim.cli import campaign_command, main
 
 SHORT = ("--set", "mission.time_limit_s=1")
+KNOWN = "wanted one of: rdpso, random_walk, greedy, pso, rpso, sebs, cover, or module:Class"
 NOISE = ("--noise", "10", "--noise", "20")
 
 
@@ -107,6 +109,23 @@ def test_failed_trials_are_told_and_the_rest_goes_on(capsys, tmp_path, monkeypat
 
 
 @pytest.mark.parametrize(
+    ("cores", "told"), [({}, ["tcp://x:1 has no workers yet; missions begin as they come"]), ({"a": 1}, [])]
+)
+def test_cluster_without_workers_is_told(capsys, tmp_path, monkeypatch, outcome_of, cores, told):
+    def run(client, design, trials, keep):
+        for trial in trials:
+            keep(outcome_of(trial))
+        return ()
+
+    client = SimpleNamespace(ncores=lambda: cores)
+    monkeypatch.setattr(campaign_command, "run_trials", run)
+    monkeypatch.setattr(campaign_command, "scheduler_at", lambda address: contextlib.nullcontext(client))
+    command = ["campaign", "tutorial_arena", "--trials", "2", "--out", str(tmp_path), "--scheduler", "tcp://x:1"]
+    assert main(command) == 0
+    assert capsys.readouterr().err.splitlines() == ["tutorial_arena: 2 trials", *told, "2 of 2 trials, 0 s left"]
+
+
+@pytest.mark.parametrize(
     ("arguments", "wanted"),
     [
         (["--trials", "0"], "--trials: 0 is below 1"),
@@ -116,6 +135,15 @@ def test_failed_trials_are_told_and_the_rest_goes_on(capsys, tmp_path, monkeypat
         (["--noise", "1e9"], "--noise: voice.noise_db: 1000000000.0 is above 80"),
         (["--set", "control.alpha=2"], "--set: control.alpha: 2 is above 1"),
         (["--set", "control.alpha"], "--set: 'control.alpha' is not of the form KEY=VALUE, such as voice.noise_db=20"),
+        (["--set", "control.algorithm=rdspo"], f"--set: control.algorithm: 'rdspo' is not known; {KNOWN}"),
+        (
+            ["--sweep", "control.algorithm=rdpso,nowhere:Class"],
+            "--sweep: control.algorithm: 'nowhere:Class': ModuleNotFoundError: No module named 'nowhere'",
+        ),
+        (
+            ["--sweep", "control.algorithm=rdpso,builtins:slice"],
+            "--sweep: control.algorithm: 'builtins:slice' makes a slice, which has no observe and no decide",
+        ),
         (["--design", "none.yaml"], "none.yaml: there is no such file"),
         (
             ["--workers", "2", "--scheduler", "tcp://x:1"],
