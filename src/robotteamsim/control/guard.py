@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -19,6 +20,8 @@ from robotteamsim.sensing.readings import Observation
 
 _LARGEST = 2**31 - 1
 """Numbers of swarms, and what they count, are of 32 bits in messages."""
+
+_ADDRESS = re.compile(" at 0x[0-9a-f]+")
 
 _logger = logging.getLogger(__name__)
 
@@ -67,8 +70,8 @@ class Guard:
 
     def _note(self, error: BaseException) -> None:
         *_, last = traceback.extract_tb(error.__traceback__)
-        text = " ".join(str(error).split())
-        self._fault = f"{type(error).__name__}: {text} ({Path(last.filename).name}:{last.lineno})"
+        text = ": ".join(filter(None, (type(error).__name__, " ".join(str(error).split()))))
+        self._fault = f"{text} ({Path(last.filename).name}:{last.lineno})"
         _logger.debug("controller of robot %d failed", self._robot_id, exc_info=error)
 
 
@@ -77,14 +80,14 @@ def problem_of(decision: Decision, robot_id: int, num_robots: int) -> str:
     if _core.is_plain_decision(decision, Decision, Twist):
         return ""
     if not isinstance(decision, Decision):
-        return f"decide returned {decision!r:.60}; wanted a Decision"
+        return f"decide returned {_shown(decision)}; wanted a Decision"
     twist, goal_m = decision.twist, decision.goal_m
     if not isinstance(twist, Twist) or not _are_finite(twist):
         return f"decide returned {twist!r:.120}; wanted a Twist of finite numbers"
     if goal_m is not None and not (isinstance(goal_m, tuple) and len(goal_m) == 2 and _are_finite(goal_m)):
-        return f"decide returned the goal {goal_m!r:.60}; wanted finite (x, y), or None"
+        return f"decide returned the goal {_shown(goal_m)}; wanted finite (x, y), or None"
     if not isinstance(decision.outbox, (tuple, list)):
-        return f"decide returned the outbox {decision.outbox!r:.60}; wanted a tuple of Messages"
+        return f"decide returned the outbox {_shown(decision.outbox)}; wanted a tuple of Messages"
     for message in decision.outbox:
         wrong = _problem_of_message(message, robot_id, num_robots)
         if wrong:
@@ -94,7 +97,7 @@ def problem_of(decision: Decision, robot_id: int, num_robots: int) -> str:
 
 def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:
     if not isinstance(message, Message) or not isinstance(message.payload, str):
-        return f"decide returned {message!r:.60} to send; wanted a Message with text"
+        return f"decide returned {_shown(message)} to send; wanted a Message with text"
     if not message.payload.isascii() and not _has_utf8(message.payload):
         return f"decide returned the text {message.payload!r:.60} to send, which UTF-8 does not have"
     if not _is_whole(message.sender) or message.sender != robot_id:
@@ -120,6 +123,11 @@ def _problem_of_what_is_told(decision: Decision) -> str:
     if not isinstance(decision.fault, str):
         return f"decide returned fault = {decision.fault!r:.60}; wanted text"
     return ""
+
+
+def _shown(value: object) -> str:
+    """Return the beginning of a value's text, without the place in memory that differs between equal runs."""
+    return _ADDRESS.sub("", repr(value))[:60]
 
 
 def _is_whole(value: object) -> bool:

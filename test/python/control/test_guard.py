@@ -47,6 +47,8 @@ def test_decisions_of_a_sound_controller_pass_unchanged():
     [
         (ZeroDivisionError("division by zero"), "ZeroDivisionError: division by zero (test_guard.py:"),
         (ValueError("two\n  lines"), "ValueError: two lines (test_guard.py:"),
+        (MemoryError(), "MemoryError (test_guard.py:"),
+        ((x for x in ()), "decide returned <generator object <genexpr>>; wanted a Decision"),
         (Decision(Twist(math.nan)), "decide returned Twist(linear_x_mps=nan, "),
         (Decision(Twist(0.0, 0.0, math.inf)), "decide returned Twist(linear_x_mps=0.0, "),
         (Decision(Twist("fast")), "decide returned Twist(linear_x_mps='fast', "),
