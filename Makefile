@@ -64,7 +64,7 @@ test_python: build ## pytest
 	@$(ENV) $(PYTHON) -m pytest test/python -n $(JOBS) --dist loadfile $(ARGS)
 
 test_ros: build ## rostest, each test on a master of its own
-	@$(ENV) $(PYTHON) -m pytest test/ros $(ARGS)
+	@$(ENV) $(PYTHON) -m pytest test/ros -n $(JOBS) --dist loadfile $(ARGS)
 
 lint: build ## ruff, mypy, clang-format
 	@$(PYTHON) -m ruff check --quiet .
