@@ -7,7 +7,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import ndimage
 
 from robotteamsim.control.known_map import GRID_RESOLUTION_M, known_map
 from robotteamsim.scenario.floor_plan import FloorPlan
@@ -102,6 +101,8 @@ class FloorCover:
         Args: left_out: discs, centre and radius [m], whose cells are not asked for.
               within: the only cells to ask for, bool, shape (rows, cols); none: all.
         """
+        from scipy import ndimage  # Takes longer to import than a node without this algorithm takes to start.
+
         lengths_m = self._floor.lengths_m(self._cell_of(position))
         missing = self._floor.open & ~self._covered
         if within is not None:

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from scipy import ndimage
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.base import PlanarPose
@@ -205,6 +204,8 @@ class _Room:
 
     def _flood(self, start: PlanarPose) -> np.ndarray:
         """Return the cells that a robot reaches from the start, and two cells around them; bool, shape (rows, cols)."""
+        from scipy import ndimage  # Takes longer to import than most scenarios, whose poses are given, take to load.
+
         free = self._grid.cells == FREE
         if not free.all():
             free = ndimage.distance_transform_edt(free) * self._grid.resolution_m > self._radius_m
