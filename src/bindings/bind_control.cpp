@@ -157,12 +157,6 @@ void BindControl(py::module_& m) {
   m.def("json_text", &JsonText, py::arg("value"));
   m.def("nearest_place", &NearestPlace, py::arg("position_m"), py::arg("places_m"));
   m.def("is_plain_decision", &IsPlainDecision);
-  m.def("to_pose", [](py::handle reading, const py::type& pose) {
-    std::array<double, 4> numbers;
-    if (!ReadNumbers(reading, &numbers)) throw std::invalid_argument("the reading of a pose must be x, y, qz, qw");
-    numbers[2] = NormaliseAngle(2.0 * std::atan2(numbers[2], numbers[3]));
-    return TupleClass(pose).OfNumbers(numbers.data(), 3);
-  });
   m.def(
       "farthest_from",
       [](const Doubles& points_m, const Point& place_m, const Doubles& candidates_m) {

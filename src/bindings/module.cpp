@@ -4,6 +4,7 @@
 PYBIND11_MODULE(_core, m) {
   m.doc() = "C++ core of robotteamsim; use the typed Python packages instead.";
   robotteamsim::bindings::BindGeometry(m);
+  robotteamsim::bindings::BindTupleCalls(m);
   robotteamsim::bindings::BindPlan(m);
   robotteamsim::bindings::BindControl(m);
   robotteamsim::bindings::BindPropagation(m);

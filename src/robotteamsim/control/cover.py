@@ -132,7 +132,7 @@ class CoverController:
         if self._target is None:
             return Decision(outbox=outbox)
         twist: Twist = self._navigator.drive(
-            self._map, pose, robot.ranges_m, self._target, self._speed_mps, time_s, lambda: self._teammates
+            self._map.grid, pose, robot.ranges_m, self._target, self._speed_mps, time_s, lambda: self._teammates
         )
         return Decision(twist=twist, outbox=outbox, goal_m=self._goal)
 

@@ -23,10 +23,11 @@ class DoorBeliefs:
     """Which doors a robot takes to be closed. Newer sightings replace older ones; all robots keep the same rule."""
 
     def __init__(self, plan: FloorPlan, laser: Laser) -> None:
-        self._doors = plan.doors
+        self._doors = [(door, _middle(door)) for door in plan.doors]
         self._planned = {door.name: door.closed for door in plan.doors}
         self._sightings: dict[str, Sighting] = {}
         self._laser = laser
+        self._range_m = laser.range_max_m
         self._beam_angles_rad = np.linspace(laser.angle_min_rad, laser.angle_max_rad, laser.beams)
 
     @property
@@ -43,8 +44,9 @@ class DoorBeliefs:
 
     def look(self, pose: Pose, ranges_m: np.ndarray, iteration: int) -> None:
         """Note the doors that the laser sees in another state than believed."""
-        for door in self._doors:
-            if _distance_m(door, (pose.x_m, pose.y_m)) > self._laser.range_max_m:
+        position, range_m = (pose.x_m, pose.y_m), self._range_m
+        for door, middle in self._doors:
+            if math.dist(position, middle) > range_m:
                 continue
             closed = self._seen_closed(door, pose, ranges_m)
             if closed is not None and closed != self._believed(door.name):
@@ -85,5 +87,5 @@ class DoorBeliefs:
         return False if num_passes >= fewest else None
 
 
-def _distance_m(door: Door, point: Vector) -> float:
-    return math.dist(point, ((door.start[0] + door.end[0]) / 2.0, (door.start[1] + door.end[1]) / 2.0))
+def _middle(door: Door) -> Vector:
+    return (door.start[0] + door.end[0]) / 2.0, (door.start[1] + door.end[1]) / 2.0

@@ -3,15 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.control.known_map import KnownMap
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.sections import Laser, Robot
 from robotteamsim.swarm import Vector
+
+
+class Drive(Protocol):
+    """The way that a navigator is called."""
+
+    def __call__(
+        self,
+        grid: _core.PlanningGrid,
+        pose: Pose,
+        ranges_m: np.ndarray,
+        goal: Vector,
+        speed_mps: float,
+        time_s: float,
+        teammates: Callable[[], Mapping[int, Vector]],
+        /,
+    ) -> Twist:
+        """Return the command of this step.
+
+        Args: grid: of the known map.
+              goal: in `map` [m]; one inside an obstacle stands for the nearest free point that can be reached.
+              speed_mps: not to be exceeded.  time_s: of the simulation.
+              teammates: tells where other robots were last heard to be, in `map` [m]; asked where the robot is stuck.
+        """
 
 
 class Navigator:
@@ -28,26 +50,8 @@ class Navigator:
             by_path=mode == "path",
             twist=Twist,
         )
-        self._drive = navigator.drive
-
-    def drive(
-        self,
-        known_map: KnownMap,
-        pose: Pose,
-        ranges_m: np.ndarray,
-        goal: Vector,
-        speed_mps: float,
-        time_s: float,
-        teammates: Callable[[], Mapping[int, Vector]],
-    ) -> Twist:
-        """Return the command of this step.
-
-        Args: goal: in `map` [m]; one inside an obstacle stands for the nearest free point that can be reached.
-              speed_mps: not to be exceeded.  time_s: of the simulation.
-              teammates: tells where other robots were last heard to be, in `map` [m]; asked where the robot is stuck.
-        """
-        twist: Twist = self._drive(known_map.grid, pose, ranges_m, goal, speed_mps, time_s, teammates)
-        return twist
+        # Not wrapped: every robot drives in every step.
+        self.drive: Drive = navigator.drive
 
 
 def laser_layout(laser: Laser) -> _core.LaserLayout:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
-from functools import partial
 from operator import attrgetter
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.control.common_view import CommonView, common_view
 from robotteamsim.control.controller import OUTSIDE, Decision, Task, own_stream
 from robotteamsim.control.doors import DoorBeliefs
@@ -53,9 +53,6 @@ HURRY = 1.25
 
 
 _ITERATION, _ROBOT_ID, _SWARM_ID = (attrgetter(name) for name in ("iteration", "robot_id", "swarm_id"))
-
-# Of an iterable, without a call of Python: every robot makes one in every step.
-_DECISION = partial(tuple.__new__, Decision)
 
 
 class RdpsoController:
@@ -105,6 +102,7 @@ class RdpsoController:
         self._last_position: Vector | None = None
         self._goal: Vector | None = None
         self._speed_mps = control.max_step_speed_mps
+        self._told = self._what_is_told()
 
     @staticmethod
     def memory(control: Control) -> tuple[float, ...]:
@@ -122,20 +120,28 @@ class RdpsoController:
         """Return command and messages for this step."""
         if self._observation is None or not self._task.running:
             return self._decision(Twist())
-        robot = self._observation.robot
-        pose = self._localiser.map_T_base_link(robot)
-        if self._own is not None and self._has_waited_enough(self._own):
-            self._choose_next_point(pose, robot.ranges_m, self._own)
-            self._own = None
+        _, sim_time_ns, robot, _ = self._observation
+        pose, ranges_m = self._localiser.map_T_base_link(robot), robot.ranges_m
         outbox: tuple[Message, ...] = ()
-        iteration = self._observation.sim_time_ns // self._iteration_ns
+        iteration = sim_time_ns // self._iteration_ns
+        if self._own is not None and self._has_waited_enough(self._own):
+            self._choose_next_point(pose, ranges_m, self._own)
+            self._own = None
+            self._told = self._what_is_told()
         if iteration != self._iteration:
-            self._iteration, self._reported_ns = iteration, self._observation.sim_time_ns
-            payload = self._evaluate(pose, robot.ranges_m).to_json()
+            self._iteration, self._reported_ns = iteration, sim_time_ns
+            payload = self._evaluate(pose, ranges_m).to_json()
             # As its teammates read it, so that all of one process share what follows from it.
             self._own = parse_report(payload)
             outbox = (Message(self._robot_id, EVERYBODY, payload),)
-        twist, goal = self._drive(pose, robot.ranges_m)
+            self._told = self._what_is_told()
+        # Drive: towards the next point, or wherever a wandering robot goes.
+        time_s, goal, speed_mps = sim_time_ns * 1e-9, self._goal, self._speed_mps
+        if goal is None:
+            goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), time_s)
+            speed_mps = self._control.max_step_speed_mps
+        grid, teammates = self._map.grid, self._where_teammates_were
+        twist = self._navigator.drive(grid, pose, ranges_m, goal, speed_mps, time_s, teammates)
         return self._decision(twist, goal, outbox)
 
     def _has_waited_enough(self, own: Report) -> bool:
@@ -259,18 +265,6 @@ class RdpsoController:
             return place
         return self._map.along_path(position, place, LONGEST_DETOUR_M)
 
-    def _drive(self, pose: Pose, ranges_m: np.ndarray) -> tuple[Twist, Vector]:
-        """Return the command towards the goal, and the goal: the next point, or wherever a wandering robot goes."""
-        assert self._observation is not None
-        time_s = self._observation.sim_time_ns * 1e-9
-        goal, speed_mps = self._goal, self._speed_mps
-        if goal is None:
-            goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), time_s)
-            speed_mps = self._control.max_step_speed_mps
-        return self._navigator.drive(
-            self._map, pose, ranges_m, goal, speed_mps, time_s, self._where_teammates_were
-        ), goal
-
     def _where_teammates_were(self) -> dict[int, Vector]:
         """Return where each teammate was when it was last heard."""
         return {robot_id: report.position for robot_id, report in self._team.items()}
@@ -282,8 +276,16 @@ class RdpsoController:
             self._map = known_map(self._scenario.plan, self._radius_m, self._map_doors)
             self._known_best = None
 
+    def _what_is_told(self) -> tuple[bool, float, int, int]:
+        """Return what others are told of the robot: whether it is excluded, its local best's value, SC and swarm."""
+        membership, best = self._membership, self._local_best
+        search_counter = membership.state.search_counter
+        return membership.excluded, best.value if best else 0.0, search_counter, membership.swarm_id
+
     def _decision(self, twist: Twist, goal: Vector | None = None, outbox: tuple[Message, ...] = ()) -> Decision:
-        value = self._local_best.value if self._local_best else 0.0
-        membership = self._membership
-        told = goal, value, membership.state.search_counter, membership.swarm_id, ""
-        return _DECISION((twist, outbox, membership.excluded, *told))
+        excluded, value, search_counter, swarm_id = self._told
+        # Without the call of Python that the class takes: every robot makes one in every step.
+        decision: Decision = _core.as_tuple(
+            Decision, (twist, outbox, excluded, goal, value, search_counter, swarm_id, "")
+        )
+        return decision

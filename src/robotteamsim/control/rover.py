@@ -72,6 +72,6 @@ class Rover:
             self._wander.stop()
         ranges_m = self.observation.robot.ranges_m
         twist = self._navigator.drive(
-            self.map, pose, ranges_m, goal, self.speed_mps, self.time_s, lambda: teammates or {}
+            self.map.grid, pose, ranges_m, goal, self.speed_mps, self.time_s, lambda: teammates or {}
         )
         return Decision(twist, outbox, goal_m=goal, local_best=local_best)

@@ -10,6 +10,7 @@ from plain import PlainNavigator, PlainRuledOut, PlainSurroundings, plain_along_
 from scipy import ndimage
 
 from robotteamsim import _core
+from robotteamsim.control.controller import Decision
 from robotteamsim.control.known_map import KnownMap
 from robotteamsim.control.localisation import Localiser
 from robotteamsim.control.navigation import Navigator
@@ -65,10 +66,11 @@ def test_navigator_commands_what_the_plain_one_commands(seed, drive, mode):
         pose = Pose(x, y, float(rng.uniform(-math.pi, math.pi)))
         others = {i: (x + float(rng.normal()), y + float(rng.normal())) for i in (1, 5, 2)}
         ranges_m, speed_mps = scan(rng, body.laser.beams), float(rng.uniform(0.1, 0.9))
-        sensed = known, pose, ranges_m, goal, speed_mps, 0.1 * step
+        sensed = pose, ranges_m, goal, speed_mps, 0.1 * step
         asked = []
-        expected = robots[1].drive(*sensed, others)
-        assert robots[0].drive(*sensed, lambda others=others, asked=asked: asked.append(1) or others) == expected
+        expected = robots[1].drive(known, *sensed, others)
+        ask = lambda others=others, asked=asked: asked.append(1) or others  # noqa: E731
+        assert robots[0].drive(known.grid, *sensed, ask) == expected
         escapes += len(asked)
     assert escapes > 10
 
@@ -90,6 +92,22 @@ def test_localiser_reads_a_pose_as_the_reading_does():
     for pose in [Pose(0.0, 0.0, math.pi), *(Pose(*row) for row in rng.uniform(-4.0, 4.0, (200, 3)).tolist())]:
         reading = RobotReading(PoseReading.from_pose(pose), Twist(), None, None, False)
         assert localiser.map_T_base_link(reading) == reading.ground_truth.pose
+
+
+def test_tuples_of_a_class_are_made_as_their_class_makes_them():
+    items = (Twist(1.0, 2.0, 3.0), (), False, None, 0.5, 3, 0, "")
+    decision = _core.as_tuple(Decision, items)
+    assert type(decision) is Decision
+    assert decision == Decision(*items)
+    for wrong in ((list, items), (Decision, [1, 2]), (Decision,), (3, items)):
+        with pytest.raises(TypeError, match="wanted a class of tuples, and a tuple"):
+            _core.as_tuple(*wrong)
+
+
+@pytest.mark.parametrize("wrong", [(None, Pose), ((1.0, 2.0, 3.0), Pose), (("x", 0.0, 0.0, 1.0), Pose), ((0.0,) * 4,)])
+def test_what_is_no_reading_of_a_pose_is_refused(wrong):
+    with pytest.raises(TypeError, match="wanted the reading of a pose"):
+        _core.to_pose(*wrong)
 
 
 @pytest.mark.parametrize("beams", [5, 61, 181, 360])

@@ -71,7 +71,7 @@ class Drivers:
             if goal is not None:
                 others = {k: place for k, place in places.items() if k != i}
                 self._twists[i] = self._navigators[i].drive(
-                    self.map,
+                    self.map.grid,
                     reading.ground_truth.pose,
                     reading.ranges_m,
                     goal,
