@@ -32,7 +32,10 @@ LATCHED = {
     "/mission/victims": Victims,
     "/mission/areas": Areas,
     "/world/doors": Doors,
+    "/robot_0/radio_map": OccupancyGrid,
+    "/robot_1/radio_map/values": FloatMap,
 }
+"""What a late subscriber gets at once; radio maps are made for it."""
 ENDLESS = 1e-6
 """At this speed a step takes a day."""
 

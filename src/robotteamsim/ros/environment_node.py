@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ from pydantic import ValidationError
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkMessages, NetworkState, Voice
+from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.ros import msg_conversion as conversion
 from robotteamsim.ros.inbox import Channel, Step
@@ -66,25 +69,42 @@ def main() -> None:
 
 
 class RadioMaps:
-    """The signal of one robot over the floor: costly, so only for those who look, and once a second."""
+    """The signal of one robot over the floor: costly, so only for those who look, once a second and when they come."""
 
-    def __init__(self, robot_name: str) -> None:
-        self._picture = Output(f"/{robot_name}/radio_map", OccupancyGrid)
-        self._values = Output(f"/{robot_name}/radio_map/values", FloatMap)
+    def __init__(self, robot_name: str, make: RosTypes, now: Callable[[], tuple[int, FieldMap] | None]) -> None:
+        """Advertise the maps. now: returns stamp [ns] and map of the last step, for who comes late; None: no map."""
+        self._make = make
+        self._now = now
+        self._picture = Output(
+            f"/{robot_name}/radio_map", OccupancyGrid, greeting=lambda: self._greeting(self._picture_of)
+        )
+        self._values = Output(
+            f"/{robot_name}/radio_map/values", FloatMap, greeting=lambda: self._greeting(self._values_of)
+        )
         self._due_ns = 0
 
-    def publish(self, make: RosTypes, time_ns: int, position_m: tuple[float, float], environment: Environment) -> None:
+    def publish(self, time_ns: int, position_m: tuple[float, float], environment: Environment) -> None:
         """Publish the maps, if they are due and somebody listens."""
         if time_ns < self._due_ns or not (self._picture.wanted or self._values.wanted):
             return
         self._due_ns = time_ns + RADIO_MAP_PERIOD_NS
         radio_map = environment.radio_map(position_m, RADIO_MAP_RESOLUTION_M)
-        self._picture.publish(fields.radio_map_picture(make, time_ns, radio_map))
-        self._values.publish(fields.field_map(make, time_ns, radio_map, "rssi", "dBm"))
+        self._picture.publish(self._picture_of(time_ns, radio_map))
+        self._values.publish(self._values_of(time_ns, radio_map))
 
     def restart(self) -> None:
         """Begin again with the first step."""
         self._due_ns = 0
+
+    def _picture_of(self, time_ns: int, radio_map: FieldMap) -> OccupancyGrid:
+        return fields.radio_map_picture(self._make, time_ns, radio_map)
+
+    def _values_of(self, time_ns: int, radio_map: FieldMap) -> FloatMap:
+        return fields.field_map(self._make, time_ns, radio_map, "rssi", "dBm")
+
+    def _greeting(self, message_of: Callable[[int, FieldMap], Any]) -> Any:
+        now = self._now()
+        return None if now is None else message_of(*now)
 
 
 class EnvironmentNode:
@@ -103,8 +123,12 @@ class EnvironmentNode:
         self._network = Output("/network/state", NetworkState, latched=latched)
         self._voice_picture = Output("/voice_map", OccupancyGrid, latched=True)
         self._voice_map = Output("/voice_map/values", FloatMap, latched=True)
-        self._radio_maps = [RadioMaps(fields.robot_name(robot_id)) for robot_id in range(settings.num_robots)]
         self._attendance = Attendance()
+        self._last_step: tuple[int, list[tuple[float, float]]] | None = None
+        self._radio_maps = [
+            RadioMaps(fields.robot_name(robot_id), self._make, partial(self._radio_map_now, robot_id))
+            for robot_id in range(settings.num_robots)
+        ]
         self._build()
         self._publish_voice_map(0)
         self._inbox = make_inbox(settings, self._inputs())
@@ -141,7 +165,7 @@ class EnvironmentNode:
         self._victims = [victim.name for victim in self._settings.scenario.mission.victims]
         self._saved: tuple[str, ...] = ()
         self._published_changes = -1
-        self._last_step: tuple[int, list[tuple[float, float]]] | None = None
+        self._last_step = None
         for radio_maps in self._radio_maps:
             radio_maps.restart()
 
@@ -183,7 +207,7 @@ class EnvironmentNode:
             for robot_id, (radio_maps, place) in enumerate(zip(self._radio_maps, places, strict=True)):
                 if not is_there(robot_id):
                     continue
-                radio_maps.publish(make, time_ns, (place.x_m, place.y_m), self._environment)
+                radio_maps.publish(time_ns, (place.x_m, place.y_m), self._environment)
 
     def _publish_voice_map(self, time_ns: int) -> None:
         with self._environment_lock:
@@ -194,6 +218,14 @@ class EnvironmentNode:
             voice_map = self._environment.voice_map()
         self._voice_picture.publish(fields.field_map_picture(self._make, time_ns, voice_map))
         self._voice_map.publish(fields.field_map(self._make, time_ns, voice_map, "voice_level", "dB"))
+
+    def _radio_map_now(self, robot_id: int) -> tuple[int, FieldMap] | None:
+        """Return stamp [ns] and radio map of a robot's last step; None: there was none, or it is not there."""
+        with self._environment_lock:
+            if self._last_step is None or not self._attendance.is_there(robot_id):
+                return None
+            time_ns, positions_m = self._last_step
+            return time_ns, self._environment.radio_map(positions_m[robot_id], RADIO_MAP_RESOLUTION_M)
 
     def _serve_get_radio_map(self, request: GetRadioMapRequest) -> GetRadioMapResponse:
         resolution_m = request.resolution_m or RADIO_MAP_RESOLUTION_M

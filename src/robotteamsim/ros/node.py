@@ -127,10 +127,15 @@ class Attendance:
 class Output:
     """A topic that a node publishes; no message need be built that nobody gets."""
 
-    def __init__(self, topic: str, message_class: type, *, latched: bool = False) -> None:
+    def __init__(
+        self, topic: str, message_class: type, *, latched: bool = False, greeting: Callable[[], Any] | None = None
+    ) -> None:
+        """Advertise. greeting: makes what a new subscriber gets at once, or None where there is nothing to tell."""
         self._latched = latched
         # 0: unlimited. A full queue would drop a message that lockstep waits for.
         self._publisher = rospy.Publisher(topic, message_class, queue_size=0, latch=latched)
+        if greeting is not None:
+            self._publisher.impl.add_subscriber_listener(_Greeter(greeting, self._publisher.impl.publock))
 
     @property
     def wanted(self) -> bool:
@@ -161,6 +166,21 @@ class Output:
                 except Exception:  # Whatever it is, this subscriber is lost; the others are not.
                     connection.close()
             implementation.message_data_sent += len(data)
+
+
+class _Greeter(rospy.SubscribeListener):
+    """Sends every new subscriber a message of its own."""
+
+    def __init__(self, greeting: Callable[[], Any], lock: Any) -> None:
+        self._greeting = greeting
+        self._lock = lock
+
+    def peer_subscribe(self, topic_name: str, topic_publish: Callable[[Any], Any], peer_publish: Any) -> None:
+        """Greet a subscriber that has come; rospy calls this from its own thread."""
+        message = self._greeting()
+        if message is not None and not rospy.is_shutdown():
+            with self._lock:
+                peer_publish(message)
 
 
 def run(name: str, serve: Callable[[], None]) -> None:
