@@ -40,32 +40,54 @@ GridShape GridOf(const XY& origin, double resolution_m, const MapView& maps, std
           static_cast<int>(maps.cols())};
 }
 
-// A `VoiceReading` of each robot: the value of its own cell, 0 beyond the map; whether a cell within the radius is
-// above 0; the centre of the highest such cell, or where the robot is; its value, or 0.
-py::tuple Hear(const XY& origin, double resolution_m, const Eigen::Ref<const MapValues>& values,
-               const Doubles& positions_m, double radius_m, const py::type& reading) {
-  const GridShape grid{ToPoint(origin), resolution_m, static_cast<int>(values.rows()), static_cast<int>(values.cols())};
-  if (positions_m.ndim() != 2 || positions_m.shape(1) != 2) throw std::invalid_argument("positions_m must be (n, 2)");
-  const TupleClass readings(reading), places(py::type::of(py::tuple()));
-  py::tuple heard(positions_m.shape(0));
-  for (py::ssize_t i = 0; i < positions_m.shape(0); ++i) {
-    const Point at{positions_m.at(i, 0), positions_m.at(i, 1)};
+/// What robots hear by one voice map.
+class VoiceEar {
+ public:
+  using Values = py::array_t<float, py::array::c_style>;
+
+  VoiceEar(const XY& origin, double resolution_m, Values values, double radius_m, py::type reading)
+      : values_(std::move(values)),
+        radius_(radius_m),
+        readings_(std::move(reading)),
+        places_(py::type::of(py::tuple())) {
+    if (values_.ndim() != 2) throw std::invalid_argument("values must have shape (rows, cols)");
+    grid_ = {ToPoint(origin), resolution_m, static_cast<int>(values_.shape(0)), static_cast<int>(values_.shape(1))};
+  }
+
+  // A `VoiceReading` of each robot: the value of its own cell, 0 beyond the map; whether a cell within the radius is
+  // above 0; the centre of the highest such cell, or where the robot is; its value, or 0.
+  py::tuple Hear(const Doubles& positions_m) const {
+    if (positions_m.ndim() != 2 || positions_m.shape(1) != 2) throw std::invalid_argument("positions_m must be (n, 2)");
+    py::tuple heard(positions_m.shape(0));
+    for (py::ssize_t i = 0; i < positions_m.shape(0); ++i) {
+      const double* const position = positions_m.data() + 2 * i;
+      PyTuple_SET_ITEM(heard.ptr(), i, HearAt({position[0], position[1]}).release().ptr());
+    }
+    return heard;
+  }
+
+ private:
+  py::object HearAt(const Point& at) const {
     if (!std::isfinite(at.x) || !std::isfinite(at.y)) {
       throw py::value_error(py::str("position_m must be finite, got ({}, {})").format(at.x, at.y));
     }
-    const double row = std::floor((at.y - origin.second) / resolution_m);
-    const double col = std::floor((at.x - origin.first) / resolution_m);
-    const bool is_inside = row >= 0.0 && row < grid.rows && col >= 0.0 && col < grid.cols;
+    const Eigen::Map<const MapValues> values(values_.data(), grid_.rows, grid_.cols);
+    const double row = std::floor((at.y - grid_.origin.y) / grid_.resolution);
+    const double col = std::floor((at.x - grid_.origin.x) / grid_.resolution);
+    const bool is_inside = row >= 0.0 && row < grid_.rows && col >= 0.0 && col < grid_.cols;
     const double own = is_inside ? values(static_cast<int>(row), static_cast<int>(col)) : 0.0F;
-    const std::optional<Cell> cell = LoudestCell(grid, values, at, radius_m);
-    const Point best = cell ? CellCenter(grid, cell->row, cell->col) : at;
-    py::object place = places.Of({PyFloat_FromDouble(best.x), PyFloat_FromDouble(best.y)});
-    py::object one = readings.Of({PyFloat_FromDouble(own), py::bool_(cell.has_value()).release().ptr(),
-                                  place.release().ptr(), PyFloat_FromDouble(cell ? cell->value : 0.0)});
-    PyTuple_SET_ITEM(heard.ptr(), i, one.release().ptr());
+    const std::optional<Cell> cell = LoudestCell(grid_, values, at, radius_);
+    const Point best = cell ? CellCenter(grid_, cell->row, cell->col) : at;
+    py::object place = places_.Of({PyFloat_FromDouble(best.x), PyFloat_FromDouble(best.y)});
+    return readings_.Of({PyFloat_FromDouble(own), py::bool_(cell.has_value()).release().ptr(), place.release().ptr(),
+                         PyFloat_FromDouble(cell ? cell->value : 0.0)});
   }
-  return heard;
-}
+
+  Values values_;
+  double radius_;
+  TupleClass readings_, places_;
+  GridShape grid_;
+};
 
 void BindRadio(py::module_& m) {
   py::class_<RadioModel>(m, "RadioModel")
@@ -130,8 +152,10 @@ void BindVoice(py::module_& m) {
           const py::gil_scoped_release released;
           WriteVoiceMap(faces, model, sources, GridOf(origin, resolution_m, map, 1), solid, map, {threads});
         });
-  m.def("hear", &Hear, py::arg("origin"), py::arg("resolution_m"), py::arg("values"), py::arg("positions_m"),
-        py::arg("radius_m"), py::arg("reading"));
+  py::class_<VoiceEar>(m, "VoiceEar")
+      .def(py::init<const XY&, double, VoiceEar::Values, double, py::type>(), py::arg("origin"),
+           py::arg("resolution_m"), py::arg("values"), py::arg("radius_m"), py::arg("reading"))
+      .def("hear", &VoiceEar::Hear, py::arg("positions_m"));
 }
 
 }  // namespace

@@ -63,8 +63,8 @@ class ReadingMaker {
 
   // Arguments as the fields of `TeamReadings`; `further` of all robots, or empty, and then `nothing` is that of each.
   py::tuple Make(const Doubles& ground_truth, const Doubles& twists, const Doubles& odometry,
-                 const py::sequence& ranges, const py::array_t<bool, py::array::c_style>& in_contact,
-                 const py::dict& contact_angles, const py::sequence& further, const py::object& nothing) const {
+                 const py::sequence& ranges, const Flags& in_contact, const py::dict& contact_angles,
+                 const py::sequence& further, const py::object& nothing) const {
     const auto n = static_cast<py::ssize_t>(ranges.size());
     if (ground_truth.size() != 4 * n || twists.size() != 3 * n || odometry.size() != 16 * n || in_contact.size() != n) {
       throw std::invalid_argument("arrays of readings must have a row per robot");
@@ -177,6 +177,48 @@ class TeamOdometry {
   std::vector<Odometry> team_;
 };
 
+/// The lasers and the odometry of a team, in one call: of a few robots the calls are most of what sensing takes.
+class TeamSensors {
+ public:
+  // Args: lasers: of each kind the laser and the robots that have it; every robot has one.
+  TeamSensors(py::object odometry, const std::vector<std::pair<py::object, std::vector<int>>>& lasers)
+      : odometry_(std::move(odometry)), team_(odometry_.cast<TeamOdometry*>()) {
+    for (const auto& [laser, robots] : lasers) {
+      kinds_.push_back({laser, laser.cast<const Laser*>(), robots});
+      num_robots_ += robots.size();
+    }
+  }
+
+  // For the step that the world made last: what TeamOdometry::Follow returns, and the scans in the order of robots, of
+  // one kind as one array. Args: odometry_noise: a row per robot; laser_noise: of each kind, as Scan has it.
+  py::tuple Read(const World& world, const Doubles& odometry_noise, const std::vector<Doubles>& laser_noise) {
+    if (laser_noise.size() != kinds_.size()) throw std::invalid_argument("lasers of each kind must have their noise");
+    py::array_t<double> believed = team_->Follow(world, odometry_noise);
+    if (kinds_.size() == 1) {
+      return py::make_tuple(believed, Scan(*kinds_[0].core, world, kinds_[0].robots, laser_noise[0]));
+    }
+    py::list ranges(num_robots_);
+    for (std::size_t kind = 0; kind < kinds_.size(); ++kind) {
+      const std::vector<int>& robots = kinds_[kind].robots;
+      const py::array_t<float> scans = Scan(*kinds_[kind].core, world, robots, laser_noise[kind]);
+      for (std::size_t i = 0; i < robots.size(); ++i) ranges[robots[i]] = scans[py::int_(i)];
+    }
+    return py::make_tuple(believed, ranges);
+  }
+
+ private:
+  struct Kind {
+    py::object laser;  // keeps it
+    const Laser* core;
+    std::vector<int> robots;
+  };
+
+  py::object odometry_;  // keeps the team's
+  TeamOdometry* team_;
+  std::vector<Kind> kinds_;
+  std::size_t num_robots_ = 0;
+};
+
 }  // namespace
 
 void BindSensing(py::module_& m) {
@@ -202,6 +244,10 @@ void BindSensing(py::module_& m) {
       .def("restart", &TeamOdometry::Restart, py::arg("robot_id"))
       .def("step", &TeamOdometry::Step, py::arg("motions"), py::arg("twists"), py::arg("noise"))
       .def("follow", &TeamOdometry::Follow, py::arg("world"), py::arg("noise"));
+  py::class_<TeamSensors>(m, "TeamSensors")
+      .def(py::init<py::object, const std::vector<std::pair<py::object, std::vector<int>>>&>(), py::arg("odometry"),
+           py::arg("lasers"))
+      .def("read", &TeamSensors::Read, py::arg("world"), py::arg("odometry_noise"), py::arg("laser_noise"));
 }
 
 }  // namespace robotteamsim::bindings

@@ -12,8 +12,6 @@ namespace py = pybind11;
 namespace robotteamsim::bindings {
 namespace {
 
-using Flags = py::array_t<bool, py::array::c_style | py::array::forcecast>;
-
 // Steps one by one: positions of shape (steps, robots, 2), flags of (steps, robots), running of (steps,).
 void AddSteps(TeamFigures& figures, const Doubles& positions_m, const Flags& in_contact, const Flags& excluded,
               const Flags& running) {

@@ -33,7 +33,6 @@ class TeamLinks {
   const Adjacency& adjacency() const { return adjacency_; }
   /// The links that exist, but with a signal below the limit.
   const Adjacency& endangered() const { return endangered_; }
-  bool any_endangered() const { return any_endangered_; }
   const HopCount& hops() const { return hops_; }
   double fiedler_value() const { return fiedler_value_; }
 
@@ -43,7 +42,6 @@ class TeamLinks {
   LinkRule rule_;
   CellValues rssi_, distances_;
   Adjacency adjacency_, endangered_;
-  bool any_endangered_ = false;
   HopCount hops_;
   double fiedler_value_ = 0.0;
 };

@@ -35,15 +35,13 @@ bool TeamLinks::FindLinks(const CellValues& link) {
   bool has_changed = adjacency_.rows() != n;
   if (has_changed) adjacency_.setConstant(n, n, false);
   endangered_.resize(n, n);
-  any_endangered_ = false;
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < n; ++j) {
       const bool is_near = rule_.by_distance ? link(i, j) <= rule_.max_distance : link(i, j) >= rule_.lost_below;
-      const bool is_link = is_near && i != j, is_weak = is_link && rssi_(i, j) < rule_.endangered_below;
+      const bool is_link = is_near && i != j;
       has_changed |= adjacency_(i, j) != is_link;
       adjacency_(i, j) = is_link;
-      endangered_(i, j) = is_weak;
-      any_endangered_ |= is_weak;
+      endangered_(i, j) = is_link && rssi_(i, j) < rule_.endangered_below;
     }
   }
   return has_changed;

@@ -60,10 +60,11 @@ class Guard:
         if not self._fault and self.controller is not None:
             try:
                 decision = self.controller.decide()
-                wrong = problem_of(decision, self._robot_id, self._num_robots)
-                if not wrong:
+                if _core.is_plain_decision(decision, Decision, Twist):  # as most are
                     return decision
-                self._fault = wrong
+                self._fault = problem_of(decision, self._robot_id, self._num_robots)
+                if not self._fault:
+                    return decision
             except (Exception, SystemExit) as error:
                 self._note(error)
         return Decision(fault=self._fault)
@@ -77,8 +78,6 @@ class Guard:
 
 def problem_of(decision: Decision, robot_id: int, num_robots: int) -> str:
     """Return what is wrong with a decision, in a few words; "": nothing."""
-    if _core.is_plain_decision(decision, Decision, Twist):
-        return ""
     if not isinstance(decision, Decision):
         return f"decide returned {_shown(decision)}; wanted a Decision"
     twist, goal_m = decision.twist, decision.goal_m

@@ -10,12 +10,10 @@ import numpy as np
 
 from robotteamsim import rng
 from robotteamsim.network.graph import next_hop
-from robotteamsim.network.messages import EVERYBODY, Message, Refusal, Traffic
+from robotteamsim.network.messages import EVERYBODY, NO_TRAFFIC, Message, NetworkState, Refusal, Traffic
 from robotteamsim.scenario.sections import Network as NetworkSection
 
 Inboxes = list[tuple[Message, ...]]
-
-_NO_TRAFFIC = Traffic()
 
 
 class Links(NamedTuple):
@@ -84,19 +82,24 @@ class Delivery:
         self._generators: dict[int, np.random.Generator] = {}
 
     def step(
-        self, links: Links, outboxes: Sequence[Sequence[Message]], refused: tuple[Refusal, ...]
+        self,
+        network: NetworkState,
+        present: np.ndarray | None,
+        outboxes: Sequence[Sequence[Message]],
+        refused: tuple[Refusal, ...],
     ) -> tuple[Inboxes, Traffic]:
         """Take what was sent in the last step, carry all that is on its way, and return what arrives in this one."""
         self._step += 1
         if not self._is_instant:
+            links = Links(network.rssi_dbm, network.adjacency, network.hop_count, present)
             return self._carry(links, outboxes, refused)
         if not any(outboxes):
-            return [()] * self._num_robots, Traffic(refused=refused) if refused else _NO_TRAFFIC
-        inboxes = deliver_at_once(links.hop_count, outboxes)
+            return [()] * self._num_robots, Traffic(refused=refused) if refused else NO_TRAFFIC
+        inboxes = deliver_at_once(network.hop_count, outboxes)
         delivered = sum(map(len, inboxes))
         return inboxes, Traffic(
             delivered=delivered,
-            cut_off=self._num_copies(outboxes, links.present) - delivered,
+            cut_off=self._num_copies(outboxes, present) - delivered,
             mean_delay_s=self._step_ns / 1e9 if delivered else 0.0,
             refused=refused,
         )

@@ -52,6 +52,9 @@ class Traffic:
     refused: tuple[Refusal, ...] = ()
 
 
+NO_TRAFFIC = Traffic()
+
+
 class NetworkState(NamedTuple):
     """The network of n robots in one step. Arrays may be those of the step before, and are to be read only.
 
@@ -75,7 +78,7 @@ class NetworkState(NamedTuple):
     break_matrix: np.ndarray
     fiedler_value: float
     endangered: np.ndarray
-    traffic: Traffic = Traffic()
+    traffic: Traffic = NO_TRAFFIC
 
     @property
     def num_endangered(self) -> int:

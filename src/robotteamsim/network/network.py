@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.network.delivery import Delivery, Links
+from robotteamsim.network.delivery import Delivery
 from robotteamsim.network.graph import break_matrix
-from robotteamsim.network.messages import EVERYBODY, Message, NetworkState, Refusal
+from robotteamsim.network.messages import EVERYBODY, NO_TRAFFIC, Message, NetworkState, Refusal
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.sections import Network as NetworkSection
 
@@ -94,21 +94,19 @@ class Network:
             # What is kept from step to step is of the same robots.
             self._links, self._present = self._new_links(), present
         graph = self._graph(positions_m) if present is None else _among_all(self._graph(positions_m[present]), present)
-        rssi_dbm, _, adjacency, hops, *_ = graph
-        inboxes, traffic = self._delivery.step(Links(rssi_dbm, adjacency, hops, present), outboxes, refused)
-        return NetworkState(*graph, traffic), inboxes
+        state = NetworkState(*graph)
+        inboxes, traffic = self._delivery.step(state, present, outboxes, refused)
+        return state if traffic is NO_TRAFFIC else state._replace(traffic=traffic), inboxes
 
     def _graph(self, positions_m: np.ndarray) -> _Graph:
         """Return the links of robots at these positions, all of whom are there."""
         if not len(positions_m):
             return _NOBODY
-        field = self._radio_field
-        rssi_dbm, link, adjacency, hops, breaks, fiedler, endangered = self._links.step(
-            field.core_faces, field.core_model, positions_m
-        )
+        graph: _Graph = self._links.step(positions_m)
+        rssi_dbm, link, adjacency, hops, _, fiedler, endangered = graph
         if fiedler == 0.0:
-            breaks = break_matrix(link, hops)
-        return rssi_dbm, link, adjacency, hops, breaks, fiedler, endangered
+            return rssi_dbm, link, adjacency, hops, break_matrix(link, hops), fiedler, endangered
+        return graph
 
     def reset(self) -> None:
         """Forget the last links and messages on their way, as a new network."""
@@ -117,6 +115,8 @@ class Network:
 
     def _new_links(self) -> _core.TeamLinks:
         return _core.TeamLinks(
+            self._radio_field.core_faces,
+            self._radio_field.core_model,
             by_distance=self._section.link == "distance",
             lost_below_dbm=self._section.lost_below_dbm,
             max_distance_m=self._section.max_distance_m,

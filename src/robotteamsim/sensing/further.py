@@ -32,7 +32,8 @@ class FurtherSensors:
         self._lasers = {model: Laser(model, world) for model in lasers}
         sonars = dict.fromkeys(model for robot in self._robots for model in robot.sonars)
         self._sonars = {model: Sonar(model, world) for model in sonars}
-        self._has_any = bool(lasers or sonars or any(robot.gps for robot in self._robots))
+        self.has_any = bool(lasers or sonars or any(robot.gps for robot in self._robots))
+        """Whether any robot has one."""
         self.reset()
 
     def reset(self) -> None:
@@ -52,7 +53,7 @@ class FurtherSensors:
 
     def read(self) -> tuple[FurtherReadings, ...]:
         """Return every robot's further readings after the step that the world made last; () where none has any."""
-        if not self._has_any:
+        if not self.has_any:
             return ()
         positions_m, present = self._world.positions_m().tolist(), self._world.present
         return tuple(

@@ -27,7 +27,7 @@ class Laser:
         left_m, yaw_rad = (model.left_m, model.yaw_rad) if isinstance(model, MountedLaser) else (0.0, 0.0)
         self._model = model
         self._world = world
-        self._core = _core.Laser(
+        self.core = _core.Laser(
             world.core,
             beams=model.beams,
             angle_min_rad=yaw_rad + model.angle_min_rad,
@@ -39,13 +39,17 @@ class Laser:
             no_return_m=math.inf if as_rep_117 else model.range_max_m,
             left_m=left_m,
         )
+        """The C++ laser, for the sensors of a team."""
 
     def scan(self, robot_ids: Sequence[int], generators: Sequence[np.random.Generator]) -> np.ndarray:
         """Return the ranges that robots measure now, float32, shape (robots, beams), the first at angle_min [m].
 
         Args: generators: of each robot's noise; left alone where the model has none.
         """
-        noise_m = _NO_NOISE
+        return self.core.scan(self._world.core, robot_ids, self.noise_m(generators))
+
+    def noise_m(self, generators: Sequence[np.random.Generator]) -> np.ndarray:
+        """Draw the noise of a scan of each robot, float64, shape (robots, beams) [m]; empty where there is none."""
         if self._model.noise_m > 0.0:
-            noise_m = np.stack([each.normal(0.0, self._model.noise_m, self._model.beams) for each in generators])
-        return self._core.scan(self._world.core, robot_ids, noise_m)
+            return np.stack([each.normal(0.0, self._model.noise_m, self._model.beams) for each in generators])
+        return _NO_NOISE

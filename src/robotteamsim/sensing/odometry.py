@@ -48,10 +48,12 @@ class TeamOdometry:
         Args: omni: whether each robot is omnidirectional; none: none is.
         """
         alphas = [(model.alpha1, model.alpha2, model.alpha3, model.alpha4) for model in models]
-        self._core = _core.TeamOdometry(alphas, step_s, [False] * len(alphas) if omni is None else list(omni))
+        self.core = _core.TeamOdometry(alphas, step_s, [False] * len(alphas) if omni is None else list(omni))
+        """The C++ odometry, for the sensors of a team."""
         self._generators = list(generators)
         self._noise = np.empty((_STEPS_PER_DRAW, len(self._generators), 3))
-        self._steps_left = 0
+        self._noise_left: list[np.ndarray] = []
+        """Rows of it, the next one last."""
 
     def step(self, motions: np.ndarray, twists: np.ndarray) -> np.ndarray:
         """Return the readings after one more step, float64, shape (n, 16).
@@ -62,24 +64,24 @@ class TeamOdometry:
         Args: motions: the ways of the step, seen from where they began, shape (n, 3): x, y [m], yaw [rad].
               twists: their mean velocities, in `base_link`, shape (n, 3).
         """
-        return self._core.step(motions, twists, self._next_noise())
+        return self.core.step(motions, twists, self.next_noise())
 
     def follow(self, world: World) -> np.ndarray:
         """Return what `step` does, for the step that a world of as many robots made last."""
-        return self._core.follow(world.core, self._next_noise())
+        return self.core.follow(world.core, self.next_noise())
 
     def restart(self, robot_id: int, generator: np.random.Generator) -> None:
         """Begin a robot's odometry anew at (0, 0, 0), where it has come (again), with a generator of its own."""
-        self._core.restart(robot_id)
+        self.core.restart(robot_id)
         self._generators[robot_id] = generator
-        if self._steps_left:
-            self._noise[-self._steps_left :, robot_id] = generator.standard_normal((self._steps_left, 3))
+        if self._noise_left:
+            steps = len(self._noise_left)
+            self._noise[-steps:, robot_id] = generator.standard_normal((steps, 3))
 
-    def _next_noise(self) -> np.ndarray:
-        if not self._steps_left:
+    def next_noise(self) -> np.ndarray:
+        """Draw what one step takes, shape (n, 3)."""
+        if not self._noise_left:
             for robot_id, generator in enumerate(self._generators):
                 self._noise[:, robot_id] = generator.standard_normal((_STEPS_PER_DRAW, 3))
-            self._steps_left = _STEPS_PER_DRAW
-        noise = self._noise[_STEPS_PER_DRAW - self._steps_left]
-        self._steps_left -= 1
-        return noise
+            self._noise_left = list(self._noise[::-1])
+        return self._noise_left.pop()

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
+from robotteamsim import _core
 from robotteamsim.rng import stream
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.sensing.further import FurtherSensors
@@ -32,6 +31,8 @@ class RobotSensors:
             (Laser(model, world), [robot_id for robot_id, robot in enumerate(self._robots) if robot.laser == model])
             for model in models
         ]
+        noisy = any(model.noise_m > 0.0 for model in models)
+        self._no_noise_m = None if noisy else [laser.noise_m(()) for laser, _ in self._lasers]
         self._further = FurtherSensors(world, robots, seed)
         self.reset()
 
@@ -42,17 +43,15 @@ class RobotSensors:
         """
         if self._world.arrivals is not self._arrivals:
             self._begin_for_those_who_came()
-        ground_truth, positions_m, twists, in_contact, contact_angles_rad = self._world.core.readings()
-        return TeamReadings(
-            ground_truth=ground_truth,
-            positions_m=positions_m,
-            twists=twists,
-            odometry=self._odometry.follow(self._world),
-            ranges_m=self._scan(),
-            in_contact=in_contact,
-            contact_angles_rad=contact_angles_rad,
-            further=self._further.read(),
-        )
+        noise_m = self._no_noise_m
+        if noise_m is None:
+            kinds = zip(self._lasers, self._laser_streams, strict=True)
+            noise_m = [laser.noise_m(streams) for (laser, _), streams in kinds]
+        core = self._world.core
+        ground_truth, positions_m, twists, in_contact, angles_rad = core.readings()
+        odometry, ranges_m = self._core.read(core, self._odometry.next_noise(), noise_m)
+        further = self._further.read() if self._further.has_any else ()
+        return TeamReadings(ground_truth, positions_m, twists, odometry, ranges_m, in_contact, angles_rad, further)
 
     def reset(self) -> None:
         """Begin again as new, after `World.reset`: odometry at its origin, all random streams from their start."""
@@ -67,6 +66,9 @@ class RobotSensors:
             [stream(self._seed, "odometry", robot_id) for robot_id in range(len(self._robots))],
             [robot.drive.kind == "omni" for robot in self._robots],
         )
+        self._core = _core.TeamSensors(
+            self._odometry.core, [(laser.core, robot_ids) for laser, robot_ids in self._lasers]
+        )
 
     def _begin_for_those_who_came(self) -> None:
         arrivals = self._world.arrivals
@@ -79,17 +81,3 @@ class RobotSensors:
                         streams[robot_ids.index(robot_id)] = stream(self._seed, "laser", robot_id, *again)
                 self._further.restart(robot_id, again)
         self._arrivals = arrivals
-
-    def _scan(self) -> Sequence[np.ndarray] | np.ndarray:
-        """Return the scan of every robot, in id order; of robots of one kind as one array."""
-        scans = [
-            laser.scan(robot_ids, streams)
-            for (laser, robot_ids), streams in zip(self._lasers, self._laser_streams, strict=True)
-        ]
-        if len(scans) == 1:
-            return scans[0]
-        ranges_m: list[np.ndarray] = [np.empty(0)] * len(self._robots)
-        for (_, robot_ids), team_scans in zip(self._lasers, scans, strict=True):
-            for robot_id, scan in zip(robot_ids, team_scans, strict=True):
-                ranges_m[robot_id] = scan
-        return ranges_m

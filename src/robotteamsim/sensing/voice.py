@@ -33,6 +33,8 @@ class VoiceSensor:
         self._asked: Collection[str] | None = None
         """The names that were asked to be silent last, while they are."""
         self._map: FieldMap | None = None
+        self._ear: _core.VoiceEar | None = None
+        """That hears by this map."""
         self._changes = 0
         for victim in victims:
             self.set_victim(victim.name, victim.position)
@@ -60,15 +62,12 @@ class VoiceSensor:
 
     def read_team(self, positions_m: np.ndarray) -> tuple[VoiceReading, ...]:
         """Return what `read` does for the position of each robot, shape (n, 2)."""
-        voice_map = self.map()
-        readings: tuple[VoiceReading, ...] = _core.hear(
-            voice_map.origin_m,
-            voice_map.resolution_m,
-            voice_map.values,
-            positions_m,
-            self._voice.local_best_radius_m,
-            VoiceReading,
-        )
+        if self._ear is None:
+            voice_map, radius_m = self.map(), self._voice.local_best_radius_m
+            self._ear = _core.VoiceEar(
+                voice_map.origin_m, voice_map.resolution_m, voice_map.values, radius_m, VoiceReading
+            )
+        readings: tuple[VoiceReading, ...] = self._ear.hear(positions_m)
         return readings
 
     def silence(self, name: str) -> None:
@@ -119,5 +118,5 @@ class VoiceSensor:
             self._change()
 
     def _change(self) -> None:
-        self._map = None
+        self._map = self._ear = None
         self._changes += 1

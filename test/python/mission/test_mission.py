@@ -340,6 +340,14 @@ def test_places_are_reached_by_the_nearest_robot_within_reach_the_first_of_equal
         apart_m = np.hypot(*(places_m[:, None] - points_m[None]).transpose(2, 0, 1))
         expected = [(place, int(np.argmin(row))) for place, row in enumerate(apart_m) if row.min() <= reaches_m[place]]
         assert _core.reached(points_m, places_m, reaches_m) == expected
+        assert _core.reached(points_m.tolist(), np.asfortranarray(places_m), reaches_m.astype(np.float32)) == expected
+
+
+def test_places_that_are_no_numbers_are_refused():
+    with pytest.raises(TypeError, match="incompatible function arguments"):
+        _core.reached([["here", "there"]], np.zeros((1, 2)), np.zeros(1))
+    with pytest.raises(ValueError, match="must have shape"):
+        _core.reached(np.zeros((1, 3)), np.zeros((1, 2)), np.zeros(1))
 
 
 def test_robots_that_go_and_come_are_events(course):

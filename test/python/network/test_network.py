@@ -49,6 +49,16 @@ def test_link_is_endangered_between_the_two_thresholds():
     assert state.num_endangered == 2
 
 
+def test_endangered_links_are_the_same_object_until_one_comes_or_goes():
+    network = _network()
+    weak = np.array([[0.0, 5.0], [20.0, 5.0], [50.0, 5.0]])
+    first, moved, nearer = (network.step(weak - shift, _SILENT)[0] for shift in ([0, 0], [0.001, 0], [0, 0]))
+    assert first.endangered is moved.endangered is nearer.endangered
+    gone, _ = network.step(weak * [0.1, 1.0], _SILENT)
+    assert not gone.endangered.any()
+    assert first.endangered.any()
+
+
 def test_lost_link_is_not_endangered():
     state, _ = _network().step(_IN_A_ROW, _SILENT)
     assert not state.endangered[0, 2]

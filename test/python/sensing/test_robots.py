@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.rng import stream
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot, Run
+from robotteamsim.sensing.laser import Laser as LaserSensor
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
@@ -107,3 +109,18 @@ def test_further_robot_leaves_the_drift_of_others_alone():
     two = run(team(count=2, laser=without_laser_noise), steps=10)[2]
     three = run(team(count=3, laser=without_laser_noise), steps=10)[2]
     assert [readings[1].odometry for readings in two] == [readings[1].odometry for readings in three]
+
+
+def test_lasers_of_several_kinds_scan_each_as_by_itself_in_the_order_of_robots():
+    kinds = (Laser(noise_m=0.0), Laser(beams=7, range_max_m=3.0, noise_m=0.02))
+    robots = [
+        robot.model_copy(update={"laser": kinds[i]}) for robot, i in zip(team(count=4), (1, 0, 1, 0), strict=True)
+    ]
+    world, sensors, _ = run(robots, steps=0)
+    noise = {i: stream(1, "laser", i) for i in range(4)}
+    for _ in range(3):
+        world.step([Twist(0.5)] * 4)
+        scans = [reading.ranges_m for reading in sensors.read()]
+        alone = [LaserSensor(robot.laser, world).scan([i], [noise[i]])[0] for i, robot in enumerate(robots)]
+        assert [len(scan) for scan in scans] == [7, 181, 7, 181]
+        assert all(np.array_equal(scan, expected) for scan, expected in zip(scans, alone, strict=True))
