@@ -115,48 +115,12 @@ py::object NearestPlace(const Point& position, const py::list& places) {
   return nearest;
 }
 
-bool IsFinite(PyObject* number) { return PyFloat_CheckExact(number) && std::isfinite(PyFloat_AS_DOUBLE(number)); }
-
-bool IsWhole(PyObject* number, long least, long most) {
-  if (!PyLong_CheckExact(number)) return false;
-  int overflow = 0;
-  const long value = PyLong_AsLongAndOverflow(number, &overflow);
-  return overflow == 0 && least <= value && value <= most;
-}
-
-bool AreFinite(PyObject* tuple, Py_ssize_t count) {
-  if (PyTuple_GET_SIZE(tuple) != count) return false;
-  for (Py_ssize_t i = 0; i < count; ++i) {
-    if (!IsFinite(PyTuple_GET_ITEM(tuple, i))) return false;
-  }
-  return true;
-}
-
-// Whether a decision is of its class, a named tuple of 8, with a twist of its own, sends nothing, and holds plain and
-// finite values in their ranges. Most are and do, and this is asked of every robot in every step.
-bool IsPlainDecision(py::handle decision, py::handle decision_class, py::handle twist_class) {
-  PyObject* const told = decision.ptr();
-  if (Py_TYPE(told) != reinterpret_cast<PyTypeObject*>(decision_class.ptr()) || PyTuple_GET_SIZE(told) != 8) {
-    return false;
-  }
-  PyObject* const twist = PyTuple_GET_ITEM(told, 0);
-  if (Py_TYPE(twist) != reinterpret_cast<PyTypeObject*>(twist_class.ptr()) || !AreFinite(twist, 3)) return false;
-  PyObject *const outbox = PyTuple_GET_ITEM(told, 1), *const goal = PyTuple_GET_ITEM(told, 3);
-  if (!PyTuple_CheckExact(outbox) || PyTuple_GET_SIZE(outbox) != 0) return false;
-  if (goal != Py_None && !(PyTuple_CheckExact(goal) && AreFinite(goal, 2))) return false;
-  constexpr long kLargest = 2147483647;  // messages of ROS have 32 bits for it
-  return PyBool_Check(PyTuple_GET_ITEM(told, 2)) && PyFloat_CheckExact(PyTuple_GET_ITEM(told, 4)) &&
-         IsWhole(PyTuple_GET_ITEM(told, 5), 0, kLargest) && IsWhole(PyTuple_GET_ITEM(told, 6), -1, kLargest) &&
-         PyUnicode_CheckExact(PyTuple_GET_ITEM(told, 7));
-}
-
 }  // namespace
 
 void BindControl(py::module_& m) {
   BindNavigator(m);
   m.def("json_text", &JsonText, py::arg("value"));
   m.def("nearest_place", &NearestPlace, py::arg("position_m"), py::arg("places_m"));
-  m.def("is_plain_decision", &IsPlainDecision);
   m.def(
       "farthest_from",
       [](const Doubles& points_m, const Point& place_m, const Doubles& candidates_m) {

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <string_view>
 
@@ -13,42 +14,48 @@ namespace py = pybind11;
 namespace robotteamsim::bindings {
 namespace {
 
-// The shortest digits that tell a finite number from all others, as in 1.25e+02.
-std::string ShortestDigits(double number) {
+// Long enough for the shortest digits of any number, as in -2.2250738585072014e-308.
+using Digits = std::array<char, 32>;
+
+// Writes the shortest digits that tell a finite number from all others, as in 1.25e+02; returns their end.
+char* WriteShortest(double number, Digits* text) {
 #ifdef __cpp_lib_to_chars
-  std::array<char, 32> text;
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::scientific);
-  return {text.data(), result.ptr};
+  return std::to_chars(text->data(), text->data() + text->size(), number, std::chars_format::scientific).ptr;
 #else
   for (int digits = 0;; ++digits) {
-    const std::unique_ptr<char, decltype(&PyMem_Free)> text(PyOS_double_to_string(number, 'e', digits, 0, nullptr),
-                                                            &PyMem_Free);
-    if (digits == 16 || std::strtod(text.get(), nullptr) == number) return text.get();
+    const std::unique_ptr<char, decltype(&PyMem_Free)> tried(PyOS_double_to_string(number, 'e', digits, 0, nullptr),
+                                                             &PyMem_Free);
+    if (digits < 16 && std::strtod(tried.get(), nullptr) != number) continue;
+    return std::copy_n(tried.get(), std::strlen(tried.get()), text->data());
   }
 #endif
 }
 
 // As repr writes it: plain, unless it is below 1e-4 or has more than 16 digits before the point.
 void AppendFinite(double number, std::string* text) {
-  const std::string shortest = ShortestDigits(std::abs(number));
-  const std::size_t mark = shortest.find('e');
-  const int exponent = std::atoi(shortest.c_str() + mark + 1);
-  std::string digits = shortest.substr(0, mark);
-  digits.erase(std::remove(digits.begin(), digits.end(), '.'), digits.end());
-  const int num_digits = static_cast<int>(digits.size());
+  Digits shortest;
+  char* const end = WriteShortest(std::abs(number), &shortest);
+  char* const mark = std::find(shortest.data(), end, 'e');
+  int exponent = 0;
+  for (const char* digit = mark + 2; digit != end; ++digit) exponent = 10 * exponent + (*digit - '0');
+  if (mark[1] == '-') exponent = -exponent;
   if (std::signbit(number)) *text += '-';
   if (exponent < -4 || exponent >= 16) {
-    text->append(shortest, 0, mark);
-    *text += exponent < 0 ? "e-" : "e+";
-    if (std::abs(exponent) < 10) *text += '0';
-    *text += std::to_string(std::abs(exponent));
-  } else if (exponent < 0) {
-    text->append("0.").append(static_cast<std::size_t>(-exponent - 1), '0').append(digits);
+    text->append(shortest.data(), end);
+    return;
+  }
+  // Without the point, which is after the first digit if there is one.
+  char* const digits_end =
+      mark - shortest.data() > 1 ? std::copy(shortest.data() + 2, mark, shortest.data() + 1) : mark;
+  const auto num_digits = static_cast<int>(digits_end - shortest.data());
+  if (exponent < 0) {
+    text->append("0.").append(static_cast<std::size_t>(-exponent - 1), '0').append(shortest.data(), digits_end);
   } else if (num_digits <= exponent + 1) {
-    text->append(digits).append(static_cast<std::size_t>(exponent + 1 - num_digits), '0').append(".0");
+    text->append(shortest.data(), digits_end);
+    text->append(static_cast<std::size_t>(exponent + 1 - num_digits), '0').append(".0");
   } else {
-    text->append(digits, 0, static_cast<std::size_t>(exponent + 1)) += '.';
-    text->append(digits, static_cast<std::size_t>(exponent + 1), std::string::npos);
+    text->append(shortest.data(), shortest.data() + exponent + 1) += '.';
+    text->append(shortest.data() + exponent + 1, digits_end);
   }
 }
 
@@ -130,6 +137,7 @@ void Append(py::handle value, std::string* text) {
 
 std::string JsonText(py::handle value) {
   std::string text;
+  text.reserve(512);
   Append(value, &text);
   return text;
 }

@@ -1,4 +1,4 @@
-// Floor 0: tuples with names, made and read in every step by every robot.
+// Tuples with names, made and read in every step by every robot: decisions and poses.
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -57,6 +57,46 @@ PyObject* ToPose(PyObject* /*module*/, PyObject* const* args, Py_ssize_t num_arg
   return made;
 }
 
+bool IsFinite(PyObject* number) { return PyFloat_CheckExact(number) && std::isfinite(PyFloat_AS_DOUBLE(number)); }
+
+bool IsWhole(PyObject* number, long least, long most) {
+  if (!PyLong_CheckExact(number)) return false;
+  int overflow = 0;
+  const long value = PyLong_AsLongAndOverflow(number, &overflow);
+  return overflow == 0 && least <= value && value <= most;
+}
+
+bool AreFinite(PyObject* tuple, Py_ssize_t count) {
+  if (PyTuple_GET_SIZE(tuple) != count) return false;
+  for (Py_ssize_t i = 0; i < count; ++i) {
+    if (!IsFinite(PyTuple_GET_ITEM(tuple, i))) return false;
+  }
+  return true;
+}
+
+// Whether a decision is of its class, a named tuple of 8, with a twist of its own, sends nothing, and holds plain and
+// finite values in their ranges. Most are and do, and this is asked of every robot in every step.
+bool IsPlainDecision(PyObject* told, PyObject* decision_class, PyObject* twist_class) {
+  if (Py_TYPE(told) != reinterpret_cast<PyTypeObject*>(decision_class) || PyTuple_GET_SIZE(told) != 8) {
+    return false;
+  }
+  PyObject* const twist = PyTuple_GET_ITEM(told, 0);
+  if (Py_TYPE(twist) != reinterpret_cast<PyTypeObject*>(twist_class) || !AreFinite(twist, 3)) return false;
+  PyObject *const outbox = PyTuple_GET_ITEM(told, 1), *const goal = PyTuple_GET_ITEM(told, 3);
+  if (!PyTuple_CheckExact(outbox) || PyTuple_GET_SIZE(outbox) != 0) return false;
+  if (goal != Py_None && !(PyTuple_CheckExact(goal) && AreFinite(goal, 2))) return false;
+  constexpr long kLargest = 2147483647;  // messages of ROS have 32 bits for it
+  return PyBool_Check(PyTuple_GET_ITEM(told, 2)) && PyFloat_CheckExact(PyTuple_GET_ITEM(told, 4)) &&
+         IsWhole(PyTuple_GET_ITEM(told, 5), 0, kLargest) && IsWhole(PyTuple_GET_ITEM(told, 6), -1, kLargest) &&
+         PyUnicode_CheckExact(PyTuple_GET_ITEM(told, 7));
+}
+
+// is_plain_decision(decision, class of decisions, class of twists)
+PyObject* AskIfPlain(PyObject* /*module*/, PyObject* const* args, Py_ssize_t num_args) {
+  if (num_args != 3) return Refuse("wanted a decision, the class of decisions, and that of twists");
+  return PyBool_FromLong(IsPlainDecision(args[0], args[1], args[2]) ? 1 : 0);
+}
+
 template <typename Function>
 PyMethodDef MethodOf(const char* name, Function* function) {
   return {name, reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(function)), METH_FASTCALL, nullptr};
@@ -65,7 +105,8 @@ PyMethodDef MethodOf(const char* name, Function* function) {
 }  // namespace
 
 void BindTupleCalls(py::module_& m) {
-  static std::array<PyMethodDef, 3> functions{MethodOf("as_tuple", &AsTuple), MethodOf("to_pose", &ToPose),
+  static std::array<PyMethodDef, 4> functions{MethodOf("as_tuple", &AsTuple), MethodOf("to_pose", &ToPose),
+                                              MethodOf("is_plain_decision", &AskIfPlain),
                                               PyMethodDef{nullptr, nullptr, 0, nullptr}};
   if (PyModule_AddFunctions(m.ptr(), functions.data()) != 0) throw py::error_already_set();
 }

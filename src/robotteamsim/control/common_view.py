@@ -32,6 +32,7 @@ class CommonView:
     positions: of the robots in `map` [m], likewise.
     states:    each swarm's memory, as its member of the lowest id has it.
     doors:     all that the reports say of doors.
+    verdicts:  what `Membership` made of it: who goes to which swarm, and the swarms' memories.
     """
 
     def __init__(self, reports: tuple[Report, ...]) -> None:
@@ -46,6 +47,7 @@ class CommonView:
             self.values.setdefault(report.swarm_id, {})[report.robot_id] = report.value
             self.positions.setdefault(report.swarm_id, {})[report.robot_id] = report.position
         self.doors = tuple(dict.fromkeys(sighting for report in reports for sighting in report.doors))
+        self.verdicts: dict[tuple[object, ...], tuple[dict[int, int], dict[int, SwarmState]]] = {}
         self._comparable: dict[tuple[object, ...], tuple[_core.HeardNotes, dict[int, Bests]]] = {}
 
     def comparable(self, own: Report) -> tuple[_core.HeardNotes, dict[int, Bests]]:

@@ -32,6 +32,9 @@ class Membership:
         self._enabled = exclusion.enabled
         self._rules = ExclusionRules(exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots)
         self._swarms = swarms
+        limits = exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots
+        self._settings = self._seed, *limits, swarms.min, swarms.max, swarms.new_robots
+        """All that a verdict depends on, but for reports."""
         self.swarm_id = robot_id * swarms.initial // num_robots
         """OUTSIDE where it is excluded."""
         self.state = SwarmState()
@@ -49,10 +52,21 @@ class Membership:
               improved: swarms that improved their best; OUTSIDE in it where the excluded did.
               in_use: numbers of all swarms known of, heard in this iteration or before.
         """
+        if not self._enabled:
+            return
+        # Those who share a view come to the same verdict, so one of them finds it for all.
+        key = self._settings, tuple(improved), frozenset(in_use)
+        if key not in view.verdicts:
+            view.verdicts[key] = self._verdict(iteration, view, improved, in_use)
+        moves, states = view.verdicts[key]
+        self._move(moves.get(self._robot_id, self.swarm_id), states)
+
+    def _verdict(
+        self, iteration: int, view: CommonView, improved: Collection[int], in_use: Collection[int]
+    ) -> tuple[dict[int, int], dict[int, SwarmState]]:
+        """Return who goes to which swarm, and the swarms' memories."""
         swarms: dict[int, Values] = dict(view.values)
         outside = swarms.pop(OUTSIDE, {})
-        if not self._enabled or not (swarms or outside):
-            return
         moves: dict[int, int] = {}
         # Swarms that were not heard now may still be there.
         taken = {*swarms, *in_use} - {OUTSIDE}
@@ -72,7 +86,7 @@ class Membership:
         if OUTSIDE in improved:
             asking.append(len(outside))
         self._found(iteration, asking, outside, moves, num_swarms, taken)
-        self._move(moves.get(self._robot_id, self.swarm_id), states)
+        return moves, states
 
     def _dissolved_or_not(self, verdict: Verdict, num_swarms: int) -> tuple[Verdict, int]:
         """Let a swarm that all leave go, or begin anew where too few swarms would be left."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Sequence
 from operator import attrgetter
 
@@ -18,6 +17,7 @@ from robotteamsim.control.link_keeper import LinkKeeper
 from robotteamsim.control.local_best import find_local_best
 from robotteamsim.control.localisation import Localiser, body_of
 from robotteamsim.control.membership import Membership
+from robotteamsim.control.momentum import Momentum
 from robotteamsim.control.navigation import Navigator
 from robotteamsim.control.report import Best, Report, parse_report, reports_in
 from robotteamsim.control.ruled_out import RuledOut
@@ -34,7 +34,6 @@ from robotteamsim.swarm import (
     Weights,
     limit_speed,
     memory_coefficients,
-    memory_term,
     next_position,
     next_velocity,
 )
@@ -71,7 +70,6 @@ class RdpsoController:
         self._scenario = scenario
         self._control = control
         self._iteration_ns = round(control.iteration_s * 1e9)
-        self._patience_ns = round(PATIENCE * control.iteration_s * 1e9)
         self._radius_m = body.reach_m
         self._localiser = Localiser(robot_id, scenario)
         self._doors = DoorBeliefs(scenario.plan, body.laser)
@@ -82,10 +80,11 @@ class RdpsoController:
         self._links = LinkKeeper(scenario)
         self._ruled_out = RuledOut(scenario)
         self._membership = Membership(robot_id, scenario)
-        self._memory = self.memory(control)
+        self._momentum = Momentum(self.memory(control))
         self._rng = own_stream(scenario, "rdpso", robot_id, arrival)
         self._wander = Wander(own_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps)
 
+        # Python keeps up to 30 attributes in the object itself; of one with more, it looks each up in a dictionary.
         self._observation: Observation | None = None
         self._task = Task()
         self._team: dict[int, Report] = {}
@@ -97,9 +96,6 @@ class RdpsoController:
         self._reported_ns = 0
         self._known_best: Best | None = None
         self._local_best: Best | None = None
-        self._velocities: deque[Vector] = deque(maxlen=len(self._memory))
-        """What the robot really moved in the last iterations, newest first [m per iteration]."""
-        self._last_position: Vector | None = None
         self._goal: Vector | None = None
         self._speed_mps = control.max_step_speed_mps
         self._told = self._what_is_told()
@@ -113,7 +109,8 @@ class RdpsoController:
         """Take in what the robot perceives, the messages that arrived, and the mission's task."""
         self._observation, self._task = observation, task
         if inbox:
-            self._team |= {report.robot_id: report for report in reports_in(inbox)}
+            reports = tuple(reports_in(inbox))
+            self._team.update(zip(map(_ROBOT_ID, reports), reports, strict=True))
             self._team.pop(self._robot_id, None)
 
     def decide(self) -> Decision:
@@ -147,7 +144,7 @@ class RdpsoController:
     def _has_waited_enough(self, own: Report) -> bool:
         """Whether all that reported in the last iteration have reported in this one, or patience is at its end."""
         assert self._observation is not None
-        if self._observation.sim_time_ns - self._reported_ns >= self._patience_ns:
+        if self._observation.sim_time_ns - self._reported_ns >= round(PATIENCE * self._control.iteration_s * 1e9):
             return True
         return own.iteration - 1 not in map(_ITERATION, self._team.values())
 
@@ -181,25 +178,26 @@ class RdpsoController:
     def _choose_next_point(self, pose: Pose, ranges_m: np.ndarray, own: Report) -> None:
         """Phase 2: share the bests, judge the swarm, and set the goal to x[t+1]."""
         position = (pose.x_m, pose.y_m)
-        reports = [own, *[report for report in self._team.values() if report.iteration == own.iteration]]
-        view = common_view(tuple(sorted(reports, key=_ROBOT_ID)))
+        iteration = own.iteration
+        reports = [own, *[report for report in self._team.values() if report.iteration == iteration]]
+        reports.sort(key=_ROBOT_ID)
+        view = common_view(tuple(reports))
         bests = self._share_bests(own, view)
-        in_use = {own.swarm_id, *map(_SWARM_ID, self._team.values())}
+        in_use = set(view.values)
+        if len(reports) <= len(self._team):
+            in_use.update(map(_SWARM_ID, self._team.values()))
         improved = [swarm_id for swarm_id, (_, has_improved) in bests.items() if has_improved]
-        self._membership.judge(own.iteration, view, improved, in_use)
+        self._membership.judge(iteration, view, improved, in_use)
         # A new swarm begins with what the excluded know.
         self._known_best, _ = bests.get(self._membership.swarm_id) or bests.get(OUTSIDE) or (None, False)
         self._doors.hear(view.doors)
         self._update_map()
         if self._membership.excluded or self._known_best is None or self._local_best is None:
-            self._goal = self._last_position = None
-            self._velocities.clear()
+            self._goal = None
+            self._momentum.forget()
             return
         self._wander.stop()
-        # A blocked robot must not remember a velocity that it never had.
-        if self._last_position is not None:
-            self._velocities.appendleft((position[0] - self._last_position[0], position[1] - self._last_position[1]))
-        self._last_position = position
+        self._momentum.note(position)
         step_m = self._control.max_step_speed_mps * self._control.iteration_s
         velocity = limit_speed(self._next_velocity(position, pose, ranges_m, view), step_m)
         self._goal = next_position(position, velocity)
@@ -256,8 +254,7 @@ class RdpsoController:
             communication=position if c4 == 0.0 else self._along_path(position, x_cb),
         )
         weights = Weights(self._control.c1, self._control.c2, self._control.c3, c4)
-        inertia = memory_term(self._memory, self._velocities)
-        return next_velocity(position, inertia, attractors, weights, self._rng)
+        return next_velocity(position, self._momentum.term(), attractors, weights, self._rng)
 
     def _along_path(self, position: Vector, place: Vector) -> Vector:
         """Return a place as the path to it begins: at the path's length, in the direction of its first stretch."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 
 import pytest
@@ -51,8 +52,12 @@ def iterate(team: list[Membership], iteration: int, improved: set[int], heard: t
         for i in heard
     }
     in_use = {member.swarm_id for member in team}
+    shared = CommonView(tuple(reports.values()))
     for i in heard:
-        team[i].judge(iteration, CommonView(tuple(reports.values())), improved, in_use)
+        alone = copy.copy(team[i])
+        alone.judge(iteration, CommonView(tuple(reports.values())), improved, in_use)
+        team[i].judge(iteration, shared, improved, in_use)
+        assert (team[i].swarm_id, team[i].state) == (alone.swarm_id, alone.state)
 
 
 def ids(team: list[Membership]) -> list[int]:
@@ -62,6 +67,14 @@ def ids(team: list[Membership]) -> list[int]:
 def test_robots_are_dealt_to_swarms_in_runs_of_equal_length(members):
     assert ids(members(control())) == [0, 0, 0, 1, 1, 1]
     assert ids(members(control(initial=1))) == [0] * NUM
+
+
+def test_verdict_of_a_team_with_other_rules_is_its_own(members):
+    teams = [members(control(sc_max=1)), members(control(sc_max=3))]
+    view = CommonView((Report(2, 0, 1, (0.0, 0.0), None, Best(-2.0, (0.0, 0.0)), None, 0, SwarmState()),))
+    for team in teams:
+        team[2].judge(0, view, (), {0})
+    assert [team[2].swarm_id for team in teams] == [OUTSIDE, 0]
 
 
 def test_swarm_without_success_excludes_its_worst_and_the_other_stays(members):
