@@ -16,6 +16,9 @@ MAX_SIDE_M = 1000.0
 MAX_COORDINATE_M = 999_000.0
 """The exact sums of propagation reach to 1000 km; walls and cells stick out of the bounds a little."""
 
+MIN_AREA_M2 = 1e-6
+"""Of a block: a square millimetre."""
+
 MIN_SWING_RAD = 0.1
 """A leaf that swings by less than this closes nothing."""
 
@@ -79,10 +82,12 @@ class Block(Model):
     @model_validator(mode="after")
     def _check(self) -> Block:
         outline = shapely.Polygon(self.polygon)
-        if outline.area < 1e-6:
-            raise wrong("polygon", "encloses no area")
+        if outline.convex_hull.area < MIN_AREA_M2:  # that of an outline which crosses itself may be 0 by its signs
+            raise wrong("polygon", f"encloses no area: its corners lie on a line through {_place(*self.polygon[0])}")
         if not outline.is_valid:
             raise wrong("polygon", f"crosses or touches itself at {_where_invalid(outline)}")
+        if outline.area < MIN_AREA_M2:
+            raise wrong("polygon", f"encloses no area at {_place(*self.polygon[0])}")
         return self
 
 
@@ -184,16 +189,20 @@ class FloorPlan(Model):
             points = element.polygon if isinstance(element, Block) else (element.start, element.end)
             for point in points:
                 if not self.bounds.contains(point):
-                    raise wrong(place, f"[{point[0]:g}, {point[1]:g}] lies outside the bounds {self.bounds}")
+                    raise wrong(place, f"{_place(*point)} lies outside the bounds {self.bounds}")
         return self
 
 
 def _where_invalid(outline: shapely.Polygon) -> str:
     """Return the point that GEOS says last: "Self-intersection[2 6.5]" gives "[2, 6.5]"."""
     x, y = shapely.is_valid_reason(outline).rpartition("[")[2].rstrip("]").split()
-    return f"[{float(x):g}, {float(y):g}]"
+    return _place(float(x), float(y))
+
+
+def _place(x: float, y: float) -> str:
+    return f"[{x:g}, {y:g}]"
 
 
 def _check_segment(start: Point, end: Point) -> None:
     if start == end:
-        raise wrong("to", f"[{end[0]:g}, {end[1]:g}] is the point of 'from' too")
+        raise wrong("to", f"{_place(*end)} is the point of 'from' too")

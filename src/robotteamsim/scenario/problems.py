@@ -13,6 +13,8 @@ from pydantic.fields import FieldInfo
 from robotteamsim.scenario.base import Model
 from robotteamsim.scenario.yaml_text import shown
 
+_Detail = dict[str, Any]
+
 
 @dataclass(frozen=True, slots=True)
 class Problem:
@@ -31,7 +33,15 @@ def problems(error: ValidationError, root: type[Model], data: Any = None) -> lis
     Args: data: what was validated; items of its lists that have a name are called by it.
     """
     details = sorted(map(dict, error.errors(include_url=False)), key=lambda detail: detail["type"] != "extra_forbidden")
-    return [_problem(detail, root, data) for detail in details]
+    return [_problem(detail, root, data) for detail in details if not _only_lacks_wrong_items(detail, details)]
+
+
+def _only_lacks_wrong_items(detail: _Detail, details: Sequence[_Detail]) -> bool:
+    """Whether a list is called too short because pydantic does not count its wrong items, which are told themselves."""
+    place = detail["loc"]
+    return detail["type"] == "too_short" and any(
+        len(other["loc"]) > len(place) and other["loc"][: len(place)] == place for other in details
+    )
 
 
 def suggestion(name: str, known: Sequence[str]) -> str:
@@ -39,8 +49,6 @@ def suggestion(name: str, known: Sequence[str]) -> str:
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
     return f"; did you mean '{near[0]}'?" if near else ""
 
-
-_Detail = dict[str, Any]
 
 _TEXTS: dict[str, Callable[[_Detail, _Detail], str]] = {
     "greater_than": lambda d, ctx: f"{shown(d['input'])} is not above {ctx['gt']:g}",
