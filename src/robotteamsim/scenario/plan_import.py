@@ -111,6 +111,17 @@ def solid_pieces(
     return walls, blocks
 
 
+def read_image(path: Path) -> np.ndarray | None:
+    """Return the pixels of an image; None: it cannot be read. OpenCV's own lines about that are kept from stderr."""
+    level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    try:
+        return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    except cv2.error:  # a header that promises billions of pixels
+        return None
+    finally:
+        cv2.utils.logging.setLogLevel(level)
+
+
 def _read_settings(path: Path) -> MapFile:
     data = read_mapping(path, str(path), "the yaml of a map")
     try:
@@ -138,10 +149,7 @@ def _read_cells(path: Path, settings: MapFile) -> tuple[np.ndarray, np.ndarray]:
     image_path = path.parent / settings.image
     if not is_file(image_path):
         raise ScenarioError(f"{path}: image: there is no file {shown(settings.image)}")
-    try:
-        image = cv2.imread(str(image_path), cv2.IMREAD_UNCHANGED)
-    except cv2.error:  # a header that promises billions of pixels
-        image = None
+    image = read_image(image_path)
     if image is None or min(image.shape[:2]) < 3:
         raise ScenarioError(f"{path}: image: '{settings.image}' cannot be read as an image")
     if image.dtype not in (np.uint8, np.uint16):

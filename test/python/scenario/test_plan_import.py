@@ -262,6 +262,14 @@ def test_wrong_map_yaml_is_refused_with_its_exact_message(tmp_path: Path, settin
     assert str(raised.value) == f"{path}: {message}"
 
 
+def test_image_that_breaks_off_is_refused_without_further_words(tmp_path: Path, capfd: pytest.CaptureFixture) -> None:
+    path = _write(tmp_path, _room(), "image: half.pgm")
+    (tmp_path / "half.pgm").write_bytes(b"P5\n60 40\n255\n" + bytes(100))
+    with pytest.raises(ScenarioError, match=r"image: 'half\.pgm' cannot be read as an image$"):
+        import_map(path)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_missing_or_empty_map_yaml_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=r"nowhere.yaml: there is no such file"):
         import_map(tmp_path / "nowhere.yaml")

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 import shapely
 from pydantic import ValidationError
@@ -14,7 +13,7 @@ from pydantic import ValidationError
 from robotteamsim.scenario.body import MAX_CORNERS
 from robotteamsim.scenario.floor_plan import Block, Wall
 from robotteamsim.scenario.plan import Corners, counter_clockwise, wall_corners
-from robotteamsim.scenario.plan_import import solid_pieces, without_corner_contacts
+from robotteamsim.scenario.plan_import import read_image, solid_pieces, without_corner_contacts
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.stage.values import Notes, Pose2, Values, compose, tidy
 from robotteamsim.scenario.stage.world_file import Entity
@@ -155,10 +154,7 @@ class SolidReader:
         path = self._folder / file
         if not is_file(path):
             raise place.wrong(f"bitmap: there is no file {shown(file)}")
-        try:
-            image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-        except cv2.error:  # a header that promises billions of pixels
-            image = None
+        image = read_image(path)
         if image is None or image.dtype not in (np.uint8, np.uint16):
             raise place.wrong(f"bitmap: '{file}' cannot be read as an image")
         if image.dtype == np.uint16:
