@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -29,6 +30,11 @@ _PAGE_INCHES = (12.0, 6.6)
 
 _AROUND_INCHES = (0.7, 0.8)
 """What labels take around each map."""
+
+_TITLE_LETTERS_PER_INCH = 12
+"""Of a panel's title, which is broken where it is wider than its map."""
+
+_TITLE_LINE_INCHES = 0.17
 
 _SLIVER_CELLS = 3
 """Rays between pieces of furniture get no contour where they are under half of this wide."""
@@ -101,13 +107,18 @@ def draw_fields(panels: Sequence[Panel], style: FieldStyle, title: str) -> Figur
     """
     rows, columns, scale = _layout(panels)
     width_m, height_m = _largest_size(panels)
-    size = columns * (width_m * scale + _AROUND_INCHES[0]) + 1.5, rows * (height_m * scale + _AROUND_INCHES[1]) + 0.4
+    titles = [textwrap.fill(panel.title, round(width_m * scale * _TITLE_LETTERS_PER_INCH)) for panel in panels]
+    above_inches = max(text.count("\n") for text in titles) * _TITLE_LINE_INCHES if len(panels) > 1 else 0.0
+    around_inches = np.add(_AROUND_INCHES, (0.0, above_inches))
+    size = columns * (width_m * scale + around_inches[0]) + 1.5, rows * (height_m * scale + around_inches[1]) + 0.4
     figure = Figure(figsize=size, dpi=120, layout="compressed")
     all_axes = figure.subplots(rows, columns, squeeze=False)
     for axes in all_axes.flat[len(panels) :]:
         axes.remove()
     used = list(all_axes.flat[: len(panels)])
     images = [_draw_panel(axes, panel, style) for axes, panel in zip(used, panels, strict=True)]
+    for axes, text in zip(used, titles, strict=True):
+        axes.set_title(text, loc="left", fontsize=10)
     bar = figure.colorbar(images[0], ax=used, shrink=0.92, pad=0.02, aspect=30)
     _mark_levels(bar, style)
     if len(panels) == 1:
@@ -154,7 +165,6 @@ def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle) -> AxesImage:
         _draw_spot(axes, spot, _is_named_to_the_left(spot, panel.plan))
     axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), xlabel="x [m]", ylabel="y [m]", aspect="equal")
     axes.spines[:].set_visible(False)
-    axes.set_title(panel.title, loc="left", fontsize=10)
     return image
 
 

@@ -164,7 +164,8 @@ def _variants(options: argparse.Namespace) -> list[_Variant]:
     if options.out and options.out.suffix != ".npz":
         raise UsageError(f"--out {options.out}: wanted a name that ends in .npz")
     if len(options.compare) == 1 or len(options.compare) > MAX_PANELS:
-        raise UsageError(f"--compare is given {len(options.compare)} times; wanted once per map, 2 to {MAX_PANELS}")
+        count = "once" if len(options.compare) == 1 else f"{len(options.compare)} times"
+        raise UsageError(f"--compare is given {count}; wanted once per map, 2 to {MAX_PANELS} of them")
     common = _Variant("", options.overrides, options.at, options.range)
     return [_variant(common, text) for text in options.compare] or [common]
 

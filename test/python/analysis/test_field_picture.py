@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.contour import QuadContourSet
 
 from robotteamsim.analysis.field_picture import FieldStyle, Level, Panel, Spot, draw_fields
@@ -99,6 +101,17 @@ def test_several_maps_share_one_bar_and_one_scale(hill):
     assert [axes.get_title(loc="left") for axes in maps] == ["a hill"] * 3
     assert figure.get_suptitle() == "three hills"
     assert bar.get_title() == "dB"
+
+
+def test_long_titles_of_maps_stay_over_their_maps(hill):
+    long = replace(hill, title="radio.wall_loss_db=[0,0,0,0], radio.pillars=false, radio.door_loss_db=0: " * 2)
+    figure = draw_fields([long, hill], STYLE, "two hills")
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    left, right, _ = (axes.get_tightbbox(renderer) for axes in figure.axes)
+    assert left.x1 <= right.x0
+    assert left.y1 <= figure.bbox.y1
+    assert " ".join(figure.axes[0].get_title(loc="left").split()) == long.title.strip()
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 9])
