@@ -35,6 +35,13 @@ def test_commands_of_robots_do_not_mix():
     assert (commands.at(0, 50), commands.at(1, 50), commands.at(1, 100)) == (STOP, FORWARD, STOP)
 
 
+def test_command_of_one_robot_does_not_let_that_of_another_hold_on():
+    commands = Commands([800, 800])
+    commands.put(0, 0, FORWARD)
+    commands.put(1, 700, FORWARD)
+    assert (commands.at(0, 900), commands.at(1, 900)) == (STOP, FORWARD)
+
+
 def test_stopped_robot_has_no_command():
     commands = Commands([800, 800])
     commands.put(0, 0, FORWARD)
