@@ -155,7 +155,9 @@ def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
         message = str(error).removeprefix("--set: ")
         if message == str(error):
             raise
-        matching = [s for s in settings if f"{message.partition(': ')[0]}.".startswith(f"{s.key}.")]
+        key = message.partition(": ")[0]
+        # What is told is within what was set, or part of its way: of schedule.0.at_s that there is no list schedule.
+        matching = [s for s in settings if f"{key}.".startswith(f"{s.key}.") or s.key.startswith(f"{key}.")]
         place = matching[-1].place if matching else "--set"
         raise CampaignError(f"{place}: {message}") from None
 

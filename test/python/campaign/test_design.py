@@ -35,6 +35,12 @@ def test_commas_within_brackets_part_no_values(short_design):
     assert values(design) == [([7.0, 7.0],), ([6.5, 7.0],)]
 
 
+def test_schedules_are_swept_as_whole_lists(short_design):
+    design = short_design("schedule=[],[{at_s: 1, remove: 0}],[{at_s: 1, remove: 0}, {at_s: 2, spawn: 0}]")
+    assert [len(cell.scenario.schedule) for cell in design.cells] == [0, 1, 2]
+    assert design.cells[1].values == ([{"at_s": 1.0, "remove": 0, "spawn": None, "pose": None}],)
+
+
 def test_later_overrides_win_and_hold_in_all_cells(short_design):
     design = short_design("voice.noise_db=10,20", overrides=(parse_override("mission.time_limit_s=3"),))
     assert {cell.scenario.mission.time_limit_s for cell in design.cells} == {3.0}
@@ -72,6 +78,12 @@ def test_a_cells_seeds_depend_neither_on_other_cells_nor_on_the_form_of_its_valu
         (["voice.noise_db=1,1.0"], "--sweep: voice.noise_db=1.0 stands there twice"),
         (["voice.noise_db=1", "voice.noise_db=2"], "--sweep: voice.noise_db: varies already by --sweep"),
         (["mission.time_limit_s=1,2"], "--set: mission.time_limit_s: varies already by --sweep"),
+        (["schedule.0.at_s=5,8"], "--sweep: schedule.0: the file has no list schedule; set the whole of it"),
+        (["schedule=[{at_s: 1, remove: 7}]"], "--sweep: schedule.0.remove: there is no robot 7, only 0 to 0"),
+        (
+            ["schedule=[],[{at_s: 1, remove: 0}, {at_s: 2, spawn: 0, pose: [-9, 0, 0]}]"],
+            "--sweep: schedule.1.pose: [-9, 0]: robot 0 lies outside the plan, [-2, -2] .. [8, 8]",
+        ),
         (["run.seed=1,2"], "--sweep: run.seed: each trial has a seed of its own; they follow from --seed"),
     ],
 )
