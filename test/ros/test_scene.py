@@ -60,6 +60,38 @@ network.publish(NetworkState(num_endangered=3))
 print(headline_with("danger 3"))
 """
 
+LEAVING = """
+import json, queue
+import rospy
+from robotteamsim.msg import Robots
+from visualization_msgs.msg import Marker, MarkerArray
+
+shown, deleted, heard = set(), set(), queue.Queue()
+
+def look_until(robots):
+    while sorted(number for name, number in shown if name == "bodies") != robots:
+        for marker in heard.get(timeout=60.0).markers:
+            key = marker.ns, marker.id
+            if marker.action == Marker.DELETEALL:
+                shown.clear()
+            elif marker.action == Marker.DELETE:
+                shown.discard(key)
+                deleted.add(key)
+            else:
+                shown.add(key)
+    return sorted(shown)
+
+rospy.init_node("leaving", anonymous=True, disable_rostime=True)
+who = rospy.Publisher("/world/robots", Robots, queue_size=1, latch=True)
+rospy.Subscriber("/scene/robots", MarkerArray, heard.put)
+before = look_until([0, 1, 2])
+deleted.clear()
+who.publish(Robots(present=[1, 0, 1], arrivals=[1, 1, 1]))
+while_away, gone = look_until([0, 2]), sorted(deleted)
+who.publish(Robots(present=[1, 1, 1], arrivals=[1, 2, 1]))
+print(json.dumps([before, while_away, gone, look_until([0, 1, 2])]))
+"""
+
 
 @contextmanager
 def running(command: list[str], variables: dict[str, str], **options: object) -> Iterator[subprocess.Popen[bytes]]:
@@ -126,6 +158,16 @@ def test_headline_counts_links_that_are_told_of_after_the_status(master):
     command = [sys.executable, "-c", LATE_NETWORK]
     answer = subprocess.run(command, env=master, check=True, capture_output=True, timeout=PATIENCE_S, text=True)
     assert "late" in answer.stdout
+
+
+def test_markers_of_a_robot_that_leaves_are_deleted_and_come_back_with_it(master):
+    command = [sys.executable, "-c", LEAVING]
+    answer = subprocess.run(command, env=master, check=True, capture_output=True, timeout=PATIENCE_S)
+    before, while_away, deleted, after = json.loads(answer.stdout)
+    assert {tuple(key) for key in before} == {tuple(key) for key in while_away + deleted}
+    assert not any(key in while_away for key in deleted)
+    assert {name for name, _ in before if name != "contacts"} == {name for name, _ in deleted}
+    assert after == before
 
 
 @pytest.mark.parametrize(
