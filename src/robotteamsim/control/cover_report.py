@@ -6,6 +6,7 @@ import functools
 import json
 from dataclasses import dataclass
 
+from robotteamsim.control.report import to_vector
 from robotteamsim.swarm import Vector
 
 
@@ -50,17 +51,12 @@ def parse_cover_report(payload: str) -> CoverReport | None:
         data = json.loads(payload)["cover"]
         return CoverReport(
             robot_id=int(data["robot_id"]),
-            position=_vector(data["position"]),
-            goal=None if data["goal"] is None else _vector(data["goal"]),
+            position=to_vector(data["position"]),
+            goal=None if data["goal"] is None else to_vector(data["goal"]),
             covered=str(data["covered"]),
             finds=tuple(
-                Find(_vector(find["position"]), int(find["robot_id"]), float(find["time_s"])) for find in data["finds"]
+                Find(to_vector(find["position"]), int(find["robot_id"]), float(find["time_s"])) for find in data["finds"]
             ),
         )
     except (ValueError, KeyError, TypeError):
         return None
-
-
-def _vector(data: list[float]) -> Vector:
-    x, y = data
-    return float(x), float(y)

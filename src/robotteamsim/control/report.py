@@ -103,8 +103,8 @@ def _read(payload: str) -> Report | None:
             robot_id=int(data["robot"]),
             iteration=int(data["iteration"]),
             epoch=int(data["epoch"]),
-            position=_to_vector(data["position"]),
-            loudest=None if data["loudest"] is None else _to_vector(data["loudest"]),
+            position=to_vector(data["position"]),
+            loudest=None if data["loudest"] is None else to_vector(data["loudest"]),
             local_best=_to_best(data["local_best"]),
             known_best=_to_best(data["known_best"]),
             swarm_id=int(data["swarm"]),
@@ -131,6 +131,7 @@ def _to_best(data: list[float] | None) -> Best | None:
     return Best(float(value), (float(x), float(y)))
 
 
-def _to_vector(data: list[float]) -> Vector:
+def to_vector(data: list[float]) -> Vector:
+    """Return the x and y that a message has as a list. Raises: ValueError, TypeError: it is no list of two numbers."""
     x, y = data
     return float(x), float(y)
