@@ -116,6 +116,10 @@ pictures: build ## make the pictures of README and docs anew
 	@$(ENV) $(PYTHON) docs/draw_cases.py
 	@$(ENV) $(PYTHON) docs/draw_swarm.py
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field radio garage_sar --at 4,5 --at 30,36 --at 50,18 --png docs/images/field.png
+	@$(ENV) $(PYTHON) -m robotteamsim.cli field radio garage_sar --loss --png docs/images/field_loss.png \
+		--compare at=4,5 --compare at=40,30
+	@$(ENV) $(PYTHON) -m robotteamsim.cli field voice garage_sar --range highest --png docs/images/field_noise.png \
+		--compare voice.noise_db=10 --compare voice.noise_db=20 --compare voice.noise_db=30
 	@$(ENV) $(PYTHON) docs/make_pictures.py
 
 clean: ## remove build/, dist/ and .venv
