@@ -107,8 +107,9 @@ class Delivery:
     def _num_copies(self, outboxes: Sequence[Sequence[Message]], present: np.ndarray | None) -> int:
         """Return how many robots should hear something, summed over messages; who is not there should hear nothing
         that is for everybody."""
-        listeners = np.ones(self._num_robots, dtype=bool) if present is None else present
-        others = (int(np.count_nonzero(listeners)) - listeners).tolist()
+        others = [self._num_robots - 1] * self._num_robots
+        if present is not None:
+            others = (int(np.count_nonzero(present)) - present).tolist()
         return sum(
             others[m.sender] if m.receiver == EVERYBODY else m.receiver != m.sender for box in outboxes for m in box
         )
@@ -218,7 +219,13 @@ def deliver_at_once(hops: np.ndarray, outboxes: Sequence[Sequence[Message]]) -> 
             tuple(m for m in sent if m.receiver in (receiver, EVERYBODY) and hops[m.sender, receiver] > 0)
             for receiver in range(len(hops))
         ]
-    # Those who have a path to each other hear the same, but for what they sent themselves.
+    if not (hops < 0).any():  # As most often, all hear the same, but for what they sent themselves.
+        heard_by_all, inboxes, end = tuple(sent), [], 0
+        for outbox in outboxes:
+            begin, end = end, end + len(outbox)
+            inboxes.append(heard_by_all[:begin] + heard_by_all[end:])
+        return inboxes
+    # Those who have a path to each other do.
     num_sent = np.array([len(outbox) for outbox in outboxes])
     heard: dict[bytes, tuple[tuple[Message, ...], list[int]]] = {}
     inboxes = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -16,6 +17,10 @@ from robotteamsim.scenario.sections import Network as NetworkSection
 
 _Graph = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float, np.ndarray]
 """What `NetworkState` tells but for the traffic, in its order."""
+
+# Of its fields in one tuple, without a call of Python: one is made in every step.
+_STATE = partial(tuple.__new__, NetworkState)
+
 
 _NONE = np.zeros((0, 0))
 _NOBODY: _Graph = (_NONE, _NONE, _NONE, _NONE, _NONE, 0.0, _NONE)
@@ -94,7 +99,7 @@ class Network:
             # What is kept from step to step is of the same robots.
             self._links, self._present = self._new_links(), present
         graph = self._graph(positions_m) if present is None else _among_all(self._graph(positions_m[present]), present)
-        state = NetworkState(*graph)
+        state: NetworkState = _STATE((*graph, NO_TRAFFIC))
         inboxes, traffic = self._delivery.step(state, present, outboxes, refused)
         return state if traffic is NO_TRAFFIC else state._replace(traffic=traffic), inboxes
 

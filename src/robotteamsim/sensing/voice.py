@@ -35,14 +35,10 @@ class VoiceSensor:
         self._map: FieldMap | None = None
         self._ear: _core.VoiceEar | None = None
         """That hears by this map."""
-        self._changes = 0
+        self.changes = 0
+        """How often the map has changed so far."""
         for victim in victims:
             self.set_victim(victim.name, victim.position)
-
-    @property
-    def changes(self) -> int:
-        """How often the map has changed so far."""
-        return self._changes
 
     def map(self) -> FieldMap:
         """Return the voice level over the floor [dB]; 0 where no voice is above the noise, and in walls."""
@@ -119,4 +115,4 @@ class VoiceSensor:
 
     def _change(self) -> None:
         self._map = self._ear = None
-        self._changes += 1
+        self.changes += 1

@@ -21,6 +21,9 @@ from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.tally import Tally
 from robotteamsim.world import World
 
+# Of its fields in one tuple, without a call of Python: one is made in every step.
+_OBSERVATION = partial(tuple.__new__, Observation)
+
 
 class Simulation:
     """One trial of a scenario. Everything that it does follows from the scenario, its seed included.
@@ -49,43 +52,45 @@ class Simulation:
 
     def step(self) -> StepRecord:
         """Advance by one step and return all that happened in it."""
+        world, mission = self.world, self.mission
         # The world moves.
-        self.world.step([decision.twist for decision in self._decisions])
-        sim_time_ns, doors, present = self.world.sim_time_ns, self.world.door_states(), self.world.present
+        world.step([decision.twist for decision in self._decisions])
+        sim_time_ns, doors, present = world.sim_time_ns, world.door_states(), world.present
         self.environment.follow_doors(doors)
-        self.mission.follow_doors(doors)
+        mission.follow_doors(doors)
         # The robots sense; the network delivers.
         readings = self.sensors.read()
         positions_m = true_positions_m(readings)
         outboxes = [decision.outbox for decision in self._decisions]
         voices, network, inboxes = self.environment.step(positions_m, outboxes, self._saved, present)
         # Each controller decides.
-        controllers = self._present_controllers(present)
+        controllers, task = self._present_controllers(present), self._task
         told = zip(controllers, readings, voices, inboxes, strict=True)
         for robot_id, (controller, reading, voice, inbox) in enumerate(told):
-            controller.observe(Observation(robot_id, sim_time_ns, reading, voice), inbox, self._task)
-        self._decisions = tuple([controller.decide() for controller in controllers])
+            controller.observe(_OBSERVATION((robot_id, sim_time_ns, reading, voice)), inbox, task)
+        self._decisions = decisions = tuple([controller.decide() for controller in controllers])
         # The mission judges.
         base_inbox = () if self._base is None else inboxes[self._base]
-        events = self.mission.step(sim_time_ns, positions_m, voices, network, self._decisions, base_inbox, present)
-        status = self.mission.status
-        self._task, self._saved = status.task, self.mission.saved_victims
+        events = mission.step(sim_time_ns, positions_m, voices, network, decisions, base_inbox, present)
+        status = mission.status
+        self._task, self._saved = status.task, mission.saved_victims
+        # By position, as names of so many fields take several times as long.
         return StepRecord(
-            step_index=self.world.step_index,
-            sim_time_ns=sim_time_ns,
-            readings=readings,
-            voices=voices,
-            network=network,
-            inboxes=inboxes,
-            decisions=self._decisions,
-            mission=status,
-            events=events,
-            victims=self.mission.victims,
-            noise_db=self.mission.noise_db,
-            voice_map=self._fresh_voice_map(),
-            doors=doors,
-            present=present,
-            arrivals=self.world.arrivals,
+            world.step_index,
+            sim_time_ns,
+            readings,
+            voices,
+            network,
+            inboxes,
+            decisions,
+            status,
+            events,
+            mission.victims,
+            mission.noise_db,
+            self._fresh_voice_map(),
+            doors,
+            present,
+            world.arrivals,
         )
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from itertools import chain
 
 import numpy as np
 
@@ -73,7 +74,13 @@ class Tally:
         if not self._pending:
             return
         sim_times_ns, rows, in_contact, excluded, running = zip(*self._pending, strict=True)
-        ground_truth = np.stack(rows)
+        shape = (len(rows), len(rows[0]))
+        ground_truth = np.concatenate(rows).reshape(*shape, 4)
         self._hash.update_all(sim_times_ns, ground_truth)
-        self._figures.update(ground_truth[:, :, :2], np.stack(in_contact), np.array(excluded), np.array(running))
+        self._figures.update(
+            ground_truth[:, :, :2],
+            np.concatenate(in_contact).reshape(shape),
+            np.fromiter(chain.from_iterable(excluded), bool).reshape(shape),
+            np.array(running),
+        )
         self._pending.clear()
