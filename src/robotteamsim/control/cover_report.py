@@ -55,7 +55,8 @@ def parse_cover_report(payload: str) -> CoverReport | None:
             goal=None if data["goal"] is None else to_vector(data["goal"]),
             covered=str(data["covered"]),
             finds=tuple(
-                Find(to_vector(find["position"]), int(find["robot_id"]), float(find["time_s"])) for find in data["finds"]
+                Find(to_vector(find["position"]), int(find["robot_id"]), float(find["time_s"]))
+                for find in data["finds"]
             ),
         )
     except (ValueError, KeyError, TypeError):
