@@ -79,6 +79,19 @@ def summary_table(design: Design, summaries: Sequence[CellSummary]) -> str:
     return text + (f"\n\n{timed_out} missions ended at the time limit, which counts as their time" if timed_out else "")
 
 
+def exclusion_note(outcomes: Sequence[Outcome]) -> str:
+    """Return what a reader of mean times must know of missions that ended as all robots were excluded; "": none did."""
+    times_s = [outcome.time_s for outcome in outcomes if outcome.end == "all_excluded" and outcome.time_s is not None]
+    if not times_s:
+        return ""
+    what = "mission" if len(times_s) == 1 else "missions"
+    when = f"{min(times_s):.0f}" if len(times_s) == 1 else f"{min(times_s):.0f} to {max(times_s):.0f}"
+    return (
+        f"{len(times_s)} {what} of ours ended at {when} s since all robots were excluded; that counts as the time "
+        "here, the time limit in a report"
+    )
+
+
 def _raw_table(title: str, ours: Missions, theirs: Missions, *columns: _Column) -> str:
     """Each mission on a line."""
     num_ours = max(len(missions) for missions in ours.values())

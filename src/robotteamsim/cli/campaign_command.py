@@ -17,7 +17,13 @@ from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, parse_sweep, read_design_file
 from robotteamsim.campaign.runner import local_workers, run_trials, scheduler_at
 from robotteamsim.campaign.summary import summarise
-from robotteamsim.campaign.tables import dissertation_tables, is_the_dissertations, missions_by_noise, summary_table
+from robotteamsim.campaign.tables import (
+    dissertation_tables,
+    exclusion_note,
+    is_the_dissertations,
+    missions_by_noise,
+    summary_table,
+)
 from robotteamsim.cli.campaign_progress import CampaignProgress
 from robotteamsim.cli.parser import number, positive_whole_number, whole_number
 from robotteamsim.cli.run_command import add_set_option
@@ -148,6 +154,8 @@ def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
         print(dissertation_tables(missions_by_noise(design, outcomes)))
     else:
         print(summary_table(design, summarise(design, outcomes)))
+    if note := exclusion_note(outcomes):
+        print(f"\n{note}")
 
 
 def _document(

@@ -2,12 +2,13 @@ from __future__ import annotations
 
 import re
 
-from robotteamsim.campaign import make_design
+from robotteamsim.campaign import Trial, make_design
 from robotteamsim.campaign.factors import parse_sweep
 from robotteamsim.campaign.reference import Figures, dissertation_missions
 from robotteamsim.campaign.summary import summarise
 from robotteamsim.campaign.tables import (
     dissertation_tables,
+    exclusion_note,
     is_the_dissertations,
     missions_by_noise,
     summary_table,
@@ -99,3 +100,15 @@ def test_summary_of_a_scenario_with_a_base_tells_what_it_heard_of(outcome_of):
     table = summary_table(design, summarise(design, outcomes))
     assert re.search(r"reported +report after \[s\] +last after \[s\]$", table.splitlines()[2])
     assert re.search(r"1\.50 ± 2\.12 \[-17\.56, 20\.56\] +0\.50 +1\.00$", table.splitlines()[3])
+
+
+def test_missions_that_end_by_exclusion_are_told(outcome_of):
+    def ended(end, time_s):
+        return outcome_of(Trial(0, 1, 1), end=end, time_s=time_s)
+
+    others = [ended("areas_explored", 300.0), ended("time_limit", 600.0)]
+    assert exclusion_note(others) == ""
+    counts = "since all robots were excluded; that counts as the time here, the time limit in a report"
+    first, second = ended("all_excluded", 140.0), ended("all_excluded", 129.0)
+    assert exclusion_note([*others, first]) == f"1 mission of ours ended at 140 s {counts}"
+    assert exclusion_note([first, *others, second]) == f"2 missions of ours ended at 129 to 140 s {counts}"
