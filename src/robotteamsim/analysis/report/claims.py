@@ -13,7 +13,7 @@ from robotteamsim.analysis.report.comparison import MARGIN, Comparison
 from robotteamsim.analysis.report.maps import nearest_other_m
 from robotteamsim.analysis.report.samples import Campaign, Cell, Sample
 from robotteamsim.analysis.report.statistics import clopper_pearson, holm, kruskal_wallis, mann_whitney
-from robotteamsim.analysis.report.wording import interval_text, listed, p_text, percent, share_text
+from robotteamsim.analysis.report.wording import interval_text, listed, p_text, percents, share_text
 from robotteamsim.scenario import Scenario
 
 Verdict = Literal["reproduced", "not reproduced", "not shown"]
@@ -70,11 +70,11 @@ def _victims(comparison: Comparison) -> Claim:
     agrees, reasons = True, []
     for rate in comparison.rates:
         inside = rate.ours.value in rate.theirs
+        low, high = percents(rate.theirs.low, rate.theirs.high)
         agrees &= inside
         reasons.append(
             f"At least {rate.saved} were saved in {share_text(rate.ours)} of ours, "
-            f"{'inside' if inside else 'outside'} the dissertation's {percent(rate.theirs.low)} to "
-            f"{percent(rate.theirs.high)}."
+            f"{'inside' if inside else 'outside'} the dissertation's {low} to {high}."
         )
     if comparison.victims_p is not None:
         same = comparison.victims_p >= _LEVEL
@@ -158,17 +158,18 @@ def _areas(comparisons: Sequence[Comparison]) -> Claim:
 def _time_limit(campaign: Campaign) -> list[Claim]:
     if len(campaign.compared) < 3:
         return []
-    ours = np.concatenate([_cut_short(cell.ours) for cell, _ in campaign.compared])
-    theirs = np.concatenate([_cut_short(sample) for _, sample in campaign.compared])
+    ours = np.concatenate([_at_limit(cell.ours) for cell, _ in campaign.compared])
+    theirs = np.concatenate([_at_limit(sample) for _, sample in campaign.compared])
     saved = np.concatenate(
-        [c.ours.victims_saved[_cut_short(c.ours)] == c.ours.num_victims for c, _ in campaign.compared]
+        [c.ours.victims_saved[_at_limit(c.ours)] == c.ours.num_victims for c, _ in campaign.compared]
     )
-    here, there = (clopper_pearson(int(cut.sum()), len(cut)) for cut in (ours, theirs))
-    why = (
-        f"{int(ours.sum())} of our {len(ours)} missions were cut short: {share_text(here)}, there {share_text(there)}."
-    )
+    excluded = sum(int((~cell.ours.finished).sum()) for cell, _ in campaign.compared) - int(ours.sum())
+    here, there = (clopper_pearson(int(reached.sum()), len(reached)) for reached in (ours, theirs))
+    why = f"{int(ours.sum())} of our {len(ours)} missions reach it: {share_text(here)}, there {share_text(there)}."
     if len(saved):
         why += f" All victims were saved in {int(saved.sum())} of them."
+    if excluded:
+        why += f" {excluded} of ours ended before it since all robots were excluded."
     agrees = here.value in there and bool(saved.all())
     verdict, more = _verdict(agrees, min(len(cell.ours) for cell, _ in campaign.compared))
     text = "The limit of 600 s is reached in 2 of 90 missions, in which all victims are saved."
@@ -178,7 +179,7 @@ def _time_limit(campaign: Campaign) -> list[Claim]:
 def _endangered(campaign: Campaign, comparisons: Sequence[Comparison]) -> Claim:
     outside = [c.name for c in comparisons if c.endangered[0].value not in c.endangered[1]]
     parts = [f"{share_text(c.endangered[0])} at {c.name}" for c in comparisons]
-    bound = percent(max(c.endangered[1].high for c in comparisons))
+    (bound,) = percents(max(c.endangered[1].high for c in comparisons))
     why = f"Missions with an endangered link: {'; '.join(parts)}; none in 30 there, which allows for up to {bound}."
     apart = _distances_apart_m(campaign)
     if len(apart):
@@ -225,5 +226,5 @@ def _times_of_all_saved(sample: Sample) -> np.ndarray:
     return sample.restricted_s[sample.victims_saved == sample.num_victims]
 
 
-def _cut_short(sample: Sample) -> np.ndarray:
-    return ~sample.finished
+def _at_limit(sample: Sample) -> np.ndarray:
+    return ~sample.finished & (sample.time_s >= sample.limit_s)

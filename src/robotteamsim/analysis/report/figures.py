@@ -142,7 +142,7 @@ def draw_survival(cells: Sequence[Cell]) -> Figure:
 @styled
 def draw_ratios(comparisons: Sequence[Comparison]) -> Figure:
     """Return ratios of mean times, ours over the dissertation's, with their 90 % intervals and the margin."""
-    figure = Figure(figsize=(_WIDTH_INCHES * 0.8, 1.3 + 0.55 * len(comparisons)), dpi=_DPI, layout="constrained")
+    figure = Figure(figsize=(_WIDTH_INCHES, 1.3 + 0.55 * len(comparisons)), dpi=_DPI, layout="constrained")
     axes = figure.subplots()
     axes.axvspan(1.0 - MARGIN, 1.0 + MARGIN, color="#2a7f62", alpha=0.13, linewidth=0)
     axes.axvline(1.0, color="#2a7f62", linewidth=1.0)

@@ -85,7 +85,7 @@ def draw_network(scenario: Scenario, positions_m: np.ndarray) -> Figure:
     """Return the reach of a team's radios, with connection thresholds as lines [Fig. 18]."""
     places = [(float(x), float(y)) for x, y in positions_m]
     panel = radio_panel(scenario, places, _resolution_m(scenario, _CELLS), False)
-    figure = draw_fields([panel], radio_style([scenario], (), False), "Strongest signal")
+    figure = draw_fields([panel], radio_style([scenario], (), False), "Signal")
     figure.set_dpi(_DPI)
     return figure
 

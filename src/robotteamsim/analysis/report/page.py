@@ -22,7 +22,7 @@ from robotteamsim.analysis.report.comparison import MARGIN, Comparison, compare,
 from robotteamsim.analysis.report.samples import Campaign, read_campaign
 from robotteamsim.analysis.report.statistics import RESAMPLES, TABLES
 from robotteamsim.analysis.report.tables import Table, all_tables
-from robotteamsim.analysis.report.wording import listed, percent
+from robotteamsim.analysis.report.wording import listed, percents, unbroken
 from robotteamsim.campaign import StoredCampaign
 from robotteamsim.recording.files import atomically, prepare_folder
 
@@ -133,8 +133,8 @@ def _pictures(campaign: Campaign, comparisons: Sequence[Comparison]) -> Iterator
     if comparisons:
         caption = (
             "Mean duration, ours over the dissertation's, with its 90 % bootstrap interval. A whole interval within "
-            f"the green band of {percent(MARGIN)} shows that the means are equal for practical purposes (two one-sided "
-            "tests)."
+            f"the green band of {100.0 * MARGIN:g} % shows that the means are equal for practical purposes (two "
+            "one-sided tests)."
         )
         yield _picture("equivalence", "Durations against the dissertation", caption, figures.draw_ratios(comparisons))
     caption = (
@@ -170,7 +170,7 @@ def _map_pictures(campaign: Campaign) -> Iterator[_Picture]:
         for number, voice_range in ((16, "lowest"), (17, "highest")):
             shares = maps.heard_shares(scenario, noises_db, voice_range)  # type: ignore[arg-type]
             heard = listed(
-                [f"{percent(share)} of the floor at {db:g} dB" for share, db in zip(shares, noises_db, strict=True)]
+                [f"{share} of the floor at {db:g} dB" for share, db in zip(percents(*shares), noises_db, strict=True)]
             )
             caption = f"A victim is heard in {heard}, when all call at the {voice_range} range of the voice model."
             if campaign.compared:
@@ -216,6 +216,7 @@ def _page(
     environment = jinja2.Environment(
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
+    environment.filters["unbroken"] = unbroken
     return environment.from_string(text).render(
         campaign=campaign,
         claims=claims,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
+import math
+import re
 import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -34,6 +36,9 @@ _LATEX = {
 }
 
 
+_INTERVAL = re.compile(r"(\S+) \[(\S+), (\S+)]")
+
+
 @dataclass(frozen=True, slots=True)
 class Table:
     """name: of its files. title: of its caption. head, rows: as texts; the first `left` columns are words."""
@@ -45,29 +50,40 @@ class Table:
     left: int = 1
 
     def csv(self) -> str:
-        """Return the table as comma-separated values."""
+        """Return the table as comma-separated values; intervals of a column are in two columns beside it."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(self.head)
-        writer.writerows(self.rows)
+        columns = [
+            column
+            for name, *cells in zip(self.head, *self.rows, strict=True)
+            for column in (_parted(name, cells) or [(name, *cells)])
+        ]
+        writer.writerows(zip(*columns, strict=True))
         return text.getvalue()
 
     def latex(self) -> str:
-        """Return the table as a LaTeX float; it needs the package booktabs."""
-        wide = max(len(cell) for row in self.rows for cell in row) > 60
-        columns = "".join(
-            (r">{\raggedright\arraybackslash}p{0.3\linewidth}" if wide else "l") if index < self.left else "r"
-            for index in range(len(self.head))
-        )
-        body = "\n".join(f"    {' & '.join(map(_latex, row))} \\\\" for row in self.rows)
+        """Return the table as a LaTeX float, or one of sentences as a longtable, which goes on over pages.
+
+        The packages that it needs stand in its first line. No table is wider than the text.
+        """
         head = " & ".join(map(_latex, self.head))
-        needs = r"\usepackage{array,booktabs}" if wide else r"\usepackage{booktabs}"
+        body = "\n".join(f"    {' & '.join(map(_latex, row))} \\\\" for row in self.rows)
+        caption = f"\\caption{{{_latex(self.title)}}}\\label{{tab:{self.name}}}"
+        top = f"    \\toprule\n    {head} \\\\\n    \\midrule\n"
+        if self.left == len(self.head):
+            return (
+                "% \\usepackage{array,booktabs,longtable}\n"
+                f"{{\\small\n\\begin{{longtable}}{{{_text_columns(self.rows)}}}\n  {caption} \\\\\n"
+                f"{top}    \\endfirsthead\n{top}    \\endhead\n"
+                f"{body}\n    \\bottomrule\n\\end{{longtable}}\n}}\n"
+            )
+        columns = "l" * self.left + "r" * (len(self.head) - self.left)
         return (
-            f"% {needs}\n"
-            "\\begin{table}\n  \\centering\n"
-            f"  \\caption{{{_latex(self.title)}}}\n  \\label{{tab:{self.name}}}\n"
-            f"  \\begin{{tabular}}{{{columns}}}\n    \\toprule\n    {head} \\\\\n    \\midrule\n"
-            f"{body}\n    \\bottomrule\n  \\end{{tabular}}\n\\end{{table}}\n"
+            "% \\usepackage{adjustbox,booktabs}\n"
+            f"\\begin{{table}}\n  \\centering\n  {caption}\n"
+            "  \\begin{adjustbox}{max width=\\linewidth}\n"
+            f"  \\begin{{tabular}}{{{columns}}}\n{top}"
+            f"{body}\n    \\bottomrule\n  \\end{{tabular}}\n  \\end{{adjustbox}}\n\\end{{table}}\n"
         )
 
 
@@ -166,6 +182,28 @@ def _labelled(cells: Sequence[Cell]) -> list[tuple[str, Sample]]:
         if cell.theirs is not None:
             labelled.append((f"{cell.name}, dissertation", cell.theirs))
     return labelled
+
+
+def _parted(name: str, cells: Sequence[str]) -> list[tuple[str, ...]]:
+    """Return a column of intervals as three, of values, of lower and of upper ends; none: not all are intervals."""
+    found = [_INTERVAL.fullmatch(cell) for cell in cells]
+    matches = [match for match in found if match is not None]
+    if len(matches) < len(cells):
+        return []
+    names = (name, f"{name} low", f"{name} high")
+    return [(part, *(match[group] for match in matches)) for group, part in enumerate(names, 1)]
+
+
+def _text_columns(rows: Sequence[Sequence[str]]) -> str:
+    """Return columns that share the width of the text: by the root of how long cells are, but no word sticks out."""
+    weights = []
+    for column in zip(*rows, strict=True):
+        longest_word = max(len(word) for cell in column for word in cell.split())
+        weights.append(max(math.sqrt(max(map(len, column))), 0.6 * longest_word))
+    inner = f"\\dimexpr\\linewidth-{2 * len(weights)}\\tabcolsep"
+    return "".join(
+        rf">{{\raggedright\arraybackslash}}p{{{weight / sum(weights):.3f}{inner}\relax}}" for weight in weights
+    )
 
 
 def _latex(text: str) -> str:

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+import re
+
 from robotteamsim.analysis.report.statistics import Interval
 
+_TOGETHER = re.compile(r"(?:[\d.]+ (?:% )?)?\[[^]]*]|p [<=\u2265] [\d.]+|\d (?:%|dBm|dB|s|m)(?!\w)")
 
-def percent(share: float) -> str:
-    """Return a share as whole per cent, or with one decimal where it is near 0 or 1."""
-    value = 100.0 * share
-    return f"{value:.1f} %" if 0.0 < value < 5.0 or 95.0 < value < 100.0 else f"{value:.0f} %"
+
+def unbroken(text: str) -> str:
+    """Return a text for a page that breaks no line within an interval, or between a number and its unit."""
+    return _TOGETHER.sub(lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
+
+
+def percents(*shares: float) -> list[str]:
+    """Return shares as whole per cent; all of them with one decimal where one is near 0 or 1."""
+    values = [100.0 * share for share in shares]
+    digits = 1 if any(0.0 < value < 5.0 or 95.0 < value < 100.0 for value in values) else 0
+    return [f"{value:.{digits}f} %" for value in values]
 
 
 def share_text(share: Interval) -> str:
     """Return a share with its interval in brackets."""
-    return f"{percent(share.value)} [{percent(share.low)}, {percent(share.high)}]"
+    value, low, high = percents(share.value, share.low, share.high)
+    return f"{value} [{low}, {high}]"
 
 
 def interval_text(interval: Interval, digits: int) -> str:

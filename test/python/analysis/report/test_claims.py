@@ -7,6 +7,8 @@ import pytest
 from robotteamsim.analysis.report.claims import judge
 from robotteamsim.analysis.report.comparison import compare
 from robotteamsim.analysis.report.samples import read_campaign
+from robotteamsim.analysis.report.statistics import Interval
+from robotteamsim.analysis.report.wording import share_text
 
 NOISES_DB = (10.0, 20.0, 30.0)
 
@@ -100,3 +102,27 @@ def test_one_level_has_no_trend_and_no_claim_over_levels(verdicts):
 
 def test_levels_that_the_dissertation_lacks_are_not_judged(verdicts):
     assert verdicts(15.0, 25.0, trials=3) == {}
+
+
+def test_missions_that_end_by_exclusion_do_not_reach_the_limit(garage):
+    def excluded(noise_db, figures):
+        return dataclasses.replace(figures, time_s=min(figures.time_s, 595.0))
+
+    stored = garage(*NOISES_DB, trials=120, change=excluded)
+    outcomes = tuple(
+        dataclasses.replace(outcome, end="all_excluded") if outcome.time_s == 595.0 else outcome
+        for outcome in stored.outcomes
+    )
+    campaign = read_campaign(dataclasses.replace(stored, outcomes=outcomes), "here")
+    claims = {claim.text: claim for claim in judge(campaign, compare(campaign))}
+    claim = of(claims, "The limit of 600 s")
+    assert claim.verdict == "not reproduced"
+    assert claim.why == (
+        "0 of our 360 missions reach it: 0.0 % [0.0 %, 1.0 %], there 2.2 % [0.3 %, 7.8 %]. "
+        "8 of ours ended before it since all robots were excluded."
+    )
+
+
+def test_shares_of_one_interval_have_one_precision():
+    assert share_text(Interval(0.98, 0.93, 0.998)) == "98.0 % [93.0 %, 99.8 %]"
+    assert share_text(Interval(0.43, 0.33, 0.53)) == "43 % [33 %, 53 %]"

@@ -62,7 +62,7 @@ def test_page_says_each_claim_with_its_verdict(garage_report):
     page = text(garage_report)
     assert len(garage_report.claims) == 12
     assert page.count('class="badge ') == 12
-    assert "With 10 dB of noise all four victims are saved in each mission." in page
+    assert "With 10\N{NO-BREAK SPACE}dB of noise all four victims are saved in each mission." in page
 
 
 def test_same_store_gives_the_same_bytes(garage, garage_report):
@@ -72,10 +72,11 @@ def test_same_store_gives_the_same_bytes(garage, garage_report):
 def test_table_of_missions_has_the_figures_of_tables_8_and_9(garage_report):
     rows = list(csv.DictReader(io.StringIO(garage_report.files["tables/missions.csv"].decode())))
     theirs = {row[""]: row for row in rows if row[""].endswith("dissertation")}
-    assert [row["time [s]"].split()[0] for row in theirs.values()] == ["459.6", "382.0", "343.5"]
+    assert [row["time [s]"] for row in theirs.values()] == ["459.6", "382.0", "343.5"]
+    assert all(float(row["time [s] low"]) < float(row["time [s]"]) < float(row["time [s] high"]) for row in rows)
     assert [row["median"] for row in theirs.values()] == ["445.5", "374.5", "339.5"]
     assert [row["mode"] for row in theirs.values()] == ["447", "348", "327"]
-    assert [row["victims saved"].split()[0] for row in theirs.values()] == ["4.00", "3.30", "2.10"]
+    assert [row["victims saved"] for row in theirs.values()] == ["4.00", "3.30", "2.10"]
     assert [row["areas"] for row in theirs.values()] == ["4.93", "5.00", "5.00"]
 
 
@@ -86,6 +87,25 @@ def test_latex_tables_escape_what_latex_reads(garage_report):
     assert tests.count(r"\begin{tabular}") == tests.count(r"\end{tabular}") == 1
     body = [line for line in tests.splitlines() if line.endswith(r" \\")]
     assert len({line.count("&") for line in body}) == 1
+
+
+def test_latex_tables_fit_the_width_of_the_text_and_say_what_they_need(garage_report):
+    missions, claims = (garage_report.files[f"tables/{name}.tex"].decode() for name in ("missions", "claims"))
+    assert missions.startswith("% \\usepackage{adjustbox,booktabs}\n")
+    assert r"\begin{adjustbox}{max width=\linewidth}" in missions
+    assert claims.startswith("% \\usepackage{array,booktabs,longtable}\n")
+    shares = [float(share) for share in re.findall(r"p\{([\d.]+)\\dimexpr\\linewidth-8\\tabcolsep\\relax\}", claims)]
+    assert len(shares) == 4
+    assert sum(shares) == pytest.approx(1.0, abs=0.002)
+    assert shares[3] > shares[0] > max(shares[1:3])
+    for table in (missions, claims):
+        assert re.findall(r"\\begin\{(\w+)\}", table) == re.findall(r"\\end\{(\w+)\}", table)[::-1]
+
+
+def test_page_breaks_no_line_within_an_interval_or_before_a_unit(garage_report):
+    page = re.sub(r'src="[^"]*"', "", text(garage_report))
+    for unbroken in ("100 % [88 %, 100 %]", "p = 0.006", "−80 dBm"):
+        assert unbroken.replace(" ", "\N{NO-BREAK SPACE}") in page
 
 
 def test_unfinished_campaign_is_reported_as_such(garage):
