@@ -39,7 +39,8 @@ class Task:
     epoch:         grows whenever the voice map or the target area changes; bests are reset then [5.3].
     area_center_m: the area to explore, in `map` [m]; None if there is none (left).
     area_radius_m: its radius [m].
-    unreported:    what the robots have found and the base, `mission.base`, has not heard of; empty without a base.
+    unreported:    what the robots have found and the base, `mission.base`, has not heard of; empty without a base. A
+                   robot learns by it what it has found itself, and by the base's messages what that has heard of.
     """
 
     running: bool = False

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from robotteamsim.control.controller import Controller, Decision, Discovery, Task
 from robotteamsim.control.cover_report import parse_cover_report
-from robotteamsim.network.messages import Message
+from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import Observation
 
@@ -21,10 +21,10 @@ def with_base(controller: Controller, robot_id: int, scenario: Scenario) -> Cont
     all others the base stands still, and its robots report areas and victims.
     """
     reports_victims = bool(getattr(controller, "reports_victims", False))
-    if robot_id == scenario.mission.base:
-        return controller if reports_victims else StandingBase()
     if reports_victims and not scenario.mission.areas:
         return controller
+    if robot_id == scenario.mission.base:
+        return FindListener(controller if reports_victims else StandingBase(), robot_id)
     return FindReporter(controller, robot_id, scenario, ("area",) if reports_victims else ("area", "victim"))
 
 
@@ -39,11 +39,35 @@ class StandingBase:
         return Decision()
 
 
+class FindListener:
+    """Runs the base's controller, and tells everybody of which finds the base has heard; that may get lost, too."""
+
+    def __init__(self, controller: Controller, robot_id: int) -> None:
+        self.controller = controller
+        self._robot_id = robot_id
+        self._heard: list[tuple[str, str]] = []
+
+    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        """Let the controller observe, and take note of the reports that arrive."""
+        self.controller.observe(observation, inbox, task)
+        told = [_parse(message.payload) for message in inbox if '"find"' in message.payload] if task.running else []
+        self._heard = [find for find in dict.fromkeys(told) if find is not None]
+
+    def decide(self) -> Decision:
+        """Return what the controller decides, with the acknowledgement of each find that was told of in this step."""
+        decision = self.controller.decide()
+        # What is no decision is the guard's affair.
+        if not self._heard or not isinstance(decision, Decision):
+            return decision
+        answers = [Message(self._robot_id, EVERYBODY, _HEARD + json.dumps(find) + "}") for find in self._heard]
+        return decision._replace(outbox=(*decision.outbox, *answers))
+
+
 class FindReporter:
     """Runs a robot's controller, and tells the base what the robot has found.
 
     The first report of a discovery leaves with the first step in which the robot is asked for it, the next ones every
-    `control.iteration_s`, until the mission no longer asks. They take the network's way to the base.
+    `control.iteration_s`, until the base's acknowledgement arrives. Both take the network's way.
     """
 
     def __init__(self, controller: Controller, robot_id: int, scenario: Scenario, kinds: Sequence[str]) -> None:
@@ -53,18 +77,25 @@ class FindReporter:
         self._period_ns = round(scenario.control.iteration_s * 1e9)
         self._unreported: tuple[Discovery, ...] = ()
         self._own: dict[Discovery, int] = {}
-        """What it is asked to report, and when that is due next [ns]."""
+        """What the base has not acknowledged, and when a report is due next [ns]."""
         self._time_ns = 0
         self._running = False
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Let the controller observe, and take note of what the mission wants reported."""
-        self.controller.observe(observation, inbox, task)
+        """Let the controller observe, and take note of what the robot has found and the base has acknowledged."""
+        answers = [message for message in inbox if message.payload.startswith(_HEARD)]
+        # A controller need not know of them.
+        others = [message for message in inbox if message not in answers] if answers else inbox
+        self.controller.observe(observation, others, task)
         self._time_ns, self._running = observation.sim_time_ns, task.running
         if task.unreported is not self._unreported:
+            new = [find for find in task.unreported if find not in self._unreported]
             self._unreported = task.unreported
-            own = [find for find in task.unreported if find.robot_id == self._robot_id and find.kind in self._kinds]
-            self._own = {find: self._own.get(find, self._time_ns) for find in own}
+            own = [find for find in new if find.robot_id == self._robot_id and find.kind in self._kinds]
+            self._own |= dict.fromkeys(own, self._time_ns)
+        if answers and self._own:
+            heard = {_parse_answer(message.payload) for message in answers}
+            self._own = {find: due for find, due in self._own.items() if (find.kind, find.name) not in heard}
 
     def decide(self) -> Decision:
         """Return what the controller decides, with the reports that are due."""
@@ -76,6 +107,19 @@ class FindReporter:
         self._own |= dict.fromkeys(due, self._time_ns + self._period_ns)
         reports = [Message(self._robot_id, self._base, discovery_to_json(find)) for find in due]
         return decision._replace(outbox=(*decision.outbox, *reports))
+
+
+_HEARD = '{"heard":'
+"""So begins the base's acknowledgement of a find, which goes on with its kind and name."""
+
+
+def _parse_answer(payload: str) -> tuple[str, str] | None:
+    """Return kind and name of the find that the base has heard of; none where a text only begins so."""
+    try:
+        kind, name = json.loads(payload)["heard"]
+        return str(kind), str(name)
+    except (ValueError, KeyError, TypeError):
+        return None
 
 
 def discovery_to_json(find: Discovery) -> str:

@@ -10,9 +10,10 @@ from robotteamsim.control import Decision, Task, make_controller
 from robotteamsim.control.controller import Discovery
 from robotteamsim.control.cover import CoverController
 from robotteamsim.control.cover_report import CoverReport, Find
-from robotteamsim.control.finds import FindReporter, StandingBase, discovery_to_json, tells_of
+from robotteamsim.control.finds import FindListener, FindReporter, StandingBase, discovery_to_json, tells_of
 from robotteamsim.control.rdpso import RdpsoController
 from robotteamsim.network import Message
+from robotteamsim.network.messages import EVERYBODY
 from robotteamsim.scenario import load
 from robotteamsim.scenario.sections import Control
 from robotteamsim.sensing.readings import Observation
@@ -28,10 +29,10 @@ class Told:
     """A controller that sends one message of its own in every step."""
 
     def __init__(self) -> None:
-        self.asked: list[Task] = []
+        self.inboxes: list[list[Message]] = []
 
     def observe(self, observation, inbox, task) -> None:
-        self.asked.append(task)
+        self.inboxes.append(list(inbox))
 
     def decide(self) -> Decision:
         return Decision(outbox=(Message(1, 0, "mine"),))
@@ -42,16 +43,25 @@ def with_base(hall_scenario, algorithm="rdpso", **mission):
     return scenario.model_copy(update={"mission": scenario.mission.model_copy(update={"base": 0, **mission})})
 
 
-def sent(reporter: FindReporter, step: int, task: Task) -> list[str]:
+def answer(kind: str, name: str) -> Message:
+    """Return what the base says when it has heard of a find."""
+    base = FindListener(StandingBase(), 0)
+    heard = Message(1, 0, json.dumps({"find": {"kind": kind, "name": name}}))
+    base.observe(Observation(0, STEP_NS, None, None), (heard,), Task(running=True))
+    (message,) = base.decide().outbox
+    return message
+
+
+def sent(reporter: FindReporter, step: int, task: Task, *inbox: Message) -> list[str]:
     """Return the payloads that leave in a step, but for the controller's own."""
-    reporter.observe(Observation(1, step * STEP_NS, None, None), (), task)
+    reporter.observe(Observation(1, step * STEP_NS, None, None), inbox, task)
     outbox = reporter.decide().outbox
     assert outbox[0].payload == "mine"
     assert all((message.sender, message.receiver) == (1, 0) for message in outbox)
     return [message.payload for message in outbox[1:]]
 
 
-def test_report_is_sent_at_once_and_every_iteration_until_it_is_heard(hall_scenario):
+def test_report_is_sent_at_once_and_every_iteration_until_the_base_answers(hall_scenario):
     reporter = FindReporter(Told(), 1, with_base(hall_scenario), ("area", "victim"))
     asked = Task(running=True, unreported=(ANN, BOB))
     assert sent(reporter, 1, Task(running=True)) == []
@@ -59,7 +69,42 @@ def test_report_is_sent_at_once_and_every_iteration_until_it_is_heard(hall_scena
     assert [len(sent(reporter, step, asked)) for step in range(3, 24)] == [0] * 9 + [1] + [0] * 9 + [1] + [0]
     both = Task(running=True, unreported=(ANN, BOB, EAST))
     assert sent(reporter, 24, both) == [discovery_to_json(EAST)]
-    assert sent(reporter, 34, Task(running=True, unreported=(BOB,))) == []
+    assert sent(reporter, 34, both, answer("victim", "ann")) == [discovery_to_json(EAST)]
+    nothing = Task(running=True)
+    assert [len(sent(reporter, step, nothing)) for step in range(35, 46)] == [0] * 9 + [1] + [0]
+    assert [len(sent(reporter, step, nothing, answer("area", "east"))) for step in range(46, 60)] == [0] * 14
+
+
+def test_find_that_the_base_has_heard_of_is_told_again_until_the_answer_comes(hall_scenario):
+    reporter = FindReporter(Told(), 1, with_base(hall_scenario), ("victim",))
+    assert len(sent(reporter, 1, Task(running=True, unreported=(ANN,)))) == 1
+    assert sum(len(sent(reporter, step, Task(running=True))) for step in range(2, 32)) == 3
+    assert sum(len(sent(reporter, step, Task(running=True), answer("victim", "ann"))) for step in range(32, 62)) == 0
+    again = ANN._replace(time_s=60.0)
+    assert sent(reporter, 62, Task(running=True, unreported=(again,))) == [discovery_to_json(again)]
+
+
+def test_controller_sees_no_answers_of_the_base(hall_scenario):
+    told = Told()
+    reporter = FindReporter(told, 1, with_base(hall_scenario), ("victim",))
+    other = Message(2, 1, "other")
+    sent(reporter, 1, Task(running=True), other, answer("victim", "ann"), Message(0, 1, '{"heard":3}'))
+    assert told.inboxes == [[other]]
+
+
+def test_base_answers_each_find_once_a_step_and_nothing_else():
+    base = FindListener(Told(), 0)
+    inbox = [Message(sender, 0, discovery_to_json(find)) for sender, find in ((1, ANN), (1, EAST), (2, ANN))]
+    inbox += [Message(2, 0, "hello"), Message(2, 0, '{"find": 3}')]
+    base.observe(Observation(0, STEP_NS, None, None), inbox, Task(running=True))
+    mine, *answers = base.decide().outbox
+    assert (mine.payload, len(base.controller.inboxes[0])) == ("mine", 5)
+    assert [(m.sender, m.receiver, json.loads(m.payload)) for m in answers] == [
+        (0, EVERYBODY, {"heard": ["victim", "ann"]}),
+        (0, EVERYBODY, {"heard": ["area", "east"]}),
+    ]
+    base.observe(Observation(0, 2 * STEP_NS, None, None), (), Task(running=True))
+    assert [m.payload for m in base.decide().outbox] == ["mine"]
 
 
 def test_nothing_is_reported_while_the_mission_is_paused(hall_scenario):
@@ -104,11 +149,14 @@ def test_cover_report_tells_of_the_victim_at_its_place(x_m, tells):
 def test_who_reports_depends_on_controller_and_areas(hall_scenario):
     assert isinstance(make_controller(1, hall_scenario()), RdpsoController)  # no base
     scenario = with_base(hall_scenario)
-    assert isinstance(make_controller(0, scenario), StandingBase)
+    base = make_controller(0, scenario)
+    assert (type(base), type(base.controller)) == (FindListener, StandingBase)
     assert isinstance(make_controller(1, scenario), FindReporter)
     covering = with_base(hall_scenario, "cover")
-    assert isinstance(make_controller(0, covering), CoverController)
+    base = make_controller(0, covering)
+    assert (type(base), type(base.controller)) == (FindListener, CoverController)
     assert isinstance(make_controller(1, covering), FindReporter)
+    assert isinstance(make_controller(0, with_base(hall_scenario, "cover", areas=())), CoverController)
     assert isinstance(make_controller(1, with_base(hall_scenario, "cover", areas=())), CoverController)
 
 
@@ -117,15 +165,17 @@ def test_base_stands_whatever_the_algorithm_and_hears_of_what_is_found_beside_it
     scenario = with_base(hall_scenario, algorithm)
     near = scenario.mission.victims[0].model_copy(update={"position": (3.5, 6.0)})
     simulation = Simulation(with_base(hall_scenario, algorithm, victims=(near,)))
-    events = []
+    events, reports = [], []
     for _ in range(40):
         record = simulation.step()
+        reports += [message for message in record.inboxes[0] if '"find"' in message.payload]
         events += [(event.kind, event.subject, event.robot_id) for event in record.events]
     base = record.readings[0].ground_truth
     assert (base.x_m, base.y_m) == pytest.approx((3.0, 4.0), abs=1e-9)
     assert ("victim_saved", "ann", 1) in events
     if algorithm != "cover":  # whose robots go by voices, and are told of the find by her silence
         assert ("find_reported", "ann", 1) in events
+        assert len(reports) == 1  # the answer came before a second one was due
 
 
 def test_swarm_in_the_garage_reports_to_a_base():
