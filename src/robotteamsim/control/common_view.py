@@ -67,7 +67,7 @@ def common_view(reports: tuple[Report, ...]) -> CommonView:
     Robots of one process that heard each other hold the same objects, and share one view: it keeps them, so that their
     identities stay theirs while it is there.
     """
-    key = tuple(map(id, reports))
+    key = tuple([id(report) for report in reports])
     view = _views.get(key)
     if view is None:
         while len(_views) >= _KEPT_VIEWS:

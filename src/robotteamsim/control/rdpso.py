@@ -50,8 +50,7 @@ PATIENCE = 0.5
 HURRY = 1.25
 """A robot drives this much faster than its swarm velocity, so that it is there when the next iteration begins."""
 
-
-_ITERATION, _ROBOT_ID, _SWARM_ID = (attrgetter(name) for name in ("iteration", "robot_id", "swarm_id"))
+_ROBOT_ID = attrgetter("robot_id")
 
 
 class RdpsoController:
@@ -109,9 +108,10 @@ class RdpsoController:
         """Take in what the robot perceives, the messages that arrived, and the mission's task."""
         self._observation, self._task = observation, task
         if inbox:
-            reports = tuple(reports_in(inbox))
-            self._team.update(zip(map(_ROBOT_ID, reports), reports, strict=True))
-            self._team.pop(self._robot_id, None)
+            team = self._team
+            for report in reports_in(inbox):
+                team[report.robot_id] = report
+            team.pop(self._robot_id, None)
 
     def decide(self) -> Decision:
         """Return command and messages for this step."""
@@ -146,7 +146,7 @@ class RdpsoController:
         assert self._observation is not None
         if self._observation.sim_time_ns - self._reported_ns >= round(PATIENCE * self._control.iteration_s * 1e9):
             return True
-        return own.iteration - 1 not in map(_ITERATION, self._team.values())
+        return own.iteration - 1 not in [report.iteration for report in self._team.values()]
 
     def _evaluate(self, pose: Pose, ranges_m: np.ndarray) -> Report:
         """Phase 1: return the report on what the robot knows at the start of an iteration."""
@@ -185,7 +185,7 @@ class RdpsoController:
         bests = self._share_bests(own, view)
         in_use = set(view.values)
         if len(reports) <= len(self._team):
-            in_use.update(map(_SWARM_ID, self._team.values()))
+            in_use.update([report.swarm_id for report in self._team.values()])
         improved = [swarm_id for swarm_id, (_, has_improved) in bests.items() if has_improved]
         self._membership.judge(iteration, view, improved, in_use)
         # A new swarm begins with what the excluded know.
