@@ -1,9 +1,11 @@
 #include "robotteamsim/control/clearance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -26,29 +28,28 @@ ROBOTTEAMSIM_INLINE bool SomeCount(const Point* hits, const Direction& way, doub
   return some != 0;
 }
 
-/// Takes one hit into account; false where nothing is left free.
-ROBOTTEAMSIM_INLINE bool Shorten(const Point& hit, const Direction& way, double radius, double* free) {
+/// How far the disc can go for one hit; infinity where it does not count. Without a branch, for many at once.
+ROBOTTEAMSIM_INLINE double FreeBefore(const Point& hit, const Direction& way, double radius) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double along = hit.x * way.cos + hit.y * way.sin;
   const double across = hit.y * way.cos - hit.x * way.sin;
   const double half_chord_squared = radius * radius - across * across;
-  // One branch for all hits that do not count.
-  const bool counts = (along > 0.0) & (half_chord_squared > 0.0) & (along - radius < *free);
-  if (!counts) return true;
-  const double touch = along - std::sqrt(half_chord_squared);
-  if (touch >= 0.0) {
-    *free = std::min(*free, touch);
-    return true;
-  }
-  return !(along * along > 0.25 * (along * along + across * across));
+  const double touch = along - std::sqrt(half_chord_squared > 0.0 ? half_chord_squared : 0.0);
+  const double free_inside = along * along > 0.25 * (along * along + across * across) ? 0.0 : kInfinity;
+  const double free = touch >= 0.0 ? touch : free_inside;
+  return (along > 0.0) & (half_chord_squared > 0.0) ? free : kInfinity;
 }
 
 ROBOTTEAMSIM_INLINE double FreeAmong(const Point* hits, std::size_t count, const Direction& way, double radius,
                                      double max_distance) {
   double free = max_distance;
   for (std::size_t first = 0; first < count; first += kBlock) {
-    if (count - first >= kBlock && !SomeCount(hits + first, way, radius, free)) continue;
-    for (std::size_t i = first; i < std::min(count, first + kBlock); ++i) {
-      if (!Shorten(hits[i], way, radius, &free)) return 0.0;
+    if (count - first < kBlock) {
+      for (std::size_t i = first; i < count; ++i) free = std::min(free, FreeBefore(hits[i], way, radius));
+    } else if (SomeCount(hits + first, way, radius, free)) {
+      std::array<double, kBlock> before;
+      for (std::size_t i = 0; i < kBlock; ++i) before[i] = FreeBefore(hits[first + i], way, radius);
+      for (const double one : before) free = std::min(free, one);
     }
   }
   return free;
