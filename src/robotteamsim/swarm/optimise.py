@@ -11,7 +11,15 @@ from numpy.typing import ArrayLike
 
 from robotteamsim.rng import stream
 from robotteamsim.swarm.objective import Objective, UndefinedValue
-from robotteamsim.swarm.options import DpsoOptions, Options, PsoOptions, RdpsoOptions, RpsoOptions, SwarmSizes
+from robotteamsim.swarm.options import (
+    DpsoOptions,
+    Options,
+    PsoOptions,
+    RdpsoOptions,
+    RpsoOptions,
+    SwarmSizes,
+    check_whole,
+)
 from robotteamsim.swarm.population import OUTSIDE, Population, move, start
 from robotteamsim.swarm.selection import select_particles, select_robots
 
@@ -116,6 +124,9 @@ def _run(
 ) -> OptimizeResult:
     low, high = _limits(bounds)
     options = _options_of(method, options)
+    check_whole("max_evaluations", max_evaluations)
+    if not isinstance(seed, np.random.Generator):
+        check_whole("seed", seed)
     rng = seed if isinstance(seed, np.random.Generator) else stream(seed, "swarm optimiser")
     sizes = _sizes(options)
     num_particles = sizes.initial_swarms * sizes.initial_particles

@@ -22,11 +22,20 @@ COEFFICIENT_MAX = 4.0
 
 
 def _check_range(name: str, value: float, high: float) -> None:
+    if not isinstance(value, float | int | np.number):
+        raise ValueError(f"{name} must be a number, got {value!r}")
     if not (math.isfinite(value) and 0.0 <= value <= high):
         raise ValueError(f"{name} must lie in [0, {high:g}], got {value}")
 
 
+def check_whole(name: str, value: int) -> None:
+    """Raise ValueError unless a value is a whole number; True is none."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise ValueError(f"{name} must be a whole number, got {value!r}")
+
+
 def _check_count(name: str, value: int, low: int) -> None:
+    check_whole(name, value)
     if value < low:
         raise ValueError(f"{name} must be at least {low}, got {value}")
 
@@ -118,6 +127,8 @@ class SwarmSizes:
 
     def __post_init__(self) -> None:
         for what in ("swarms", "particles"):
+            for part in ("min", "initial", "max"):
+                check_whole(f"{part}_{what}", getattr(self, f"{part}_{what}"))
             low, first, high = (int(getattr(self, f"{part}_{what}")) for part in ("min", "initial", "max"))
             if not (0 <= low <= first <= high and first >= 1):
                 raise ValueError(
@@ -216,6 +227,9 @@ def _check_motion(options: Options) -> None:
     _check_range("inertia", options.inertia, 1.0)
     if options.memory not in ("inertia", "published", "grunwald_letnikov"):
         raise ValueError(f"memory must be inertia, published or grunwald_letnikov, got {options.memory!r}")
+    check_whole("memory_terms", options.memory_terms)
+    if options.alpha is not None:
+        _check_range("alpha", options.alpha, 1.0)
     # Alpha and terms have their ranges even where an inertia stands in for them.
     memory_coefficients("grunwald_letnikov", fractional_order(options), options.memory_terms)
     inertia_coefficients(options)

@@ -298,6 +298,10 @@ def test_wrong_calls_are_refused():
         run(max_evaluations=29)
     with pytest.raises(ValueError, match="seed must be >= 0, got -1"):
         run(seed=-1)
+    with pytest.raises(ValueError, match="seed must be a whole number, got None"):
+        run(seed=None)
+    with pytest.raises(ValueError, match=r"max_evaluations must be a whole number, got 100\.5"):
+        run(max_evaluations=100.5)
 
 
 def test_generator_given_is_drawn_from():

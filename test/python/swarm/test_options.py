@@ -20,6 +20,9 @@ from robotteamsim.swarm.stability import mean_radius, variance_radius
         ({"alpha": -0.1}, r"alpha must lie in \[0, 1\], got -0.1"),
         ({"memory": "published", "memory_terms": 5}, "the published memory has 4 terms, got 5"),
         ({"memory_terms": 0}, "at least 1 term, got 0"),
+        ({"memory_terms": 2.5}, "memory_terms must be a whole number, got 2.5"),
+        ({"c1": "0.5"}, "c1 must be a number, got '0.5'"),
+        ({"alpha": "half"}, "alpha must be a number, got 'half'"),
         ({"memory": "caputo"}, "memory must be inertia, published or grunwald_letnikov, got 'caputo'"),
         ({"max_step": 0.0}, r"max_step must lie in \(0, 1\].*got 0.0"),
     ],
@@ -55,6 +58,8 @@ def test_wrong_terms_of_robots_are_refused(wrong, message):
         ({"max_particles": 4}, "particles need .*got min 0, initial 5, max 4"),
         ({"initial_particles": 0}, "particles need .*got min 0, initial 0, max 15"),
         ({"min_swarms": -1}, "swarms need .*got min -1"),
+        ({"initial_particles": 5.5}, "initial_particles must be a whole number, got 5.5"),
+        ({"search_counter_max": 1.5}, "search_counter_max must be a whole number, got 1.5"),
         ({"search_counter_max": 0}, "search_counter_max must be at least 1, got 0"),
     ],
 )
@@ -72,6 +77,8 @@ def test_weights_on_the_constraint_are_taken_with_an_adaptation_and_any_without(
 def test_pso_without_particles_and_dpso_that_may_lose_all_swarms_are_refused():
     with pytest.raises(ValueError, match="num_particles must be at least 1, got 0"):
         PsoOptions(num_particles=0)
+    with pytest.raises(ValueError, match=r"num_particles must be a whole number, got 2\.5"):
+        PsoOptions(num_particles=2.5)
     with pytest.raises(ValueError, match="min_swarms of a DPSO must be at least 1"):
         DpsoOptions(sizes=SwarmSizes(min_swarms=0))
 
