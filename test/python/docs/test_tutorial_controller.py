@@ -41,6 +41,10 @@ def test_template_is_the_file_that_the_tutorial_prints(name):
     assert (ROOT / "templates" / "controller" / name).read_text() == FILES[name]
 
 
+def test_readme_leads_to_the_tutorial():
+    assert f"({TUTORIAL.relative_to(ROOT)})" in (ROOT / "README.md").read_text()
+
+
 @pytest.mark.usefixtures("on_path")
 def test_tutorial_class_drives_about_and_touches_nothing_for_long():
     overrides = ["control.algorithm=my_controller:MyController", "mission.time_limit_s=60"]
