@@ -20,7 +20,6 @@ import numpy as np
 from scipy.stats import bootstrap, wilcoxon
 
 from robotteamsim.control.cover import COVER_RADIUS_M
-from robotteamsim.control.cover_report import parse_cover_report
 from robotteamsim.control.floor_cover import FloorCover
 from robotteamsim.scenario import load
 from robotteamsim.scenario.scenario import Scenario
@@ -40,7 +39,6 @@ FIGURES = {
     "latest_s": "the latest find reaches the base after [s]",
 }
 EVERY_S = 10.0
-SAME_FIND_M = 2.0
 
 Row = dict[str, float | str]
 
@@ -70,7 +68,8 @@ class Watcher:
         for event in record.events:
             if event.kind == "victim_saved":
                 self._found_s[event.subject] = record.sim_time_s
-        self._listen(record)
+            if event.kind == "find_reported":
+                self._reported_s[event.subject] = record.sim_time_s
         if record.step_index % round(1.0 / self._step_s) == 0:
             for reading in record.readings:
                 self._cover.look((reading.ground_truth.x_m, reading.ground_truth.y_m))
@@ -83,15 +82,6 @@ class Watcher:
                     "split_now": int(network.fiedler_value == 0.0),
                 }
             )
-
-    def _listen(self, record: StepRecord) -> None:
-        """Note which finds the base hears of."""
-        for message in record.inboxes[self._base]:
-            report = parse_cover_report(message.payload)
-            for find in report.finds if report else ():
-                for victim in record.victims:
-                    if np.hypot(*np.subtract(victim.position, find.position)) <= SAME_FIND_M:
-                        self._reported_s.setdefault(victim.name, record.sim_time_s)
 
     def row(self) -> Row:
         """Return the figures of the trial."""
