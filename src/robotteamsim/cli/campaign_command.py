@@ -65,11 +65,11 @@ def add_to(commands: Any) -> None:
     parser.add_argument("--design", type=Path, metavar="FILE", help="YAML with trials, seed, set, sweep, cells")
     parser.add_argument("--trials", type=whole_number, metavar="N", help=f"of each cell; default {DEFAULT_TRIALS}")
     parser.add_argument(
-        "--seed", type=whole_number, metavar="N", help=f"from which the seeds of all trials follow; default {DEFAULT_SEED}"
+        "--seed", type=whole_number, metavar="N", help=f"from which all trials' seeds follow; default {DEFAULT_SEED}"
     )
     add_set_option(parser)
     places = parser.add_mutually_exclusive_group()
-    places.add_argument("--workers", type=positive_whole_number, metavar="N", help="processes; default one for each core")
+    places.add_argument("--workers", type=positive_whole_number, metavar="N", help="processes; default one a core")
     places.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, such as tcp://10.0.0.1:8786")
     parser.add_argument("--json", action="store_true", help="print a summary as one JSON object instead of tables")
     parser.add_argument("--quiet", action="store_true", help="no progress, no tables")
