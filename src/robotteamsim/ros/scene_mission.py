@@ -13,7 +13,7 @@ import shapely
 from scipy import ndimage
 from visualization_msgs.msg import Marker
 
-from robotteamsim.ros.scene_plan import AREA_Z_M, LABEL_Z_M, VOICE_Z_M
+from robotteamsim.ros.scene_plan import AREA_Z_M, VOICE_Z_M
 from robotteamsim.ros.scene_shapes import (
     CONTOUR_LAYER,
     DISC_LAYER,
@@ -34,6 +34,11 @@ from robotteamsim.scenario.floor_plan import Bounds
 VICTIM_COLOURS = {"waiting": colour("#ff6b3d"), "heard": colour("#ffd23f"), "saved": colour("#2fe0a6")}
 VICTIM_GROUND = colour("#14171c", 0.6)
 SKIN = colour("#f1d3b8")
+
+NAME_M = 1.1
+"""Height of a capital letter of a victim's name."""
+NAME_Z_M = 1.7
+"""A name stands above walls that are cut at the usual height, so that none hides a part of it."""
 
 OPEN_AREA = colour("#c3ccd6")
 TARGET_AREA = colour("#ffffff")
@@ -109,7 +114,7 @@ def _victim_parts(index: int, victim: VictimView, save_distance_m: float) -> Ite
     ring.ring((x, y), save_distance_m - 0.1, save_distance_m, AREA_Z_M + 0.01, tint)
     yield drawn_below(ring.marker("victim_rings", index), DISC_LAYER)
     words = victim.name.replace("_", " ")
-    yield label("victim_names", index, words, tint, (*name_spot_m(victim, save_distance_m), LABEL_Z_M), 1.1)
+    yield label("victim_names", index, words, tint, (*name_spot_m(victim, save_distance_m), NAME_Z_M), NAME_M)
 
 
 def area_markers(areas: Sequence[AreaView]) -> list[Marker]:

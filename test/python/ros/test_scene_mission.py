@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from robotteamsim.ros.scene import WALL_HEIGHT_M
 from robotteamsim.ros.scene_mission import (
     EXPLORED_AREA,
     MAX_VOICE_CELLS,
@@ -63,6 +64,11 @@ def test_victims_name_is_written_without_underscores():
         "victim 2",
         "victim 3",
     ]
+
+
+def test_victims_name_stands_wholly_above_the_walls_which_would_hide_a_part_of_it():
+    for name in named(victim_markers(VICTIMS, 1.0), "victim_names"):
+        assert name.pose.position.z - name.scale.z / 2.0 > WALL_HEIGHT_M
 
 
 def test_areas_are_numbered_in_order_and_look_different_when_explored_target_or_open():
