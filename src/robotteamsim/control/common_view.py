@@ -12,6 +12,7 @@ from robotteamsim.control.report import Best, Report
 from robotteamsim.swarm import SwarmState, Vector
 
 _KEPT_VIEWS = 64
+_VALUE = attrgetter("value")
 _views: dict[tuple[int, ...], CommonView] = {}
 
 
@@ -43,22 +44,26 @@ class CommonView:
         self.positions: dict[int, dict[int, Vector]] = {}
         self.states: dict[int, SwarmState] = {}
         for report in reports:
-            self.states.setdefault(report.swarm_id, report.swarm)
-            self.values.setdefault(report.swarm_id, {})[report.robot_id] = report.value
-            self.positions.setdefault(report.swarm_id, {})[report.robot_id] = report.position
-        self.doors = tuple(dict.fromkeys(sighting for report in reports for sighting in report.doors))
+            robot_id, swarm_id = report.robot_id, report.swarm_id
+            if swarm_id not in self.states:
+                self.states[swarm_id], self.values[swarm_id], self.positions[swarm_id] = report.swarm, {}, {}
+            self.values[swarm_id][robot_id] = report.value
+            self.positions[swarm_id][robot_id] = report.position
+        self.doors = tuple(dict.fromkeys([sighting for report in reports for sighting in report.doors]))
         self.verdicts: dict[tuple[object, ...], tuple[dict[int, int], dict[int, SwarmState]]] = {}
         self._comparable: dict[tuple[object, ...], tuple[_core.HeardNotes, dict[int, Bests]]] = {}
 
     def comparable(self, own: Report) -> tuple[_core.HeardNotes, dict[int, Bests]]:
         """Return what those hear, and by swarm report as bests, who have a robot's task and agree with it on doors."""
-        key = (own.epoch, own.doors)
-        if key not in self._comparable:
-            reports = tuple(report for report in self.reports if (report.epoch, report.doors) == key)
+        key = epoch, doors = own.epoch, own.doors
+        found = self._comparable.get(key)
+        if found is None:
+            reports = [report for report in self.reports if report.epoch == epoch and report.doors == doors]
             swarm_ids = {report.swarm_id for report in reports}
             heard = _core.HeardNotes([(report.position, report.loudest) for report in reports])
-            self._comparable[key] = heard, {swarm_id: _bests_of(swarm_id, reports) for swarm_id in swarm_ids}
-        return self._comparable[key]
+            found = heard, {swarm_id: _bests_of(swarm_id, reports) for swarm_id in swarm_ids}
+            self._comparable[key] = found
+        return found
 
 
 def common_view(reports: tuple[Report, ...]) -> CommonView:
@@ -79,10 +84,10 @@ def common_view(reports: tuple[Report, ...]) -> CommonView:
 def _bests_of(swarm_id: int, reports: Iterable[Report]) -> Bests:
     group = [report for report in reports if report.swarm_id in (swarm_id, OUTSIDE)]
     found = [r.local_best for r in group if not r.excluded or (r.local_best and r.local_best.is_voice)]
-    return Bests(_highest_first(report.known_best for report in group), _highest_first(found))
+    return Bests(_highest_first([report.known_best for report in group]), _highest_first(found))
 
 
 def _highest_first(bests: Iterable[Best | None]) -> tuple[Best, ...]:
     """Return bests in falling order, each once; equal values in the order given."""
-    different = dict.fromkeys(best for best in bests if best is not None)
-    return tuple(sorted(different, key=attrgetter("value"), reverse=True))
+    different = dict.fromkeys([best for best in bests if best is not None])
+    return tuple(sorted(different, key=_VALUE, reverse=True))

@@ -39,8 +39,10 @@ class LinkKeeper:
         self._c4 = scenario.control.c4
         self._keeps_tree = scenario.control.kept_link == "tree"
         self._network = scenario.network
-        self._radio = scenario.radio
+        self._links_by_distance = scenario.network.link == "distance"
+        self._tx_power_dbm, self._slope_db = scenario.radio.tx_power_dbm, scenario.radio.slope_db
         lost_dbm, endangered_dbm = scenario.network.lost_below_dbm, scenario.network.endangered_below_dbm
+        self._lost_dbm, self._endangered_dbm = lost_dbm, endangered_dbm
         signal_at_1_m_dbm = scenario.radio.tx_power_dbm - scenario.radio.constant_loss_db
         # A hair above the limit keeps P_n defined where both thresholds, or q_1m and q_min, are one number.
         self._reference_dbm = max(signal_at_1_m_dbm, endangered_dbm, lost_dbm + 1e-9)
@@ -63,7 +65,7 @@ class LinkKeeper:
             neighbour = self._weakest_of_tree(position, list(heard.values()))
         else:
             neighbour = _core.nearest_place(position, list(members.values()))
-        if self._network.link == "distance":
+        if self._links_by_distance:
             proximity, endangered, range_m = self._by_distance(position, neighbour)
         else:
             proximity, endangered, range_m = self._by_signal(position, neighbour)
@@ -78,7 +80,7 @@ class LinkKeeper:
         """
         if self._field is None or not places:
             return None
-        if self._network.link == "signal":
+        if not self._links_by_distance:
             weakest_dbm = (2.0 * self._network.endangered_below_dbm + self._network.lost_below_dbm) / 3.0
             return self._field.best_rssi_map_dbm(places, resolution_m).values >= weakest_dbm
         cells = self._field.best_rssi_map_dbm(places[:1], resolution_m)
@@ -91,7 +93,7 @@ class LinkKeeper:
     def _weakest_of_tree(self, position: Vector, places: list[Vector]) -> Vector:
         """Return the other end of the weakest link that a robot has in the strongest tree of it and these places."""
         positions_m = np.array([position, *places])
-        if self._network.link == "distance":
+        if self._links_by_distance:
             strength = -np.hypot(*(positions_m[:, None, :] - positions_m[None, :, :]).transpose(2, 0, 1))
         else:
             assert self._field is not None
@@ -106,10 +108,9 @@ class LinkKeeper:
 
     def _by_signal(self, position: Vector, neighbour: Vector) -> tuple[float, float, float]:
         assert self._field is not None
-        signal_dbm = self._radio.tx_power_dbm - self._field.path_loss_db(position, neighbour)
-        lost_dbm, endangered_dbm = self._network.lost_below_dbm, self._network.endangered_below_dbm
-        proximity = robot_proximity_by_signal(signal_dbm, lost_dbm, self._reference_dbm)
-        range_m = math.dist(position, neighbour) * 10.0 ** ((signal_dbm - endangered_dbm) / self._radio.slope_db)
+        signal_dbm = self._tx_power_dbm - self._field.path_loss_db(position, neighbour)
+        proximity = robot_proximity_by_signal(signal_dbm, self._lost_dbm, self._reference_dbm)
+        range_m = math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db)
         return proximity, self._endangered_proximity, range_m
 
 

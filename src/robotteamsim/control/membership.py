@@ -56,9 +56,10 @@ class Membership:
             return
         # Those who share a view come to the same verdict, so one of them finds it for all.
         key = self._settings, tuple(improved), frozenset(in_use)
-        if key not in view.verdicts:
-            view.verdicts[key] = self._verdict(iteration, view, improved, in_use)
-        moves, states = view.verdicts[key]
+        verdict = view.verdicts.get(key)
+        if verdict is None:
+            verdict = view.verdicts[key] = self._verdict(iteration, view, improved, in_use)
+        moves, states = verdict
         self._move(moves.get(self._robot_id, self.swarm_id), states)
 
     def _verdict(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from operator import attrgetter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,6 +37,7 @@ from robotteamsim.swarm import (
     memory_coefficients,
     next_position,
     next_velocity,
+    uniform_numbers,
 )
 
 LONGEST_DETOUR_M = 60.0
@@ -53,6 +55,33 @@ HURRY = 1.25
 _ROBOT_ID = attrgetter("robot_id")
 
 
+class _Settings(NamedTuple):
+    """What a robot asks of `control` in every iteration: read there, each takes several times as long."""
+
+    iteration_s: float
+    max_step_speed_mps: float
+    step_m: float
+    patience_ns: int
+    by_path: bool
+    c1: float
+    c2: float
+    c3: float
+
+    @classmethod
+    def of(cls, control: Control) -> _Settings:
+        """Return what a section `control` says."""
+        return cls(
+            iteration_s=control.iteration_s,
+            max_step_speed_mps=control.max_step_speed_mps,
+            step_m=control.max_step_speed_mps * control.iteration_s,
+            patience_ns=round(PATIENCE * control.iteration_s * 1e9),
+            by_path=control.navigation == "path",
+            c1=control.c1,
+            c2=control.c2,
+            c3=control.c3,
+        )
+
+
 class RdpsoController:
     """One robot of the swarm.
 
@@ -67,7 +96,7 @@ class RdpsoController:
         body = body_of(robot_id, scenario)
         self._robot_id = robot_id
         self._scenario = scenario
-        self._control = control
+        self._settings = _Settings.of(control)
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._radius_m = body.reach_m
         self._localiser = Localiser(robot_id, scenario)
@@ -80,10 +109,10 @@ class RdpsoController:
         self._ruled_out = RuledOut(scenario)
         self._membership = Membership(robot_id, scenario)
         self._momentum = Momentum(self.memory(control))
-        self._rng = own_stream(scenario, "rdpso", robot_id, arrival)
+        self._numbers = uniform_numbers(own_stream(scenario, "rdpso", robot_id, arrival))
         self._wander = Wander(own_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps)
 
-        # Python keeps up to 30 attributes in the object itself; of one with more, it looks each up in a dictionary.
+        # Python keeps up to 29 attributes in the object itself; of one with more, it looks each up in a dictionary.
         self._observation: Observation | None = None
         self._task = Task()
         self._team: dict[int, Report] = {}
@@ -136,7 +165,7 @@ class RdpsoController:
         time_s, goal, speed_mps = sim_time_ns * 1e-9, self._goal, self._speed_mps
         if goal is None:
             goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), time_s)
-            speed_mps = self._control.max_step_speed_mps
+            speed_mps = self._settings.max_step_speed_mps
         grid, teammates = self._map.grid, self._where_teammates_were
         twist = self._navigator.drive(grid, pose, ranges_m, goal, speed_mps, time_s, teammates)
         return self._decision(twist, goal, outbox)
@@ -144,7 +173,7 @@ class RdpsoController:
     def _has_waited_enough(self, own: Report) -> bool:
         """Whether all that reported in the last iteration have reported in this one, or patience is at its end."""
         assert self._observation is not None
-        if self._observation.sim_time_ns - self._reported_ns >= round(PATIENCE * self._control.iteration_s * 1e9):
+        if self._observation.sim_time_ns - self._reported_ns >= self._settings.patience_ns:
             return True
         return own.iteration - 1 not in [report.iteration for report in self._team.values()]
 
@@ -198,13 +227,12 @@ class RdpsoController:
             return
         self._wander.stop()
         self._momentum.note(position)
-        step_m = self._control.max_step_speed_mps * self._control.iteration_s
-        velocity = limit_speed(self._next_velocity(position, pose, ranges_m, view), step_m)
+        velocity = limit_speed(self._next_velocity(position, pose, ranges_m, view), self._settings.step_m)
         self._goal = next_position(position, velocity)
-        if self._control.navigation == "path":
+        if self._settings.by_path:
             # A step ends at a wall; it does not lead around it. The way around is in the attractors.
             self._goal = self._map.reachable_towards(position, self._goal)
-        self._speed_mps = max(0.1, HURRY * math.hypot(*velocity) / self._control.iteration_s)
+        self._speed_mps = max(0.1, HURRY * math.hypot(*velocity) / self._settings.iteration_s)
 
     def _share_bests(self, own: Report, view: CommonView) -> dict[int, tuple[Best | None, bool]]:
         """Return by swarm what its members share as global best, and whether this iteration improved it."""
@@ -212,8 +240,7 @@ class RdpsoController:
         self._ruled_out.add_all(heard)
         bests = {}
         for swarm_id, (known, local) in bests_of.items():
-            before = self._highest(known)
-            found = self._highest(local)
+            before, found = self._highest(known), self._highest(local)
             improved = found is not None and (before is None or found.value > before.value)
             bests[swarm_id] = (found if improved else before, improved)
         return bests
@@ -231,12 +258,12 @@ class RdpsoController:
         assert self._local_best
         assert self._known_best
         clear_place = self._surroundings.attractor(pose, ranges_m)
-        swarm_id = self._membership.swarm_id
-        oldest = self._iteration - round(SEARCHED_FOR_S / self._control.iteration_s)
+        settings, swarm_id = self._settings, self._membership.swarm_id
         heard = dict(view.positions.get(swarm_id, {}))
         heard.pop(self._robot_id, None)
         missing = {}
         if len(view.reports) <= len(self._team):
+            oldest = self._iteration - round(SEARCHED_FOR_S / settings.iteration_s)
             missing = {
                 i: report.position
                 for i, report in self._team.items()
@@ -253,12 +280,12 @@ class RdpsoController:
             obstacle=position if clear_place is None else clear_place,
             communication=position if c4 == 0.0 else self._along_path(position, x_cb),
         )
-        weights = Weights(self._control.c1, self._control.c2, self._control.c3, c4)
-        return next_velocity(position, self._momentum.term(), attractors, weights, self._rng)
+        weights = Weights(settings.c1, settings.c2, settings.c3, c4)
+        return next_velocity(position, self._momentum.term(), attractors, weights, self._numbers)
 
     def _along_path(self, position: Vector, place: Vector) -> Vector:
         """Return a place as the path to it begins: at the path's length, in the direction of its first stretch."""
-        if self._control.navigation == "straight":
+        if not self._settings.by_path:
             return place
         return self._map.along_path(position, place, LONGEST_DETOUR_M)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from robotteamsim import _core
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.swarm import Vector
@@ -20,24 +22,16 @@ class RuledOut:
         # The victim may be anywhere in her cell of the voice map.
         save_m = scenario.mission.save_distance_m
         next_to_m = max(0.5 * save_m, save_m - cell_m)
-        self._core = _core.RuledOut(radius_m=scenario.voice.local_best_radius_m, cell_m=cell_m, next_to_m=next_to_m)
-
-    def clear(self) -> None:
-        """Forget everything: the voice map is another."""
-        self._core.clear()
-
-    def add(self, position: Vector, loudest: Vector | None) -> None:
-        """Note the loudest cell that a robot hears from where it is; none if it hears nothing.
+        core = _core.RuledOut(radius_m=scenario.voice.local_best_radius_m, cell_m=cell_m, next_to_m=next_to_m)
+        # Not wrapped: every robot asks several times in every iteration.
+        self.clear: Callable[[], None] = core.clear
+        """Forgets everything: the voice map is another."""
+        self.add: Callable[[Vector, Vector | None], None] = core.add
+        """Notes the loudest cell that a robot hears from where it is; none if it hears nothing.
 
         Robots that heard the same within 0.25 m of each other are one: the first counts.
         """
-        self._core.add(position, loudest)
-
-    def add_all(self, heard: _core.HeardNotes) -> None:
-        """Note what several robots hear: of each, in an order, where it is and the loudest cell."""
-        self._core.add_all(heard)
-
-    def covers(self, place: Vector) -> bool:
+        self.add_all: Callable[[_core.HeardNotes], None] = core.add_all
+        """Notes what several robots hear: of each, in an order, where it is and the loudest cell."""
+        self.covers: Callable[[Vector], bool] = core.covers
         """Whether the victim whose voice is heard at a cell cannot be there."""
-        covered: bool = self._core.covers(place)
-        return covered

@@ -32,7 +32,15 @@ from robotteamsim.swarm.options import (
     RpsoOptions,
     SwarmSizes,
 )
-from robotteamsim.swarm.velocity import Attractors, Vector, Weights, limit_speed, next_position, next_velocity
+from robotteamsim.swarm.velocity import (
+    Attractors,
+    Vector,
+    Weights,
+    limit_speed,
+    next_position,
+    next_velocity,
+    uniform_numbers,
+)
 
 __all__ = [
     "Attractors",
@@ -69,4 +77,5 @@ __all__ = [
     "spawn_chance",
     "swarm_activity",
     "swarm_connectivity",
+    "uniform_numbers",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple, TypeVar, cast
 
 import numpy as np
@@ -33,16 +33,27 @@ class Attractors(NamedTuple):
     communication: Vector
 
 
+def uniform_numbers(rng: np.random.Generator) -> Iterator[float]:
+    """Return the numbers in [0, 1) that a generator draws, one after the other, without end.
+
+    They are drawn many at once, in a fraction of the time, so nobody else may draw from the generator.
+    """
+    while True:
+        yield from rng.random(64).tolist()
+
+
 def next_velocity(
-    position: Vector, inertia: Vector, attractors: Attractors, weights: Weights, rng: np.random.Generator
+    position: Vector, inertia: Vector, attractors: Attractors, weights: Weights, numbers: Iterator[float]
 ) -> Vector:
     """Return v[t+1] of eq. (22), or (25) where `inertia` is the fractional memory.
 
     v[t+1] = inertia + sum over the four components of c * r * (attractor - x[t]), with one random number r in [0, 1)
-    per component. Four numbers are drawn whatever the weights, so that a weight never shifts the others' numbers.
+    per component. Four of the numbers, uniform in [0, 1), are taken whatever the weights, so that a weight never shifts
+    the others' numbers.
     """
     (v_x, v_y), (x, y) = inertia, position
-    for weight, random, (place_x, place_y) in zip(weights, rng.random(4).tolist(), attractors, strict=True):
+    # The numbers come last: `zip` ends with the weights, before it takes a fifth.
+    for weight, (place_x, place_y), random in zip(weights, attractors, numbers, strict=False):
         v_x += weight * random * (place_x - x)
         v_y += weight * random * (place_y - y)
     return v_x, v_y

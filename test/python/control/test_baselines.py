@@ -67,15 +67,20 @@ def test_pso_has_an_inertia_in_place_of_the_memory_and_neither_obstacles_nor_net
     control = of("pso", c3=0.3, c4=0.4, inertia=0.7, alpha=0.9)
     pso = make_controller(0, hall_scenario(control=control))
     assert pso._momentum.coefficients == (0.7,)
-    assert (pso._control.c1, pso._control.c2, pso._control.c3, pso._control.c4) == (0.08, 0.11, 0.0, 0.0)
-    assert not pso._control.exclusion.enabled
+    assert (pso._scenario.control.c1, pso._scenario.control.c2, pso._scenario.control.c3, pso._scenario.control.c4) == (
+        0.08,
+        0.11,
+        0.0,
+        0.0,
+    )
+    assert not pso._scenario.control.exclusion.enabled
 
 
 def test_rpso_is_pso_with_the_obstacle_term(hall_scenario):
     rpso = make_controller(0, hall_scenario(control=of("rpso", c3=0.3, inertia=0.5)))
     assert rpso._momentum.coefficients == (0.5,)
-    assert (rpso._control.c3, rpso._control.c4) == (0.3, 0.0)
-    assert not rpso._control.exclusion.enabled
+    assert (rpso._scenario.control.c3, rpso._scenario.control.c4) == (0.3, 0.0)
+    assert not rpso._scenario.control.exclusion.enabled
 
 
 def test_rpso_without_obstacle_weight_drives_as_pso(team, hall_scenario):
