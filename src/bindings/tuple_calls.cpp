@@ -43,6 +43,22 @@ PyObject* AsTuple(PyObject* /*module*/, PyObject* const* args, Py_ssize_t num_ar
   return made;
 }
 
+// with_item(tuple, index, item): a tuple of the same class with one other item.
+PyObject* WithItem(PyObject* /*module*/, PyObject* const* args, Py_ssize_t num_args) {
+  if (num_args != 3 || !PyTuple_Check(args[0]) || !PyLong_Check(args[1])) {
+    return Refuse("wanted a tuple, an index, and an item");
+  }
+  const Py_ssize_t size = PyTuple_GET_SIZE(args[0]), index = PyLong_AsSsize_t(args[1]);
+  if (index < 0 || index >= size) return Refuse("the tuple has no item of this index");
+  PyObject* const made = NewTuple(reinterpret_cast<PyObject*>(Py_TYPE(args[0])), size);
+  for (Py_ssize_t i = 0; made != nullptr && i < size; ++i) {
+    PyObject* const item = i == index ? args[2] : PyTuple_GET_ITEM(args[0], i);
+    Py_INCREF(item);
+    PyTuple_SET_ITEM(made, i, item);
+  }
+  return made;
+}
+
 // to_pose(reading, class): x, y, qz, qw as x, y, yaw.
 PyObject* ToPose(PyObject* /*module*/, PyObject* const* args, Py_ssize_t num_args) {
   std::array<double, 4> numbers;
@@ -105,8 +121,8 @@ PyMethodDef MethodOf(const char* name, Function* function) {
 }  // namespace
 
 void BindTupleCalls(py::module_& m) {
-  static std::array<PyMethodDef, 4> functions{MethodOf("as_tuple", &AsTuple), MethodOf("to_pose", &ToPose),
-                                              MethodOf("is_plain_decision", &AskIfPlain),
+  static std::array<PyMethodDef, 5> functions{MethodOf("as_tuple", &AsTuple), MethodOf("with_item", &WithItem),
+                                              MethodOf("to_pose", &ToPose), MethodOf("is_plain_decision", &AskIfPlain),
                                               PyMethodDef{nullptr, nullptr, 0, nullptr}};
   if (PyModule_AddFunctions(m.ptr(), functions.data()) != 0) throw py::error_already_set();
 }

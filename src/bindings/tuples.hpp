@@ -18,9 +18,7 @@ class TupleClass {
 
   /// A tuple of these new references, which it takes over.
   pybind11::object Of(std::initializer_list<PyObject*> items) const {
-    auto tuple = pybind11::reinterpret_steal<pybind11::object>(
-        cls()->tp_alloc(cls(), static_cast<pybind11::ssize_t>(items.size())));
-    if (!tuple) throw pybind11::error_already_set();
+    pybind11::object tuple = Empty(static_cast<pybind11::ssize_t>(items.size()));
     pybind11::ssize_t i = 0;
     for (PyObject* const item : items) PyTuple_SET_ITEM(tuple.ptr(), i++, item);
     return tuple;
@@ -28,13 +26,19 @@ class TupleClass {
 
   /// A tuple of `count` numbers.
   pybind11::object OfNumbers(const double* numbers, int count) const {
-    auto tuple = pybind11::reinterpret_steal<pybind11::object>(cls()->tp_alloc(cls(), count));
-    if (!tuple) throw pybind11::error_already_set();
+    pybind11::object tuple = Empty(count);
     for (int i = 0; i < count; ++i) PyTuple_SET_ITEM(tuple.ptr(), i, PyFloat_FromDouble(numbers[i]));
     return tuple;
   }
 
  private:
+  pybind11::object Empty(pybind11::ssize_t size) const {
+    // Python keeps the memory of tuples of its own for the next ones, but asks for it in PyTuple_New only.
+    PyObject* const made = cls() == &PyTuple_Type ? PyTuple_New(size) : cls()->tp_alloc(cls(), size);
+    if (made == nullptr) throw pybind11::error_already_set();
+    return pybind11::reinterpret_steal<pybind11::object>(made);
+  }
+
   PyTypeObject* cls() const { return reinterpret_cast<PyTypeObject*>(type_.ptr()); }
 
   pybind11::type type_;

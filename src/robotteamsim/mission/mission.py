@@ -43,11 +43,13 @@ class Mission:
 
     def __init__(self, scenario: Scenario) -> None:
         self._areas = scenario.mission.areas
-        self._victims = scenario.mission.victims
+        self.victims = scenario.mission.victims
+        """The victims in the order of `status.victims`, at their present places."""
         self._save_distance_m = scenario.mission.save_distance_m
         self._time_limit_ns = round(scenario.mission.time_limit_s * 1e9)
         self._autostart = scenario.mission.autostart
-        self._noise_db = scenario.voice.noise_db
+        self.noise_db = scenario.voice.noise_db
+        """Background noise as last told [dB]."""
 
         self._doors: Mapping[str, DoorState] = {door.name: door_at_start(door) for door in scenario.plan.doors}
 
@@ -57,8 +59,9 @@ class Mission:
         self._last_step_ns = 0
         self._team_was_running = False
         self._num_explored = 0
-        self._victim_states: list[VictimState] = ["waiting"] * len(self._victims)
-        self._saved: tuple[str, ...] = ()
+        self._victim_states: list[VictimState] = ["waiting"] * len(self.victims)
+        self.saved_victims: tuple[str, ...] = ()
+        """Names of the victims who are saved, and therefore silent; the same object until that changes."""
         self._places_m, self._reaches_m = self._all_places()
         self._heard_places_m: set[tuple[float, float]] = set()
         """Loudest places for which is known who is heard there, as of the victims who wait or were heard now."""
@@ -75,55 +78,36 @@ class Mission:
         self._events: list[Event] = []
         self._task = Task()
         self._asked: tuple[object, ...] = ()
-        self._status = self._make_status()
-
-    @property
-    def status(self) -> MissionStatus:
+        self.status = self._make_status()
         """The mission as of now."""
-        return self._status
-
-    @property
-    def victims(self) -> tuple[Victim, ...]:
-        """The victims in the order of `status.victims`, at their present places."""
-        return self._victims
-
-    @property
-    def saved_victims(self) -> tuple[str, ...]:
-        """Names of the victims who are saved, and therefore silent; the same object until that changes."""
-        return self._saved
-
-    @property
-    def noise_db(self) -> float:
-        """Background noise as last told [dB]."""
-        return self._noise_db
 
     def start(self) -> None:
         """Start a waiting mission; in any other state nothing happens."""
         if self._state == "waiting":
             self._state = "running"
-            detail = f"{len(self._areas)} areas, {len(self._victims)} victims, {self._noise_db:g} dB noise"
+            detail = f"{len(self._areas)} areas, {len(self.victims)} victims, {self.noise_db:g} dB noise"
             self._tell("start", "", NOBODY, f"mission starts: {detail}")
-            self._status = self._make_status()
+            self.status = self._make_status()
 
     def pause(self) -> None:
         """Stop robots and clock of a running mission; in any other state nothing happens."""
         if self._state == "running":
             self._state = "paused"
             self._tell("pause", "", NOBODY, "mission is paused")
-            self._status = self._make_status()
+            self.status = self._make_status()
 
     def resume(self) -> None:
         """Let a paused mission go on; in any other state nothing happens."""
         if self._state == "paused":
             self._state = "running"
             self._tell("resume", "", NOBODY, "mission goes on")
-            self._status = self._make_status()
+            self.status = self._make_status()
 
     def abort(self) -> None:
         """End the mission now, unless it has ended."""
         if self._state != "ended":
             self._finish("aborted")
-            self._status = self._make_status()
+            self.status = self._make_status()
 
     def note(self, kind: str, subject: str, detail: str) -> None:
         """Put something that happened outside the mission among its events."""
@@ -148,18 +132,18 @@ class Mission:
 
     def set_noise_db(self, noise_db: float) -> None:
         """Take note of another background noise, which changes the voice map."""
-        self._noise_db = noise_db
+        self.noise_db = noise_db
         self._tell("noise", "", NOBODY, f"background noise is {noise_db:g} dB")
         self._change_task()
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
         """Add a victim, or move the one of that name, who then waits (again) to be heard and saved."""
         victim = Victim(name=name, position=position_m)
-        names = [known.name for known in self._victims]
+        names = [known.name for known in self.victims]
         index = names.index(name) if name in names else len(names)
-        self._victims = (*self._victims[:index], victim, *self._victims[index + 1 :])
+        self.victims = (*self.victims[:index], victim, *self.victims[index + 1 :])
         self._victim_states[index : index + 1] = ["waiting"]
-        self._saved = self._names_of_saved()
+        self.saved_victims = self._names_of_saved()
         self._places_m, self._reaches_m = self._all_places()
         self._heard_places_m.clear()
         self._tell("victim", name, NOBODY, f"victim {name} calls at ({position_m[0]:.1f}, {position_m[1]:.1f})")
@@ -205,7 +189,7 @@ class Mission:
             self._judge_end()
         self._team_was_running = self._state == "running"
         # Where nothing was told, nothing but the time is new.
-        self._status = self._make_status() if self._events else self._status.at(self._elapsed_ns / 1e9)
+        self.status = self._make_status() if self._events else self.status.at(self._elapsed_ns / 1e9)
         events, self._events = tuple(self._events), []
         return events
 
@@ -218,7 +202,7 @@ class Mission:
                 self._hear(robot_id, voice)
 
     def _judge_places(self, positions_m: np.ndarray) -> None:
-        num_victims = len(self._victims)
+        num_victims = len(self.victims)
         area = num_victims + self._num_explored
         for place, robot_id in _core.reached(positions_m, self._places_m, self._reaches_m):
             if place == area:
@@ -227,25 +211,26 @@ class Mission:
                 self._save(place, robot_id)
 
     def _save(self, index: int, robot_id: int) -> None:
-        victim = self._victims[index]
+        victim = self.victims[index]
         self._victim_states[index] = "saved"
-        self._saved = self._names_of_saved()
+        self.saved_victims = self._names_of_saved()
         self._heard_places_m.clear()
         self._epoch += 1  # her voice leaves the map
-        count = f"{len(self._saved)} of {len(self._victims)}"
+        count = f"{len(self.saved_victims)} of {len(self.victims)}"
         self._tell("victim_saved", victim.name, robot_id, f"robot {robot_id} saves {victim.name} ({count})")
         self._base.add(Discovery("victim", victim.name, robot_id, victim.position, self._elapsed_ns / 1e9))
 
     def _names_of_saved(self) -> tuple[str, ...]:
-        states = zip(self._victims, self._victim_states, strict=True)
+        states = zip(self.victims, self._victim_states, strict=True)
         return tuple([victim.name for victim, state in states if state == "saved"])
 
     def _hear(self, robot_id: int, voice: VoiceReading) -> None:
         unsaved = [i for i, state in enumerate(self._victim_states) if state != "saved"]
-        index = min(unsaved, key=lambda i: math.dist(self._victims[i].position, voice.local_best_m))
+        distances_m = [math.dist(self.victims[i].position, voice.local_best_m) for i in unsaved]
+        index = unsaved[distances_m.index(min(distances_m))]
         if self._victim_states[index] == "waiting":
             self._victim_states[index] = "heard"
-            name, level_db = self._victims[index].name, voice.local_best_level_db
+            name, level_db = self.victims[index].name, voice.local_best_level_db
             self._tell("victim_heard", name, robot_id, f"robot {robot_id} hears {name} at {level_db:.1f} dB")
 
     def _explore(self, robot_id: int) -> None:
@@ -301,18 +286,18 @@ class Mission:
     def _finish(self, end: MissionEnd) -> None:
         self._state, self._end = "ended", end
         saved = self._victim_states.count("saved")
-        count = f"{self._num_explored}/{len(self._areas)} areas, {saved}/{len(self._victims)} victims"
+        count = f"{self._num_explored}/{len(self._areas)} areas, {saved}/{len(self.victims)} victims"
         self._tell("end", "", NOBODY, f"mission ends: {_END_DETAIL[end]}; {count}")
 
     def _all_places(self) -> tuple[np.ndarray, np.ndarray]:
         """Return where the victims are and then the areas, shape (n, 2), and how near one must come, shape (n,) [m]."""
-        places = [victim.position for victim in self._victims] + [area.center for area in self._areas]
-        reaches = [self._save_distance_m] * len(self._victims) + [area.radius_m for area in self._areas]
+        places = [victim.position for victim in self.victims] + [area.center for area in self._areas]
+        reaches = [self._save_distance_m] * len(self.victims) + [area.radius_m for area in self._areas]
         return np.array(places, dtype=np.float64).reshape(-1, 2), np.array(reaches, dtype=np.float64)
 
     def _change_task(self) -> None:
         self._epoch += 1
-        self._status = self._make_status()
+        self.status = self._make_status()
 
     def _tell(self, kind: str, subject: str, robot_id: int, detail: str) -> None:
         self._events.append(Event(self._elapsed_ns / 1e9, kind, subject, robot_id, detail))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+from robotteamsim import _core
 from robotteamsim.control.controller import Task
 
 MissionState = Literal["waiting", "running", "paused", "ended"]
@@ -72,7 +73,8 @@ class MissionStatus(NamedTuple):
 
     def at(self, time_s: float) -> MissionStatus:
         """Return the same at another time of the mission's clock [s]."""
-        return tuple.__new__(MissionStatus, (*self[:2], time_s, *self[3:]))
+        at: MissionStatus = _core.with_item(self, _TIME, time_s)  # `_replace`, at once
+        return at
 
     @property
     def areas_explored(self) -> int:
@@ -83,3 +85,6 @@ class MissionStatus(NamedTuple):
     def victims_saved(self) -> int:
         """Number of saved victims."""
         return sum(state == "saved" for state in self.victims)
+
+
+_TIME = MissionStatus._fields.index("time_s")

@@ -79,24 +79,9 @@ class World:
         return len(self._robots)
 
     @property
-    def present(self) -> np.ndarray | None:
-        """Whether each robot is there, bool, shape (n,); None: all are. The same object until one comes or leaves."""
-        return self._present
-
-    @property
-    def arrivals(self) -> tuple[int, ...]:
-        """How often each robot has come, its start included; the same object until one comes or leaves."""
-        return self._arrivals
-
-    @property
-    def step_index(self) -> int:
-        """Number of steps since the start."""
-        return self._step_index
-
-    @property
     def sim_time_ns(self) -> int:
         """Time since the start [ns]."""
-        return self._step_index * self._step_ns
+        return self.step_index * self._step_ns
 
     @property
     def step_ns(self) -> int:
@@ -116,7 +101,7 @@ class World:
             self.core.step_each(twists)
         else:
             self.core.step(twists)
-        self._step_index += 1
+        self.step_index += 1
         if self._have_leaves:
             self._look_at_doors()
 
@@ -255,20 +240,23 @@ class World:
         self._begin()
 
     def _begin(self) -> None:
-        self._step_index = 0
+        self.step_index = 0
+        """Number of steps since the start."""
         self._to_come = list(self._schedule)
         self._look_who_is_there()
 
     def _look_who_is_there(self) -> None:
         present = self.core.present()
-        self._present: np.ndarray | None = None if present.all() else present
-        self._arrivals = tuple(self.core.arrivals())
+        self.present: np.ndarray | None = None if present.all() else present
+        """Whether each robot is there, bool, shape (n,); None: all are. The same object until one comes or leaves."""
+        self.arrivals = tuple(self.core.arrivals())
+        """How often each robot has come, its start included; the same object until one comes or leaves."""
 
     def _is_there(self, robot_id: int) -> bool:
         """Raises: ValueError: no such robot."""
         if not 0 <= robot_id < self.num_robots:
             raise ValueError(f"robot_id must be in 0..{self.num_robots - 1}, got {robot_id}")
-        return self._present is None or bool(self._present[robot_id])
+        return self.present is None or bool(self.present[robot_id])
 
     def _follow_schedule(self) -> None:
         """Let happen what is due; what does not fit any more, as others had a hand in it, is left out."""
