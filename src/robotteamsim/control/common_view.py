@@ -83,7 +83,7 @@ def common_view(reports: tuple[Report, ...]) -> CommonView:
 
 def _bests_of(swarm_id: int, reports: Iterable[Report]) -> Bests:
     group = [report for report in reports if report.swarm_id in (swarm_id, OUTSIDE)]
-    found = [r.local_best for r in group if not r.excluded or (r.local_best and r.local_best.is_voice)]
+    found = [r.local_best for r in group if r.swarm_id != OUTSIDE or (r.local_best and r.local_best.is_voice)]
     return Bests(_highest_first([report.known_best for report in group]), _highest_first(found))
 
 

@@ -21,6 +21,10 @@ from robotteamsim.sensing.readings import Observation
 _LARGEST = 2**31 - 1
 """Numbers of swarms, and what they count, are of 32 bits in messages."""
 
+# Of bool | np.bool_, written where it is asked, Python would make a new object each time.
+_TRUTHS = (bool, np.bool_)
+_NUMBERS = (float, int, np.number)
+
 _ADDRESS = re.compile(" at 0x[0-9a-f]+")
 
 _logger = logging.getLogger(__name__)
@@ -111,13 +115,13 @@ def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:
 
 def _problem_of_what_is_told(decision: Decision) -> str:
     """Return what is wrong with what others are told of a decision: messages of ROS and bags hold it as it is."""
-    if not isinstance(decision.excluded, bool | np.bool_):
+    if not isinstance(decision.excluded, _TRUTHS):
         return f"decide returned excluded = {decision.excluded!r:.60}; wanted True or False"
     if not _is_whole(decision.swarm) or not OUTSIDE <= decision.swarm <= _LARGEST:
         return f"decide returned swarm = {decision.swarm!r:.60}; wanted a number from 0 on, or {OUTSIDE} for none"
     if not _is_whole(decision.search_counter) or not 0 <= decision.search_counter <= _LARGEST:
         return f"decide returned search_counter = {decision.search_counter!r:.60}; wanted a number from 0 on"
-    if not isinstance(decision.local_best, float | int | np.number):
+    if not isinstance(decision.local_best, _NUMBERS):
         return f"decide returned local_best = {decision.local_best!r:.60}; wanted a number"
     if not isinstance(decision.fault, str):
         return f"decide returned fault = {decision.fault!r:.60}; wanted text"

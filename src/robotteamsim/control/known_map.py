@@ -81,12 +81,13 @@ class KnownMap:
         return place
 
     def _field(self, goal: Vector) -> np.ndarray | None:
-        if goal not in self._fields:
+        field = self._fields.get(goal)
+        if field is None and goal not in self._fields:
             while len(self._fields) >= _KEPT_FIELDS:
                 del self._fields[next(iter(self._fields))]
             free_goal = self.grid.nearest_free(goal, 5.0)
-            self._fields[goal] = None if free_goal is None else self.grid.distance_field(free_goal)
-        return self._fields[goal]
+            field = self._fields[goal] = None if free_goal is None else self.grid.distance_field(free_goal)
+        return field
 
 
 @functools.lru_cache(maxsize=16)
