@@ -90,8 +90,8 @@ bool AreFinite(PyObject* tuple, Py_ssize_t count) {
   return true;
 }
 
-// Whether a decision is of its class, a named tuple of 8, with a twist of its own, sends nothing, and holds plain and
-// finite values in their ranges. Most are and do, and this is asked of every robot in every step.
+// Whether a decision is of its class, a named tuple of 8, with a twist of its own and a tuple of whatever it sends, and
+// holds plain and finite values in their ranges. Most are and do, and this is asked of every robot in every step.
 bool IsPlainDecision(PyObject* told, PyObject* decision_class, PyObject* twist_class) {
   if (Py_TYPE(told) != reinterpret_cast<PyTypeObject*>(decision_class) || PyTuple_GET_SIZE(told) != 8) {
     return false;
@@ -99,7 +99,7 @@ bool IsPlainDecision(PyObject* told, PyObject* decision_class, PyObject* twist_c
   PyObject* const twist = PyTuple_GET_ITEM(told, 0);
   if (Py_TYPE(twist) != reinterpret_cast<PyTypeObject*>(twist_class) || !AreFinite(twist, 3)) return false;
   PyObject *const outbox = PyTuple_GET_ITEM(told, 1), *const goal = PyTuple_GET_ITEM(told, 3);
-  if (!PyTuple_CheckExact(outbox) || PyTuple_GET_SIZE(outbox) != 0) return false;
+  if (!PyTuple_CheckExact(outbox)) return false;
   if (goal != Py_None && !(PyTuple_CheckExact(goal) && AreFinite(goal, 2))) return false;
   constexpr long kLargest = 2147483647;  // messages of ROS have 32 bits for it
   return PyBool_Check(PyTuple_GET_ITEM(told, 2)) && PyFloat_CheckExact(PyTuple_GET_ITEM(told, 4)) &&

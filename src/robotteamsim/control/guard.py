@@ -65,8 +65,11 @@ class Guard:
             try:
                 decision = self.controller.decide()
                 if _core.is_plain_decision(decision, Decision, Twist):  # as most are
-                    return decision
-                self._fault = problem_of(decision, self._robot_id, self._num_robots)
+                    if not decision.outbox:
+                        return decision
+                    self._fault = _problem_of_messages(decision.outbox, self._robot_id, self._num_robots)
+                else:
+                    self._fault = problem_of(decision, self._robot_id, self._num_robots)
                 if not self._fault:
                     return decision
             except (Exception, SystemExit) as error:
@@ -91,11 +94,16 @@ def problem_of(decision: Decision, robot_id: int, num_robots: int) -> str:
         return f"decide returned the goal {_shown(goal_m)}; wanted finite (x, y), or None"
     if not isinstance(decision.outbox, (tuple, list)):
         return f"decide returned the outbox {_shown(decision.outbox)}; wanted a tuple of Messages"
-    for message in decision.outbox:
+    wrong = _problem_of_messages(decision.outbox, robot_id, num_robots)
+    return wrong or _problem_of_what_is_told(decision)
+
+
+def _problem_of_messages(outbox: Sequence[object], robot_id: int, num_robots: int) -> str:
+    for message in outbox:
         wrong = _problem_of_message(message, robot_id, num_robots)
         if wrong:
             return wrong
-    return _problem_of_what_is_told(decision)
+    return ""
 
 
 def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:
