@@ -13,6 +13,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "fast_calls.hpp"
 #include "json_text.hpp"
 #include "points.hpp"
 #include "robotteamsim/control/clearance.hpp"
@@ -89,16 +90,30 @@ void BindNavigator(py::module_& m) {
            }),
            py::kw_only(), py::arg("beams"), py::arg("angle_min_rad"), py::arg("angle_max_rad"), py::arg("forward_m"),
            py::arg("range_max_m"));
-  py::class_<BoundNavigator>(m, "Navigator")
-      .def(py::init([](int robot_id, double radius_m, const LaserLayout& laser, double max_speed_mps,
-                       double max_turn_radps, bool is_car, bool by_path, py::type twist) {
-             const NavigatorBody body{robot_id, radius_m, laser, max_speed_mps, max_turn_radps, is_car};
-             return BoundNavigator{Navigator(body, by_path), TupleClass(std::move(twist))};
-           }),
-           py::kw_only(), py::arg("robot_id"), py::arg("radius_m"), py::arg("laser"), py::arg("max_speed_mps"),
-           py::arg("max_turn_radps"), py::arg("is_car"), py::arg("by_path"), py::arg("twist"))
-      .def("drive", &Drive);
+  py::class_<BoundNavigator> navigator(m, "Navigator");
+  navigator.def(py::init([](int robot_id, double radius_m, const LaserLayout& laser, double max_speed_mps,
+                            double max_turn_radps, bool is_car, bool by_path, py::type twist) {
+                  const NavigatorBody body{robot_id, radius_m, laser, max_speed_mps, max_turn_radps, is_car};
+                  return BoundNavigator{Navigator(body, by_path), TupleClass(std::move(twist))};
+                }),
+                py::kw_only(), py::arg("robot_id"), py::arg("radius_m"), py::arg("laser"), py::arg("max_speed_mps"),
+                py::arg("max_turn_radps"), py::arg("is_car"), py::arg("by_path"), py::arg("twist"));
+  DefFast<&Drive>(navigator, "drive");
 }
+
+// In `map`, where the robot stands at `pose`.
+std::optional<Point> ClearestPlace(const Surroundings& surroundings, const Pose& pose, const py::array& ranges_m) {
+  const std::optional<Point> place = surroundings.ClearestPlace(ToVector(ranges_m));
+  if (!place) return std::nullopt;
+  const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
+  return Point{pose.x + cos * place->x - sin * place->y, pose.y + sin * place->x + cos * place->y};
+}
+
+void AddNote(RuledOut& ruled_out, const Point& position, const std::optional<Point>& loudest) {
+  ruled_out.Add(HeardNote{position, loudest});
+}
+
+void AddNotes(RuledOut& ruled_out, const HeardNotes& heard) { ruled_out.Add(heard); }
 
 // The place that is nearest to a position, the first of equals.
 py::object NearestPlace(const Point& position, const py::list& places) {
@@ -119,40 +134,33 @@ py::object NearestPlace(const Point& position, const py::list& places) {
 
 void BindControl(py::module_& m) {
   BindNavigator(m);
-  m.def("json_text", &JsonText, py::arg("value"));
-  m.def("nearest_place", &NearestPlace, py::arg("position_m"), py::arg("places_m"));
+  DefFast<&JsonText>(m, "json_text");
+  DefFast<&NearestPlace>(m, "nearest_place");
   m.def(
       "farthest_from",
       [](const Doubles& points_m, const Point& place_m, const Doubles& candidates_m) {
         return FarthestFrom(ToPoints(points_m), place_m, ToPoints(candidates_m));
       },
       py::arg("points_m"), py::arg("place_m"), py::arg("candidates_m"));
-  py::class_<Surroundings>(m, "Surroundings")
-      .def(py::init([](const LaserLayout& laser, int stride, double sensing_radius_m,
-                       const std::vector<double>& headings_rad) {
-             return Surroundings(ScanClearance(laser), stride, sensing_radius_m, headings_rad);
-           }),
-           py::kw_only(), py::arg("laser"), py::arg("stride"), py::arg("sensing_radius_m"), py::arg("headings_rad"))
-      .def("clearest_place",
-           [](const Surroundings& surroundings, const Pose& pose, const py::array& ranges_m) -> std::optional<Point> {
-             const std::optional<Point> place = surroundings.ClearestPlace(ToVector(ranges_m));
-             if (!place) return std::nullopt;
-             const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
-             return Point{pose.x + cos * place->x - sin * place->y, pose.y + sin * place->x + cos * place->y};
-           });
+  py::class_<Surroundings> surroundings(m, "Surroundings");
+  surroundings.def(py::init([](const LaserLayout& laser, int stride, double sensing_radius_m,
+                               const std::vector<double>& headings_rad) {
+                     return Surroundings(ScanClearance(laser), stride, sensing_radius_m, headings_rad);
+                   }),
+                   py::kw_only(), py::arg("laser"), py::arg("stride"), py::arg("sensing_radius_m"),
+                   py::arg("headings_rad"));
+  DefFast<&ClearestPlace>(surroundings, "clearest_place");
   py::class_<HeardNotes>(m, "HeardNotes")
       .def(py::init(&MakeNotes), py::arg("heard"))
       .def_property_readonly("notes", &PairsOf);
-  py::class_<RuledOut>(m, "RuledOut")
+  py::class_<RuledOut> ruled_out(m, "RuledOut");
+  ruled_out
       .def(py::init<double, double, double>(), py::kw_only(), py::arg("radius_m"), py::arg("cell_m"),
            py::arg("next_to_m"))
-      .def("clear", &RuledOut::Clear)
-      .def("add",
-           [](RuledOut& ruled_out, const Point& position, const std::optional<Point>& loudest) {
-             ruled_out.Add(HeardNote{position, loudest});
-           })
-      .def("add_all", [](RuledOut& ruled_out, const HeardNotes& heard) { ruled_out.Add(heard); })
-      .def("covers", &RuledOut::Covers);
+      .def("clear", &RuledOut::Clear);
+  DefFast<&AddNote>(ruled_out, "add");
+  DefFast<&AddNotes>(ruled_out, "add_all");
+  DefFast<&RuledOut::Covers>(ruled_out, "covers");
 }
 
 }  // namespace robotteamsim::bindings

@@ -7,6 +7,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "fast_calls.hpp"
 #include "robotteamsim/network/fiedler.hpp"
 #include "robotteamsim/network/hop_count.hpp"
 #include "robotteamsim/network/team_links.hpp"
@@ -66,11 +67,11 @@ class TeamLinkArrays {
 void BindNetwork(py::module_& m) {
   m.def("hop_count", &CountHops, py::arg("adjacency"));
   m.def("fiedler_value", &FiedlerValue, py::arg("adjacency"));
-  py::class_<TeamLinkArrays>(m, "TeamLinks")
-      .def(py::init<py::object, py::object, bool, double, double, double>(), py::arg("faces"), py::arg("model"),
-           py::kw_only(), py::arg("by_distance"), py::arg("lost_below_dbm"), py::arg("max_distance_m"),
-           py::arg("endangered_below_dbm"))
-      .def("step", &TeamLinkArrays::Step, py::arg("positions_m"));
+  py::class_<TeamLinkArrays> links(m, "TeamLinks");
+  links.def(py::init<py::object, py::object, bool, double, double, double>(), py::arg("faces"), py::arg("model"),
+            py::kw_only(), py::arg("by_distance"), py::arg("lost_below_dbm"), py::arg("max_distance_m"),
+            py::arg("endangered_below_dbm"));
+  DefFast<&TeamLinkArrays::Step>(links, "step");
 }
 
 }  // namespace robotteamsim::bindings

@@ -12,6 +12,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "fast_calls.hpp"
 #include "points.hpp"
 #include "robotteamsim/plan/grid.hpp"
 
@@ -37,6 +38,21 @@ py::array_t<Value> ToArray(const std::vector<Value>& values, const GridShape& sh
   py::array_t<Value> array({shape.rows, shape.cols});
   std::copy(values.begin(), values.end(), array.mutable_data());
   return array;
+}
+
+float ValueAt(const PlanningGrid& grid, const Field& field, const Point& point) {
+  return grid.ValueAt(field.data(), field.size(), point);
+}
+
+std::pair<Point, double> FirstStretch(const PlanningGrid& grid, const Point& start, const Point& goal,
+                                      double max_length_m) {
+  return ToPair(grid.FirstStretch(start, goal, max_length_m));
+}
+
+std::optional<std::pair<Point, double>> LeastReachable(const PlanningGrid& grid, const Field& field, const Point& start,
+                                                       double radius_m) {
+  const auto best = grid.LeastReachable(field.data(), field.size(), start, radius_m);
+  return best ? std::optional(ToPair(*best)) : std::nullopt;
 }
 
 // Which places, shape (m, 2), have one of the points, shape (n, 2), no farther than their reach, shape (m,): pairs of a
@@ -68,32 +84,27 @@ std::vector<std::pair<int, int>> Reached(const Doubles& points_m, const Doubles&
 }  // namespace
 
 void BindPlan(py::module_& m) {
-  m.def("reached", &Reached, py::arg("points_m"), py::arg("places_m"), py::arg("reaches_m"));
-  py::class_<PlanningGrid, std::shared_ptr<PlanningGrid>>(m, "PlanningGrid")
-      .def(py::init(&MakeGrid), py::arg("occupied"), py::arg("origin_m"), py::arg("resolution_m"),
+  DefFast<&Reached>(m, "reached");
+  py::class_<PlanningGrid, std::shared_ptr<PlanningGrid>> grid(m, "PlanningGrid");
+  grid.def(py::init(&MakeGrid), py::arg("occupied"), py::arg("origin_m"), py::arg("resolution_m"),
            py::arg("inflation_m"))
       .def("blocked", [](const PlanningGrid& grid) { return ToArray(grid.blocked(), grid.shape()); })
       .def("is_free", &PlanningGrid::IsFree)
-      .def("nearest_free", &PlanningGrid::NearestFree)
-      .def("is_line_free", &PlanningGrid::IsLineFree)
       .def("distance_field",
            [](const PlanningGrid& grid, const Point& goal) { return ToArray(grid.DistanceField(goal), grid.shape()); })
-      .def("value_at", [](const PlanningGrid& grid, const Field& field,
-                          const Point& point) { return grid.ValueAt(field.data(), field.size(), point); })
       .def("shortest_path", &PlanningGrid::ShortestPath)
-      .def("waypoints", [](const PlanningGrid& grid, const Point& start, const Point& goal,
-                           double max_length_m) { return grid.Shortcut(grid.ShortestPath(start, goal, max_length_m)); })
-      .def("first_stretch", [](const PlanningGrid& grid, const Point& start, const Point& goal,
-                               double max_length_m) { return ToPair(grid.FirstStretch(start, goal, max_length_m)); })
-      .def("along_way", &PlanningGrid::AlongWay)
-      .def("least_reachable",
-           [](const PlanningGrid& grid, const Field& field, const Point& start, double radius_m) {
-             const auto best = grid.LeastReachable(field.data(), field.size(), start, radius_m);
-             return best ? std::optional(ToPair(*best)) : std::nullopt;
-           })
-      .def("nearest_reachable", &PlanningGrid::NearestReachable)
-      .def("reachable_towards", &PlanningGrid::ReachableTowards)
-      .def("nearest_in_disc", &PlanningGrid::NearestInDisc);
+      .def("waypoints", [](const PlanningGrid& grid, const Point& start, const Point& goal, double max_length_m) {
+        return grid.Shortcut(grid.ShortestPath(start, goal, max_length_m));
+      });
+  DefFast<&PlanningGrid::NearestFree>(grid, "nearest_free");
+  DefFast<&PlanningGrid::IsLineFree>(grid, "is_line_free");
+  DefFast<&ValueAt>(grid, "value_at");
+  DefFast<&FirstStretch>(grid, "first_stretch");
+  DefFast<&PlanningGrid::AlongWay>(grid, "along_way");
+  DefFast<&LeastReachable>(grid, "least_reachable");
+  DefFast<&PlanningGrid::NearestReachable>(grid, "nearest_reachable");
+  DefFast<&PlanningGrid::ReachableTowards>(grid, "reachable_towards");
+  DefFast<&PlanningGrid::NearestInDisc>(grid, "nearest_in_disc");
 }
 
 }  // namespace robotteamsim::bindings

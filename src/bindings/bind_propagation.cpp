@@ -9,6 +9,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "fast_calls.hpp"
 #include "robotteamsim/propagation/face_set.hpp"
 #include "robotteamsim/propagation/radio.hpp"
 #include "robotteamsim/propagation/voice.hpp"
@@ -31,6 +32,10 @@ std::vector<FieldSource> RadioSources(const RadioModel& model, const std::vector
   std::vector<FieldSource> sources;
   for (const XY& transmitter : transmitters) sources.push_back({ToMm(transmitter, "tx_m"), fading});
   return sources;
+}
+
+double PathLoss(const FaceSet& faces, const RadioModel& model, const XY& a, const XY& b, int floors_crossed) {
+  return PathLossDb(faces, model, ToMm(a, "a_m"), ToMm(b, "b_m"), floors_crossed);
 }
 
 /// Returns the grid of one of `count` maps of equal shape that lie one below the other in an array.
@@ -97,10 +102,7 @@ void BindRadio(py::module_& m) {
            }),
            py::kw_only(), py::arg("tx_power_dbm"), py::arg("constant_loss_db"), py::arg("slope_db"),
            py::arg("min_distance_m"), py::arg("floor_loss_db"), py::arg("floor_exponent"));
-  m.def("path_loss_db",
-        [](const FaceSet& faces, const RadioModel& model, const XY& a, const XY& b, int floors_crossed) {
-          return PathLossDb(faces, model, ToMm(a, "a_m"), ToMm(b, "b_m"), floors_crossed);
-        });
+  DefFast<&PathLoss>(m, "path_loss_db");
   m.def("rssi_matrix_dbm",
         [](const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions) {
           return RssiMatrixDbm(faces, model, positions);
@@ -152,10 +154,10 @@ void BindVoice(py::module_& m) {
           const py::gil_scoped_release released;
           WriteVoiceMap(faces, model, sources, GridOf(origin, resolution_m, map, 1), solid, map, {threads});
         });
-  py::class_<VoiceEar>(m, "VoiceEar")
-      .def(py::init<const XY&, double, VoiceEar::Values, double, py::type>(), py::arg("origin"),
-           py::arg("resolution_m"), py::arg("values"), py::arg("radius_m"), py::arg("reading"))
-      .def("hear", &VoiceEar::Hear, py::arg("positions_m"));
+  py::class_<VoiceEar> ear(m, "VoiceEar");
+  ear.def(py::init<const XY&, double, VoiceEar::Values, double, py::type>(), py::arg("origin"), py::arg("resolution_m"),
+          py::arg("values"), py::arg("radius_m"), py::arg("reading"));
+  DefFast<&VoiceEar::Hear>(ear, "hear");
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "fast_calls.hpp"
 #include "robotteamsim/sensing/laser.hpp"
 #include "robotteamsim/sensing/odometry.hpp"
 #include "tuples.hpp"
@@ -222,10 +223,10 @@ class TeamSensors {
 }  // namespace
 
 void BindSensing(py::module_& m) {
-  py::class_<ReadingMaker>(m, "ReadingMaker")
-      .def(py::init<py::type, py::type, py::type, py::type>(), py::arg("pose"), py::arg("twist"), py::arg("odometry"),
-           py::arg("reading"))
-      .def("make", &ReadingMaker::Make);
+  py::class_<ReadingMaker> maker(m, "ReadingMaker");
+  maker.def(py::init<py::type, py::type, py::type, py::type>(), py::arg("pose"), py::arg("twist"), py::arg("odometry"),
+            py::arg("reading"));
+  DefFast<&ReadingMaker::Make>(maker, "make");
   py::class_<Laser>(m, "Laser")
       .def(py::init([](const World& world, int beams, double angle_min_rad, double angle_max_rad, double forward_m,
                        double range_min_m, double range_max_m, double too_near_m, double no_return_m, double left_m) {
@@ -244,10 +245,10 @@ void BindSensing(py::module_& m) {
       .def("restart", &TeamOdometry::Restart, py::arg("robot_id"))
       .def("step", &TeamOdometry::Step, py::arg("motions"), py::arg("twists"), py::arg("noise"))
       .def("follow", &TeamOdometry::Follow, py::arg("world"), py::arg("noise"));
-  py::class_<TeamSensors>(m, "TeamSensors")
-      .def(py::init<py::object, const std::vector<std::pair<py::object, std::vector<int>>>&>(), py::arg("odometry"),
-           py::arg("lasers"))
-      .def("read", &TeamSensors::Read, py::arg("world"), py::arg("odometry_noise"), py::arg("laser_noise"));
+  py::class_<TeamSensors> sensors(m, "TeamSensors");
+  sensors.def(py::init<py::object, const std::vector<std::pair<py::object, std::vector<int>>>&>(), py::arg("odometry"),
+              py::arg("lasers"));
+  DefFast<&TeamSensors::Read>(sensors, "read");
 }
 
 }  // namespace robotteamsim::bindings

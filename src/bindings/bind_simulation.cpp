@@ -5,6 +5,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "fast_calls.hpp"
 #include "robotteamsim/simulation/team_figures.hpp"
 
 namespace py = pybind11;
@@ -42,11 +43,9 @@ py::list Sums(const TeamFigures& figures) {
 }  // namespace
 
 void BindSimulation(py::module_& m) {
-  py::class_<TeamFigures>(m, "TeamFigures")
-      .def(py::init<int>(), py::arg("num_robots"))
-      .def("add_steps", &AddSteps, py::arg("positions_m"), py::arg("in_contact"), py::arg("excluded"),
-           py::arg("running"))
-      .def("sums", &Sums);
+  py::class_<TeamFigures> figures(m, "TeamFigures");
+  figures.def(py::init<int>(), py::arg("num_robots")).def("sums", &Sums);
+  DefFast<&AddSteps>(figures, "add_steps");
 }
 
 }  // namespace robotteamsim::bindings

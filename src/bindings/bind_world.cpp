@@ -12,6 +12,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "fast_calls.hpp"
 #include "robotteamsim/world/world.hpp"
 
 namespace py = pybind11;
@@ -188,20 +189,19 @@ void BindWorld(py::module_& m) {
   py::class_<Thing>(m, "Thing")
       .def(py::init(&ToThing), py::kw_only(), py::arg("radius_m"), py::arg("mass_kg"), py::arg("friction"),
            py::arg("start"), py::arg("corners_m"));
-  py::class_<World>(m, "World")
+  py::class_<World> world(m, "World");
+  world
       .def(py::init<std::vector<Solid>, std::vector<Door>, std::vector<Robot>, double, int, std::vector<Thing>>(),
            py::arg("solids"), py::arg("doors"), py::arg("robots"), py::arg("step_s"), py::arg("substeps"),
            py::arg("things") = std::vector<Thing>())
       .def("thing_poses", [](const World& world) { return ToArray(world.thing_poses()); })
       .def("step", &Step, py::arg("twists"))
-      .def("step_each", &StepEach, py::arg("twists"))
       .def("poses", [](const World& world) { return ToArray(world.poses()); })
       .def("pose_readings", &PoseReadings)
       .def("twists", [](const World& world) { return ToArray(world.twists()); })
       .def("motions", [](const World& world) { return ToArray(world.motions()); })
       .def("in_contact", &InContact)
       .def("contact_angles", &ContactAngles)
-      .def("readings", &Readings)
       .def(
           "set_pose",
           [](World& world, int robot_id, const Triple& pose) {
@@ -231,6 +231,8 @@ void BindWorld(py::module_& m) {
           },
           py::arg("thing"), py::arg("pose"))
       .def("reset", &World::Reset);
+  DefFast<&StepEach>(world, "step_each");
+  DefFast<&Readings>(world, "readings");
 }
 
 }  // namespace robotteamsim::bindings
