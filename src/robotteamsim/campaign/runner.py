@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import robotteamsim
 from robotteamsim import _core
 from robotteamsim.campaign.design import Design, Trial
-from robotteamsim.campaign.trial import Outcome, run_trial
+from robotteamsim.campaign.trial import Outcome, get_ready, run_trial
 from robotteamsim.errors import CampaignError
 
 if TYPE_CHECKING:
@@ -37,6 +37,10 @@ _LOCAL_SETTINGS = {
     "distributed.worker.profile.enabled": False,
     "distributed.diagnostics.nvml": False,
     "distributed.admin.tick.limit": "1h",  # A busy machine is no news.
+    # What Dask watches of itself, many times a second in every process, would take cores from the trials.
+    "distributed.admin.tick.interval": "2s",
+    "distributed.admin.system-monitor.interval": "5s",
+    "distributed.admin.system-monitor.gil.enabled": False,
 }
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
@@ -56,6 +60,7 @@ def local_workers(count: int | None = None) -> Iterator[Client]:
         with _interrupts_kept_from_children():
             cluster = _start_cluster(count)
         with cluster, _dead_workers_replaced(cluster, count), Client(cluster) as client:
+            client.run(get_ready, on_error="ignore")  # One that dies of it is replaced, as later.
             yield client
 
 

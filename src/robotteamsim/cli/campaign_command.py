@@ -142,7 +142,9 @@ def _run_missing(options: argparse.Namespace, design: Design, store: Store, clie
                 store.keep(outcome)
                 progress.add(outcome)
 
-            return run_trials(client, design, missing, keep)
+            given_up = run_trials(client, design, missing, keep)
+            progress.finish()
+            return given_up
     except KeyboardInterrupt:
         left = len(store.missing())
         _complain(f"{total - left} of {total} trials are kept in {options.out}; the same command goes on")

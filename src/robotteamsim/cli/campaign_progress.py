@@ -18,6 +18,7 @@ class CampaignProgress:
     def __init__(self, console: Console, name: str, total: int, done: int) -> None:
         self._console, self._name, self._total, self._done, self._done_before = console, name, total, done, done
         self._failed = 0
+        self._simulated_s = 0.0
         self._bar: Progress | None = None
         if console.is_terminal:
             self._bar = Progress(
@@ -35,7 +36,7 @@ class CampaignProgress:
             self._task = self._bar.add_task(name, total=total, completed=done, figures="starting workers")
 
     def __enter__(self) -> CampaignProgress:
-        self._start_s = self._told_s = time.monotonic()
+        self._entered_s = self._start_s = self._told_s = time.monotonic()
         if self._bar:
             self._bar.start()
         else:
@@ -57,6 +58,7 @@ class CampaignProgress:
         """One more trial is done."""
         self._done += 1
         self._failed += outcome.failed
+        self._simulated_s += outcome.time_s or 0.0
         failures = f"{self._failed} failed" if self._failed else ""
         if self._bar:
             self._bar.update(self._task, advance=1, figures=failures)
@@ -66,6 +68,15 @@ class CampaignProgress:
             self._told_s = now_s
             left_s = (now_s - self._start_s) / (self._done - self._done_before) * (self._total - self._done)
             self.tell(f"{self._done} of {self._total} trials, {left_s:.0f} s left{failures and ', ' + failures}")
+
+    def finish(self) -> None:
+        """All are done: tell how long it took."""
+        wall_s, start_up_s = time.monotonic() - self._start_s, self._start_s - self._entered_s
+        count, simulated_min = self._done - self._done_before, self._simulated_s / 60.0
+        self.tell(
+            f"{count} trials, {simulated_min:,.1f} min of missions, in {wall_s:.1f} s: "
+            f"{self._simulated_s / wall_s:,.0f} times real time; workers took {start_up_s:.1f} s to start"
+        )
 
     def tell(self, line: str) -> None:
         """Print a line, above the bar where there is one."""
