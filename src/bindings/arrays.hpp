@@ -3,6 +3,7 @@
 #include <pybind11/numpy.h>
 
 #include <cmath>
+#include <initializer_list>
 #include <utility>
 
 #include "robotteamsim/world/drive.hpp"
@@ -48,6 +49,17 @@ class ArrayOf {
 
 using Doubles = ArrayOf<double>;
 using Flags = ArrayOf<bool>;
+
+/// A new array to be filled in. The constructor of `array_t` takes several times as long: it makes lists of its own.
+template <typename Value>
+pybind11::array_t<Value> NewArray(std::initializer_list<pybind11::ssize_t> shape) {
+  const auto& numpy = pybind11::detail::npy_api::get();
+  PyObject* const array =
+      numpy.PyArray_NewFromDescr_(numpy.PyArray_Type_, pybind11::dtype::of<Value>().release().ptr(),
+                                  static_cast<int>(shape.size()), shape.begin(), nullptr, nullptr, 0, nullptr);
+  if (array == nullptr) throw pybind11::error_already_set();
+  return pybind11::reinterpret_steal<pybind11::array_t<Value>>(array);
+}
 
 /// Writes a pose as ROS messages carry it: x, y, qz, qw; qw >= 0 as yaw lies in (-pi, pi].
 inline void WritePoseReading(const Pose& pose, double* row) {

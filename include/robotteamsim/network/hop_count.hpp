@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "robotteamsim/network/link_bits.hpp"
+#include "robotteamsim/propagation/cells.hpp"
 
 namespace robotteamsim {
 
@@ -16,5 +17,9 @@ using HopCount = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eig
 /// keeps a bit for each that has reached it, and a hop is an OR over its neighbours.
 /// Throws std::invalid_argument where the matrix is not square, or not symmetric, or its diagonal is not zero.
 HopCount CountHops(const Eigen::Ref<const Adjacency>& adjacency);
+
+/// Returns the link matrix L of eq. (16) where no path exists and 0 elsewhere: C_break after eq. (21).
+/// Throws std::invalid_argument where the two have different shapes.
+CellValues BreakMatrix(const Eigen::Ref<const CellValues>& link, const Eigen::Ref<const HopCount>& hops);
 
 }  // namespace robotteamsim

@@ -22,14 +22,13 @@ class TeamLinks {
   explicit TeamLinks(const LinkRule& rule) : rule_(rule) {}
 
   /// Looks at robots at these positions [m]. Returns whether a link came or went since the last step: at first, yes.
+  /// Args: rssi: room for the signals between all pairs of robots [dBm], 0 on the diagonal;
+  ///       link: room for L of eq. (16), 0 on the diagonal; for links by signal it is the same room.
   /// Throws std::invalid_argument, naming the robot, where a position is not finite.
-  bool Step(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions);
+  bool Step(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
+            Eigen::Ref<CellValues> rssi, Eigen::Ref<CellValues> link);
 
   const LinkRule& rule() const { return rule_; }
-  /// The signals between all pairs of robots [dBm], 0 on the diagonal; to be moved away by who needs no more of it.
-  CellValues& rssi() { return rssi_; }
-  /// L of eq. (16), for links by distance [m]; 0 on the diagonal.
-  CellValues& distances() { return distances_; }
   const Adjacency& adjacency() const { return adjacency_; }
   /// The links that exist, but with a signal below the limit.
   const Adjacency& endangered() const { return endangered_; }
@@ -37,10 +36,9 @@ class TeamLinks {
   double fiedler_value() const { return fiedler_value_; }
 
  private:
-  bool FindLinks(const CellValues& link);
+  bool FindLinks(const Eigen::Ref<const CellValues>& rssi, const Eigen::Ref<const CellValues>& link);
 
   LinkRule rule_;
-  CellValues rssi_, distances_;
   Adjacency adjacency_, endangered_;
   HopCount hops_;
   double fiedler_value_ = 0.0;

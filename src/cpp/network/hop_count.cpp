@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <stdexcept>
 #include <vector>
 
 #include "robotteamsim/propagation/mirror.hpp"
@@ -194,6 +195,13 @@ HopCount CountHops(const Eigen::Ref<const Adjacency>& adjacency) {
   for (int first_source = 0; first_source < n; first_source += kSources) search.Run(first_source, &hops);
   for (int top = 0; top < n; top += kMirroredRows) MirrorRows(top, top + kMirroredRows, &hops);
   return hops;
+}
+
+CellValues BreakMatrix(const Eigen::Ref<const CellValues>& link, const Eigen::Ref<const HopCount>& hops) {
+  if (link.rows() != hops.rows() || link.cols() != hops.cols()) {
+    throw std::invalid_argument("links and hops must have the same shape");
+  }
+  return (hops.array() < 0).select(link, 0.0);
 }
 
 }  // namespace robotteamsim

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import repeat
 
 import numpy as np
 
@@ -60,8 +61,7 @@ class Mission:
         self._team_was_running = False
         self._num_explored = 0
         self._victim_states: list[VictimState] = ["waiting"] * len(self.victims)
-        self.saved_victims: tuple[str, ...] = ()
-        """Names of the victims who are saved, and therefore silent; the same object until that changes."""
+        self._note_who_is_saved()
         self._places_m, self._reaches_m = self._all_places()
         self._heard_places_m: set[tuple[float, float]] = set()
         """Loudest places for which is known who is heard there, as of the victims who wait or were heard now."""
@@ -76,7 +76,8 @@ class Mission:
         self._base = BaseWatch(scenario)
         self._refusals: set[Refusal] = set()
         self._events: list[Event] = []
-        self._task = Task()
+        self.task = Task()
+        """What is asked of the team now; the same object until that changes."""
         self._asked: tuple[object, ...] = ()
         self.status = self._make_status()
         """The mission as of now."""
@@ -143,7 +144,7 @@ class Mission:
         index = names.index(name) if name in names else len(names)
         self.victims = (*self.victims[:index], victim, *self.victims[index + 1 :])
         self._victim_states[index : index + 1] = ["waiting"]
-        self.saved_victims = self._names_of_saved()
+        self._note_who_is_saved()
         self._places_m, self._reaches_m = self._all_places()
         self._heard_places_m.clear()
         self._tell("victim", name, NOBODY, f"victim {name} calls at ({position_m[0]:.1f}, {position_m[1]:.1f})")
@@ -168,7 +169,7 @@ class Mission:
             base_inbox: what the base receives in this step, where there is one.
             present:    whether each robot is there, bool, shape (n,); None: all are. The others count for nothing.
         """
-        if self._autostart:
+        if self._autostart and self._state == "waiting":
             self.start()
         if self._team_was_running:
             self._elapsed_ns += sim_time_ns - self._last_step_ns
@@ -189,17 +190,20 @@ class Mission:
             self._judge_end()
         self._team_was_running = self._state == "running"
         # Where nothing was told, nothing but the time is new.
-        self.status = self._make_status() if self._events else self.status.at(self._elapsed_ns / 1e9)
+        if not self._events:
+            self.status = self.status.at(self._elapsed_ns / 1e9)
+            return ()
+        self.status = self._make_status()
         events, self._events = tuple(self._events), []
         return events
 
     def _judge_voices(self, voices: Sequence[VoiceReading]) -> None:
         if "waiting" not in self._victim_states:
             return
-        for robot_id, voice in enumerate(voices):
-            if voice.heard and voice.local_best_m not in self._heard_places_m:
-                self._heard_places_m.add(voice.local_best_m)
-                self._hear(robot_id, voice)
+        for robot_id, (_, is_heard, loudest_m, level_db) in enumerate(voices):
+            if is_heard and loudest_m not in self._heard_places_m:
+                self._heard_places_m.add(loudest_m)
+                self._hear(robot_id, loudest_m, level_db)
 
     def _judge_places(self, positions_m: np.ndarray) -> None:
         num_victims = len(self.victims)
@@ -213,24 +217,26 @@ class Mission:
     def _save(self, index: int, robot_id: int) -> None:
         victim = self.victims[index]
         self._victim_states[index] = "saved"
-        self.saved_victims = self._names_of_saved()
+        self._note_who_is_saved()
         self._heard_places_m.clear()
         self._epoch += 1  # her voice leaves the map
         count = f"{len(self.saved_victims)} of {len(self.victims)}"
         self._tell("victim_saved", victim.name, robot_id, f"robot {robot_id} saves {victim.name} ({count})")
         self._base.add(Discovery("victim", victim.name, robot_id, victim.position, self._elapsed_ns / 1e9))
 
-    def _names_of_saved(self) -> tuple[str, ...]:
-        states = zip(self.victims, self._victim_states, strict=True)
-        return tuple([victim.name for victim, state in states if state == "saved"])
+    def _note_who_is_saved(self) -> None:
+        is_saved = [state == "saved" for state in self._victim_states]
+        self.saved_victims = tuple([victim.name for victim, saved in zip(self.victims, is_saved, strict=True) if saved])
+        """Names of the victims who are saved, and therefore silent; the same object until that changes."""
+        self._unsaved = [index for index, saved in enumerate(is_saved) if not saved]
+        self._unsaved_m = [self.victims[index].position for index in self._unsaved]
 
-    def _hear(self, robot_id: int, voice: VoiceReading) -> None:
-        unsaved = [i for i, state in enumerate(self._victim_states) if state != "saved"]
-        distances_m = [math.dist(self.victims[i].position, voice.local_best_m) for i in unsaved]
-        index = unsaved[distances_m.index(min(distances_m))]
+    def _hear(self, robot_id: int, loudest_m: tuple[float, float], level_db: float) -> None:
+        distances_m = list(map(math.dist, self._unsaved_m, repeat(loudest_m)))
+        index = self._unsaved[distances_m.index(min(distances_m))]
         if self._victim_states[index] == "waiting":
             self._victim_states[index] = "heard"
-            name, level_db = self.victims[index].name, voice.local_best_level_db
+            name = self.victims[index].name
             self._tell("victim_heard", name, robot_id, f"robot {robot_id} hears {name} at {level_db:.1f} dB")
 
     def _explore(self, robot_id: int) -> None:
@@ -320,14 +326,14 @@ class Mission:
         """Return what is asked of the team: the same object until that changes."""
         asked = (self._state, self._epoch, self._num_explored, self._base.unreported)
         if asked == self._asked:
-            return self._task
+            return self.task
         self._asked = asked
         area = self._areas[self._num_explored] if self._num_explored < len(self._areas) else None
-        self._task = Task(
+        self.task = Task(
             running=self._state == "running",
             epoch=self._epoch,
             area_center_m=area.center if area else None,
             area_radius_m=area.radius_m if area else 0.0,
             unreported=self._base.unreported,
         )
-        return self._task
+        return self.task

@@ -51,7 +51,7 @@ def break_matrix(link: np.ndarray, hops: np.ndarray) -> np.ndarray:
 
     Args: link: float64, shape (n, n), zero diagonal: L of eq. (16). hops: int32, shape (n, n), from `hop_count`.
     """
-    return np.where(hops < 0, link, 0.0)
+    return _core.break_matrix(link, hops)
 
 
 def fiedler_value(adjacency: np.ndarray) -> float:

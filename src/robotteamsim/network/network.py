@@ -4,30 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.network.delivery import Delivery
-from robotteamsim.network.graph import break_matrix
 from robotteamsim.network.messages import EVERYBODY, NO_TRAFFIC, Message, NetworkState, Refusal
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.sections import Network as NetworkSection
 
-_Graph = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float, np.ndarray]
-"""What `NetworkState` tells but for the traffic, in its order."""
-
-# Of its fields in one tuple, without a call of Python: one is made in every step.
-_STATE = partial(tuple.__new__, NetworkState)
-
-
 _NONE = np.zeros((0, 0))
-_NOBODY: _Graph = (_NONE, _NONE, _NONE, _NONE, _NONE, 0.0, _NONE)
+_NOBODY = NetworkState(_NONE, _NONE, _NONE, _NONE, _NONE, 0.0, _NONE)
 
 
-def _among_all(graph: _Graph, present: np.ndarray) -> _Graph:
-    """Return the graph of those who are there with rows and columns for all; present: bool, shape (n,)."""
+def _among_all(network: NetworkState, present: np.ndarray) -> NetworkState:
+    """Return the network of those who are there with rows and columns for all; present: bool, shape (n,)."""
     there, shape = np.ix_(present, present), (len(present), len(present))
 
     def spread(matrix: np.ndarray, nothing: float, kind: type) -> np.ndarray:
@@ -35,15 +26,14 @@ def _among_all(graph: _Graph, present: np.ndarray) -> _Graph:
         whole[there] = matrix
         return whole
 
-    rssi_dbm, link, adjacency, hops, breaks, fiedler, endangered = graph
-    return (
-        spread(rssi_dbm, -math.inf, np.float64),
-        spread(link, 0.0, np.float64),
-        spread(adjacency, False, np.bool_),
-        spread(hops, -1, np.int32),
-        spread(breaks, 0.0, np.float64),
-        fiedler,
-        spread(endangered, False, np.bool_),
+    return NetworkState(
+        spread(network.rssi_dbm, -math.inf, np.float64),
+        spread(network.link, 0.0, np.float64),
+        spread(network.adjacency, False, np.bool_),
+        spread(network.hop_count, -1, np.int32),
+        spread(network.break_matrix, 0.0, np.float64),
+        network.fiedler_value,
+        spread(network.endangered, False, np.bool_),
     )
 
 
@@ -86,9 +76,8 @@ class Network:
         Raises: ValueError: wrong number of robots; a position is not finite; a message with a sender that is not the
                 owner of the outbox, or a receiver that does not exist.
         """
-        positions_m = np.asarray(positions_m, dtype=np.float64)
-        if positions_m.shape != (self._num_robots, 2):
-            raise ValueError(f"positions_m must have shape ({self._num_robots}, 2), got {positions_m.shape}")
+        if len(positions_m) != self._num_robots:
+            raise ValueError(f"positions_m must have shape ({self._num_robots}, 2), got {np.shape(positions_m)}")
         if len(outboxes) != self._num_robots:
             raise ValueError(f"outboxes must hold one sequence per robot: {self._num_robots}, got {len(outboxes)}")
         refused = self._check(outboxes) if any(outboxes) else ()
@@ -98,20 +87,13 @@ class Network:
         if present is not self._present:
             # What is kept from step to step is of the same robots.
             self._links, self._present = self._new_links(), present
-        graph = self._graph(positions_m) if present is None else _among_all(self._graph(positions_m[present]), present)
-        state: NetworkState = _STATE((*graph, NO_TRAFFIC))
+        state: NetworkState
+        if present is None:
+            state = self._links.step(positions_m)
+        else:
+            state = _among_all(self._links.step(positions_m[present]) if present.any() else _NOBODY, present)
         inboxes, traffic = self._delivery.step(state, present, outboxes, refused)
         return state if traffic is NO_TRAFFIC else state._replace(traffic=traffic), inboxes
-
-    def _graph(self, positions_m: np.ndarray) -> _Graph:
-        """Return the links of robots at these positions, all of whom are there."""
-        if not len(positions_m):
-            return _NOBODY
-        graph: _Graph = self._links.step(positions_m)
-        rssi_dbm, link, adjacency, hops, _, fiedler, endangered = graph
-        if fiedler == 0.0:
-            return rssi_dbm, link, adjacency, hops, break_matrix(link, hops), fiedler, endangered
-        return graph
 
     def reset(self) -> None:
         """Forget the last links and messages on their way, as a new network."""
@@ -122,6 +104,8 @@ class Network:
         return _core.TeamLinks(
             self._radio_field.core_faces,
             self._radio_field.core_model,
+            NetworkState,
+            NO_TRAFFIC,
             by_distance=self._section.link == "distance",
             lost_below_dbm=self._section.lost_below_dbm,
             max_distance_m=self._section.max_distance_m,

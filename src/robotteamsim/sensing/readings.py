@@ -127,12 +127,13 @@ class TeamReadings(Sequence[RobotReading]):
     @overload
     def __getitem__(self, index: slice) -> Sequence[RobotReading]: ...
     def __getitem__(self, index: int | slice) -> RobotReading | Sequence[RobotReading]:
-        return self._one_by_one()[index]
+        return self.one_by_one()[index]
 
     def __iter__(self) -> Iterator[RobotReading]:
-        return iter(self._one_by_one())
+        return iter(self.one_by_one())
 
-    def _one_by_one(self) -> tuple[RobotReading, ...]:
+    def one_by_one(self) -> tuple[RobotReading, ...]:
+        """Return the readings in a tuple, which is made when it is asked for first."""
         if not self._readings:
             self._readings = _MAKER.make(
                 self.ground_truth,

@@ -26,7 +26,6 @@ class Environment:
         self._closed = {door.name: door.closed for door in scenario.plan.doors}
         self._followed: Mapping[str, DoorState] = {}
 
-    @property
     def voice_map_changes(self) -> int:
         """How often the voice map has changed so far."""
         return self._voice.changes

@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.controller import Decision, Task
 from robotteamsim.geometry import Pose, Twist
@@ -20,9 +21,6 @@ from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.tally import Tally
 from robotteamsim.world import World
-
-# Of its fields in one tuple, without a call of Python: one is made in every step.
-_OBSERVATION = partial(tuple.__new__, Observation)
 
 
 class Simulation:
@@ -54,28 +52,29 @@ class Simulation:
         """Advance by one step and return all that happened in it."""
         world, mission = self.world, self.mission
         # The world moves.
-        world.step([decision.twist for decision in self._decisions])
+        twists, outboxes, *_ = zip(*self._decisions)  # noqa: B905
+        world.step(twists)
         sim_time_ns, doors, present = world.sim_time_ns, world.door_states(), world.present
         self.environment.follow_doors(doors)
         mission.follow_doors(doors)
         # The robots sense; the network delivers.
         readings = self.sensors.read()
-        positions_m = true_positions_m(readings)
-        outboxes = [decision.outbox for decision in self._decisions]
+        positions_m, of_robots = readings.positions_m, readings.one_by_one()
         voices, network, inboxes = self.environment.step(positions_m, outboxes, self._saved, present)
         # Each controller decides.
         controllers, task = self._present_controllers(present), self._task
-        told = zip(controllers, readings, voices, inboxes, strict=True)
-        for robot_id, (controller, reading, voice, inbox) in enumerate(told):
-            controller.observe(_OBSERVATION((robot_id, sim_time_ns, reading, voice)), inbox, task)
-        self._decisions = decisions = tuple([controller.decide() for controller in controllers])
+        for robot_id, controller in enumerate(controllers):
+            told = (robot_id, sim_time_ns, of_robots[robot_id], voices[robot_id])
+            controller.observe(_core.as_tuple(Observation, told), inboxes[robot_id], task)
+        decided = []
+        for controller in controllers:
+            decided.append(controller.decide())
+        self._decisions = decisions = tuple(decided)
         # The mission judges.
         base_inbox = () if self._base is None else inboxes[self._base]
         events = mission.step(sim_time_ns, positions_m, voices, network, decisions, base_inbox, present)
-        status = mission.status
-        self._task, self._saved = status.task, mission.saved_victims
-        # By position, as names of so many fields take several times as long.
-        return StepRecord(
+        self._task, self._saved = mission.task, mission.saved_victims
+        happened = (
             world.step_index,
             sim_time_ns,
             readings,
@@ -83,7 +82,7 @@ class Simulation:
             network,
             inboxes,
             decisions,
-            status,
+            mission.status,
             events,
             mission.victims,
             mission.noise_db,
@@ -92,6 +91,8 @@ class Simulation:
             present,
             world.arrivals,
         )
+        record: StepRecord = _core.as_tuple(StepRecord, happened)
+        return record
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:
         """Run until the mission has ended, with observers looking on; a mission that waits is started.
@@ -178,9 +179,10 @@ class Simulation:
         return [controller if is_there else _NOBODY for controller, is_there in who]
 
     def _fresh_voice_map(self) -> FieldMap | None:
-        if self._voice_map_changes == self.environment.voice_map_changes:
+        changes = self.environment.voice_map_changes()
+        if self._voice_map_changes == changes:
             return None
-        self._voice_map_changes = self.environment.voice_map_changes
+        self._voice_map_changes = changes
         return self.environment.voice_map()
 
 

@@ -79,11 +79,6 @@ class World:
         return len(self._robots)
 
     @property
-    def sim_time_ns(self) -> int:
-        """Time since the start [ns]."""
-        return self.step_index * self._step_ns
-
-    @property
     def step_ns(self) -> int:
         """Length of a step [ns]."""
         return self._step_ns
@@ -102,6 +97,7 @@ class World:
         else:
             self.core.step(twists)
         self.step_index += 1
+        self.sim_time_ns += self._step_ns
         if self._have_leaves:
             self._look_at_doors()
 
@@ -242,6 +238,8 @@ class World:
     def _begin(self) -> None:
         self.step_index = 0
         """Number of steps since the start."""
+        self.sim_time_ns = 0
+        """Time since the start [ns]."""
         self._to_come = list(self._schedule)
         self._look_who_is_there()
 

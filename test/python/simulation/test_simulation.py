@@ -11,7 +11,7 @@ from robotteamsim.errors import RecordingError
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
 from robotteamsim.scenario import sections
-from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
+from robotteamsim.sensing.readings import TeamReadings, VoiceReading
 from robotteamsim.simulation import Simulation, simulation
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
 from robotteamsim.world.doors import DoorState
@@ -76,15 +76,22 @@ class FakeSensors:
     def read(self):
         self.parts.calls.append(("sensors",))
         pose = PoseReading.from_pose(Pose(3.0 + self.parts.step_index, 5.0, 0.0))
-        twist = Twist(0.5)
-        return [RobotReading(pose, twist, OdometryReading(pose, twist), np.ones(3, np.float32), False)] * 2
+        return TeamReadings(
+            ground_truth=np.array([pose] * 2),
+            positions_m=np.array([pose[:2]] * 2),
+            twists=np.array([[0.5, 0.0, 0.0]] * 2),
+            odometry=np.zeros((2, 16)),
+            ranges_m=np.ones((2, 3), np.float32),
+            in_contact=np.zeros(2, bool),
+        )
 
 
 class FakeEnvironment:
-    voice_map_changes = 0
-
     def __init__(self, parts: FakeParts) -> None:
         self.parts = parts
+
+    def voice_map_changes(self):
+        return 0
 
     def voice_map(self):
         return None
