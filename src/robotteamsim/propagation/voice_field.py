@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from robotteamsim import _core
 from robotteamsim.propagation.faces import thickness_faces, voice_faces
 from robotteamsim.propagation.field_map import FieldMap, map_array
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import OCCUPIED, occupancy_grid
+from robotteamsim.scenario.plan import OCCUPIED, OccupancyGrid, occupancy_grid
 from robotteamsim.scenario.sections import Voice
 
 _HALF_MM_DB = 20.0 * math.log10(math.e) * 0.05
@@ -44,6 +45,16 @@ class VoiceSource:
         return _core.VoiceSource(self.position_m, self.constant_db, self.exponent)
 
 
+@functools.lru_cache(maxsize=16)
+def _grid_and_solid_cells(plan: FloorPlan, resolution_m: float) -> tuple[OccupancyGrid, np.ndarray]:
+    """Return the grid of a voice map and its solid cells, bool; trials on one plan share them."""
+    # A door's leaf is thinner than a cell: doors make no cell solid.
+    grid = occupancy_grid(plan.model_copy(update={"doors": ()}), resolution_m)
+    solid = grid.cells == OCCUPIED
+    grid.cells.flags.writeable = solid.flags.writeable = False
+    return grid, solid
+
+
 class VoiceField:
     """Voice levels on one floor [dissertation, eq. 7]; docs/propagation.md has the definition.
 
@@ -57,9 +68,7 @@ class VoiceField:
         self._faces = thickness_faces(plan) if by_thickness else voice_faces(plan)
         self._unit_db = _HALF_MM_DB * voice.attenuation_per_cm if by_thickness else voice.wall_loss_db / 2.0
         self._core_faces = self._faces.core()
-        # A door's leaf is thinner than a cell: doors make no cell solid.
-        self._grid = occupancy_grid(plan.model_copy(update={"doors": ()}), voice.map_resolution_m)
-        self._solid = self._grid.cells == OCCUPIED
+        self._grid, self._solid = _grid_and_solid_cells(plan, voice.map_resolution_m)
         self._voice = voice
         self.set_noise_db(voice.noise_db)
 

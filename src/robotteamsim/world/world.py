@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -59,8 +60,7 @@ class World:
         self._robots = tuple(robots)
         self._first_things = self._things = tuple(things)
         self._step_ns = round(run.step_s * 1e9)
-        self._solids = solids(plan.model_copy(update={"doors": ()}))
-        self._shapes = shapely.STRtree([solid.polygon for solid in self._solids])
+        self._solids, self._shapes = _still_solids(plan)
         self._door_ids = {door.name: index for index, door in enumerate(plan.doors)}
         self._doors = {door.name: door_at_start(door) for door in plan.doors}
         self._reaches_m = np.array([robot.reach_m for robot in self._robots])
@@ -366,6 +366,13 @@ class World:
         states = {name: door_state(self.core, index) for name, index in self._door_ids.items()}
         if states != self._doors:
             self._doors = states
+
+
+@functools.lru_cache(maxsize=16)
+def _still_solids(plan: FloorPlan) -> tuple[tuple[Solid, ...], shapely.STRtree]:
+    """Return all solids of a plan but its doors, and their polygons as a tree; worlds on one plan share them."""
+    still = solids(plan.model_copy(update={"doors": ()}))
+    return still, shapely.STRtree([solid.polygon for solid in still])
 
 
 def _body(robot: PlacedRobot) -> _core.Robot:
