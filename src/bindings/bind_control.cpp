@@ -28,21 +28,25 @@ namespace py = pybind11;
 namespace robotteamsim::bindings {
 namespace {
 
-using Ranges = py::array_t<float, py::array::c_style | py::array::forcecast>;
+using PlainRanges = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using Heard = std::vector<std::pair<Point, std::optional<Point>>>;
 
 // A scan as controllers have it, an array of float32 in one piece, is read as it is: NumPy's conversion, which leaves
 // it alone as well, takes a quarter of a navigator's step.
-std::vector<float> ToVector(const py::array& ranges) {
+py::array Plain(const py::array& ranges) {
   constexpr int kFloat32 = 11;  // NPY_FLOAT
   constexpr int kInOnePiece = py::array::c_style | py::detail::npy_api::NPY_ARRAY_ALIGNED_;
   const py::dtype type = ranges.dtype();
   const bool is_plain =
       type.num() == kFloat32 && type.byteorder() == '=' && (ranges.flags() & kInOnePiece) == kInOnePiece;
-  const py::array plain = is_plain ? ranges : Ranges::ensure(ranges);
+  py::array plain = is_plain ? ranges : PlainRanges::ensure(ranges);
   if (!plain) throw py::error_already_set();
-  const auto* const first = static_cast<const float*>(plain.data());
-  return {first, first + plain.size()};
+  return plain;
+}
+
+// Of an array that is plain, which must live as long as they are read.
+Ranges RangesOf(const py::array& plain) {
+  return {static_cast<const float*>(plain.data()), static_cast<std::size_t>(plain.size())};
 }
 
 std::vector<Point> ToPoints(const Doubles& rows) {
@@ -64,21 +68,28 @@ Heard PairsOf(const HeardNotes& heard) {
   return pairs;
 }
 
-/// A navigator and the class of its commands.
+/// A navigator and the class of its commands, and the grid that it was last given, as Python and as the library have
+/// it.
 struct BoundNavigator {
   Navigator navigator;
   TupleClass twist;
+  py::object python_grid;
+  std::shared_ptr<PlanningGrid> grid;
 };
 
 // `teammates` returns a mapping from the ids of robots to their places, when it is asked.
-py::object Drive(BoundNavigator& self, const std::shared_ptr<PlanningGrid>& grid, const Pose& pose,
-                 const py::array& ranges_m, const Point& goal, double speed_mps, double time_s,
-                 const py::function& teammates) {
+py::object Drive(BoundNavigator& self, const py::object& grid, const Pose& pose, const py::array& ranges_m,
+                 const Point& goal, double speed_mps, double time_s, const py::function& teammates) {
+  if (!grid.is(self.python_grid)) {
+    self.grid = grid.cast<std::shared_ptr<PlanningGrid>>();
+    self.python_grid = grid;
+  }
+  const py::array plain = Plain(ranges_m);
   const auto ask = [&teammates] {
     const auto places = teammates().cast<std::map<int, Point>>();
     return Navigator::Teammates(places.begin(), places.end());
   };
-  const Twist twist = self.navigator.Drive(grid, pose, ToVector(ranges_m), goal, speed_mps, time_s, ask);
+  const Twist twist = self.navigator.Drive(self.grid, pose, RangesOf(plain), goal, speed_mps, time_s, ask);
   const std::array<double, 3> numbers{twist.linear_x, twist.linear_y, twist.angular_z};
   return self.twist.OfNumbers(numbers.data(), 3);
 }
@@ -103,7 +114,7 @@ void BindNavigator(py::module_& m) {
 
 // In `map`, where the robot stands at `pose`.
 std::optional<Point> ClearestPlace(const Surroundings& surroundings, const Pose& pose, const py::array& ranges_m) {
-  const std::optional<Point> place = surroundings.ClearestPlace(ToVector(ranges_m));
+  const std::optional<Point> place = surroundings.ClearestPlace(RangesOf(Plain(ranges_m)));
   if (!place) return std::nullopt;
   const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
   return Point{pose.x + cos * place->x - sin * place->y, pose.y + sin * place->x + cos * place->y};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "robotteamsim/plan/types.hpp"
@@ -14,6 +15,15 @@ struct LaserLayout {
   double angle_max = 1.5707963267948966;
   double forward = 0.0;
   double range_max = 5.0;
+};
+
+/// The ranges of one scan [m], in the order of its beams, wherever they are kept.
+struct Ranges {
+  Ranges(const float* first, std::size_t count) : data(first), size(count) {}
+  Ranges(const std::vector<float>& ranges) : Ranges(ranges.data(), ranges.size()) {}  // NOLINT: they are ranges
+
+  const float* data;
+  std::size_t size;
 };
 
 /// A heading [rad, base_link], with what is asked of it again and again.
@@ -35,14 +45,17 @@ class ScanClearance {
   explicit ScanClearance(const LaserLayout& layout);
 
   /// What the beams hit nearer than `max_distance` [m] to base_link, in base_link; beams without return are left out.
-  std::vector<Point> Hits(const std::vector<float>& ranges, double max_distance) const;
+  std::vector<Point> Hits(const Ranges& ranges, double max_distance) const;
+
+  /// The same, in the place of what `hits` held.
+  void FindHits(const Ranges& ranges, double max_distance, std::vector<Point>* hits) const;
 
   /// The FreeDistanceAmong all hits from base_link towards `heading` [rad, base_link].
-  double FreeDistance(const std::vector<float>& ranges, double heading, double radius, double max_distance) const;
+  double FreeDistance(const Ranges& ranges, double heading, double radius, double max_distance) const;
 
   /// The same for several directions.
-  std::vector<double> FreeDistances(const std::vector<float>& ranges, const std::vector<Direction>& directions,
-                                    double radius, double max_distance) const;
+  std::vector<double> FreeDistances(const Ranges& ranges, const std::vector<Direction>& directions, double radius,
+                                    double max_distance) const;
 
  private:
   LaserLayout layout_;
@@ -64,12 +77,13 @@ class Sidestepper {
 
   /// The wanted heading where it is free as far as needed, or behind; else the one nearest to it that is free so far;
   /// else the one that is free the farthest.
-  Way Find(const std::vector<float>& ranges, double wanted, double radius, double needed);
+  Way Find(const Ranges& ranges, double wanted, double radius, double needed);
 
  private:
   ScanClearance clearance_;
   std::vector<Direction> directions_;
   int passing_side_ = 0;
+  std::vector<Point> hits_;  ///< of the last scan: kept, as its memory serves the next one
 };
 
 }  // namespace robotteamsim

@@ -34,7 +34,7 @@ class Navigator {
   struct Situation {
     const PlanningGrid& grid;
     Pose pose;
-    const std::vector<float>& ranges;
+    const Ranges& ranges;
     double time;                                  ///< of the simulation [s]
     const std::function<Teammates()>& teammates;  ///< asked for only where the robot is stuck
   };
@@ -45,7 +45,7 @@ class Navigator {
   /// Returns the command of this step. A goal [m, map] inside an obstacle stands for the nearest free point that can be
   /// reached. `speed` [m/s] is not exceeded. With another grid or goal than in the last step the way is looked for
   /// anew.
-  Twist Drive(const std::shared_ptr<const PlanningGrid>& grid, const Pose& pose, const std::vector<float>& ranges,
+  Twist Drive(const std::shared_ptr<const PlanningGrid>& grid, const Pose& pose, const Ranges& ranges,
               const Point& goal, double speed, double time, const std::function<Teammates()>& teammates);
 
  private:
@@ -55,8 +55,8 @@ class Navigator {
   bool Yields(const Point& position, const Teammates& teammates) const;
   Point FindEscape(const Situation& now, const Teammates& teammates) const;
   double RoomAt(const Situation& now, const Point& point, double heading, const std::vector<Point>& near) const;
-  Twist Steer(const Pose& pose, const std::vector<float>& ranges, const Point& point, double speed, bool is_last);
-  double ManoeuvringSpeed(const std::vector<float>& ranges, double speed) const;
+  Twist Steer(const Pose& pose, const Ranges& ranges, const Point& point, double speed, bool is_last);
+  double ManoeuvringSpeed(const Ranges& ranges, double speed) const;
 
   NavigatorBody body_;
   bool by_path_;

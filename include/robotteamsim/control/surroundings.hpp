@@ -20,7 +20,7 @@ class Surroundings {
 
   /// Of the places seen free at half the sensing radius and at all of it, and the robot's own, the one farthest from
   /// what the beams hit [m, base_link]; nothing where they hit nothing within the radius.
-  std::optional<Point> ClearestPlace(const std::vector<float>& ranges) const;
+  std::optional<Point> ClearestPlace(const Ranges& ranges) const;
 
  private:
   ScanClearance clearance_;

@@ -111,32 +111,35 @@ ScanClearance::ScanClearance(const LaserLayout& layout) : layout_(layout) {
   }
 }
 
-std::vector<Point> ScanClearance::Hits(const std::vector<float>& ranges, double max_distance) const {
-  if (ranges.size() != directions_.size()) throw std::invalid_argument("there must be one range per beam");
-  // A range this close to range_max is no return: float32 may round range_max itself to either side.
-  const double longest = std::min(layout_.range_max * (1.0 - 1e-6), max_distance + std::abs(layout_.forward) + 1e-3);
+std::vector<Point> ScanClearance::Hits(const Ranges& ranges, double max_distance) const {
   std::vector<Point> hits;
-  hits.reserve(ranges.size());
-  for (std::size_t first = 0; first < ranges.size(); first += kBlock) {
-    if (ranges.size() - first >= kBlock && !SomeAreBelow(ranges.data() + first, longest)) continue;
-    for (std::size_t beam = first; beam < std::min(ranges.size(), first + kBlock); ++beam) {
-      const double range = ranges[beam];
-      if (!(range < longest)) continue;
-      const Point hit{layout_.forward + range * directions_[beam].x, range * directions_[beam].y};
-      if (hit.x * hit.x + hit.y * hit.y < max_distance * max_distance) hits.push_back(hit);
-    }
-  }
+  FindHits(ranges, max_distance, &hits);
   return hits;
 }
 
-double ScanClearance::FreeDistance(const std::vector<float>& ranges, double heading, double radius,
-                                   double max_distance) const {
+void ScanClearance::FindHits(const Ranges& ranges, double max_distance, std::vector<Point>* hits) const {
+  if (ranges.size != directions_.size()) throw std::invalid_argument("there must be one range per beam");
+  // A range this close to range_max is no return: float32 may round range_max itself to either side.
+  const double longest = std::min(layout_.range_max * (1.0 - 1e-6), max_distance + std::abs(layout_.forward) + 1e-3);
+  hits->clear();
+  hits->reserve(ranges.size);
+  for (std::size_t first = 0; first < ranges.size; first += kBlock) {
+    if (ranges.size - first >= kBlock && !SomeAreBelow(ranges.data + first, longest)) continue;
+    for (std::size_t beam = first; beam < std::min(ranges.size, first + kBlock); ++beam) {
+      const double range = ranges.data[beam];
+      if (!(range < longest)) continue;
+      const Point hit{layout_.forward + range * directions_[beam].x, range * directions_[beam].y};
+      if (hit.x * hit.x + hit.y * hit.y < max_distance * max_distance) hits->push_back(hit);
+    }
+  }
+}
+
+double ScanClearance::FreeDistance(const Ranges& ranges, double heading, double radius, double max_distance) const {
   return FreeAmongHits(Hits(ranges, max_distance + radius), Direction(heading), radius, max_distance);
 }
 
-std::vector<double> ScanClearance::FreeDistances(const std::vector<float>& ranges,
-                                                 const std::vector<Direction>& directions, double radius,
-                                                 double max_distance) const {
+std::vector<double> ScanClearance::FreeDistances(const Ranges& ranges, const std::vector<Direction>& directions,
+                                                 double radius, double max_distance) const {
   const std::vector<Point> hits = Hits(ranges, max_distance + radius);
   std::vector<double> free;
   for (const Direction& way : directions) free.push_back(FreeAmongHits(hits, way, radius, max_distance));
@@ -148,9 +151,9 @@ Sidestepper::Sidestepper(ScanClearance clearance, const std::vector<double>& hea
   if (directions_.empty()) throw std::invalid_argument("there must be a heading to take");
 }
 
-Sidestepper::Way Sidestepper::Find(const std::vector<float>& ranges, double wanted, double radius, double needed) {
-  const std::vector<Point> hits = clearance_.Hits(ranges, needed + radius);
-  const Way straight{wanted, FreeAmongHits(hits, Direction(wanted), radius, needed)};
+Sidestepper::Way Sidestepper::Find(const Ranges& ranges, double wanted, double radius, double needed) {
+  clearance_.FindHits(ranges, needed + radius, &hits_);
+  const Way straight{wanted, FreeAmongHits(hits_, Direction(wanted), radius, needed)};
   if (straight.free >= needed || std::abs(wanted) >= kAhead) {
     passing_side_ = 0;
     return straight;
@@ -165,7 +168,7 @@ Sidestepper::Way Sidestepper::Find(const std::vector<float>& ranges, double want
   std::sort(by_cost.begin(), by_cost.end());
   std::vector<Way> ways;
   for (const auto& [_, direction] : by_cost) {
-    ways.push_back({direction->heading, FreeAmongHits(hits, *direction, radius, needed)});
+    ways.push_back({direction->heading, FreeAmongHits(hits_, *direction, radius, needed)});
     if (ways.back().free < needed) continue;
     passing_side_ = direction->heading > wanted ? 1 : -1;
     return ways.back();

@@ -58,9 +58,8 @@ std::vector<double> SidestepsOf(const LaserLayout& laser) {
 Navigator::Navigator(const NavigatorBody& body, bool by_path)
     : body_(body), by_path_(by_path), clearance_(body.laser), sidestepper_(clearance_, SidestepsOf(body.laser)) {}
 
-Twist Navigator::Drive(const std::shared_ptr<const PlanningGrid>& grid, const Pose& pose,
-                       const std::vector<float>& ranges, const Point& goal, double speed, double time,
-                       const std::function<Teammates()>& teammates) {
+Twist Navigator::Drive(const std::shared_ptr<const PlanningGrid>& grid, const Pose& pose, const Ranges& ranges,
+                       const Point& goal, double speed, double time, const std::function<Teammates()>& teammates) {
   const Point position = PlaceOf(pose);
   if (grid != grid_ || goal.x != goal_.x || goal.y != goal_.y) {
     grid_ = grid;
@@ -161,8 +160,7 @@ double Navigator::RoomAt(const Situation& now, const Point& point, double headin
 }
 
 /// Returns the command that leads towards a point in sight, around what stands in the way.
-Twist Navigator::Steer(const Pose& pose, const std::vector<float>& ranges, const Point& point, double speed,
-                       bool is_last) {
+Twist Navigator::Steer(const Pose& pose, const Ranges& ranges, const Point& point, double speed, bool is_last) {
   const double dx = point.x - pose.x, dy = point.y - pose.y;
   const double distance = Hypot(dx, dy);
   if (distance < kArrived) return {};
@@ -177,7 +175,7 @@ Twist Navigator::Steer(const Pose& pose, const std::vector<float>& ranges, const
 }
 
 /// Returns how fast to drive while turning far: not at all, but a car must; back where no room is ahead.
-double Navigator::ManoeuvringSpeed(const std::vector<float>& ranges, double speed) const {
+double Navigator::ManoeuvringSpeed(const Ranges& ranges, double speed) const {
   if (!body_.is_car) return 0.0;
   const double free = clearance_.FreeDistance(ranges, 0.0, body_.radius + kLaserMargin, kRoomToTurn);
   return std::copysign(std::min({speed, body_.max_speed, kManoeuvring}), free >= kRoomToTurn ? 1.0 : -1.0);

@@ -64,12 +64,10 @@ class Guard:
         if not self._fault and self.controller is not None:
             try:
                 decision = self.controller.decide()
-                if _core.is_plain_decision(decision, Decision, Twist):  # as most are
-                    if not decision.outbox:
-                        return decision
-                    self._fault = _problem_of_messages(decision.outbox, self._robot_id, self._num_robots)
-                else:
-                    self._fault = problem_of(decision, self._robot_id, self._num_robots)
+                robot_id, num_robots = self._robot_id, self._num_robots
+                if _core.is_plain_decision(decision, Decision, Twist, Message, robot_id, num_robots):  # as most are
+                    return decision
+                self._fault = problem_of(decision, robot_id, num_robots)
                 if not self._fault:
                     return decision
             except (Exception, SystemExit) as error:
@@ -94,16 +92,11 @@ def problem_of(decision: Decision, robot_id: int, num_robots: int) -> str:
         return f"decide returned the goal {_shown(goal_m)}; wanted finite (x, y), or None"
     if not isinstance(decision.outbox, (tuple, list)):
         return f"decide returned the outbox {_shown(decision.outbox)}; wanted a tuple of Messages"
-    wrong = _problem_of_messages(decision.outbox, robot_id, num_robots)
-    return wrong or _problem_of_what_is_told(decision)
-
-
-def _problem_of_messages(outbox: Sequence[object], robot_id: int, num_robots: int) -> str:
-    for message in outbox:
+    for message in decision.outbox:
         wrong = _problem_of_message(message, robot_id, num_robots)
         if wrong:
             return wrong
-    return ""
+    return _problem_of_what_is_told(decision)
 
 
 def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:

@@ -9,6 +9,8 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Robot, Team
 from robotteamsim.sensing.readings import RobotReading
 
+_GROUND_TRUTH = RobotReading._fields.index("ground_truth")
+
 
 class Localiser:
     """The robot's pose in `map`: the ground truth, or its known start composed with its odometry."""
@@ -22,7 +24,7 @@ class Localiser:
         """Return the robot's pose in `map`."""
         if self._map_T_odom is None:
             # What `reading.ground_truth.pose` is, at once: every robot asks for it in every step.
-            pose: Pose = _core.to_pose(reading.ground_truth, Pose)
+            pose: Pose = _core.to_pose(reading, _GROUND_TRUTH, Pose)
             return pose
         return self._map_T_odom @ reading.odometry.pose.pose
 

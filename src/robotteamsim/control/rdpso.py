@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 from operator import attrgetter
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -53,6 +54,9 @@ HURRY = 1.25
 """A robot drives this much faster than its swarm velocity, so that it is there when the next iteration begins."""
 
 _ROBOT_ID = attrgetter("robot_id")
+_TWIST, _OUTBOX, _GOAL = map(Decision._fields.index, ("twist", "outbox", "goal_m"))
+_RANGES_M: Final = 3
+"""Places in the tuples `Decision` and `RobotReading`: asked for by its name, a field takes three times as long."""
 
 
 class _Settings(NamedTuple):
@@ -66,10 +70,12 @@ class _Settings(NamedTuple):
     c1: float
     c2: float
     c3: float
+    iteration_ns: int
+    reach_m: float
 
     @classmethod
-    def of(cls, control: Control) -> _Settings:
-        """Return what a section `control` says."""
+    def of(cls, control: Control, reach_m: float) -> _Settings:
+        """Return what a section `control` says, and how far the robot's body reaches."""
         return cls(
             iteration_s=control.iteration_s,
             max_step_speed_mps=control.max_step_speed_mps,
@@ -79,6 +85,8 @@ class _Settings(NamedTuple):
             c1=control.c1,
             c2=control.c2,
             c3=control.c3,
+            iteration_ns=round(control.iteration_s * 1e9),
+            reach_m=reach_m,
         )
 
 
@@ -96,9 +104,7 @@ class RdpsoController:
         body = body_of(robot_id, scenario)
         self._robot_id = robot_id
         self._scenario = scenario
-        self._settings = _Settings.of(control)
-        self._iteration_ns = round(control.iteration_s * 1e9)
-        self._radius_m = body.reach_m
+        self._settings = _Settings.of(control, body.reach_m)
         self._localiser = Localiser(robot_id, scenario)
         self._doors = DoorBeliefs(scenario.plan, body.laser)
         self._map = known_map(scenario.plan, body.reach_m)
@@ -117,7 +123,10 @@ class RdpsoController:
         self._task = Task()
         self._team: dict[int, Report] = {}
         """The last report of every teammate heard so far."""
+        self._teammates = partial(_positions, self._team)
+        """Tells where each teammate was when it was last heard."""
         self._iteration = -1
+        self._iteration_ends_ns = 0
         self._epoch = -1
         self._own: Report | None = None
         """The report of this iteration, until the next point is chosen."""
@@ -127,6 +136,7 @@ class RdpsoController:
         self._goal: Vector | None = None
         self._speed_mps = control.max_step_speed_mps
         self._told = self._what_is_told()
+        """The decision to stand, with what others are told of the robot."""
 
     @staticmethod
     def memory(control: Control) -> tuple[float, ...]:
@@ -145,17 +155,16 @@ class RdpsoController:
     def decide(self) -> Decision:
         """Return command and messages for this step."""
         if self._observation is None or not self._task.running:
-            return self._decision(Twist())
+            return self._told
         _, sim_time_ns, robot, _ = self._observation
-        pose, ranges_m = self._localiser.map_T_base_link(robot), robot.ranges_m
+        pose, ranges_m = self._localiser.map_T_base_link(robot), robot[_RANGES_M]
         outbox: tuple[Message, ...] = ()
-        iteration = sim_time_ns // self._iteration_ns
         if self._own is not None and self._has_waited_enough(self._own):
             self._choose_next_point(pose, ranges_m, self._own)
             self._own = None
             self._told = self._what_is_told()
-        if iteration != self._iteration:
-            self._iteration, self._reported_ns = iteration, sim_time_ns
+        if not self._reported_ns <= sim_time_ns < self._iteration_ends_ns:
+            self._begin_iteration(sim_time_ns)
             payload = self._evaluate(pose, ranges_m).to_json()
             # As its teammates read it, so that all of one process share what follows from it.
             self._own = parse_report(payload)
@@ -166,9 +175,16 @@ class RdpsoController:
         if goal is None:
             goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), time_s)
             speed_mps = self._settings.max_step_speed_mps
-        grid, teammates = self._map.grid, self._where_teammates_were
-        twist = self._navigator.drive(grid, pose, ranges_m, goal, speed_mps, time_s, teammates)
-        return self._decision(twist, goal, outbox)
+        twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, time_s, self._teammates)
+        # `_replace`, at once: every robot decides in every step.
+        decision: Decision = _core.with_items(self._told, _TWIST, twist, _OUTBOX, outbox, _GOAL, goal)
+        return decision
+
+    def _begin_iteration(self, sim_time_ns: int) -> None:
+        """Take note of the iteration that this step is the first of."""
+        iteration_ns = self._settings.iteration_ns
+        self._iteration, self._reported_ns = sim_time_ns // iteration_ns, sim_time_ns
+        self._iteration_ends_ns = (self._iteration + 1) * iteration_ns
 
     def _has_waited_enough(self, own: Report) -> bool:
         """Whether all that reported in the last iteration have reported in this one, or patience is at its end."""
@@ -289,27 +305,20 @@ class RdpsoController:
             return place
         return self._map.along_path(position, place, LONGEST_DETOUR_M)
 
-    def _where_teammates_were(self) -> dict[int, Vector]:
-        """Return where each teammate was when it was last heard."""
-        return {robot_id: report.position for robot_id, report in self._team.items()}
-
     def _update_map(self) -> None:
         """Take the map with the doors as believed now; bests along other paths are forgotten."""
         if self._doors.changed != self._map_doors:
             self._map_doors = self._doors.changed
-            self._map = known_map(self._scenario.plan, self._radius_m, self._map_doors)
+            self._map = known_map(self._scenario.plan, self._settings.reach_m, self._map_doors)
             self._known_best = None
 
-    def _what_is_told(self) -> tuple[bool, float, int, int]:
-        """Return what others are told of the robot: whether it is excluded, its local best's value, SC and swarm."""
+    def _what_is_told(self) -> Decision:
+        """Return the decision to stand, with what others are told: exclusion, the local best's value, SC and swarm."""
         membership, best = self._membership, self._local_best
-        search_counter = membership.state.search_counter
-        return membership.excluded, best.value if best else 0.0, search_counter, membership.swarm_id
+        search_counter, _ = membership.state
+        value, _ = best or (0.0, None)
+        return Decision(Twist(), (), membership.excluded, None, value, search_counter, membership.swarm_id)
 
-    def _decision(self, twist: Twist, goal: Vector | None = None, outbox: tuple[Message, ...] = ()) -> Decision:
-        excluded, value, search_counter, swarm_id = self._told
-        # Without the call of Python that the class takes: every robot makes one in every step.
-        decision: Decision = _core.as_tuple(
-            Decision, (twist, outbox, excluded, goal, value, search_counter, swarm_id, "")
-        )
-        return decision
+
+def _positions(team: Mapping[int, Report]) -> dict[int, Vector]:
+    return {robot_id: report.position for robot_id, report in team.items()}

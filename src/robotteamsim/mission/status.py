@@ -73,7 +73,7 @@ class MissionStatus(NamedTuple):
 
     def at(self, time_s: float) -> MissionStatus:
         """Return the same at another time of the mission's clock [s]."""
-        at: MissionStatus = _core.with_item(self, _TIME, time_s)  # `_replace`, at once
+        at: MissionStatus = _core.with_items(self, _TIME, time_s)  # `_replace`, at once
         return at
 
     @property

@@ -18,17 +18,17 @@ const double kPi = std::acos(-1.0);
 ScanClearance ThreeBeams(double forward = 0.0) { return ScanClearance({3, -kPi / 2, kPi / 2, forward, 5.0}); }
 
 TEST(ScanClearance, RefusesAScanOfAnotherLength) {
-  EXPECT_THROW(ThreeBeams().Hits({1.0F, 1.0F}, 5.0), std::invalid_argument);
+  EXPECT_THROW(ThreeBeams().Hits(std::vector<float>{1.0F, 1.0F}, 5.0), std::invalid_argument);
   EXPECT_THROW(ScanClearance({0, 0.0, 1.0, 0.0, 5.0}), std::invalid_argument);
 }
 
 TEST(ScanClearance, HitsLeaveOutBeamsWithoutReturn) {
   const float none = std::numeric_limits<float>::infinity();
-  const std::vector<Point> hits = ThreeBeams(0.1).Hits({5.0F, 1.0F, none}, 5.0);
+  const std::vector<Point> hits = ThreeBeams(0.1).Hits(std::vector<float>{5.0F, 1.0F, none}, 5.0);
   ASSERT_EQ(hits.size(), 1U);
   EXPECT_NEAR(hits[0].x, 1.1, 1e-12);
   EXPECT_NEAR(hits[0].y, 0.0, 1e-12);
-  EXPECT_TRUE(ThreeBeams().Hits({2.0F, 2.0F, 2.0F}, 1.9).empty());
+  EXPECT_TRUE(ThreeBeams().Hits(std::vector<float>{2.0F, 2.0F, 2.0F}, 1.9).empty());
 }
 
 /// What FreeDistanceAmong says, one hit after the other and from all of them.

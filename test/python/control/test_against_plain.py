@@ -104,30 +104,36 @@ def test_tuples_of_a_class_are_made_as_their_class_makes_them():
             _core.as_tuple(*wrong)
 
 
-def test_a_tuple_with_another_item_is_of_its_class_and_leaves_the_first_as_it_was():
+def test_a_tuple_with_other_items_is_of_its_class_and_leaves_the_first_as_it_was():
     twist = Twist(1.0, 2.0, 3.0)
-    other = _core.with_item(twist, 1, 9.0)
+    other = _core.with_items(twist, 1, 9.0, 0, 8.0)
     assert type(other) is Twist
-    assert (other, twist) == (Twist(1.0, 9.0, 3.0), Twist(1.0, 2.0, 3.0))
-    assert _core.with_item((7,), 0, 8) == (8,)
+    assert (other, twist) == (Twist(8.0, 9.0, 3.0), Twist(1.0, 2.0, 3.0))
+    assert _core.with_items((7,), 0, 8) == (8,)
 
 
-@pytest.mark.parametrize("wrong", [([1.0], 0, 2.0), ((1.0,), "0", 2.0), ((1.0,), 0)])
+@pytest.mark.parametrize("wrong", [([1.0], 0, 2.0), ((1.0,), "0", 2.0), ((1.0,), 0), ()])
 def test_another_item_of_what_is_no_tuple_or_index_is_refused(wrong):
     with pytest.raises(TypeError, match="wanted a tuple, an index, and an item"):
-        _core.with_item(*wrong)
+        _core.with_items(*wrong)
 
 
-@pytest.mark.parametrize("index", [-1, 1, 2**70])
+@pytest.mark.parametrize("index", [-2, -1, 1, 2**70])
 def test_an_item_beyond_those_of_a_tuple_is_refused(index):
     with pytest.raises(TypeError, match="no item of this index"):
-        _core.with_item((1.0,), index, 2.0)
+        _core.with_items((1.0,), index, 2.0)
 
 
-@pytest.mark.parametrize("wrong", [(None, Pose), ((1.0, 2.0, 3.0), Pose), (("x", 0.0, 0.0, 1.0), Pose), ((0.0,) * 4,)])
-def test_what_is_no_reading_of_a_pose_is_refused(wrong):
-    with pytest.raises(TypeError, match="wanted the reading of a pose"):
-        _core.to_pose(*wrong)
+@pytest.mark.parametrize("reading", [None, (1.0, 2.0, 3.0), ("x", 0.0, 0.0, 1.0)])
+def test_what_is_no_reading_of_a_pose_is_refused(reading):
+    with pytest.raises(TypeError, match="wanted a tuple with the reading of a pose"):
+        _core.to_pose((reading,), 0, Pose)
+
+
+@pytest.mark.parametrize("wrong", [(), (1, Pose), (-1, Pose), ("0", Pose), (0,), (0, list)])
+def test_the_reading_of_a_pose_is_looked_for_where_it_is_said_to_be(wrong):
+    with pytest.raises(TypeError, match="wanted a tuple with the reading of a pose"):
+        _core.to_pose(((0.0, 0.0, 0.0, 1.0),), *wrong)
 
 
 @pytest.mark.parametrize("beams", [5, 61, 181, 360])
