@@ -102,15 +102,10 @@ std::int64_t FaceSet::WeightBetween(PointMm a, PointMm b) const {
   const std::int64_t dy = b.y - a.y;
   const std::int64_t left_from = dx * a.y - dy * a.x + (MovedPointIsLeft(dx, dy) ? 0 : 1);
   const auto is_left = [&](std::int64_t x, std::int64_t y) { return dx * y - dy * x >= left_from; };
-  std::int64_t sum = 0, last_x = kMaxCoordinateMm + 1, last_y = 0;
-  bool end_left = false;
+  std::int64_t sum = 0;
   for (std::size_t i = 0; i < Size(); ++i) {
-    // Most faces begin where the one before ends: walls and pillars are rings.
-    const bool is_next = start_x_[i] == last_x && start_y_[i] == last_y;
-    const bool start_left = is_next ? end_left : is_left(start_x_[i], start_y_[i]);
-    last_x = end_x_[i];
-    last_y = end_y_[i];
-    end_left = is_left(last_x, last_y);
+    const bool start_left = is_left(start_x_[i], start_y_[i]);
+    const bool end_left = is_left(end_x_[i], end_y_[i]);
     if (start_left == end_left) continue;
     const std::int64_t ex = end_x_[i] - start_x_[i];
     const std::int64_t ey = end_y_[i] - start_y_[i];
