@@ -6,6 +6,7 @@ namespace robotteamsim::bindings {
 void BindGeometry(pybind11::module_& m);
 void BindTupleCalls(pybind11::module_& m);
 void BindPlan(pybind11::module_& m);
+void BindSwarm(pybind11::module_& m);
 void BindControl(pybind11::module_& m);
 void BindPropagation(pybind11::module_& m);
 void BindNetwork(pybind11::module_& m);

@@ -6,6 +6,7 @@ PYBIND11_MODULE(_core, m) {
   robotteamsim::bindings::BindGeometry(m);
   robotteamsim::bindings::BindTupleCalls(m);
   robotteamsim::bindings::BindPlan(m);
+  robotteamsim::bindings::BindSwarm(m);
   robotteamsim::bindings::BindControl(m);
   robotteamsim::bindings::BindPropagation(m);
   robotteamsim::bindings::BindNetwork(m);

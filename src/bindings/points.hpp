@@ -44,7 +44,11 @@ struct type_caster<robotteamsim::Point> {
   }
 
   static handle cast(const robotteamsim::Point& point, return_value_policy, handle) {
-    return make_tuple(point.x, point.y).release();
+    PyObject* const pair = PyTuple_New(2);
+    if (pair == nullptr) throw error_already_set();
+    PyTuple_SET_ITEM(pair, 0, PyFloat_FromDouble(point.x));
+    PyTuple_SET_ITEM(pair, 1, PyFloat_FromDouble(point.y));
+    return pair;
   }
 };
 

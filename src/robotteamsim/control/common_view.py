@@ -8,11 +8,14 @@ from typing import NamedTuple
 
 from robotteamsim import _core
 from robotteamsim.control.controller import OUTSIDE
-from robotteamsim.control.report import Best, Report
+from robotteamsim.control.report import NOTHING, Best, Report, Sighting
 from robotteamsim.swarm import SwarmState, Vector
 
 _KEPT_VIEWS = 64
-_VALUE = attrgetter("value")
+_VALUE, _SWARM_ID = attrgetter("value"), attrgetter("swarm_id")
+_HEARD = attrgetter("position", "loudest")
+_BASIS = attrgetter("epoch", "doors")
+"""What two robots' bests must have in common."""
 _views: dict[tuple[int, ...], CommonView] = {}
 
 
@@ -43,25 +46,26 @@ class CommonView:
         self.values: dict[int, dict[int, float]] = {}
         self.positions: dict[int, dict[int, Vector]] = {}
         self.states: dict[int, SwarmState] = {}
-        for report in reports:
-            robot_id, swarm_id = report.robot_id, report.swarm_id
+        doors: dict[Sighting, None] = {}
+        for robot_id, _, _, position, _, local_best, _, swarm_id, state, sightings in reports:
             if swarm_id not in self.states:
-                self.states[swarm_id], self.values[swarm_id], self.positions[swarm_id] = report.swarm, {}, {}
-            self.values[swarm_id][robot_id] = report.value
-            self.positions[swarm_id][robot_id] = report.position
-        self.doors = tuple(dict.fromkeys([sighting for report in reports for sighting in report.doors]))
+                self.states[swarm_id], self.values[swarm_id], self.positions[swarm_id] = state, {}, {}
+            value, _ = local_best or NOTHING
+            self.values[swarm_id][robot_id] = value
+            self.positions[swarm_id][robot_id] = position
+            doors |= dict.fromkeys(sightings)
+        self.doors = tuple(doors)
         self.verdicts: dict[tuple[object, ...], tuple[dict[int, int], dict[int, SwarmState]]] = {}
         self._comparable: dict[tuple[object, ...], tuple[_core.HeardNotes, dict[int, Bests]]] = {}
 
     def comparable(self, own: Report) -> tuple[_core.HeardNotes, dict[int, Bests]]:
         """Return what those hear, and by swarm report as bests, who have a robot's task and agree with it on doors."""
-        key = epoch, doors = own.epoch, own.doors
+        key = _BASIS(own)
         found = self._comparable.get(key)
         if found is None:
-            reports = [report for report in self.reports if report.epoch == epoch and report.doors == doors]
-            swarm_ids = {report.swarm_id for report in reports}
-            heard = _core.HeardNotes([(report.position, report.loudest) for report in reports])
-            found = heard, {swarm_id: _bests_of(swarm_id, reports) for swarm_id in swarm_ids}
+            reports = [report for report in self.reports if _BASIS(report) == key]
+            heard = _core.HeardNotes(list(map(_HEARD, reports)))
+            found = heard, {swarm_id: _bests_of(swarm_id, reports) for swarm_id in set(map(_SWARM_ID, reports))}
             self._comparable[key] = found
         return found
 
@@ -72,7 +76,7 @@ def common_view(reports: tuple[Report, ...]) -> CommonView:
     Robots of one process that heard each other hold the same objects, and share one view: it keeps them, so that their
     identities stay theirs while it is there.
     """
-    key = tuple([id(report) for report in reports])
+    key = tuple(map(id, reports))
     view = _views.get(key)
     if view is None:
         while len(_views) >= _KEPT_VIEWS:

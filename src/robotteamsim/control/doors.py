@@ -6,13 +6,11 @@ import math
 
 import numpy as np
 
+from robotteamsim.control.report import Sighting
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.sections import Laser
 from robotteamsim.swarm import Vector
-
-Sighting = tuple[str, bool, int]
-"""Door's name, whether it was closed, and the iteration in which that was seen."""
 
 LEAF_TOLERANCE_M = 0.12
 FEWEST_BEAMS = 5
@@ -26,21 +24,13 @@ class DoorBeliefs:
         self._doors = [(door, _middle(door)) for door in plan.doors]
         self._planned = {door.name: door.closed for door in plan.doors}
         self._sightings: dict[str, Sighting] = {}
+        self.sightings: tuple[Sighting, ...] = ()
+        """All that was seen or heard of doors, by name."""
+        self.changed: tuple[tuple[str, bool], ...] = ()
+        """The doors that are not as the plan says, by name, with whether they are closed."""
         self._laser = laser
         self._range_m = laser.range_max_m
         self._beam_angles_rad = np.linspace(laser.angle_min_rad, laser.angle_max_rad, laser.beams)
-
-    @property
-    def sightings(self) -> tuple[Sighting, ...]:
-        """All that was seen or heard of doors, by name."""
-        return tuple([self._sightings[name] for name in sorted(self._sightings)])
-
-    @property
-    def changed(self) -> tuple[tuple[str, bool], ...]:
-        """The doors that are not as the plan says, by name, with whether they are closed."""
-        if not self._sightings:  # most of the time
-            return ()
-        return tuple((name, closed) for name, closed, _ in self.sightings if closed != self._planned[name])
 
     def look(self, pose: Pose, ranges_m: np.ndarray, iteration: int) -> None:
         """Note the doors that the laser sees in another state than believed."""
@@ -50,14 +40,19 @@ class DoorBeliefs:
                 continue
             closed = self._seen_closed(door, pose, ranges_m)
             if closed is not None and closed != self._believed(door.name):
-                self._sightings[door.name] = (door.name, closed, iteration)
+                self._note((door.name, closed, iteration))
 
     def hear(self, sightings: tuple[Sighting, ...]) -> None:
         """Take over what a teammate saw later; of sightings in the same iteration, the closed door counts."""
         for name, closed, iteration in sightings:
             known = self._sightings.get(name)
             if name in self._planned and (known is None or (iteration, closed) > (known[2], known[1])):
-                self._sightings[name] = (name, closed, iteration)
+                self._note((name, closed, iteration))
+
+    def _note(self, sighting: Sighting) -> None:
+        self._sightings[sighting[0]] = sighting
+        self.sightings = tuple([self._sightings[name] for name in sorted(self._sightings)])
+        self.changed = tuple([(name, closed) for name, closed, _ in self.sightings if closed != self._planned[name]])
 
     def _believed(self, name: str) -> bool:
         return self._sightings[name][1] if name in self._sightings else self._planned[name]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -34,6 +35,13 @@ class KnownMap:
             occupancy.cells != FREE, occupancy.origin_m, GRID_RESOLUTION_M, robot_radius_m + MARGIN_M
         )
         self._fields: dict[Vector, np.ndarray | None] = {}
+        # Not wrapped: every robot asks several times in every iteration.
+        self.along_path: Callable[[Vector, Vector, float], Vector] = self.grid.along_way
+        """Returns a goal as the path to it from a start begins: at the path's length, in the direction of its
+        `first_stretch`. The path is at most so long [m]."""
+        self.reachable_towards: Callable[[Vector, Vector], Vector] = self.grid.reachable_towards
+        """Returns the goal where the straight way to it from a start is free; else the place nearest to it that can be
+        reached close by."""
 
     def distance_m(self, goal: Vector, position: Vector) -> float:
         """Return the length of the shortest free path [m]; UNREACHABLE_M and the straight distance without one."""
@@ -69,16 +77,6 @@ class KnownMap:
         """
         stretch: tuple[Vector, float] = self.grid.first_stretch(start, goal, max_length_m)
         return stretch
-
-    def along_path(self, start: Vector, goal: Vector, max_length_m: float) -> Vector:
-        """Return a goal as the path to it begins: at the path's length, in the direction of its `first_stretch`."""
-        place: Vector = self.grid.along_way(start, goal, max_length_m)
-        return place
-
-    def reachable_towards(self, start: Vector, goal: Vector) -> Vector:
-        """Return the goal where the straight way is free; else the place nearest to it that can be reached close by."""
-        place: Vector = self.grid.reachable_towards(start, goal)
-        return place
 
     def _field(self, goal: Vector) -> np.ndarray | None:
         field = self._fields.get(goal)

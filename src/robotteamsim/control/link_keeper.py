@@ -53,7 +53,7 @@ class LinkKeeper:
     def pull(
         self, position: Vector, heard: Mapping[int, Vector], missing: Mapping[int, Vector]
     ) -> tuple[Vector, float]:
-        """Return x_CB and the weight of the term.
+        """Return x_CB and the weight of the term; where that is 0, the robot's own position stands for x_CB.
 
         Args: heard: where the other members of the swarm are that reported in this iteration, by robot id.
               missing: where those were that did not; the swarm is split if there are any (C_s = 0 as far as known).
@@ -65,12 +65,11 @@ class LinkKeeper:
             neighbour = self._weakest_of_tree(position, list(heard.values()))
         else:
             neighbour = _core.nearest_place(position, list(members.values()))
-        if self._links_by_distance:
-            proximity, endangered, range_m = self._by_distance(position, neighbour)
-        else:
-            proximity, endangered, range_m = self._by_signal(position, neighbour)
-        weight = communication_weight(self._c4, proximity, endangered, connected=not missing)
-        return communication_attractor(position, neighbour, range_m), weight
+        proximity, endangered, signal_dbm = self._link_to(position, neighbour)
+        weight = communication_weight(self._c4, proximity, endangered, not missing)
+        if weight == 0.0:
+            return position, 0.0
+        return communication_attractor(position, neighbour, self._range_m(position, neighbour, signal_dbm)), weight
 
     def in_reach(self, places: Sequence[Vector], resolution_m: float) -> np.ndarray | None:
         """Return the cells of the plan that have a good enough link to one of some places, bool, shape (rows, cols).
@@ -101,17 +100,21 @@ class LinkKeeper:
         own = [(strength[a, b], max(a, b)) for a, b in strongest_tree(strength) if min(a, b) == 0]
         return places[min(own)[1] - 1]
 
-    def _by_distance(self, position: Vector, neighbour: Vector) -> tuple[float, float, float]:
-        d_max_m = self._network.max_distance_m
-        proximity = robot_proximity_by_distance(math.dist(position, neighbour), d_max_m)
-        return proximity, 1.0 - ENDANGERED_FRACTION, ENDANGERED_FRACTION * d_max_m
-
-    def _by_signal(self, position: Vector, neighbour: Vector) -> tuple[float, float, float]:
+    def _link_to(self, position: Vector, neighbour: Vector) -> tuple[float, float, float]:
+        """Return P_n of a link, that of an endangered one, and its signal [dBm]; 0 for links by distance."""
+        if self._links_by_distance:
+            away_m = math.dist(position, neighbour)
+            return robot_proximity_by_distance(away_m, self._network.max_distance_m), 1.0 - ENDANGERED_FRACTION, 0.0
         assert self._field is not None
         signal_dbm = self._tx_power_dbm - self._field.path_loss_db(position, neighbour)
         proximity = robot_proximity_by_signal(signal_dbm, self._lost_dbm, self._reference_dbm)
-        range_m = math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db)
-        return proximity, self._endangered_proximity, range_m
+        return proximity, self._endangered_proximity, signal_dbm
+
+    def _range_m(self, position: Vector, neighbour: Vector, signal_dbm: float) -> float:
+        """Return the range that x_CB keeps on a link [m]."""
+        if self._links_by_distance:
+            return ENDANGERED_FRACTION * self._network.max_distance_m
+        return math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db)
 
 
 def strongest_tree(strength: np.ndarray) -> list[tuple[int, int]]:

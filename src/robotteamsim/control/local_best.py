@@ -24,8 +24,9 @@ def find_local_best(
 
     A voice that is ruled out counts as none; without an area, nothing draws the robot then. Places in `map` [m].
     """
-    if voice.heard and not ruled_out.covers(voice.local_best_m):
-        return Best(voice.local_best_level_db, voice.local_best_m)
+    _, is_heard, loudest, level_db = voice
+    if is_heard and not ruled_out.covers(loudest):
+        return Best(level_db, loudest)
     if area is None:
         return None
     radius_m = scenario.voice.local_best_radius_m

@@ -75,14 +75,15 @@ class Membership:
         states: dict[int, SwarmState] = {}
         for swarm_id, members in sorted(swarms.items()):
             dice = partial(self._dice, iteration, swarm_id)
-            free = {i: value for i, value in outside.items() if i not in moves}
-            state = view.states[swarm_id]
-            verdict = judge(state, swarm_id in improved, members, free, self._rules, dice)
+            free = {i: value for i, value in outside.items() if i not in moves} if outside else outside
+            has_improved = swarm_id in improved
+            verdict = judge(view.states[swarm_id], has_improved, members, free, self._rules, dice)
             if len(verdict.leaves) == len(members):
                 verdict, num_swarms = self._dissolved_or_not(verdict, num_swarms)
-            moves |= dict.fromkeys(verdict.leaves, OUTSIDE) | dict.fromkeys(verdict.joins, swarm_id)
-            states[swarm_id] = verdict.state
-            if swarm_id in improved and verdict.state.search_counter == 0:
+            state, leaves, joins = verdict
+            moves |= dict.fromkeys(leaves, OUTSIDE) | dict.fromkeys(joins, swarm_id)
+            states[swarm_id] = state
+            if has_improved and state.search_counter == 0:
                 asking.append(len(members))
         if OUTSIDE in improved:
             asking.append(len(outside))

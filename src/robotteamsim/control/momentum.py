@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
 
 from robotteamsim.swarm import Vector, memory_term
 
@@ -11,7 +10,7 @@ from robotteamsim.swarm import Vector, memory_term
 class Momentum:
     """The velocities that a robot really had in the last iterations, and what they add to the next one."""
 
-    def __init__(self, coefficients: Sequence[float]) -> None:
+    def __init__(self, coefficients: tuple[float, ...]) -> None:
         """Args: coefficients: the weights of v[t], v[t-1], ..."""
         self.coefficients = coefficients
         self._velocities: deque[Vector] = deque(maxlen=len(coefficients))

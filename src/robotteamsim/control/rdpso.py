@@ -21,7 +21,7 @@ from robotteamsim.control.localisation import Localiser, body_of
 from robotteamsim.control.membership import Membership
 from robotteamsim.control.momentum import Momentum
 from robotteamsim.control.navigation import Navigator
-from robotteamsim.control.report import Best, Report, parse_report, reports_in
+from robotteamsim.control.report import Best, Report, is_voice, parse_report, reports_in
 from robotteamsim.control.ruled_out import RuledOut
 from robotteamsim.control.surroundings import Surroundings
 from robotteamsim.control.wander import Wander
@@ -31,7 +31,6 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Control
 from robotteamsim.sensing.readings import Observation
 from robotteamsim.swarm import (
-    Attractors,
     Vector,
     Weights,
     limit_speed,
@@ -53,7 +52,7 @@ PATIENCE = 0.5
 HURRY = 1.25
 """A robot drives this much faster than its swarm velocity, so that it is there when the next iteration begins."""
 
-_ROBOT_ID = attrgetter("robot_id")
+_ITERATION, _SWARM_ID = attrgetter("iteration"), attrgetter("swarm_id")
 _TWIST, _OUTBOX, _GOAL = map(Decision._fields.index, ("twist", "outbox", "goal_m"))
 _RANGES_M: Final = 3
 """Places in the tuples `Decision` and `RobotReading`: asked for by its name, a field takes three times as long."""
@@ -67,9 +66,8 @@ class _Settings(NamedTuple):
     step_m: float
     patience_ns: int
     by_path: bool
-    c1: float
-    c2: float
-    c3: float
+    weights: Weights
+    """With a weight of 0 for the link."""
     iteration_ns: int
     reach_m: float
 
@@ -82,9 +80,7 @@ class _Settings(NamedTuple):
             step_m=control.max_step_speed_mps * control.iteration_s,
             patience_ns=round(PATIENCE * control.iteration_s * 1e9),
             by_path=control.navigation == "path",
-            c1=control.c1,
-            c2=control.c2,
-            c3=control.c3,
+            weights=Weights(control.c1, control.c2, control.c3, 0.0),
             iteration_ns=round(control.iteration_s * 1e9),
             reach_m=reach_m,
         )
@@ -191,12 +187,12 @@ class RdpsoController:
         assert self._observation is not None
         if self._observation.sim_time_ns - self._reported_ns >= self._settings.patience_ns:
             return True
-        return own.iteration - 1 not in [report.iteration for report in self._team.values()]
+        return own.iteration - 1 not in map(_ITERATION, self._team.values())
 
     def _evaluate(self, pose: Pose, ranges_m: np.ndarray) -> Report:
         """Phase 1: return the report on what the robot knows at the start of an iteration."""
         assert self._observation is not None
-        position = (pose.x_m, pose.y_m)
+        position = pose[:2]
         self._doors.look(pose, ranges_m, self._iteration)
         self._update_map()
         if self._task.epoch != self._epoch:
@@ -208,33 +204,34 @@ class RdpsoController:
         area = self._task.area_center_m
         self._local_best = find_local_best(self._scenario, self._map, self._ruled_out, voice, area, position)
         return Report(
-            robot_id=self._robot_id,
-            iteration=self._iteration,
-            epoch=self._epoch,
-            position=position,
-            loudest=loudest,
-            local_best=self._local_best,
-            known_best=self._known_best,
-            swarm_id=self._membership.swarm_id,
-            swarm=self._membership.state,
-            doors=self._doors.sightings,
+            self._robot_id,
+            self._iteration,
+            self._epoch,
+            position,
+            loudest,
+            self._local_best,
+            self._known_best,
+            self._membership.swarm_id,
+            self._membership.state,
+            self._doors.sightings,
         )
 
     def _choose_next_point(self, pose: Pose, ranges_m: np.ndarray, own: Report) -> None:
         """Phase 2: share the bests, judge the swarm, and set the goal to x[t+1]."""
-        position = (pose.x_m, pose.y_m)
+        position = pose[:2]
         iteration = own.iteration
-        reports = [own, *[report for report in self._team.values() if report.iteration == iteration]]
-        reports.sort(key=_ROBOT_ID)
-        view = common_view(tuple(reports))
-        bests = self._share_bests(own, view)
+        reports = [own]
+        for report in self._team.values():
+            if report.iteration == iteration:
+                reports.append(report)
+        view = common_view(tuple(sorted(reports)))  # by robot ids, which come first
+        bests, improved = self._share_bests(own, view)
         in_use = set(view.values)
         if len(reports) <= len(self._team):
-            in_use.update([report.swarm_id for report in self._team.values()])
-        improved = [swarm_id for swarm_id, (_, has_improved) in bests.items() if has_improved]
+            in_use.update(map(_SWARM_ID, self._team.values()))
         self._membership.judge(iteration, view, improved, in_use)
         # A new swarm begins with what the excluded know.
-        self._known_best, _ = bests.get(self._membership.swarm_id) or bests.get(OUTSIDE) or (None, False)
+        self._known_best = bests.get(self._membership.swarm_id, bests.get(OUTSIDE))
         self._doors.hear(view.doors)
         self._update_map()
         if self._membership.excluded or self._known_best is None or self._local_best is None:
@@ -248,23 +245,27 @@ class RdpsoController:
         if self._settings.by_path:
             # A step ends at a wall; it does not lead around it. The way around is in the attractors.
             self._goal = self._map.reachable_towards(position, self._goal)
-        self._speed_mps = max(0.1, HURRY * math.hypot(*velocity) / self._settings.iteration_s)
+        v_x, v_y = velocity
+        self._speed_mps = max(0.1, HURRY * math.hypot(v_x, v_y) / self._settings.iteration_s)
 
-    def _share_bests(self, own: Report, view: CommonView) -> dict[int, tuple[Best | None, bool]]:
-        """Return by swarm what its members share as global best, and whether this iteration improved it."""
+    def _share_bests(self, own: Report, view: CommonView) -> tuple[dict[int, Best | None], list[int]]:
+        """Return by swarm what its members share as global best, and the swarms that improved theirs now."""
         heard, bests_of = view.comparable(own)
         self._ruled_out.add_all(heard)
-        bests = {}
+        bests, improved = {}, []
         for swarm_id, (known, local) in bests_of.items():
             before, found = self._highest(known), self._highest(local)
-            improved = found is not None and (before is None or found.value > before.value)
-            bests[swarm_id] = (found if improved else before, improved)
-        return bests
+            if found is not None and (before is None or found.value > before.value):
+                improved.append(swarm_id)
+                before = found
+            bests[swarm_id] = before
+        return bests, improved
 
     def _highest(self, bests: Sequence[Best]) -> Best | None:
         """Return the first of bests, the highest first, that is not ruled out; none where there is none."""
         for best in bests:
-            if not (best.is_voice and self._ruled_out.covers(best.position)):
+            value, position = best
+            if not (is_voice(value) and self._ruled_out.covers(position)):
                 return best
         return None
 
@@ -275,7 +276,7 @@ class RdpsoController:
         assert self._known_best
         clear_place = self._surroundings.attractor(pose, ranges_m)
         settings, swarm_id = self._settings, self._membership.swarm_id
-        heard = dict(view.positions.get(swarm_id, {}))
+        heard = dict(view.positions.get(swarm_id, ()))
         heard.pop(self._robot_id, None)
         missing = {}
         if len(view.reports) <= len(self._team):
@@ -286,18 +287,17 @@ class RdpsoController:
                 if oldest <= report.iteration != view.iteration and report.swarm_id == swarm_id
             }
         x_cb, c4 = self._links.pull(position, heard, missing)
-        local_best = self._local_best.position
-        if self._observation.voice.heard and self._known_best.is_voice and not self._local_best.is_voice:
+        (local_value, local_best), (known_value, known_best) = self._local_best, self._known_best
+        if is_voice(known_value) and not is_voice(local_value) and self._observation.voice.heard:
             # All that this robot hears is ruled out: while the swarm follows a voice, the area must not hold it back.
             local_best = position
-        attractors = Attractors(
-            local_best=self._along_path(position, local_best),
-            global_best=self._along_path(position, self._known_best.position),
-            obstacle=position if clear_place is None else clear_place,
-            communication=position if c4 == 0.0 else self._along_path(position, x_cb),
-        )
-        weights = Weights(settings.c1, settings.c2, settings.c3, c4)
-        return next_velocity(position, self._momentum.term(), attractors, weights, self._numbers)
+        # As in `Attractors` and `Weights`, which take longer to make.
+        x_lb, x_gb = self._along_path(position, local_best), self._along_path(position, known_best)
+        x_ob = position if clear_place is None else clear_place
+        weights: tuple[float, float, float, float] = settings.weights
+        if c4 != 0.0:
+            x_cb, weights = self._along_path(position, x_cb), settings.weights._replace(communication=c4)
+        return next_velocity(position, self._momentum.term(), (x_lb, x_gb, x_ob, x_cb), weights, self._numbers)
 
     def _along_path(self, position: Vector, place: Vector) -> Vector:
         """Return a place as the path to it begins: at the path's length, in the direction of its first stretch."""

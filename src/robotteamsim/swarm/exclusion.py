@@ -69,13 +69,14 @@ def punish(state: SwarmState, members: Mapping[int, float], rules: ExclusionRule
 
     SC rises by 1; at SC_max the worst member goes, and SC is set by (12), or all go where there are N_min or fewer.
     """
-    search_counter = state.search_counter + 1
+    search_counter, num_killed = state
+    search_counter += 1
     if search_counter < rules.search_counter_max:
-        return Verdict(SwarmState(search_counter, state.num_killed))
+        return Verdict(SwarmState(search_counter, num_killed))
     if len(members) <= rules.min_robots:
-        return Verdict(SwarmState(0, state.num_killed + len(members)), leaves=tuple(sorted(members)))
+        return Verdict(SwarmState(0, num_killed + len(members)), leaves=tuple(sorted(members)))
     worst = min(members, key=lambda robot_id: (members[robot_id], -robot_id))
-    num_killed = state.num_killed + 1
+    num_killed += 1
     search_counter = punished_search_counter(rules.search_counter_max, num_killed)
     return Verdict(SwarmState(search_counter, num_killed), leaves=(worst,))
 
@@ -87,12 +88,13 @@ def _rewarded(
     rules: ExclusionRules,
     uniform: Callable[[], float],
 ) -> Verdict:
-    search_counter = max(0, state.search_counter - 1)
+    search_counter, num_killed = state
+    search_counter = max(0, search_counter - 1)
     has_room = bool(excluded) and len(members) < rules.max_robots
-    if search_counter > 0 or not has_room or uniform() * (state.num_killed + 1) >= 1.0:
-        return Verdict(SwarmState(search_counter, state.num_killed))
+    if search_counter > 0 or not has_room or uniform() * (num_killed + 1) >= 1.0:
+        return Verdict(SwarmState(search_counter, num_killed))
     best = max(excluded, key=lambda robot_id: (excluded[robot_id], -robot_id))
-    return Verdict(SwarmState(0, max(0, state.num_killed - 1)), joins=(best,))
+    return Verdict(SwarmState(0, max(0, num_killed - 1)), joins=(best,))
 
 
 def spawn_chance(fraction: float, num_swarms: int) -> float:

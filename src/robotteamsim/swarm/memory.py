@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Literal, cast
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.swarm.velocity import Coordinates, Vector
 
 MemoryMode = Literal["published", "grunwald_letnikov"]
@@ -40,13 +41,10 @@ def memory_coefficients(mode: MemoryMode, alpha: Coordinates, terms: int) -> tup
     return tuple(coefficients)
 
 
-def memory_term(coefficients: Sequence[float], velocities: Sequence[Vector]) -> Vector:
+def memory_term(coefficients: tuple[float, ...], velocities: Iterable[Vector]) -> Vector:
     """Return the weighted sum of past velocities, newest first; missing ones count as zero [same unit]."""
-    x = y = 0.0
-    for coefficient, (v_x, v_y) in zip(coefficients, velocities, strict=False):
-        x += coefficient * v_x
-        y += coefficient * v_y
-    return x, y
+    term: Vector = _core.memory_term(coefficients, velocities)
+    return term
 
 
 def weighted_sum(

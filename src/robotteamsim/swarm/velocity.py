@@ -8,6 +8,8 @@ from typing import NamedTuple, TypeVar, cast
 
 import numpy as np
 
+from robotteamsim import _core
+
 Coordinates = TypeVar("Coordinates", float, np.ndarray)
 """One coordinate of one robot, or an array of those of many."""
 
@@ -43,20 +45,23 @@ def uniform_numbers(rng: np.random.Generator) -> Iterator[float]:
 
 
 def next_velocity(
-    position: Vector, inertia: Vector, attractors: Attractors, weights: Weights, numbers: Iterator[float]
+    position: Vector,
+    inertia: Vector,
+    attractors: tuple[Vector, Vector, Vector, Vector],
+    weights: tuple[float, float, float, float],
+    numbers: Iterator[float],
 ) -> Vector:
     """Return v[t+1] of eq. (22), or (25) where `inertia` is the fractional memory.
 
     v[t+1] = inertia + sum over the four components of c * r * (attractor - x[t]), with one random number r in [0, 1)
     per component. Four of the numbers, uniform in [0, 1), are taken whatever the weights, so that a weight never shifts
     the others' numbers.
+
+    Args:   attractors: `Attractors`, or a tuple in their order.  weights: `Weights`, likewise.
+    Raises: ValueError: fewer than four numbers are left.
     """
-    (v_x, v_y), (x, y) = inertia, position
-    # The numbers come last: `zip` ends with the weights, before it takes a fifth.
-    for weight, (place_x, place_y), random in zip(weights, attractors, numbers, strict=False):
-        v_x += weight * random * (place_x - x)
-        v_y += weight * random * (place_y - y)
-    return v_x, v_y
+    velocity: Vector = _core.next_velocity(position, inertia, attractors, weights, numbers)
+    return velocity
 
 
 def add_pulls(
