@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "robotteamsim/sensing/laser.hpp"
 #include "robotteamsim/sensing/odometry.hpp"
 #include "tuples.hpp"
+#include "world_arrays.hpp"
 
 namespace py = pybind11;
 
@@ -29,7 +31,7 @@ py::array_t<float> Scan(const Laser& laser, const World& world, const std::vecto
   if (noise_m.size() != 0 && noise_m.size() != count * beams) {
     throw std::invalid_argument("noise must have one value per beam");
   }
-  py::array_t<float> scans({count, beams});
+  py::array_t<float> scans = NewArray<float>({count, beams});
   for (py::ssize_t i = 0; i < count; ++i) {
     const double* const noise = noise_m.size() == 0 ? nullptr : noise_m.data() + i * beams;
     laser.Report(laser.Scan(world, robot_ids[i]), noise, scans.mutable_data(i, 0));
@@ -152,7 +154,7 @@ class TeamOdometry {
   }
 
   py::array_t<double> Readings() const {
-    py::array_t<double> readings({static_cast<py::ssize_t>(team_.size()), py::ssize_t{16}});
+    py::array_t<double> readings = NewArray<double>({static_cast<py::ssize_t>(team_.size()), py::ssize_t{16}});
     double* row = readings.mutable_data();
     for (const Odometry& odometry : team_) {
       WritePoseReading(odometry.pose(), row);
@@ -178,36 +180,48 @@ class TeamOdometry {
   std::vector<Odometry> team_;
 };
 
-/// The lasers and the odometry of a team, in one call: of a few robots the calls are most of what sensing takes.
+/// All that sensors of a team tell, in one call: of a few robots the calls are most of what sensing takes.
 class TeamSensors {
  public:
   // Args: lasers: of each kind the laser and the robots that have it; every robot has one.
-  TeamSensors(py::object odometry, const std::vector<std::pair<py::object, std::vector<int>>>& lasers)
-      : odometry_(std::move(odometry)), team_(odometry_.cast<TeamOdometry*>()) {
+  //       readings, fields: the class `TeamReadings` and the names of its fields.
+  TeamSensors(py::object odometry, const std::vector<std::pair<py::object, std::vector<int>>>& lasers,
+              py::type readings, const std::vector<std::string>& fields)
+      : odometry_(std::move(odometry)), team_(odometry_.cast<TeamOdometry*>()), readings_(std::move(readings), fields) {
     for (const auto& [laser, robots] : lasers) {
       kinds_.push_back({laser, laser.cast<const Laser*>(), robots});
       num_robots_ += robots.size();
     }
   }
 
-  // For the step that the world made last: what TeamOdometry::Follow returns, and the scans in the order of robots, of
-  // one kind as one array. Args: odometry_noise: a row per robot; laser_noise: of each kind, as Scan has it.
-  py::tuple Read(const World& world, const Doubles& odometry_noise, const std::vector<Doubles>& laser_noise) {
-    if (laser_noise.size() != kinds_.size()) throw std::invalid_argument("lasers of each kind must have their noise");
-    py::array_t<double> believed = team_->Follow(world, odometry_noise);
-    if (kinds_.size() == 1) {
-      return py::make_tuple(believed, Scan(*kinds_[0].core, world, kinds_[0].robots, laser_noise[0]));
+  // `TeamReadings` of the step that the world made last. Args: odometry_noise: a row per robot; laser_noise: of each
+  // kind, as Scan has it; none where none has any; further: as the field is.
+  py::object Read(const World& world, const Doubles& odometry_noise, const std::vector<Doubles>& laser_noise,
+                  const py::object& further) {
+    if (!laser_noise.empty() && laser_noise.size() != kinds_.size()) {
+      throw std::invalid_argument("lasers of each kind must have their noise");
     }
-    py::list ranges(num_robots_);
-    for (std::size_t kind = 0; kind < kinds_.size(); ++kind) {
-      const std::vector<int>& robots = kinds_[kind].robots;
-      const py::array_t<float> scans = Scan(*kinds_[kind].core, world, robots, laser_noise[kind]);
-      for (std::size_t i = 0; i < robots.size(); ++i) ranges[robots[i]] = scans[py::int_(i)];
-    }
-    return py::make_tuple(believed, ranges);
+    py::object believed = team_->Follow(world, odometry_noise), ranges = Ranges(world, laser_noise);
+    return readings_.Of({PoseReadings(world), Positions(world), ToArray(world.twists()), std::move(believed),
+                         std::move(ranges), ToFlags(world.in_contact()), ContactAngles(world), further, py::tuple()});
   }
 
  private:
+  // The scans in the order of robots, of one kind as one array.
+  py::object Ranges(const World& world, const std::vector<Doubles>& laser_noise) const {
+    const auto scans_of = [&](std::size_t kind) {
+      return Scan(*kinds_[kind].core, world, kinds_[kind].robots, laser_noise.empty() ? Doubles() : laser_noise[kind]);
+    };
+    if (kinds_.size() == 1) return scans_of(0);
+    py::list ranges(num_robots_);
+    for (std::size_t kind = 0; kind < kinds_.size(); ++kind) {
+      const std::vector<int>& robots = kinds_[kind].robots;
+      const py::array_t<float> scans = scans_of(kind);
+      for (std::size_t i = 0; i < robots.size(); ++i) ranges[robots[i]] = scans[py::int_(i)];
+    }
+    return ranges;
+  }
+
   struct Kind {
     py::object laser;  // keeps it
     const Laser* core;
@@ -216,6 +230,7 @@ class TeamSensors {
 
   py::object odometry_;  // keeps the team's
   TeamOdometry* team_;
+  SlotsClass readings_;
   std::vector<Kind> kinds_;
   std::size_t num_robots_ = 0;
 };
@@ -246,8 +261,9 @@ void BindSensing(py::module_& m) {
       .def("step", &TeamOdometry::Step, py::arg("motions"), py::arg("twists"), py::arg("noise"))
       .def("follow", &TeamOdometry::Follow, py::arg("world"), py::arg("noise"));
   py::class_<TeamSensors> sensors(m, "TeamSensors");
-  sensors.def(py::init<py::object, const std::vector<std::pair<py::object, std::vector<int>>>&>(), py::arg("odometry"),
-              py::arg("lasers"));
+  sensors.def(py::init<py::object, const std::vector<std::pair<py::object, std::vector<int>>>&, py::type,
+                       const std::vector<std::string>&>(),
+              py::arg("odometry"), py::arg("lasers"), py::arg("readings"), py::arg("fields"));
   DefFast<&TeamSensors::Read>(sensors, "read");
 }
 

@@ -14,6 +14,7 @@
 #include "bindings.hpp"
 #include "fast_calls.hpp"
 #include "robotteamsim/world/world.hpp"
+#include "world_arrays.hpp"
 
 namespace py = pybind11;
 
@@ -109,68 +110,6 @@ void StepEach(World& world, const py::sequence& twists) {
   world.Step(commands);
 }
 
-// One row per robot. Pose and Twist are three doubles each.
-template <typename Row>
-py::array_t<double> ToArray(const std::vector<Row>& rows) {
-  static_assert(sizeof(Row) == 3 * sizeof(double));
-  py::array_t<double> array({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}});
-  if (!rows.empty()) std::memcpy(array.mutable_data(), rows.data(), rows.size() * sizeof(Row));
-  return array;
-}
-
-// One row per robot: x, y, qz, qw; NaN of one that is not there.
-py::array_t<double> PoseReadings(const World& world) {
-  py::array_t<double> rows({static_cast<py::ssize_t>(world.poses().size()), py::ssize_t{4}});
-  double* row = rows.mutable_data();
-  for (const Pose& pose : world.poses()) {
-    if (pose.x == pose.x) {
-      WritePoseReading(pose, row);
-    } else {
-      std::fill(row, row + 4, pose.x);
-    }
-    row += 4;
-  }
-  return rows;
-}
-
-py::array_t<bool> InContact(const World& world) {
-  py::array_t<bool> flags(static_cast<py::ssize_t>(world.in_contact().size()));
-  std::copy(world.in_contact().begin(), world.in_contact().end(), flags.mutable_data());
-  return flags;
-}
-
-py::array_t<bool> Present(const World& world) {
-  py::array_t<bool> flags(static_cast<py::ssize_t>(world.present().size()));
-  std::copy(world.present().begin(), world.present().end(), flags.mutable_data());
-  return flags;
-}
-
-// The angles of contact of those robots that touch something, by their ids.
-py::dict ContactAngles(const World& world) {
-  py::dict angles;
-  for (int i = 0; i < static_cast<int>(world.in_contact().size()); ++i) {
-    if (world.in_contact()[i]) angles[py::int_(i)] = py::tuple(py::cast(world.contact_angles(i)));
-  }
-  return angles;
-}
-
-// One row per robot: x, y.
-py::array_t<double> Positions(const World& world) {
-  py::array_t<double> rows({static_cast<py::ssize_t>(world.poses().size()), py::ssize_t{2}});
-  double* row = rows.mutable_data();
-  for (const Pose& pose : world.poses()) {
-    *row++ = pose.x;
-    *row++ = pose.y;
-  }
-  return rows;
-}
-
-// All that sensors of the body tell after a step, in one call: few robots step so fast that calls from Python count.
-py::tuple Readings(const World& world) {
-  return py::make_tuple(PoseReadings(world), Positions(world), ToArray(world.twists()), InContact(world),
-                        ContactAngles(world));
-}
-
 }  // namespace
 
 void BindWorld(py::module_& m) {
@@ -200,7 +139,7 @@ void BindWorld(py::module_& m) {
       .def("pose_readings", &PoseReadings)
       .def("twists", [](const World& world) { return ToArray(world.twists()); })
       .def("motions", [](const World& world) { return ToArray(world.motions()); })
-      .def("in_contact", &InContact)
+      .def("in_contact", [](const World& world) { return ToFlags(world.in_contact()); })
       .def("contact_angles", &ContactAngles)
       .def(
           "set_pose",
@@ -215,7 +154,7 @@ void BindWorld(py::module_& m) {
             world.SpawnRobot(robot_id, {pose[0], pose[1], pose[2]});
           },
           py::arg("robot_id"), py::arg("pose"))
-      .def("present", &Present)
+      .def("present", [](const World& world) { return ToFlags(world.present()); })
       .def("arrivals", &World::arrivals)
       .def("set_door", &World::SetDoorClosed, py::arg("door"), py::arg("closed"))
       .def("door_closed", [](const World& world, int door) { return world.doors().at(door).closed; })
@@ -232,7 +171,6 @@ void BindWorld(py::module_& m) {
           py::arg("thing"), py::arg("pose"))
       .def("reset", &World::Reset);
   DefFast<&StepEach>(world, "step_each");
-  DefFast<&Readings>(world, "readings");
 }
 
 }  // namespace robotteamsim::bindings

@@ -4,7 +4,9 @@
 
 #include <initializer_list>
 #include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace robotteamsim::bindings {
 
@@ -42,6 +44,34 @@ class TupleClass {
   PyTypeObject* cls() const { return reinterpret_cast<PyTypeObject*>(type_.ptr()); }
 
   pybind11::type type_;
+};
+
+/// Makes objects of a class with `__slots__` and nothing else, as a dataclass with slots: a call of the class takes
+/// several times as long.
+class SlotsClass {
+ public:
+  /// Args: slots: the names, in the order in which `Of` takes their values.
+  SlotsClass(pybind11::type type, const std::vector<std::string>& slots) : type_(std::move(type)) {
+    for (const std::string& slot : slots) {
+      slots_.push_back(pybind11::reinterpret_steal<pybind11::object>(PyUnicode_InternFromString(slot.c_str())));
+    }
+  }
+
+  pybind11::object Of(std::initializer_list<pybind11::object> values) const {
+    if (values.size() != slots_.size()) throw std::invalid_argument("wanted a value of each slot");
+    auto* const cls = reinterpret_cast<PyTypeObject*>(type_.ptr());
+    const auto made = pybind11::reinterpret_steal<pybind11::object>(cls->tp_alloc(cls, 0));
+    if (!made) throw pybind11::error_already_set();
+    auto slot = slots_.begin();
+    for (const pybind11::object& value : values) {
+      if (PyObject_SetAttr(made.ptr(), (slot++)->ptr(), value.ptr()) != 0) throw pybind11::error_already_set();
+    }
+    return made;
+  }
+
+ private:
+  pybind11::type type_;
+  std::vector<pybind11::object> slots_;
 };
 
 }  // namespace robotteamsim::bindings

@@ -92,8 +92,8 @@ class RobotReading(NamedTuple):
 _MAKER = _core.ReadingMaker(PoseReading, Twist, OdometryReading, RobotReading)
 
 
-# Not frozen: each field of a frozen class costs a call when it is made, and this is made in every step.
-@dataclass(eq=False)
+# Not frozen, as it keeps what is made when it is asked for.
+@dataclass(slots=True, eq=False)
 class TeamReadings(Sequence[RobotReading]):
     """The readings of all robots in one step, in id order: as arrays, or one by one.
 

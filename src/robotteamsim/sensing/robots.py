@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
+
+import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.rng import stream
@@ -32,7 +35,7 @@ class RobotSensors:
             for model in models
         ]
         noisy = any(model.noise_m > 0.0 for model in models)
-        self._no_noise_m = None if noisy else [laser.noise_m(()) for laser, _ in self._lasers]
+        self._no_noise_m: list[np.ndarray] | None = None if noisy else []
         self._further = FurtherSensors(world, robots, seed)
         self.reset()
 
@@ -47,11 +50,9 @@ class RobotSensors:
         if noise_m is None:
             kinds = zip(self._lasers, self._laser_streams, strict=True)
             noise_m = [laser.noise_m(streams) for (laser, _), streams in kinds]
-        core = self._world.core
-        ground_truth, positions_m, twists, in_contact, angles_rad = core.readings()
-        odometry, ranges_m = self._core.read(core, self._odometry.next_noise(), noise_m)
         further = self._further.read() if self._further.has_any else ()
-        return TeamReadings(ground_truth, positions_m, twists, odometry, ranges_m, in_contact, angles_rad, further)
+        readings: TeamReadings = self._core.read(self._world.core, self._odometry.next_noise(), noise_m, further)
+        return readings
 
     def reset(self) -> None:
         """Begin again as new, after `World.reset`: odometry at its origin, all random streams from their start."""
@@ -67,7 +68,10 @@ class RobotSensors:
             [robot.drive.kind == "omni" for robot in self._robots],
         )
         self._core = _core.TeamSensors(
-            self._odometry.core, [(laser.core, robot_ids) for laser, robot_ids in self._lasers]
+            self._odometry.core,
+            [(laser.core, robot_ids) for laser, robot_ids in self._lasers],
+            TeamReadings,
+            [field.name for field in dataclasses.fields(TeamReadings)],
         )
 
     def _begin_for_those_who_came(self) -> None:
