@@ -97,7 +97,8 @@ struct Method {
     std::tuple<Converted<Args>...> converted;
     const bool fits = object != nullptr && num_args == sizeof...(Args);
     if (!fits || !(... && std::get<i>(converted).Load(args[i]))) {
-      throw pybind11::type_error("wanted " + std::to_string(sizeof...(Args)) + " arguments of other kinds");
+      throw pybind11::type_error("incompatible function arguments; wanted " + std::to_string(sizeof...(Args)) +
+                                 " by position");
     }
     if constexpr (std::is_void_v<Result>) {
       std::invoke(function, *object, std::get<i>(converted).Get()...);
@@ -124,7 +125,8 @@ struct Function {
   static PyObject* With(PyObject* const* args, Py_ssize_t num_args, std::index_sequence<i...>) {
     std::tuple<Converted<Args>...> converted;
     if (num_args != sizeof...(Args) || !(... && std::get<i>(converted).Load(args[i]))) {
-      throw pybind11::type_error("wanted " + std::to_string(sizeof...(Args)) + " arguments of other kinds");
+      throw pybind11::type_error("incompatible function arguments; wanted " + std::to_string(sizeof...(Args)) +
+                                 " by position");
     }
     return ToPython(function(std::get<i>(converted).Get()...));
   }

@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "robotteamsim"
 
 FLOORS = (
-    ("errors", "geometry", "rng", "_core"),
+    ("errors", "geometry", "rng", "wording", "_core"),
     ("scenario", "plan"),  # C++ calls it plan
     ("world", "propagation"),
     ("sensing", "network"),

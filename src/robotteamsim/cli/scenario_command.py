@@ -12,8 +12,10 @@ from robotteamsim import scenario
 from robotteamsim.cli.parser import UsageError
 from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.cli.run_command import add_set_option
-from robotteamsim.errors import ScenarioError
+from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.recording.files import write_atomically
+from robotteamsim.simulation import Simulation
+from robotteamsim.wording import counted
 
 _SCHEMA_EPILOG = """\
 With the YAML extension of an editor, this first line gives completion and checks:
@@ -27,6 +29,7 @@ def add_to(commands: Any) -> None:
 
     check = actions.add_parser("check", help="tell every mistake in a scenario")
     check.add_argument("scenarios", nargs="+", metavar="SCENARIO", help="files or shipped names")
+    add_set_option(check)
     check.set_defaults(command=run_check)
 
     show = actions.add_parser("show", help="print a scenario with every key and default")
@@ -53,19 +56,32 @@ def run_check(options: argparse.Namespace) -> None:
     mistakes: list[str] = []
     for name in options.scenarios:
         try:
-            loaded = scenario.load(name)
+            loaded = scenario.load(name, options.overrides)
         except ScenarioError as error:
             mistakes += [str(error), *getattr(error, "__notes__", [])]
             continue
+        if mistake := _mistake_in_setting_up(loaded):
+            mistakes.append(f"{name}: {mistake}")
+            continue
         mission, (width_m, height_m) = loaded.mission, _size_m(loaded)
         print(
-            f"{name}: good: {len(loaded.placed_robots())} robots, {len(mission.areas)} areas, "
-            f"{len(mission.victims)} victims in {loaded.plan.name} of {width_m:g} x {height_m:g} m"
+            f"{name}: good: {counted(len(loaded.placed_robots()), 'robot')}, {counted(len(mission.areas), 'area')}, "
+            f"{counted(len(mission.victims), 'victim')} in {loaded.plan.name} of {width_m:g} x {height_m:g} m"
         )
     if mistakes:
         for mistake in mistakes[:-1]:
             print(f"robotteamsim: {mistake}", file=sys.stderr)
         raise UsageError(mistakes[-1])
+
+
+def _mistake_in_setting_up(loaded: scenario.Scenario) -> str:
+    """Return what no key tells by itself, a controller that there is not, say; "": nothing."""
+    try:
+        controllers = Simulation(loaded).controllers
+    except RobotTeamSimError as error:
+        return str(error).removeprefix(f"{loaded.name}: ")
+    faults = [guard.decide().fault for guard in controllers if guard.controller is None]
+    return f"control.algorithm: {loaded.control.algorithm}: {faults[0]}" if faults else ""
 
 
 def run_show(options: argparse.Namespace) -> None:

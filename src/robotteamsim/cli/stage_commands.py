@@ -13,6 +13,7 @@ from robotteamsim.cli.parser import UsageError, positive_number
 from robotteamsim.recording.files import atomically, prepare_folder
 from robotteamsim.scenario.plan_export import RESOLUTION_M
 from robotteamsim.scenario.yaml_text import write
+from robotteamsim.wording import counted
 
 _IMPORT_TEXT = """\
 Turn a Stage world into a scenario and its floor plan: models with a bitmap, blocks or a
@@ -82,7 +83,10 @@ def import_stage(options: argparse.Namespace) -> None:
         scenario.write_floor_plan(found.plan, plan_part)
         scenario_part.write_text(write(keys), encoding="utf-8")
     robots, walls, blocks = len(found.scenario.placed_robots()), len(found.plan.walls), len(found.plan.blocks)
-    print(f"{scenario_file}: {robots} robots; {plan_file}: {walls} walls, {blocks} blocks")
+    print(
+        f"{scenario_file}: {counted(robots, 'robot')}; "
+        f"{plan_file}: {counted(walls, 'wall')}, {counted(blocks, 'block')}"
+    )
 
 
 def export_stage(options: argparse.Namespace) -> None:
@@ -99,7 +103,7 @@ def export_stage(options: argparse.Namespace) -> None:
     with atomically(bitmap) as bitmap_part, atomically(world) as world_part:
         bitmap_part.write_bytes(export.bitmap)
         world_part.write_text(export.world, encoding="utf-8")
-    print(f"{world}: {len(model.placed_robots())} robots; {bitmap}: walls and closed doors")
+    print(f"{world}: {counted(len(model.placed_robots()), 'robot')}; {bitmap}: walls and closed doors")
 
 
 def _warn(notes: Sequence[str]) -> None:

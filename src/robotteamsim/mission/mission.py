@@ -17,6 +17,7 @@ from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffi
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.wording import counted
 from robotteamsim.world.doors import DoorState, LeafMotion, door_at_start
 
 NOBODY = -1
@@ -86,7 +87,8 @@ class Mission:
         """Start a waiting mission; in any other state nothing happens."""
         if self._state == "waiting":
             self._state = "running"
-            detail = f"{len(self._areas)} areas, {len(self.victims)} victims, {self.noise_db:g} dB noise"
+            areas, victims = counted(len(self._areas), "area"), counted(len(self.victims), "victim")
+            detail = f"{areas}, {victims}, {self.noise_db:g} dB noise"
             self._tell("start", "", NOBODY, f"mission starts: {detail}")
             self.status = self._make_status()
 

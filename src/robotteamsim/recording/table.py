@@ -13,6 +13,7 @@ from rich.text import Text
 from robotteamsim.mission.status import Event, MissionEnd
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
+from robotteamsim.wording import counted
 
 MAX_EVENTS = 60
 """Beyond this many, endangered links are left to mission.json."""
@@ -65,7 +66,8 @@ def print_result(
     console: Console, scenario: Scenario, result: Result, events: Sequence[Event], written: Sequence[Path | None]
 ) -> None:
     """Print the events in order and the figures of a mission."""
-    title = f"{result.scenario}: {len(result.robots)} robots, {result.noise_db:g} dB noise, seed {result.seed}"
+    robots = counted(len(result.robots), "robot")
+    title = f"{result.scenario}: {robots}, {result.noise_db:g} dB noise, seed {result.seed}"
     console.print(event_table(title, events))
     console.print(_figure_table(result))
     console.print(Text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)

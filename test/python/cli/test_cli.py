@@ -260,6 +260,27 @@ def test_scenario_check_tells_good_ones(capsys):
     assert capsys.readouterr().out == "garage_sar: good: 3 robots, 5 areas, 4 victims in garage of 60 x 40 m\n"
 
 
+def test_scenario_check_takes_overrides(capsys):
+    assert main(["scenario", "check", "tutorial_arena", "--set", "robots.count=2"]) == 0
+    assert capsys.readouterr().out.startswith("tutorial_arena: good: 2 robots, 4 areas, 1 victim in ")
+    assert main(["scenario", "check", "tutorial_arena", "--set", "robots.count=none"]) == 2
+    assert capsys.readouterr().err.startswith("robotteamsim: --set: robots.count: ")
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "told"),
+    [
+        ("nope", "control.algorithm: 'nope' is not known; wanted one of: rdpso, "),
+        ("fractions:Fraction", "control.algorithm: fractions:Fraction: TypeError: both arguments should be "),
+    ],
+)
+def test_scenario_check_tells_of_controllers_that_cannot_be_made(capsys, algorithm, told):
+    assert main(["scenario", "check", "tutorial_arena", "--set", f"control.algorithm={algorithm}"]) == 2
+    captured = capsys.readouterr()
+    assert captured.err.startswith(f"robotteamsim: tutorial_arena: {told}")
+    assert (captured.out, captured.err.count("\n")) == ("", 1)
+
+
 def test_scenario_check_tells_every_mistake_of_every_file(capsys, tmp_path):
     first, second = tmp_path / "first.yaml", tmp_path / "second.yaml"
     first.write_text("name: a\nplan: garage\nrobots: {count: 0, start: [4, 5, 0]}\nvoice: {noise_db: 99}\n")
