@@ -69,7 +69,14 @@ class FaceSet {
   std::int64_t WeightBetween(PointMm a, PointMm b) const;
 
  private:
+  /// What faces that follow each other lie in, edges included.
+  struct Box {
+    PointMm least;
+    PointMm most;
+  };
+
   void NumberVertices();
+  void BoxFaces();
 
   // One list per quantity: the loop over all faces reads them in order.
   std::vector<std::int64_t> start_x_;
@@ -78,6 +85,7 @@ class FaceSet {
   std::vector<std::int64_t> end_y_;
   std::vector<std::int32_t> weight_;       // 0 where the face is not active
   std::vector<std::int32_t> full_weight_;  // where it is
+  std::vector<Box> boxes_;                 // of the first kFacesPerBox faces, the next ones, and so on
   std::vector<PointMm> vertices_;
   std::vector<std::array<std::size_t, 2>> vertices_of_face_;  // start, end
   std::int64_t total_weight_ = 0;
