@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -79,11 +80,12 @@ struct BoundNavigator {
 
 // `teammates` returns a mapping from the ids of robots to their places, when it is asked.
 py::object Drive(BoundNavigator& self, const py::object& grid, const Pose& pose, const py::array& ranges_m,
-                 const Point& goal, double speed_mps, double time_s, const py::function& teammates) {
+                 const Point& goal, double speed_mps, std::int64_t sim_time_ns, const py::function& teammates) {
   if (!grid.is(self.python_grid)) {
     self.grid = grid.cast<std::shared_ptr<PlanningGrid>>();
     self.python_grid = grid;
   }
+  const double time_s = static_cast<double>(sim_time_ns) * 1e-9;
   const py::array plain = Plain(ranges_m);
   const auto ask = [&teammates] {
     const auto places = teammates().cast<std::map<int, Point>>();

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <string>
 #include <string_view>
 
 namespace py = pybind11;
@@ -35,28 +36,32 @@ char* WriteShortest(double number, Digits* text) {
 void AppendFinite(double number, std::string* text) {
   Digits shortest;
   char* const end = WriteShortest(std::abs(number), &shortest);
-  char* const mark = std::find(shortest.data(), end, 'e');
+  const char* const mark = std::find(shortest.data(), end, 'e');
   int exponent = 0;
   for (const char* digit = mark + 2; digit != end; ++digit) exponent = 10 * exponent + (*digit - '0');
   if (mark[1] == '-') exponent = -exponent;
-  if (std::signbit(number)) *text += '-';
+  std::array<char, 64> plain;  // all of it, as each addition to the text costs as much as many digits
+  char* to = plain.data();
+  if (std::signbit(number)) *to++ = '-';
   if (exponent < -4 || exponent >= 16) {
-    text->append(shortest.data(), end);
-    return;
-  }
-  // Without the point, which is after the first digit if there is one.
-  char* const digits_end =
-      mark - shortest.data() > 1 ? std::copy(shortest.data() + 2, mark, shortest.data() + 1) : mark;
-  const auto num_digits = static_cast<int>(digits_end - shortest.data());
-  if (exponent < 0) {
-    text->append("0.").append(static_cast<std::size_t>(-exponent - 1), '0').append(shortest.data(), digits_end);
-  } else if (num_digits <= exponent + 1) {
-    text->append(shortest.data(), digits_end);
-    text->append(static_cast<std::size_t>(exponent + 1 - num_digits), '0').append(".0");
+    to = std::copy(shortest.data(), end, to);
   } else {
-    text->append(shortest.data(), shortest.data() + exponent + 1) += '.';
-    text->append(shortest.data() + exponent + 1, digits_end);
+    // The digits after the first one follow a point, if there are any.
+    const char* next = std::min<const char*>(shortest.data() + 2, mark);
+    if (exponent < 0) {
+      *to++ = '0';
+      *to++ = '.';
+      to = std::fill_n(to, -exponent - 1, '0');
+      *to++ = shortest[0];
+    } else {
+      *to++ = shortest[0];
+      for (int i = 0; i < exponent; ++i) *to++ = next < mark ? *next++ : '0';
+      *to++ = '.';
+      if (next == mark) *to++ = '0';
+    }
+    to = std::copy(next, mark, to);
   }
+  text->append(plain.data(), to);
 }
 
 void AppendFloat(double number, std::string* text) {
@@ -135,11 +140,15 @@ void Append(py::handle value, std::string* text) {
 
 }  // namespace
 
-std::string JsonText(py::handle value) {
+py::object JsonText(py::handle value) {
   std::string text;
   text.reserve(512);
   Append(value, &text);
-  return text;
+  // All of it is ASCII, so there is nothing to decode.
+  const auto made = py::reinterpret_steal<py::object>(PyUnicode_New(static_cast<Py_ssize_t>(text.size()), 127));
+  if (!made) throw py::error_already_set();
+  std::copy(text.begin(), text.end(), static_cast<char*>(PyUnicode_DATA(made.ptr())));
+  return made;
 }
 
 }  // namespace robotteamsim::bindings

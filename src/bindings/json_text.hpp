@@ -2,12 +2,10 @@
 
 #include <pybind11/pybind11.h>
 
-#include <string>
-
 namespace robotteamsim::bindings {
 
 /// The text that `json.dumps` makes of a value: of dictionaries with keys of text, lists and tuples of any class, text,
 /// numbers, booleans and None. Raises TypeError for anything else.
-std::string JsonText(pybind11::handle value);
+pybind11::object JsonText(pybind11::handle value);
 
 }  // namespace robotteamsim::bindings

@@ -11,7 +11,10 @@ constexpr int kBits = 64;
 /// A middle nearer than this to the rim may be on either side of it [cells]; many times what rounding can do.
 constexpr double kDoubt = 1e-4;
 
-bool IsDoubtful(double value) { return std::abs(value - std::nearbyint(value)) < kDoubt; }
+/// The greatest whole number that is not above a value from -kBits on.
+int Floor(double value) { return static_cast<int>(value + kBits) - kBits; }
+
+bool IsDoubtful(double value) { return std::abs(value - Floor(value + 0.5)) < kDoubt; }
 
 /// The runs of set bits in `open` that hold a bit of `seeds`, which is a part of it.
 std::uint64_t RunsWith(std::uint64_t seeds, std::uint64_t open) {
@@ -66,8 +69,8 @@ bool DiscFill::Reach(const Disc& disc, int start_row, int start_col, std::vector
       const double half = std::sqrt(square);
       const double left = disc.center.x - half - 0.5 - first_col, right = disc.center.x + half - 0.5 - first_col;
       if (IsDoubtful(left) || IsDoubtful(right)) return false;
-      const int first = std::max(0, static_cast<int>(std::ceil(left)));
-      const int last = std::min(kBits - 1, static_cast<int>(std::floor(right)));
+      // Neither is a whole number.
+      const int first = std::max(0, Floor(left) + 1), last = std::min(kBits - 1, Floor(right));
       open[row - first_row] = FreeCells(row, first_col) & Between(first, last);
     }
     reached->push_back({row, first_col, 0});

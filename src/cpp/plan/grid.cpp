@@ -32,6 +32,31 @@ void CheckShape(const GridShape& shape, std::size_t num_cells) {
   }
 }
 
+/// Which bit is the lowest that is set, of those of a number that is not 0.
+int LowestBit(std::uint64_t bits) {
+#if defined(__GNUC__)
+  return __builtin_ctzll(bits);
+#else
+  int bit = 0;
+  for (; (bits & 1U) == 0; bits >>= 1U) ++bit;
+  return bit;
+#endif
+}
+
+/// The least of some values, none of them NaN.
+float LeastOf(const float* values, int count) {
+  constexpr int kLanes = 8;  // compared at once; any order of comparing finds the same
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  std::array<float, kLanes> lanes;
+  lanes.fill(kInfinite);
+  int i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) lanes[lane] = std::min(lanes[lane], values[i + lane]);
+  }
+  for (; i < count; ++i) lanes[0] = std::min(lanes[0], values[i]);
+  return *std::min_element(lanes.begin(), lanes.end());
+}
+
 /// Row and column offsets of the cells whose centre is nearer than `inflation` to the square of cell (0, 0).
 std::vector<std::pair<int, int>> InflationStamp(double inflation, double resolution) {
   std::vector<std::pair<int, int>> stamp;
@@ -311,10 +336,18 @@ std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* fi
   float least = std::numeric_limits<float>::infinity();
   for (const DiscFill::Row& row : filled_) {
     int cell = row.row * shape_.cols + row.first_col;
-    for (std::uint64_t cells = row.cells; cells != 0; cells >>= 1U, ++cell) {
-      if ((cells & 1U) == 0 || !(field[cell] < least)) continue;
-      best = cell;
-      least = field[cell];
+    for (std::uint64_t cells = row.cells; cells != 0;) {
+      const int gap = LowestBit(cells);
+      cells >>= gap;
+      const int run = ~cells == 0 ? 64 : LowestBit(~cells);
+      cells = run == 64 ? 0 : cells >> run;
+      cell += gap;
+      const float least_here = LeastOf(field + cell, run);
+      if (least_here < least) {
+        least = least_here;
+        best = static_cast<int>(std::find(field + cell, field + cell + run, least) - field);
+      }
+      cell += run;
     }
   }
   if (best < 0) return std::nullopt;

@@ -121,18 +121,18 @@ class CoverController:
         """Return command and messages for this step."""
         if self._observation is None or not self._task.running:
             return Decision()
-        robot, time_s = self._observation.robot, self._observation.sim_time_ns * 1e-9
+        _, sim_time_ns, robot, voice = self._observation
         pose = self._localiser.map_T_base_link(robot)
         outbox: tuple[Message, ...] = ()
-        iteration = self._observation.sim_time_ns // self._iteration_ns
+        iteration = sim_time_ns // self._iteration_ns
         if iteration != self._iteration:
             self._iteration = iteration
-            self._choose(pose, self._observation.voice, time_s)
+            self._choose(pose, voice, sim_time_ns * 1e-9)
             outbox = (Message(self._robot_id, EVERYBODY, self._report(pose).to_json()),)
         if self._target is None:
             return Decision(outbox=outbox)
         twist: Twist = self._navigator.drive(
-            self._map.grid, pose, robot.ranges_m, self._target, self._speed_mps, time_s, lambda: self._teammates
+            self._map.grid, pose, robot.ranges_m, self._target, self._speed_mps, sim_time_ns, lambda: self._teammates
         )
         return Decision(twist=twist, outbox=outbox, goal_m=self._goal)
 

@@ -23,7 +23,7 @@ class Drive(Protocol):
         ranges_m: np.ndarray,
         goal: Vector,
         speed_mps: float,
-        time_s: float,
+        sim_time_ns: int,
         teammates: Callable[[], Mapping[int, Vector]],
         /,
     ) -> Twist:
@@ -31,7 +31,7 @@ class Drive(Protocol):
 
         Args: grid: of the known map.
               goal: in `map` [m]; one inside an obstacle stands for the nearest free point that can be reached.
-              speed_mps: not to be exceeded.  time_s: of the simulation.
+              speed_mps: not to be exceeded.  sim_time_ns: the observation's stamp.
               teammates: tells where other robots were last heard to be, in `map` [m]; asked where the robot is stuck.
         """
 

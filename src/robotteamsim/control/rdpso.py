@@ -167,11 +167,11 @@ class RdpsoController:
             outbox = (Message(self._robot_id, EVERYBODY, payload),)
             self._told = self._what_is_told()
         # Drive: towards the next point, or wherever a wandering robot goes.
-        time_s, goal, speed_mps = sim_time_ns * 1e-9, self._goal, self._speed_mps
+        goal, speed_mps = self._goal, self._speed_mps
         if goal is None:
-            goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), time_s)
+            goal = self._wander.goal(self._map, pose[:2], sim_time_ns * 1e-9)
             speed_mps = self._settings.max_step_speed_mps
-        twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, time_s, self._teammates)
+        twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, self._teammates)
         # `_replace`, at once: every robot decides in every step.
         decision: Decision = _core.with_items(self._told, _TWIST, twist, _OUTBOX, outbox, _GOAL, goal)
         return decision

@@ -70,8 +70,8 @@ class Rover:
             goal = self._wander.goal(self.map, (pose.x_m, pose.y_m), self.time_s)
         else:
             self._wander.stop()
-        ranges_m = self.observation.robot.ranges_m
+        _, sim_time_ns, robot, _ = self.observation
         twist = self._navigator.drive(
-            self.map.grid, pose, ranges_m, goal, self.speed_mps, self.time_s, lambda: teammates or {}
+            self.map.grid, pose, robot.ranges_m, goal, self.speed_mps, sim_time_ns, lambda: teammates or {}
         )
         return Decision(twist, outbox, goal_m=goal, local_best=local_best)

@@ -66,11 +66,11 @@ def test_navigator_commands_what_the_plain_one_commands(seed, drive, mode):
         pose = Pose(x, y, float(rng.uniform(-math.pi, math.pi)))
         others = {i: (x + float(rng.normal()), y + float(rng.normal())) for i in (1, 5, 2)}
         ranges_m, speed_mps = scan(rng, body.laser.beams), float(rng.uniform(0.1, 0.9))
-        sensed = pose, ranges_m, goal, speed_mps, 0.1 * step
+        sensed = pose, ranges_m, goal, speed_mps
         asked = []
-        expected = robots[1].drive(known, *sensed, others)
+        expected = robots[1].drive(known, *sensed, step * 100_000_000 * 1e-9, others)
         ask = lambda others=others, asked=asked: asked.append(1) or others  # noqa: E731
-        assert robots[0].drive(known.grid, *sensed, ask) == expected
+        assert robots[0].drive(known.grid, *sensed, step * 100_000_000, ask) == expected
         escapes += len(asked)
     assert escapes > 10
 

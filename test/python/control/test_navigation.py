@@ -76,7 +76,7 @@ class Drivers:
                     reading.ranges_m,
                     goal,
                     0.5,
-                    self.time_s,
+                    self.world.sim_time_ns,
                     lambda others=others: others,
                 )
 
