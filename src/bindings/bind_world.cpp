@@ -78,14 +78,14 @@ DriveLimits ToDrive(const std::string& kind, double max_speed, double max_accele
           ToKind(kind), wheelbase, max_steering,     max_steering_rate};
 }
 
-void Step(World& world, const Doubles& twists) {
+std::vector<Twist> RowsOf(const Doubles& twists) {
   if (twists.ndim() != 2 || twists.shape(1) != 3) throw std::invalid_argument("twists must be three numbers per robot");
   std::vector<Twist> commands(static_cast<std::size_t>(twists.shape(0)));
   for (std::size_t i = 0; i < commands.size(); ++i) {
     const double* const row = twists.data() + 3 * i;
     commands[i] = {row[0], row[1], row[2]};
   }
-  world.Step(commands);
+  return commands;
 }
 
 double NumberAt(PyObject* tuple, py::ssize_t index) {
@@ -94,12 +94,11 @@ double NumberAt(PyObject* tuple, py::ssize_t index) {
   return number;
 }
 
-// A twist per robot, each a tuple of three: for few robots faster than an array.
-void StepEach(World& world, const py::sequence& twists) {
+std::vector<Twist> TuplesOf(const py::object& twists) {
   const auto items = py::reinterpret_steal<py::object>(PySequence_Fast(twists.ptr(), "twists must be a sequence"));
   if (!items) throw py::error_already_set();
   std::vector<Twist> commands;
-  commands.reserve(twists.size());
+  commands.reserve(static_cast<std::size_t>(PySequence_Fast_GET_SIZE(items.ptr())));
   for (py::ssize_t i = 0; i < PySequence_Fast_GET_SIZE(items.ptr()); ++i) {
     PyObject* const twist = PySequence_Fast_GET_ITEM(items.ptr(), i);
     if (!PyTuple_Check(twist) || PyTuple_GET_SIZE(twist) != 3) {
@@ -107,7 +106,12 @@ void StepEach(World& world, const py::sequence& twists) {
     }
     commands.push_back({NumberAt(twist, 0), NumberAt(twist, 1), NumberAt(twist, 2)});
   }
-  world.Step(commands);
+  return commands;
+}
+
+// A twist per robot: each a tuple of three, for few robots faster than an array, or a row of an array.
+void Step(World& world, const py::object& twists) {
+  world.Step(py::isinstance<py::array>(twists) ? RowsOf(twists.cast<Doubles>()) : TuplesOf(twists));
 }
 
 }  // namespace
@@ -134,7 +138,6 @@ void BindWorld(py::module_& m) {
            py::arg("solids"), py::arg("doors"), py::arg("robots"), py::arg("step_s"), py::arg("substeps"),
            py::arg("things") = std::vector<Thing>())
       .def("thing_poses", [](const World& world) { return ToArray(world.thing_poses()); })
-      .def("step", &Step, py::arg("twists"))
       .def("poses", [](const World& world) { return ToArray(world.poses()); })
       .def("pose_readings", &PoseReadings)
       .def("twists", [](const World& world) { return ToArray(world.twists()); })
@@ -170,7 +173,7 @@ void BindWorld(py::module_& m) {
           },
           py::arg("thing"), py::arg("pose"))
       .def("reset", &World::Reset);
-  DefFast<&StepEach>(world, "step_each");
+  DefFast<&Step>(world, "step");
 }
 
 }  // namespace robotteamsim::bindings

@@ -68,6 +68,7 @@ class Delivery:
     def __init__(self, network: NetworkSection, num_robots: int, seed: int, step_ns: int) -> None:
         self._section = network
         self._num_robots = num_robots
+        self._nothing: Inboxes = [()] * num_robots
         self._seed = seed
         self._step_ns = step_ns
         self._hop_delay_ns = round(network.hop_delay_s * 1e9)
@@ -88,13 +89,16 @@ class Delivery:
         outboxes: Sequence[Sequence[Message]],
         refused: tuple[Refusal, ...],
     ) -> tuple[Inboxes, Traffic]:
-        """Take what was sent in the last step, carry all that is on its way, and return what arrives in this one."""
+        """Take what was sent in the last step, carry all that is on its way, and return what arrives in this one.
+
+        Args: outboxes: one sequence per robot in id order; none at all where nobody sent anything.
+        """
         self._step += 1
         if not self._is_instant:
             links = Links(network.rssi_dbm, network.adjacency, network.hop_count, present)
             return self._carry(links, outboxes, refused)
-        if not any(outboxes):
-            return [()] * self._num_robots, Traffic(refused=refused) if refused else NO_TRAFFIC
+        if not outboxes:
+            return self._nothing.copy(), NO_TRAFFIC
         inboxes = deliver_at_once(network.hop_count, outboxes)
         delivered = sum(map(len, inboxes))
         return inboxes, Traffic(

@@ -80,7 +80,11 @@ class Network:
             raise ValueError(f"positions_m must have shape ({self._num_robots}, 2), got {np.shape(positions_m)}")
         if len(outboxes) != self._num_robots:
             raise ValueError(f"outboxes must hold one sequence per robot: {self._num_robots}, got {len(outboxes)}")
-        refused = self._check(outboxes) if any(outboxes) else ()
+        refused: tuple[Refusal, ...] = ()
+        if not any(outboxes):
+            outboxes = ()
+        else:
+            refused = self._check(outboxes)
         if refused:
             limit = self._section.max_message_bytes
             outboxes = [[message for message in outbox if message.num_bytes <= limit] for outbox in outboxes]

@@ -211,7 +211,7 @@ class EnvironmentNode:
 
     def _publish_voice_map(self, time_ns: int) -> None:
         with self._environment_lock:
-            changes = self._environment.voice_map_changes()
+            changes = self._environment.voice.changes
             if changes == self._published_changes:
                 return
             self._published_changes = changes

@@ -20,19 +20,16 @@ class Environment:
 
     def __init__(self, scenario: Scenario) -> None:
         self._radio = RadioField(scenario.plan, scenario.radio)
-        self._voice = VoiceSensor(scenario.plan, scenario.voice, scenario.mission.victims, scenario.run.seed)
+        self.voice = VoiceSensor(scenario.plan, scenario.voice, scenario.mission.victims, scenario.run.seed)
+        """What robots hear by."""
         num_robots, run = len(scenario.placed_robots()), scenario.run
         self._network = Network(self._radio, scenario.network, num_robots, seed=run.seed, step_ns=run.step_ns)
         self._closed = {door.name: door.closed for door in scenario.plan.doors}
         self._followed: Mapping[str, DoorState] = {}
 
-    def voice_map_changes(self) -> int:
-        """How often the voice map has changed so far."""
-        return self._voice.changes
-
     def voice_map(self) -> FieldMap:
         """Return the voice level over the floor [dB]; 0 where no voice is above the noise."""
-        return self._voice.map()
+        return self.voice.map()
 
     def radio_map(self, position_m: tuple[float, float], resolution_m: float) -> FieldMap:
         """Return the signal of a robot at a position in `map` [m] over the floor [dBm]."""
@@ -54,18 +51,18 @@ class Environment:
             present:     whether each robot is there, bool, shape (n,); None: all are. The others hear nothing.
         Returns: voice readings in id order, the network, and the inbox of each robot in id order.
         """
-        self._voice.set_silenced(saved)
+        self.voice.set_silenced(saved)
         network, inboxes = self._network.step(positions_m, outboxes, present)
         if present is None:
-            return self._voice.read_team(positions_m), network, tuple(inboxes)
-        heard = iter(self._voice.read_team(positions_m[present]))
+            return self.voice.read_team(positions_m), network, tuple(inboxes)
+        heard = iter(self.voice.read_team(positions_m[present]))
         voices = tuple(next(heard) if is_there else NOTHING_HEARD for is_there in present.tolist())
         return voices, network, tuple(inboxes)
 
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door for radio and voices. Raises: ValueError: no such door."""
         self._radio.set_door(name, closed)
-        self._voice.set_door(name, closed)
+        self.voice.set_door(name, closed)
         self._closed[name] = closed
         self._followed = {}
 
@@ -80,8 +77,8 @@ class Environment:
 
     def set_noise_db(self, noise_db: float) -> None:
         """Set the background noise [dB]; voices below it are not heard."""
-        self._voice.set_noise_db(noise_db)
+        self.voice.set_noise_db(noise_db)
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
         """Add a victim, or move the one of that name [m, map]; she calls (again)."""
-        self._voice.set_victim(name, position_m)
+        self.voice.set_victim(name, position_m)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -21,6 +21,7 @@ from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.tally import Tally
 from robotteamsim.world import World
+from robotteamsim.world.doors import DoorState
 
 
 class Simulation:
@@ -47,22 +48,27 @@ class Simulation:
         self._task = Task()
         self._saved: tuple[str, ...] = ()
         self._voice_map_changes = -1
+        self._doors: Mapping[str, DoorState] | None = None
 
     def step(self) -> StepRecord:
         """Advance by one step and return all that happened in it."""
-        world, mission = self.world, self.mission
+        world, environment, mission = self.world, self.environment, self.mission
         # The world moves.
         twists, outboxes, *_ = zip(*self._decisions)  # noqa: B905
         world.step(twists)
         sim_time_ns, doors, present = world.sim_time_ns, world.door_states(), world.present
-        self.environment.follow_doors(doors)
-        mission.follow_doors(doors)
+        if doors is not self._doors:
+            environment.follow_doors(doors)
+            mission.follow_doors(doors)
+            self._doors = doors
         # The robots sense; the network delivers.
         readings = self.sensors.read()
         positions_m, of_robots = readings.positions_m, readings.one_by_one()
-        voices, network, inboxes = self.environment.step(positions_m, outboxes, self._saved, present)
+        voices, network, inboxes = environment.step(positions_m, outboxes, self._saved, present)
         # Each controller decides.
-        controllers, task = self._present_controllers(present), self._task
+        are_same = present is None and world.arrivals is self._arrivals
+        controllers = self.controllers if are_same else self._present_controllers(present)
+        task = self._task
         for robot_id, controller in enumerate(controllers):
             told = (robot_id, sim_time_ns, of_robots[robot_id], voices[robot_id])
             controller.observe(_core.as_tuple(Observation, told), inboxes[robot_id], task)
@@ -86,7 +92,7 @@ class Simulation:
             events,
             mission.victims,
             mission.noise_db,
-            self._fresh_voice_map(),
+            None if environment.voice.changes == self._voice_map_changes else self._fresh_voice_map(),
             doors,
             present,
             world.arrivals,
@@ -178,11 +184,8 @@ class Simulation:
         who = zip(self.controllers, present.tolist(), strict=True)
         return [controller if is_there else _NOBODY for controller, is_there in who]
 
-    def _fresh_voice_map(self) -> FieldMap | None:
-        changes = self.environment.voice_map_changes()
-        if self._voice_map_changes == changes:
-            return None
-        self._voice_map_changes = changes
+    def _fresh_voice_map(self) -> FieldMap:
+        self._voice_map_changes = self.environment.voice.changes
         return self.environment.voice_map()
 
 

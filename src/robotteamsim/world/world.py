@@ -92,10 +92,7 @@ class World:
         """
         if self._to_come:
             self._follow_schedule()
-        if not isinstance(twists, np.ndarray):
-            self.core.step_each(twists)
-        else:
-            self.core.step(twists)
+        self.core.step(twists)
         self.step_index += 1
         self.sim_time_ns += self._step_ns
         if self._have_leaves:

@@ -28,10 +28,10 @@ def test_robot_near_a_victim_hears_her_loudest_where_she_is(environment):
 
 def test_saved_victim_is_not_heard(environment):
     before, _, _ = step(environment)
-    changes = environment.voice_map_changes()
+    changes = environment.voice.changes
     after, _, _ = step(environment, saved=("ann",))
     assert after[0].level_db < before[0].level_db
-    assert environment.voice_map_changes() == changes + 1
+    assert environment.voice.changes == changes + 1
     silent, _, _ = step(environment, saved=("ann", "bob"))
     assert not silent[0].heard
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import dataclasses
+import types
 
 import numpy as np
 import pytest
@@ -89,9 +90,7 @@ class FakeSensors:
 class FakeEnvironment:
     def __init__(self, parts: FakeParts) -> None:
         self.parts = parts
-
-    def voice_map_changes(self):
-        return 0
+        self.voice = types.SimpleNamespace(changes=0)
 
     def voice_map(self):
         return None
