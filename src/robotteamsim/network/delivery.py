@@ -99,7 +99,8 @@ class Delivery:
             return self._carry(links, outboxes, refused)
         if not outboxes:
             return self._nothing.copy(), NO_TRAFFIC
-        inboxes = deliver_at_once(network.hop_count, outboxes)
+        reach_all = present is None and network.fiedler_value > 0.0
+        inboxes = deliver_at_once(network.hop_count, outboxes, reach_all)
         delivered = sum(map(len, inboxes))
         return inboxes, Traffic(
             delivered=delivered,
@@ -215,15 +216,18 @@ class Delivery:
         return (1, 0) if had_path else (0, 1)
 
 
-def deliver_at_once(hops: np.ndarray, outboxes: Sequence[Sequence[Message]]) -> Inboxes:
-    """Return who gets what where every message arrives at everybody whom a path of links leads to."""
+def deliver_at_once(hops: np.ndarray, outboxes: Sequence[Sequence[Message]], reach_all: bool) -> Inboxes:
+    """Return who gets what where every message arrives at everybody whom a path of links leads to.
+
+    Args: hops: int32, shape (n, n), from `hop_count`.  reach_all: whether paths lead from everybody to everybody.
+    """
     sent = [message for outbox in outboxes for message in outbox]
     if not all(message.receiver == EVERYBODY for message in sent):
         return [
             tuple(m for m in sent if m.receiver in (receiver, EVERYBODY) and hops[m.sender, receiver] > 0)
             for receiver in range(len(hops))
         ]
-    if not (hops < 0).any():  # As most often, all hear the same, but for what they sent themselves.
+    if reach_all:  # As most often, all hear the same, but for what they sent themselves.
         heard_by_all, inboxes, end = tuple(sent), [], 0
         for outbox in outboxes:
             begin, end = end, end + len(outbox)
