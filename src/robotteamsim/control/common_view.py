@@ -47,13 +47,16 @@ class CommonView:
         self.positions: dict[int, dict[int, Vector]] = {}
         self.states: dict[int, SwarmState] = {}
         doors: dict[Sighting, None] = {}
-        for robot_id, _, _, position, _, local_best, _, swarm_id, state, sightings in reports:
+        self._by_basis: dict[tuple[int, tuple[Sighting, ...]], list[Report]] = {}
+        for report in reports:
+            robot_id, _, epoch, position, _, local_best, _, swarm_id, state, sightings = report
             if swarm_id not in self.states:
                 self.states[swarm_id], self.values[swarm_id], self.positions[swarm_id] = state, {}, {}
             value, _ = local_best or NOTHING
             self.values[swarm_id][robot_id] = value
             self.positions[swarm_id][robot_id] = position
             doors |= dict.fromkeys(sightings)
+            self._by_basis.setdefault((epoch, sightings), []).append(report)
         self.doors = tuple(doors)
         self.verdicts: dict[tuple[object, ...], tuple[dict[int, int], dict[int, SwarmState]]] = {}
         self._comparable: dict[tuple[object, ...], tuple[_core.HeardNotes, dict[int, Bests]]] = {}
@@ -63,7 +66,7 @@ class CommonView:
         key = _BASIS(own)
         found = self._comparable.get(key)
         if found is None:
-            reports = [report for report in self.reports if _BASIS(report) == key]
+            reports = self._by_basis[key]
             heard = _core.HeardNotes(list(map(_HEARD, reports)))
             found = heard, {swarm_id: _bests_of(swarm_id, reports) for swarm_id in set(map(_SWARM_ID, reports))}
             self._comparable[key] = found
@@ -86,12 +89,18 @@ def common_view(reports: tuple[Report, ...]) -> CommonView:
 
 
 def _bests_of(swarm_id: int, reports: Iterable[Report]) -> Bests:
-    group = [report for report in reports if report.swarm_id in (swarm_id, OUTSIDE)]
-    found = [r.local_best for r in group if r.swarm_id != OUTSIDE or (r.local_best and r.local_best.is_voice)]
-    return Bests(_highest_first([report.known_best for report in group]), _highest_first(found))
+    known: dict[Best, None] = {}  # as sets, in an order
+    local: dict[Best, None] = {}
+    for _, _, _, _, _, local_best, known_best, its_swarm_id, _, _ in reports:
+        if its_swarm_id not in (swarm_id, OUTSIDE):
+            continue
+        if known_best:
+            known[known_best] = None
+        if local_best and (its_swarm_id != OUTSIDE or local_best.is_voice):
+            local[local_best] = None
+    return Bests(_highest_first(known), _highest_first(local))
 
 
-def _highest_first(bests: Iterable[Best | None]) -> tuple[Best, ...]:
-    """Return bests in falling order, each once; equal values in the order given."""
-    different = dict.fromkeys([best for best in bests if best is not None])
-    return tuple(sorted(different, key=_VALUE, reverse=True))
+def _highest_first(bests: Iterable[Best]) -> tuple[Best, ...]:
+    """Return bests in falling order; equal values in the order given."""
+    return tuple(sorted(bests, key=_VALUE, reverse=True))

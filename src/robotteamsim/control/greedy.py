@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robotteamsim.control.controller import Decision
-from robotteamsim.control.local_best import find_local_best
+from robotteamsim.control.local_best import LocalBestFinder
 from robotteamsim.control.rover import Rover
 from robotteamsim.control.ruled_out import RuledOut
 from robotteamsim.scenario.scenario import Scenario
@@ -23,6 +23,7 @@ class GreedyController(Rover):
         self._iteration = self._epoch = -1
         self._goal: Vector | None = None
         self._value = 0.0
+        self._finder = LocalBestFinder(scenario)
 
     def decide(self) -> Decision:
         """Return the command towards the local best of this iteration."""
@@ -42,5 +43,5 @@ class GreedyController(Rover):
         voice = self.observation.voice
         self._ruled_out.add(position, voice.local_best_m if voice.heard else None)
         area = self.task.area_center_m
-        best = find_local_best(self.scenario, self.map, self._ruled_out, voice, area, position)
+        best = self._finder.find(self.map, self._ruled_out, voice, area, position)
         self._goal, self._value = (best.position, best.value) if best else (None, 0.0)

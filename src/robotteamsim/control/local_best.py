@@ -12,26 +12,28 @@ from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.swarm import Vector
 
 
-def find_local_best(
-    scenario: Scenario,
-    known_map: KnownMap,
-    ruled_out: RuledOut,
-    voice: VoiceReading,
-    area: Vector | None,
-    position: Vector,
-) -> Best | None:
-    """Return the loudest cell around; where no voice is heard, the cell nearest to the area to explore [5.3].
+class LocalBestFinder:
+    """Finds the best place around a robot."""
 
-    A voice that is ruled out counts as none; without an area, nothing draws the robot then. Places in `map` [m].
-    """
-    _, is_heard, loudest, level_db = voice
-    if is_heard and not ruled_out.covers(loudest):
-        return Best(level_db, loudest)
-    if area is None:
-        return None
-    radius_m = scenario.voice.local_best_radius_m
-    if scenario.control.navigation == "straight":
-        cell = known_map.nearest_by_sight(area, position, radius_m)
-        return Best(-math.dist(area, cell), cell)
-    cell, length_m = known_map.nearest_by_path(area, position, radius_m)
-    return Best(-length_m, cell)
+    def __init__(self, scenario: Scenario) -> None:
+        # Read once: asked of the scenario, each takes several times as long.
+        self._radius_m = scenario.voice.local_best_radius_m
+        self._by_path = scenario.control.navigation == "path"
+
+    def find(
+        self, known_map: KnownMap, ruled_out: RuledOut, voice: VoiceReading, area: Vector | None, position: Vector
+    ) -> Best | None:
+        """Return the loudest cell around; where no voice is heard, the cell nearest to the area to explore [5.3].
+
+        A voice that is ruled out counts as none; without an area, nothing draws the robot then. Places in `map` [m].
+        """
+        _, is_heard, loudest, level_db = voice
+        if is_heard and not ruled_out.covers(loudest):
+            return Best(level_db, loudest)
+        if area is None:
+            return None
+        if not self._by_path:
+            cell = known_map.nearest_by_sight(area, position, self._radius_m)
+            return Best(-math.dist(area, cell), cell)
+        cell, length_m = known_map.nearest_by_path(area, position, self._radius_m)
+        return Best(-length_m, cell)

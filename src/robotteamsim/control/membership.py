@@ -81,13 +81,15 @@ class Membership:
             if len(verdict.leaves) == len(members):
                 verdict, num_swarms = self._dissolved_or_not(verdict, num_swarms)
             state, leaves, joins = verdict
-            moves |= dict.fromkeys(leaves, OUTSIDE) | dict.fromkeys(joins, swarm_id)
+            if leaves or joins:
+                moves |= dict.fromkeys(leaves, OUTSIDE) | dict.fromkeys(joins, swarm_id)
             states[swarm_id] = state
             if has_improved and state.search_counter == 0:
                 asking.append(len(members))
         if OUTSIDE in improved:
             asking.append(len(outside))
-        self._found(iteration, asking, outside, moves, num_swarms, taken)
+        if asking:
+            self._found(iteration, asking, outside, moves, num_swarms, taken)
         return moves, states
 
     def _dissolved_or_not(self, verdict: Verdict, num_swarms: int) -> tuple[Verdict, int]:

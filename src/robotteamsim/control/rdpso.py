@@ -16,7 +16,7 @@ from robotteamsim.control.controller import OUTSIDE, Decision, Task, own_stream
 from robotteamsim.control.doors import DoorBeliefs
 from robotteamsim.control.known_map import known_map
 from robotteamsim.control.link_keeper import LinkKeeper
-from robotteamsim.control.local_best import find_local_best
+from robotteamsim.control.local_best import LocalBestFinder
 from robotteamsim.control.localisation import Localiser, body_of
 from robotteamsim.control.membership import Membership
 from robotteamsim.control.momentum import Momentum
@@ -25,8 +25,9 @@ from robotteamsim.control.report import Best, Report, is_voice, parse_report, re
 from robotteamsim.control.ruled_out import RuledOut
 from robotteamsim.control.surroundings import Surroundings
 from robotteamsim.control.wander import Wander
-from robotteamsim.geometry import Pose, Twist
+from robotteamsim.geometry import Pose
 from robotteamsim.network.messages import EVERYBODY, Message
+from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Control
 from robotteamsim.sensing.readings import Observation
@@ -54,12 +55,15 @@ HURRY = 1.25
 
 _ITERATION, _SWARM_ID = attrgetter("iteration"), attrgetter("swarm_id")
 _TWIST, _OUTBOX, _GOAL = map(Decision._fields.index, ("twist", "outbox", "goal_m"))
+_EXCLUDED, _VALUE, _SEARCH_COUNTER, _SWARM = map(
+    Decision._fields.index, ("excluded", "local_best", "search_counter", "swarm")
+)
 _RANGES_M: Final = 3
 """Places in the tuples `Decision` and `RobotReading`: asked for by its name, a field takes three times as long."""
 
 
 class _Settings(NamedTuple):
-    """What a robot asks of `control` in every iteration: read there, each takes several times as long."""
+    """What a robot asks of its scenario in every iteration: read there, each takes several times as long."""
 
     iteration_s: float
     max_step_speed_mps: float
@@ -69,11 +73,13 @@ class _Settings(NamedTuple):
     weights: Weights
     """With a weight of 0 for the link."""
     iteration_ns: int
+    plan: FloorPlan
     reach_m: float
 
     @classmethod
-    def of(cls, control: Control, reach_m: float) -> _Settings:
-        """Return what a section `control` says, and how far the robot's body reaches."""
+    def of(cls, scenario: Scenario, reach_m: float) -> _Settings:
+        """Return what a scenario says for a robot whose body reaches so far."""
+        control = scenario.control
         return cls(
             iteration_s=control.iteration_s,
             max_step_speed_mps=control.max_step_speed_mps,
@@ -82,6 +88,7 @@ class _Settings(NamedTuple):
             by_path=control.navigation == "path",
             weights=Weights(control.c1, control.c2, control.c3, 0.0),
             iteration_ns=round(control.iteration_s * 1e9),
+            plan=scenario.plan,
             reach_m=reach_m,
         )
 
@@ -99,8 +106,7 @@ class RdpsoController:
         control = scenario.control
         body = body_of(robot_id, scenario)
         self._robot_id = robot_id
-        self._scenario = scenario
-        self._settings = _Settings.of(control, body.reach_m)
+        self._settings = _Settings.of(scenario, body.reach_m)
         self._localiser = Localiser(robot_id, scenario)
         self._doors = DoorBeliefs(scenario.plan, body.laser)
         self._map = known_map(scenario.plan, body.reach_m)
@@ -109,6 +115,7 @@ class RdpsoController:
         self._surroundings = Surroundings(body.laser, control.sensing_radius_m)
         self._links = LinkKeeper(scenario)
         self._ruled_out = RuledOut(scenario)
+        self._finder = LocalBestFinder(scenario)
         self._membership = Membership(robot_id, scenario)
         self._momentum = Momentum(self.memory(control))
         self._numbers = uniform_numbers(own_stream(scenario, "rdpso", robot_id, arrival))
@@ -131,8 +138,9 @@ class RdpsoController:
         self._local_best: Best | None = None
         self._goal: Vector | None = None
         self._speed_mps = control.max_step_speed_mps
-        self._told = self._what_is_told()
+        self._told = Decision()
         """The decision to stand, with what others are told of the robot."""
+        self._told = self._what_is_told()
 
     @staticmethod
     def memory(control: Control) -> tuple[float, ...]:
@@ -202,7 +210,7 @@ class RdpsoController:
         loudest = voice.local_best_m if voice.heard else None
         self._ruled_out.add(position, loudest)
         area = self._task.area_center_m
-        self._local_best = find_local_best(self._scenario, self._map, self._ruled_out, voice, area, position)
+        self._local_best = self._finder.find(self._map, self._ruled_out, voice, area, position)
         return Report(
             self._robot_id,
             self._iteration,
@@ -309,15 +317,17 @@ class RdpsoController:
         """Take the map with the doors as believed now; bests along other paths are forgotten."""
         if self._doors.changed != self._map_doors:
             self._map_doors = self._doors.changed
-            self._map = known_map(self._scenario.plan, self._settings.reach_m, self._map_doors)
+            self._map = known_map(self._settings.plan, self._settings.reach_m, self._map_doors)
             self._known_best = None
 
     def _what_is_told(self) -> Decision:
         """Return the decision to stand, with what others are told: exclusion, the local best's value, SC and swarm."""
-        membership, best = self._membership, self._local_best
-        search_counter, _ = membership.state
-        value, _ = best or (0.0, None)
-        return Decision(Twist(), (), membership.excluded, None, value, search_counter, membership.swarm_id)
+        swarm_id, (search_counter, _) = self._membership.swarm_id, self._membership.state
+        value, _ = self._local_best or (0.0, None)
+        told: Decision = _core.with_items(
+            self._told, _EXCLUDED, swarm_id == OUTSIDE, _VALUE, value, _SEARCH_COUNTER, search_counter, _SWARM, swarm_id
+        )
+        return told
 
 
 def _positions(team: Mapping[int, Report]) -> dict[int, Vector]:

@@ -135,7 +135,12 @@ def reports_in(inbox: Iterable[Message]) -> list[Report]:
     """Return the reports that messages carry, and nothing for those that carry something else."""
     # Most are known: a robot of a large team hears a hundred in every iteration.
     known = _KNOWN.get
-    return [report for message in inbox if (report := known(message.payload) or parse_report(message.payload))]
+    reports = []
+    for message in inbox:
+        report = known(message.payload) or parse_report(message.payload)
+        if report:
+            reports.append(report)
+    return reports
 
 
 def _row(best: Best | None) -> tuple[float, float, float] | None:

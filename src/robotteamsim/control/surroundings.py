@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from robotteamsim import _core
@@ -25,17 +27,16 @@ class Surroundings:
         low_rad = last_rad = laser.angle_min_rad
         if laser.beams > 1:
             last_rad += (beams - 1) * stride * (laser.angle_max_rad - low_rad) / (laser.beams - 1)
-        self._core = _core.Surroundings(
+        core = _core.Surroundings(
             laser=laser_layout(laser.model_copy(update={"beams": beams, "angle_max_rad": last_rad})),
             stride=stride,
             sensing_radius_m=sensing_radius_m,
             headings_rad=np.linspace(low_rad, laser.angle_max_rad, _HEADINGS).tolist(),
         )
+        # Not wrapped: every robot asks in every iteration.
+        self.attractor: Callable[[Pose, np.ndarray], Vector | None] = core.clearest_place
+        """Returns x_OB in `map` [m]; none where nothing is within the sensing radius (then c3 = 0).
 
-    def attractor(self, pose: Pose, ranges_m: np.ndarray) -> Vector | None:
-        """Return x_OB in `map` [m]; none where nothing is within the sensing radius (then c3 = 0).
-
-        It is the `obstacle_attractor` of the places along 13 headings, at half the radius and at all of it.
+        Of a pose and ranges [m], it is the `obstacle_attractor` of the places along 13 headings, at half the radius and
+        at all of it.
         """
-        place: Vector | None = self._core.clearest_place(pose, ranges_m)
-        return place

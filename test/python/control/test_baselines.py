@@ -8,7 +8,7 @@ import pytest
 
 from robotteamsim.control import Decision, Task, make_controller
 from robotteamsim.control.known_map import known_map
-from robotteamsim.control.local_best import find_local_best
+from robotteamsim.control.local_best import LocalBestFinder
 from robotteamsim.control.report import Best
 from robotteamsim.control.ruled_out import RuledOut
 from robotteamsim.scenario.sections import Area, Control, Mission
@@ -34,14 +34,15 @@ def voice_of_victim(position: tuple[float, float]) -> VoiceReading:
 def test_local_best_is_the_voice_unless_it_is_ruled_out(hall_scenario):
     scenario = hall_scenario()
     ruled_out, carried = RuledOut(scenario), known_map(scenario.plan, 0.2)
+    finder = LocalBestFinder(scenario)
     voice, here = VoiceReading(5.0, True, (4.0, 4.0), 7.0), (3.0, 4.0)
-    assert find_local_best(scenario, carried, ruled_out, voice, (16.0, 5.0), here) == Best(7.0, (4.0, 4.0))
+    assert finder.find(carried, ruled_out, voice, (16.0, 5.0), here) == Best(7.0, (4.0, 4.0))
     ruled_out.add((4.1, 4.0), (4.0, 4.0))
-    best = find_local_best(scenario, carried, ruled_out, voice, (16.0, 5.0), here)
+    best = finder.find(carried, ruled_out, voice, (16.0, 5.0), here)
     # 13.04 m as the crow flies, less the radius of 1.5 m; paths on a grid are a little longer.
     assert best.value == pytest.approx(-11.54, abs=0.4)
     assert 1.3 < math.dist(best.position, here) <= 1.5
-    assert find_local_best(scenario, carried, ruled_out, voice, None, here) is None
+    assert finder.find(carried, ruled_out, voice, None, here) is None
 
 
 def test_greedy_robot_climbs_to_the_voice_and_says_nothing(team, hall_scenario):
@@ -67,20 +68,17 @@ def test_pso_has_an_inertia_in_place_of_the_memory_and_neither_obstacles_nor_net
     control = of("pso", c3=0.3, c4=0.4, inertia=0.7, alpha=0.9)
     pso = make_controller(0, hall_scenario(control=control))
     assert pso._momentum.coefficients == (0.7,)
-    assert (pso._scenario.control.c1, pso._scenario.control.c2, pso._scenario.control.c3, pso._scenario.control.c4) == (
-        0.08,
-        0.11,
-        0.0,
-        0.0,
-    )
-    assert not pso._scenario.control.exclusion.enabled
+    assert pso._settings.weights == (0.08, 0.11, 0.0, 0.0)
+    assert pso._links._c4 == 0.0
+    assert not pso._membership._enabled
 
 
 def test_rpso_is_pso_with_the_obstacle_term(hall_scenario):
     rpso = make_controller(0, hall_scenario(control=of("rpso", c3=0.3, inertia=0.5)))
     assert rpso._momentum.coefficients == (0.5,)
-    assert (rpso._scenario.control.c3, rpso._scenario.control.c4) == (0.3, 0.0)
-    assert not rpso._scenario.control.exclusion.enabled
+    assert rpso._settings.weights.obstacle == 0.3
+    assert rpso._links._c4 == 0.0
+    assert not rpso._membership._enabled
 
 
 def test_rpso_without_obstacle_weight_drives_as_pso(team, hall_scenario):
