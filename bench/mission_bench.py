@@ -1,8 +1,8 @@
 """How much faster than real time missions run headless, how long a campaign takes, and how fast a bag is told.
 
 Missions and teams are timed by the processor's time of one core, by turns with sorting a million numbers in NumPy, so
-that machines, and hours of one machine, can be compared. A campaign is the command of the dissertation's tables, with
-its start, on all cores: it counts in wall time.
+that machines, and hours of one machine, can be compared. A campaign is the command of the dissertation's tables on all
+cores: it counts in wall time, from when its workers have started to the last result, as the command tells it.
 Usage: python bench/mission_bench.py [--rounds 7] [--trials 30] [--csv FILE]       --trials 0 leaves the campaign out
 """
 
@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import csv
 import datetime
+import re
 import statistics
 import subprocess
 import sys
@@ -96,17 +97,20 @@ def measure(name: str, work: Callable[[], float], rounds: int, goal: float | Non
     return Row(name, statistics.median(speeds), min(speeds), max(speeds), statistics.median(sortings), goal)
 
 
-def campaign(trials: int) -> tuple[float, float]:
-    """Run the dissertation's three levels of noise; return wall time and simulated time of all missions [s]."""
+def campaign(trials: int) -> tuple[float, float, float]:
+    """Run the dissertation's three levels of noise.
+
+    Returns: wall time after start-up, that of the start-up, simulated time of all missions [s].
+    """
     noises = [argument for noise in (10, 20, 30) for argument in ("--noise", str(noise))]
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "robotteamsim.cli", "campaign", "garage_sar", *noises]
-        command += ["--trials", str(trials), "--quiet", "--out", f"{folder}/garage"]
-        start_s = time.monotonic()
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-        spent_s = time.monotonic() - start_s
+        command += ["--trials", str(trials), "--json", "--out", f"{folder}/garage"]
+        told = subprocess.run(command, check=True, capture_output=True, text=True).stderr
         simulated_s = sum(outcome.time_s or 0.0 for outcome in read_store(Path(folder, "garage")).outcomes)
-    return spent_s, simulated_s
+    times = re.search(r" in ([0-9.]+) s: .* took ([0-9.]+) s to start", told)
+    assert times, told
+    return float(times[1]), float(times[2]), simulated_s
 
 
 def table(rows: list[Row]) -> str:
@@ -147,10 +151,10 @@ def main() -> None:
         )
         rows = [measure(name, work, options.rounds, goal) for name, work, goal in works]
     if options.trials:
-        spent_s, simulated_s = campaign(options.trials)
+        spent_s, start_up_s, simulated_s = campaign(options.trials)
         count, speed = 3 * options.trials, simulated_s / spent_s
         goal_s = CAMPAIGN_GOAL_S * count / 90.0
-        name = f"campaign of {count} garage missions, {spent_s:.1f} s of wall time"
+        name = f"campaign of {count} garage missions, {spent_s:.1f} s after {start_up_s:.1f} s"
         rows.append(Row(name, speed, speed, speed, goal=simulated_s / goal_s))
     print(table(rows))
     if options.csv:
