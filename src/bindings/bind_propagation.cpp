@@ -61,18 +61,20 @@ class VoiceEar {
 
   // A `VoiceReading` of each robot: the value of its own cell, 0 beyond the map; whether a cell within the radius is
   // above 0; the centre of the highest such cell, or where the robot is; its value, or 0.
-  py::tuple Hear(const Doubles& positions_m) const {
+  py::tuple Hear(const Doubles& positions_m) {
     if (positions_m.ndim() != 2 || positions_m.shape(1) != 2) throw std::invalid_argument("positions_m must be (n, 2)");
     py::tuple heard(positions_m.shape(0));
+    last_.resize(static_cast<std::size_t>(positions_m.shape(0)));
     for (py::ssize_t i = 0; i < positions_m.shape(0); ++i) {
       const double* const position = positions_m.data() + 2 * i;
-      PyTuple_SET_ITEM(heard.ptr(), i, HearAt({position[0], position[1]}).release().ptr());
+      PyTuple_SET_ITEM(heard.ptr(), i, HearAt({position[0], position[1]}, &last_[i]).release().ptr());
     }
     return heard;
   }
 
  private:
-  py::object HearAt(const Point& at) const {
+  // Args: last: the loudest cell when the robot heard last.
+  py::object HearAt(const Point& at, std::optional<Cell>* last) const {
     if (!std::isfinite(at.x) || !std::isfinite(at.y)) {
       throw py::value_error(py::str("position_m must be finite, got ({}, {})").format(at.x, at.y));
     }
@@ -81,7 +83,8 @@ class VoiceEar {
     const double col = std::floor((at.x - grid_.origin.x) / grid_.resolution);
     const bool is_inside = row >= 0.0 && row < grid_.rows && col >= 0.0 && col < grid_.cols;
     const double own = is_inside ? values(static_cast<int>(row), static_cast<int>(col)) : 0.0F;
-    const std::optional<Cell> cell = LoudestCell(grid_, values, at, radius_);
+    const std::optional<Cell> cell = LoudestCell(grid_, values, at, radius_, *last);
+    *last = cell;
     const Point best = cell ? CellCenter(grid_, cell->row, cell->col) : at;
     py::object place = places_.Of({PyFloat_FromDouble(best.x), PyFloat_FromDouble(best.y)});
     return readings_.Of({PyFloat_FromDouble(own), py::bool_(cell.has_value()).release().ptr(), place.release().ptr(),
@@ -92,6 +95,7 @@ class VoiceEar {
   double radius_;
   TupleClass readings_, places_;
   GridShape grid_;
+  std::vector<std::optional<Cell>> last_;  // of each robot
 };
 
 void BindRadio(py::module_& m) {

@@ -47,7 +47,8 @@ struct Cell {
 
 /// Returns the cell with the highest value above 0 of those whose centre is within a radius [m] of a point; of equal
 /// ones the lowest row, then the lowest column. Nothing where no such cell is above 0.
+/// Args: guess: a cell of the grid that may be it, as the one that was found nearby: the same is found, but sooner.
 std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const MapValues>& values, const Point& at,
-                                double radius_m);
+                                double radius_m, const std::optional<Cell>& guess = std::nullopt);
 
 }  // namespace robotteamsim

@@ -53,7 +53,7 @@ void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vec
 }
 
 std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const MapValues>& values, const Point& at,
-                                double radius_m) {
+                                double radius_m, const std::optional<Cell>& guess) {
   // Cells from `from` to before `to`, one more than needed on each side; the distance decides.
   const auto clamped = [](double cell, int count) { return static_cast<int>(std::clamp(cell, 0.0, 1.0 * count)); };
   const auto from = [&](double origin, double center, int count) {
@@ -66,14 +66,20 @@ std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const Ma
   const int col_from = from(grid.origin.x, at.x, grid.cols);
   const int col_to = to(grid.origin.x, at.x, grid.cols);
   const int row_to = to(grid.origin.y, at.y, grid.rows);
+  const auto is_beyond = [&](int row, int col) {
+    const Point center = CellCenter(grid, row, col);
+    const double dx = center.x - at.x, dy = center.y - at.y;
+    return dx * dx + dy * dy > radius_m * radius_m;
+  };
   float highest = 0.0F;
+  // One that is as high as the guess is found, but hardly a lower one is looked at.
+  if (guess && !is_beyond(guess->row, guess->col)) highest = std::nextafter(values(guess->row, guess->col), 0.0F);
   for (int row = from(grid.origin.y, at.y, grid.rows); row < row_to; ++row) {
     const double dy = CellCenter(grid, row, 0).y - at.y;
     if (dy * dy > radius_m * radius_m) continue;
     for (int col = col_from; col < col_to; ++col) {
       if (values(row, col) <= highest) continue;
-      const double dx = CellCenter(grid, row, col).x - at.x;
-      if (dx * dx + dy * dy > radius_m * radius_m) continue;
+      if (is_beyond(row, col)) continue;
       highest = values(row, col);
       best = Cell{row, col, highest};
     }

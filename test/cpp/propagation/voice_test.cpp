@@ -84,6 +84,21 @@ TEST(LoudestCell, PrefersTheLowestRowThenColumn) {
   EXPECT_EQ(best->col, 1);
 }
 
+TEST(LoudestCell, IsTheSameWhateverTheGuess) {
+  const GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
+  MapValues values = MapValues::Constant(5, 5, 1.0F);
+  values(3, 2) = values(2, 3) = 2.0F;
+  for (int row = 0; row < 5; ++row) {
+    for (int col = 0; col < 5; ++col) {
+      const std::optional<Cell> best = LoudestCell(grid, values, {2.5, 2.5}, 1.5, Cell{row, col, 0.0});
+      ASSERT_TRUE(best);
+      EXPECT_EQ(best->row, 2);
+      EXPECT_EQ(best->col, 3);
+      EXPECT_EQ(best->value, 2.0);
+    }
+  }
+}
+
 TEST(LoudestCell, IsNothingWhereAllIsSilentOrFar) {
   const GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
   EXPECT_FALSE(LoudestCell(grid, MapValues::Zero(5, 5), {2.5, 2.5}, 2.0));
