@@ -153,12 +153,14 @@ bool IsPlainDecision(PyObject* told, const DecisionKind& kind) {
          PyUnicode_CheckExact(PyTuple_GET_ITEM(told, 7));
 }
 
-// is_plain_decision(decision, class of decisions, class of twists, class of messages, robot id, number of robots)
+// is_plain_decision(decision, (class of decisions, class of twists, class of messages, robot id, number of robots))
 PyObject* AskIfPlain(PyObject* /*module*/, PyObject* const* args, Py_ssize_t num_args) {
-  if (num_args != 6 || !PyLong_Check(args[4]) || !PyLong_Check(args[5])) {
-    return Refuse("wanted a decision, the classes of decisions, twists and messages, a robot's id, how many there are");
+  const bool fits = num_args == 2 && PyTuple_CheckExact(args[1]) && PyTuple_GET_SIZE(args[1]) == 5;
+  const auto item = [&](Py_ssize_t i) { return PyTuple_GET_ITEM(args[1], i); };
+  if (!fits || !PyLong_Check(item(3)) || !PyLong_Check(item(4))) {
+    return Refuse("wanted a decision, and of what it is made: three classes, a robot's id, and how many there are");
   }
-  const DecisionKind kind{args[1], args[2], args[3], PyLong_AsLong(args[4]), PyLong_AsLong(args[5])};
+  const DecisionKind kind{item(0), item(1), item(2), PyLong_AsLong(item(3)), PyLong_AsLong(item(4))};
   return PyBool_FromLong(IsPlainDecision(args[0], kind) ? 1 : 0);
 }
 

@@ -40,6 +40,8 @@ class Guard:
         """Make the controller by `make`. Raises: RobotTeamSimError, as `make` does."""
         self._robot_id = robot_id
         self._num_robots = num_robots
+        self._plain = Decision, Twist, Message, robot_id, num_robots
+        """What a decision that needs no further look is made of, and who may send messages to whom."""
         self._fault = ""
         self.controller: Controller | None = None
         """None where it could not be made."""
@@ -64,10 +66,9 @@ class Guard:
         if not self._fault and self.controller is not None:
             try:
                 decision = self.controller.decide()
-                robot_id, num_robots = self._robot_id, self._num_robots
-                if _core.is_plain_decision(decision, Decision, Twist, Message, robot_id, num_robots):  # as most are
+                if _core.is_plain_decision(decision, self._plain):  # as most are
                     return decision
-                self._fault = problem_of(decision, robot_id, num_robots)
+                self._fault = problem_of(decision, self._robot_id, self._num_robots)
                 if not self._fault:
                     return decision
             except (Exception, SystemExit) as error:

@@ -163,7 +163,7 @@ class RdpsoController:
         _, sim_time_ns, robot, _ = self._observation
         pose, ranges_m = self._localiser.map_T_base_link(robot), robot[_RANGES_M]
         outbox: tuple[Message, ...] = ()
-        if self._own is not None and self._has_waited_enough(self._own):
+        if self._own is not None and self._has_waited_enough(sim_time_ns):
             self._choose_next_point(pose, ranges_m, self._own)
             self._own = None
             self._told = self._what_is_told()
@@ -190,12 +190,11 @@ class RdpsoController:
         self._iteration, self._reported_ns = sim_time_ns // iteration_ns, sim_time_ns
         self._iteration_ends_ns = (self._iteration + 1) * iteration_ns
 
-    def _has_waited_enough(self, own: Report) -> bool:
+    def _has_waited_enough(self, sim_time_ns: int) -> bool:
         """Whether all that reported in the last iteration have reported in this one, or patience is at its end."""
-        assert self._observation is not None
-        if self._observation.sim_time_ns - self._reported_ns >= self._settings.patience_ns:
+        if sim_time_ns - self._reported_ns >= self._settings.patience_ns:
             return True
-        return own.iteration - 1 not in map(_ITERATION, self._team.values())
+        return self._iteration - 1 not in map(_ITERATION, self._team.values())
 
     def _evaluate(self, pose: Pose, ranges_m: np.ndarray) -> Report:
         """Phase 1: return the report on what the robot knows at the start of an iteration."""
@@ -227,7 +226,7 @@ class RdpsoController:
     def _choose_next_point(self, pose: Pose, ranges_m: np.ndarray, own: Report) -> None:
         """Phase 2: share the bests, judge the swarm, and set the goal to x[t+1]."""
         position = pose[:2]
-        iteration = own.iteration
+        iteration = self._iteration
         reports = [own]
         for report in self._team.values():
             if report.iteration == iteration:
