@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "robotteamsim/plan/types.hpp"
@@ -45,7 +46,11 @@ class Laser {
   /// The ranges so far, in the order of the fan.
   class View;
 
+  using ReportWriter = void (*)(const LaserModel& model, const double* ranges, const double* noise, std::size_t beams,
+                                float* report);
+
   LaserModel model_;
+  ReportWriter write_report_;  ///< for this machine
   BeamFan fan_;
   NearbyEdges edges_;
 };

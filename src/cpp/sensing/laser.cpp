@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "robotteamsim/propagation/simd.hpp"
+
 namespace robotteamsim {
 namespace {
 
@@ -23,6 +25,36 @@ LaserModel Checked(const LaserModel& model) {
 }
 
 double Cross(const Point& a, const Point& b) { return a.x * b.y - a.y * b.x; }
+
+ROBOTTEAMSIM_INLINE void WriteReport(const LaserModel& model, const double* __restrict ranges,
+                                     const double* __restrict noise, std::size_t beams, float* __restrict report) {
+  const double least = model.range_min, most = model.range_max, no_return = model.no_return, near = model.too_near;
+  const auto reported = [=](double range) {
+    return static_cast<float>(range > most ? no_return : range < least ? near : range);
+  };
+  if (noise == nullptr) {
+    for (std::size_t beam = 0; beam < beams; ++beam) report[beam] = reported(ranges[beam]);
+  } else {
+    for (std::size_t beam = 0; beam < beams; ++beam) report[beam] = reported(ranges[beam] + noise[beam]);
+  }
+}
+
+#define ROBOTTEAMSIM_REPORT(Name, attributes)                                                                 \
+  attributes void Name(const LaserModel& model, const double* ranges, const double* noise, std::size_t beams, \
+                       float* report) {                                                                       \
+    WriteReport(model, ranges, noise, beams, report);                                                         \
+  }
+ROBOTTEAMSIM_REPORT(PortableReport, )
+#if ROBOTTEAMSIM_HAS_X86_TARGETS
+ROBOTTEAMSIM_REPORT(Avx2Report, ROBOTTEAMSIM_AVX2)
+#endif
+
+auto BestReport() {
+#if ROBOTTEAMSIM_HAS_X86_TARGETS
+  if (IsSupported(Simd::kAvx2)) return Avx2Report;
+#endif
+  return PortableReport;
+}
 
 }  // namespace
 
@@ -156,6 +188,7 @@ class Laser::View {
 
 Laser::Laser(const LaserModel& model, const World& world)
     : model_(Checked(model)),
+      write_report_(BestReport()),
       fan_(model.beams, model.angle_min, model.angle_max),
       edges_(EdgesOf(world.solids(), world.doors()), model.range_max) {}
 
@@ -184,13 +217,7 @@ std::vector<double> Laser::Scan(const World& world, int robot) const {
 }
 
 void Laser::Report(const std::vector<double>& ranges, const double* noise, float* report) const {
-  for (std::size_t beam = 0; beam < ranges.size(); ++beam) {
-    const double range = noise == nullptr ? ranges[beam] : ranges[beam] + noise[beam];
-    const double reported = range > model_.range_max   ? model_.no_return
-                            : range < model_.range_min ? model_.too_near
-                                                       : range;
-    report[beam] = static_cast<float>(reported);
-  }
+  write_report_(model_, ranges.data(), noise, ranges.size(), report);
 }
 
 }  // namespace robotteamsim
