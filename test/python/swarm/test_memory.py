@@ -73,3 +73,8 @@ def test_robots_of_different_orders_are_reckoned_at_once_with_the_same_bits():
         assert together == [list(memory_coefficients(mode, float(alpha), 4)) for alpha in alphas]
     with pytest.raises(ValueError, match=r"alpha must lie in \[0, 1\]"):
         memory_coefficients("published", np.array([0.5, 1.5]), 4)
+
+
+def test_memory_term_of_what_is_no_velocity_is_refused():
+    with pytest.raises(TypeError, match=r"a velocity must be \(x, y\)"):
+        memory_term((0.6, 0.3), [(1.0, 0.0), (1.0, 0.0, 2.0)])

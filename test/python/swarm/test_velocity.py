@@ -67,3 +67,23 @@ def test_slow_velocity_is_left_as_it_is():
 
 def test_position_moves_by_the_velocity():
     assert next_position((1.0, 2.0), (0.5, -0.25)) == (1.5, 1.75)
+
+
+def test_velocity_without_a_number_for_each_attractor_is_refused():
+    with pytest.raises(ValueError, match="a random number for each attractor"):
+        next_velocity((1.0, 1.0), (0.0, 0.0), ATTRACTORS, Weights(1, 1, 1, 1), iter((0.5, 0.5, 0.5)))
+
+
+@pytest.mark.parametrize(
+    ("attractors", "weights", "numbers", "wanted"),
+    [
+        (ATTRACTORS[:3], (1.0,) * 4, iter((0.5,) * 4), "four attractors, and a weight of each"),
+        (ATTRACTORS, (1.0,) * 3, iter((0.5,) * 4), "four attractors, and a weight of each"),
+        (ATTRACTORS, (1.0,) * 4, [0.5] * 4, "an iterator of random numbers"),
+        (((1.0,),) * 4, (1.0,) * 4, iter((0.5,) * 4), r"an attractor must be \(x, y\)"),
+        (ATTRACTORS, (1.0,) * 4, iter("abcd"), "must be real number"),
+    ],
+)
+def test_velocity_of_what_are_no_attractors_weights_or_numbers_is_refused(attractors, weights, numbers, wanted):
+    with pytest.raises(TypeError, match=wanted):
+        next_velocity((1.0, 1.0), (0.0, 0.0), attractors, weights, numbers)
