@@ -243,15 +243,16 @@ void BindSensing(py::module_& m) {
             py::arg("reading"));
   DefFast<&ReadingMaker::Make>(maker, "make");
   py::class_<Laser>(m, "Laser")
-      .def(py::init([](const World& world, int beams, double angle_min_rad, double angle_max_rad, double forward_m,
-                       double range_min_m, double range_max_m, double too_near_m, double no_return_m, double left_m) {
+      .def(py::init([](const std::vector<Solid>& solids, const std::vector<Door>& doors, int beams,
+                       double angle_min_rad, double angle_max_rad, double forward_m, double range_min_m,
+                       double range_max_m, double too_near_m, double no_return_m, double left_m) {
              return Laser({beams, angle_min_rad, angle_max_rad, forward_m, range_min_m, range_max_m, too_near_m,
                            no_return_m, left_m},
-                          world);
+                          solids, doors);
            }),
-           py::arg("world"), py::kw_only(), py::arg("beams"), py::arg("angle_min_rad"), py::arg("angle_max_rad"),
-           py::arg("forward_m"), py::arg("range_min_m"), py::arg("range_max_m"), py::arg("too_near_m"),
-           py::arg("no_return_m"), py::arg("left_m"))
+           py::arg("solids"), py::arg("doors"), py::kw_only(), py::arg("beams"), py::arg("angle_min_rad"),
+           py::arg("angle_max_rad"), py::arg("forward_m"), py::arg("range_min_m"), py::arg("range_max_m"),
+           py::arg("too_near_m"), py::arg("no_return_m"), py::arg("left_m"))
       .def("scan", &Scan, py::arg("world"), py::arg("robot_ids"), py::arg("noise_m"))
       .def("nearest", &Nearest, py::arg("world"), py::arg("robot_ids"), py::arg("noise_m"));
   py::class_<TeamOdometry>(m, "TeamOdometry")

@@ -30,9 +30,10 @@ struct LaserModel {
 /// each beam for what it meets.
 class Laser {
  public:
-  /// Looks at the solids and door leaves that the world has now; of the doors, at those that are closed then.
+  /// Args: solids, doors: of the worlds that it will scan.
   /// Throws std::invalid_argument on no beams, ranges that are not above 0, angles that are not finite.
-  Laser(const LaserModel& model, const World& world);
+  Laser(const LaserModel& model, const std::vector<Solid>& solids, const std::vector<Door>& doors);
+  Laser(const LaserModel& model, const World& world) : Laser(model, world.solids(), world.doors()) {}
 
   int NumBeams() const { return model_.beams; }
 

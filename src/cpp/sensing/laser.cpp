@@ -186,11 +186,11 @@ class Laser::View {
   std::vector<double> ranges_;
 };
 
-Laser::Laser(const LaserModel& model, const World& world)
+Laser::Laser(const LaserModel& model, const std::vector<Solid>& solids, const std::vector<Door>& doors)
     : model_(Checked(model)),
       write_report_(BestReport()),
       fan_(model.beams, model.angle_min, model.angle_max),
-      edges_(EdgesOf(world.solids(), world.doors()), model.range_max) {}
+      edges_(EdgesOf(solids, doors), model.range_max) {}
 
 std::vector<double> Laser::Scan(const World& world, int robot) const {
   // What is not there sees nothing.

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from robotteamsim import _core
+from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.sensors import Laser as LaserModel
 from robotteamsim.scenario.sensors import MountedLaser
 from robotteamsim.world import World
+from robotteamsim.world.world import core_solids
 
 _NO_NOISE = np.empty(0)
 
@@ -23,22 +26,9 @@ class Laser:
     """
 
     def __init__(self, model: LaserModel, world: World) -> None:
-        as_rep_117 = model.no_return == "inf"
-        left_m, yaw_rad = (model.left_m, model.yaw_rad) if isinstance(model, MountedLaser) else (0.0, 0.0)
         self._model = model
         self._world = world
-        self.core = _core.Laser(
-            world.core,
-            beams=model.beams,
-            angle_min_rad=yaw_rad + model.angle_min_rad,
-            angle_max_rad=yaw_rad + model.angle_max_rad,
-            forward_m=model.forward_m,
-            range_min_m=model.range_min_m,
-            range_max_m=model.range_max_m,
-            too_near_m=-math.inf if as_rep_117 else model.range_min_m,
-            no_return_m=math.inf if as_rep_117 else model.range_max_m,
-            left_m=left_m,
-        )
+        self.core = _core_laser(world.plan, model)
         """The C++ laser, for the sensors of a team."""
 
     def scan(self, robot_ids: Sequence[int], generators: Sequence[np.random.Generator]) -> np.ndarray:
@@ -53,3 +43,22 @@ class Laser:
         if self._model.noise_m > 0.0:
             return np.stack([each.normal(0.0, self._model.noise_m, self._model.beams) for each in generators])
         return _NO_NOISE
+
+
+@functools.lru_cache(maxsize=16)
+def _core_laser(plan: FloorPlan, model: LaserModel) -> _core.Laser:
+    """Return the C++ lasers of one kind; they keep what can be seen from where, so worlds on one plan share them."""
+    as_rep_117 = model.no_return == "inf"
+    left_m, yaw_rad = (model.left_m, model.yaw_rad) if isinstance(model, MountedLaser) else (0.0, 0.0)
+    return _core.Laser(
+        *core_solids(plan),
+        beams=model.beams,
+        angle_min_rad=yaw_rad + model.angle_min_rad,
+        angle_max_rad=yaw_rad + model.angle_max_rad,
+        forward_m=model.forward_m,
+        range_min_m=model.range_min_m,
+        range_max_m=model.range_max_m,
+        too_near_m=-math.inf if as_rep_117 else model.range_min_m,
+        no_return_m=math.inf if as_rep_117 else model.range_max_m,
+        left_m=left_m,
+    )

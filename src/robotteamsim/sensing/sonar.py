@@ -7,6 +7,7 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.scenario.sensors import Sonar as SonarModel
 from robotteamsim.world import World
+from robotteamsim.world.world import core_solids
 
 _NO_NOISE = np.empty(0)
 
@@ -23,7 +24,7 @@ class Sonar:
         self._model = model
         self._world = world
         self._core = _core.Laser(
-            world.core,
+            *core_solids(world.plan),
             beams=model.rays,
             angle_min_rad=model.yaw_rad - 0.5 * model.opening_rad,
             angle_max_rad=model.yaw_rad + 0.5 * model.opening_rad,

@@ -56,7 +56,7 @@ class World:
         Raises: PlacementError: a robot or thing starts in a wall, block, closed door, robot or thing, or outside.
         """
         self.seed = seed
-        self._plan = plan
+        self.plan = plan
         self._robots = tuple(robots)
         self._first_things = self._things = tuple(things)
         self._step_ns = round(run.step_s * 1e9)
@@ -228,7 +228,7 @@ class World:
     def reset(self) -> None:
         """Begin again as new: time, poses, who is there, things and doors as at the start."""
         self.core.reset()
-        self._doors = {door.name: door_at_start(door) for door in self._plan.doors}
+        self._doors = {door.name: door_at_start(door) for door in self.plan.doors}
         self._things = self._first_things
         self._begin()
 
@@ -269,8 +269,7 @@ class World:
         self._to_come = waiting + self._to_come
 
     def _build(self, run: Run) -> _core.World:
-        still = [_core.Solid(solid.corners, convex_pieces(solid.corners)) for solid in self._solids]
-        leaves = [core_door(door) for door in self._plan.doors]
+        still, leaves = core_solids(self.plan)
         bodies, things = [_body(robot) for robot in self._robots], [_thing(thing) for thing in self._things]
         return _core.World(still, leaves, bodies, run.step_s, run.physics_substeps, things)
 
@@ -299,8 +298,8 @@ class World:
             raise ValueError(f"robot_{robot_id}: {what} must be finite, got {pose}")
         robot = self._robots[robot_id]
         place = f"robot_{robot_id}: {what} ({pose.x_m:.2f}, {pose.y_m:.2f})"
-        if not self._plan.bounds.contains((pose.x_m, pose.y_m)):
-            raise PlacementError(f"{place} is outside the plan, {self._plan.bounds}")
+        if not self.plan.bounds.contains((pose.x_m, pose.y_m)):
+            raise PlacementError(f"{place} is outside the plan, {self.plan.bounds}")
         body = robot.body_at((pose.x_m, pose.y_m, pose.yaw_rad))
         hit = self._solid_in(body)
         if hit is not None:
@@ -332,8 +331,8 @@ class World:
         if not all(map(math.isfinite, (pose.x_m, pose.y_m, pose.yaw_rad))):
             raise ValueError(f"{thing.kind} '{thing.name}': pose must be finite, got {pose}")
         place = f"{thing.kind} '{thing.name}': pose ({pose.x_m:.2f}, {pose.y_m:.2f})"
-        if not self._plan.bounds.contains((pose.x_m, pose.y_m)):
-            raise PlacementError(f"{place} is outside the plan, {self._plan.bounds}")
+        if not self.plan.bounds.contains((pose.x_m, pose.y_m)):
+            raise PlacementError(f"{place} is outside the plan, {self.plan.bounds}")
         body = thing.body_at((pose.x_m, pose.y_m, pose.yaw_rad))
         hit = self._solid_in(body)
         if hit is not None:
@@ -354,7 +353,7 @@ class World:
 
     def _leaves(self) -> Iterator[Solid]:
         """Yield the leaves that are somewhere, where they are."""
-        for door in self._plan.doors:
+        for door in self.plan.doors:
             corners = leaf_outline(door, self._doors[door.name])
             if corners is not None:
                 yield Solid(door.name, "door", corners, door)
@@ -370,6 +369,14 @@ def _still_solids(plan: FloorPlan) -> tuple[tuple[Solid, ...], shapely.STRtree]:
     """Return all solids of a plan but its doors, and their polygons as a tree; worlds on one plan share them."""
     still = solids(plan.model_copy(update={"doors": ()}))
     return still, shapely.STRtree([solid.polygon for solid in still])
+
+
+@functools.lru_cache(maxsize=16)
+def core_solids(plan: FloorPlan) -> tuple[list[_core.Solid], list[_core.Door]]:
+    """Return the solids and the doors of the C++ world on a plan, not to be changed; worlds on one plan share them."""
+    still, _ = _still_solids(plan)
+    pieces = [_core.Solid(solid.corners, convex_pieces(solid.corners)) for solid in still]
+    return pieces, [core_door(door) for door in plan.doors]
 
 
 def _body(robot: PlacedRobot) -> _core.Robot:

@@ -97,10 +97,10 @@ def test_step_that_is_no_time_is_refused(step_s):
 
 
 def test_laser_without_beams_is_refused():
-    world = _core.World([], [], [], 0.1, 5)
     with pytest.raises(ValueError, match="beams must be >= 1, got 0"):
         _core.Laser(
-            world,
+            [],
+            [],
             beams=0,
             angle_min_rad=-1.0,
             angle_max_rad=1.0,
