@@ -60,8 +60,12 @@ def local_workers(count: int | None = None) -> Iterator[Client]:
         with _interrupts_kept_from_children():
             cluster = _start_cluster(count)
         with cluster, _dead_workers_replaced(cluster, count), Client(cluster) as client:
-            client.run(get_ready, on_error="ignore")  # One that dies of it is replaced, as later.
             yield client
+
+
+def prepare(client: Client, design: Design) -> None:
+    """Have workers import, and compute what all trials share, before the first trial; it works without it, too."""
+    client.run(get_ready, design.cells[0].scenario, on_error="ignore")  # One that dies of it is replaced, as later.
 
 
 def _start_cluster(count: int) -> LocalCluster:

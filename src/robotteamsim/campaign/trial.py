@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import json
 import time
@@ -15,6 +16,9 @@ from robotteamsim.errors import CampaignError
 from robotteamsim.mission.status import Event
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
+
+_FIRST_STEPS = 20
+"""After so many, robots have chosen where to go."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +61,15 @@ class Outcome:
         return self.error != ""
 
 
-def get_ready() -> None:
-    """Have a worker import what trials need: it does so as it looks this function up."""
-    gc.freeze()  # What is imported by now stays, so nobody need look through it for garbage.
+def get_ready(scenario: Scenario) -> None:
+    """Import what trials of a scenario need, and keep what they share: its formation, faces, maps of paths."""
+    with contextlib.suppress(Exception):  # A trial will tell.
+        simulation = Simulation(scenario)
+        simulation.mission.start()
+        for _ in range(_FIRST_STEPS):
+            simulation.step()
+    gc.collect()
+    gc.freeze()  # What is there by now stays, so nobody need look through it for garbage.
 
 
 def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:

@@ -15,7 +15,7 @@ from rich.console import Console
 from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_design, open_store
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, parse_sweep, read_design_file
-from robotteamsim.campaign.runner import local_workers, run_trials, scheduler_at
+from robotteamsim.campaign.runner import local_workers, prepare, run_trials, scheduler_at
 from robotteamsim.campaign.summary import summarise
 from robotteamsim.campaign.tables import (
     dissertation_tables,
@@ -135,7 +135,9 @@ def _run_missing(options: argparse.Namespace, design: Design, store: Store, clie
             stack.enter_context(progress)
             if client and not client.ncores():
                 progress.tell(f"{options.scheduler} has no workers yet; missions begin as they come")
-            client = client or stack.enter_context(local_workers(options.workers))
+            if client is None:
+                client = stack.enter_context(local_workers(options.workers))
+                prepare(client, design)
             progress.begin()
 
             def keep(outcome: Outcome) -> None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import os
 import signal
 import socket
+from types import SimpleNamespace
 
 import pytest
 
 from robotteamsim.campaign import open_store, run_trial
 from robotteamsim.campaign import runner as runner_module
 from robotteamsim.campaign.runner import run_trials, scheduler_at
+from robotteamsim.control.known_map import known_map
 from robotteamsim.errors import CampaignError
 
 
@@ -43,6 +45,21 @@ def test_workers_compute_what_this_process_computes(short_design, two_workers, t
             here = run_trial(design.cells[trial.cell].scenario, trial, "0.1.0")
             assert (outcome.trajectory_hash, outcome.details) == (here.trajectory_hash, here.details)
             assert outcome.paths == here.paths
+
+
+def test_prepared_workers_hold_what_trials_on_a_plan_share(short_design, two_workers):
+    def num_maps():
+        return known_map.cache_info().currsize
+
+    before = two_workers.run(num_maps)
+    runner_module.prepare(two_workers, short_design("robots.radius_m=0.217"))  # which no other test has
+    assert two_workers.run(num_maps) == {worker: count + 1 for worker, count in before.items()}
+
+
+def test_workers_survive_that_nothing_can_be_prepared(two_workers):
+    pids = two_workers.run(os.getpid)
+    runner_module.prepare(two_workers, SimpleNamespace(cells=[SimpleNamespace(scenario=None)]))
+    assert two_workers.run(os.getpid) == pids
 
 
 def test_workers_have_one_thread_each(two_workers):

@@ -99,7 +99,8 @@ def test_failed_trials_are_told_and_the_rest_goes_on(capsys, tmp_path, monkeypat
         return (trials[-1],)
 
     monkeypatch.setattr(campaign_command, "run_trials", run)
-    monkeypatch.setattr(campaign_command, "local_workers", contextlib.nullcontext)
+    monkeypatch.setattr(campaign_command, "local_workers", lambda count: contextlib.nullcontext(SimpleNamespace()))
+    monkeypatch.setattr(campaign_command, "prepare", lambda client, design: None)
     assert main(["campaign", "tutorial_arena", "--trials", "3", "--out", str(tmp_path)]) == 1
     captured = capsys.readouterr()
     failed, good = read_store(tmp_path).outcomes
