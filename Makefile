@@ -13,7 +13,7 @@ SPEED ?= 5
 FUZZ := $(BUILD)/fuzz
 FUZZ_SECONDS ?= 60
 # Whole missions are left out: with the sanitizers they take many minutes, and nothing in the C++ is theirs alone.
-SANITIZED := $(addprefix test/python/,propagation network sensing world control)
+SANITIZED := $(addprefix test/python/,propagation network sensing world swarm control)
 ARGS ?=
 # Everything that ROS and Python must know of the build, whatever the user's shell has set.
 ENV := source $(BUILD)/devel/setup.bash &&
