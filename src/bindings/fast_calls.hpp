@@ -79,56 +79,40 @@ PyObject* ToPython(Result&& result) {
   return Caster::cast(std::forward<Result>(result), pybind11::return_value_policy::move, {}).ptr();
 }
 
-/// One function as CPython calls methods (METH_FASTCALL).
-template <auto function, typename Class, typename Result, typename... Args>
-struct Method {
-  static PyObject* Call(PyObject* self, PyObject* const* args, Py_ssize_t num_args) {
-    try {
-      return With(self, args, num_args, std::index_sequence_for<Args...>());
-    } catch (...) {
-      TellPython();
-      return nullptr;
-    }
-  }
-
-  template <std::size_t... i>
-  static PyObject* With(PyObject* self, PyObject* const* args, Py_ssize_t num_args, std::index_sequence<i...>) {
-    auto* const object = ValueOf<std::remove_const_t<Class>>(self);
+/// Calls a function with arguments of Python, which follow the object where it is a method, as METH_FASTCALL has them.
+template <auto function, typename Result, typename... Args, std::size_t... i, typename... Object>
+PyObject* CallWith(std::index_sequence<i...>, PyObject* const* args, Py_ssize_t num_args, Object*... object) {
+  try {
     std::tuple<Converted<Args>...> converted;
-    const bool fits = object != nullptr && num_args == sizeof...(Args);
+    const bool fits = (... && (object != nullptr)) && num_args == sizeof...(Args);
     if (!fits || !(... && std::get<i>(converted).Load(args[i]))) {
       throw pybind11::type_error("incompatible function arguments; wanted " + std::to_string(sizeof...(Args)) +
                                  " by position");
     }
     if constexpr (std::is_void_v<Result>) {
-      std::invoke(function, *object, std::get<i>(converted).Get()...);
+      std::invoke(function, *object..., std::get<i>(converted).Get()...);
       Py_RETURN_NONE;
     } else {
-      return ToPython(std::invoke(function, *object, std::get<i>(converted).Get()...));
+      return ToPython(std::invoke(function, *object..., std::get<i>(converted).Get()...));
     }
+  } catch (...) {
+    TellPython();
+    return nullptr;
+  }
+}
+
+template <auto function, typename Class, typename Result, typename... Args>
+struct Method {
+  static PyObject* Call(PyObject* self, PyObject* const* args, Py_ssize_t num_args) {
+    return CallWith<function, Result, Args...>(std::index_sequence_for<Args...>(), args, num_args,
+                                               ValueOf<std::remove_const_t<Class>>(self));
   }
 };
 
-/// The same for a function of a module.
 template <auto function, typename Result, typename... Args>
 struct Function {
   static PyObject* Call(PyObject* /*module*/, PyObject* const* args, Py_ssize_t num_args) {
-    try {
-      return With(args, num_args, std::index_sequence_for<Args...>());
-    } catch (...) {
-      TellPython();
-      return nullptr;
-    }
-  }
-
-  template <std::size_t... i>
-  static PyObject* With(PyObject* const* args, Py_ssize_t num_args, std::index_sequence<i...>) {
-    std::tuple<Converted<Args>...> converted;
-    if (num_args != sizeof...(Args) || !(... && std::get<i>(converted).Load(args[i]))) {
-      throw pybind11::type_error("incompatible function arguments; wanted " + std::to_string(sizeof...(Args)) +
-                                 " by position");
-    }
-    return ToPython(function(std::get<i>(converted).Get()...));
+    return CallWith<function, Result, Args...>(std::index_sequence_for<Args...>(), args, num_args);
   }
 };
 
