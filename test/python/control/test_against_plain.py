@@ -11,16 +11,12 @@ from scipy import ndimage
 
 from robotteamsim import _core
 from robotteamsim.control.driving.known_map import KnownMap
-from robotteamsim.control.driving.localisation import Localiser
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.rdpso.obstacles import Surroundings
-from robotteamsim.geometry import Pose, PoseReading, Twist
-from robotteamsim.interface import Decision
-from robotteamsim.scenario import load
+from robotteamsim.geometry import Pose
 from robotteamsim.scenario.drives import CarDrive, Drive
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan
 from robotteamsim.scenario.sections import Laser, PlacedRobot
-from robotteamsim.sensing.readings import RobotReading
 
 SIZE_M = 12.0
 
@@ -84,56 +80,6 @@ def test_nearest_place_is_the_first_of_the_nearest():
         assert nearest is min(places, key=lambda other, position=position: math.dist(position, other))
     with pytest.raises(ValueError, match="of no places, none is nearest"):
         _core.nearest_place((0.0, 0.0), [])
-
-
-def test_localiser_reads_a_pose_as_the_reading_does():
-    rng = np.random.default_rng(2)
-    localiser = Localiser(0, load("garage_sar", ["control.localisation=ground_truth"]))
-    for pose in [Pose(0.0, 0.0, math.pi), *(Pose(*row) for row in rng.uniform(-4.0, 4.0, (200, 3)).tolist())]:
-        reading = RobotReading(PoseReading.from_pose(pose), Twist(), None, None, False)
-        assert localiser.map_T_base_link(reading) == reading.ground_truth.pose
-
-
-def test_tuples_of_a_class_are_made_as_their_class_makes_them():
-    items = (Twist(1.0, 2.0, 3.0), (), False, None, 0.5, 3, 0, "")
-    decision = _core.as_tuple(Decision, items)
-    assert type(decision) is Decision
-    assert decision == Decision(*items)
-    for wrong in ((list, items), (Decision, [1, 2]), (Decision,), (3, items)):
-        with pytest.raises(TypeError, match="wanted a class of tuples, and a tuple"):
-            _core.as_tuple(*wrong)
-
-
-def test_a_tuple_with_other_items_is_of_its_class_and_leaves_the_first_as_it_was():
-    twist = Twist(1.0, 2.0, 3.0)
-    other = _core.with_items(twist, 1, 9.0, 0, 8.0)
-    assert type(other) is Twist
-    assert (other, twist) == (Twist(8.0, 9.0, 3.0), Twist(1.0, 2.0, 3.0))
-    assert _core.with_items((7,), 0, 8) == (8,)
-
-
-@pytest.mark.parametrize("wrong", [([1.0], 0, 2.0), ((1.0,), "0", 2.0), ((1.0,), 0), ()])
-def test_another_item_of_what_is_no_tuple_or_index_is_refused(wrong):
-    with pytest.raises(TypeError, match="wanted a tuple, an index, and an item"):
-        _core.with_items(*wrong)
-
-
-@pytest.mark.parametrize("index", [-2, -1, 1, 2**70])
-def test_an_item_beyond_those_of_a_tuple_is_refused(index):
-    with pytest.raises(TypeError, match="no item of this index"):
-        _core.with_items((1.0,), index, 2.0)
-
-
-@pytest.mark.parametrize("reading", [None, (1.0, 2.0, 3.0), ("x", 0.0, 0.0, 1.0)])
-def test_what_is_no_reading_of_a_pose_is_refused(reading):
-    with pytest.raises(TypeError, match="wanted a tuple with the reading of a pose"):
-        _core.to_pose((reading,), 0, Pose)
-
-
-@pytest.mark.parametrize("wrong", [(), (1, Pose), (-1, Pose), ("0", Pose), (0,), (0, list)])
-def test_the_reading_of_a_pose_is_looked_for_where_it_is_said_to_be(wrong):
-    with pytest.raises(TypeError, match="wanted a tuple with the reading of a pose"):
-        _core.to_pose(((0.0, 0.0, 0.0, 1.0),), *wrong)
 
 
 @pytest.mark.parametrize("beams", [5, 61, 181, 360])

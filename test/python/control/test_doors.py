@@ -7,6 +7,7 @@ import pytest
 
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
+from robotteamsim.control.rdpso.update import Sighting
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import Door, FloorPlan, Wall
 from robotteamsim.scenario.sections import Area, Laser, Mission, PlacedRobot, Run
@@ -41,7 +42,7 @@ def test_robot_sees_that_an_open_door_was_closed(plan):
     assert beliefs.changed == ()
     look(plan, beliefs, 8.0, 2.2, closed=True, iteration=7)
     assert beliefs.changed == (("a", True),)
-    assert beliefs.sightings == (("a", True, 7),)
+    assert beliefs.sightings == (Sighting("a", True, 7),)
 
 
 def test_robot_sees_that_the_door_is_open_again(plan):
@@ -49,7 +50,7 @@ def test_robot_sees_that_the_door_is_open_again(plan):
     look(plan, beliefs, 8.0, 2.2, closed=True, iteration=7)
     look(plan, beliefs, 8.5, 1.8, closed=False, iteration=9)
     assert beliefs.changed == ()
-    assert beliefs.sightings == (("a", False, 9),)
+    assert beliefs.sightings == (Sighting("a", False, 9),)
 
 
 def test_door_out_of_sight_stays_as_believed(plan):
@@ -68,19 +69,23 @@ def test_robot_in_the_doorway_is_no_closed_door(plan):
 
 def test_later_sighting_of_a_teammate_is_taken_over(plan):
     beliefs = DoorBeliefs(plan, Laser())
-    beliefs.hear((("a", True, 5),))
-    beliefs.hear((("a", False, 3), ("unknown", True, 9)))
+    beliefs.hear((Sighting("a", True, 5),))
+    beliefs.hear((Sighting("a", False, 3), Sighting("unknown", True, 9)))
     assert beliefs.changed == (("a", True),)
 
 
 def test_sightings_heard_in_either_order_give_one_belief(plan):
-    sightings = [(("a", True, 5),), (("a", False, 5),), (("b", True, 2), ("a", False, 4))]
+    sightings = [
+        (Sighting("a", True, 5),),
+        (Sighting("a", False, 5),),
+        (Sighting("b", True, 2), Sighting("a", False, 4)),
+    ]
     forward, backward = DoorBeliefs(plan, Laser()), DoorBeliefs(plan, Laser())
     for heard in sightings:
         forward.hear(heard)
     for heard in reversed(sightings):
         backward.hear(heard)
-    assert forward.sightings == backward.sightings == (("a", True, 5), ("b", True, 2))
+    assert forward.sightings == backward.sightings == (Sighting("a", True, 5), Sighting("b", True, 2))
 
 
 def test_closed_door_lengthens_the_path(plan):

@@ -165,7 +165,7 @@ def _mission(run: RecordedRun) -> MissionFigures | None:
     if not run.statuses:
         return None
     last = run.statuses[-1]
-    reports = last.reports
+    delivered = last.delivered
     return MissionFigures(
         scenario=last.scenario,
         noise_db=last.noise_db,
@@ -176,9 +176,9 @@ def _mission(run: RecordedRun) -> MissionFigures | None:
         victims_saved=last.victims.count("saved"),
         num_victims=len(last.victims),
         endangered_links=last.endangered_links,
-        finds_reported=reports.reported if reports else None,
-        mean_report_delay_s=reports.mean_delay_s if reports and reports.reported else None,
-        max_report_delay_s=reports.max_delay_s if reports and reports.reported else None,
+        finds_reported=delivered.count if delivered else None,
+        mean_report_delay_s=delivered.mean_delay_s if delivered and delivered.count else None,
+        max_report_delay_s=delivered.max_delay_s if delivered and delivered.count else None,
     )
 
 

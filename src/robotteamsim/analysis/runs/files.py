@@ -28,7 +28,7 @@ def document(runs: Sequence[RecordedRun], figures: Sequence[RunFigures]) -> dict
     """Return figures and events of all bags as plain values for JSON; null where a bag does not tell."""
     return {
         "bags": [
-            dataclasses.asdict(figure) | {"events": [dataclasses.asdict(event) for _, event in run.events]}
+            dataclasses.asdict(figure) | {"events": [msgspec.structs.asdict(event) for _, event in run.events]}
             for run, figure in zip(runs, figures, strict=True)
         ]
     }
@@ -45,7 +45,7 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], figures: Sequence[Ru
         "robots": (("bag", *_names(RobotTotals)), (row for figure in figures for row in _robot_rows(figure))),
         "events": (
             ("bag", "time_s", "kind", "subject", "robot_id", "detail"),
-            ((run.name, *dataclasses.astuple(event)) for run in runs for _, event in run.events),
+            ((run.name, *msgspec.structs.astuple(event)) for run in runs for _, event in run.events),
         ),
         "progress": (
             (

@@ -22,7 +22,7 @@ from robotteamsim.analysis.runs.tracks import (
     from_truth,
 )
 from robotteamsim.errors import RecordingError
-from robotteamsim.mission.status import Event, Reports
+from robotteamsim.mission.status import DeliveredDiscoveries, Event
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.scenario.plan import OccupancyGrid
 
@@ -97,7 +97,7 @@ class RecordedNetwork:
 
 @dataclass(frozen=True, slots=True)
 class RecordedStatus:
-    """The mission at one time, as /mission/status tells it. reports: None where there is no base."""
+    """The mission at one time, as /mission/status tells it. delivered: None where there is no base."""
 
     stamp_ns: int
     time_s: float
@@ -108,7 +108,7 @@ class RecordedStatus:
     victims: tuple[str, ...]
     endangered_links: int
     noise_db: float
-    reports: Reports | None = None
+    delivered: DeliveredDiscoveries | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -347,12 +347,12 @@ def _take_status(message: Any) -> tuple[Any, ...]:
         int(message.endangered_links),
         message.noise_db,
         # Bags of before the base was heard of do not tell.
-        _take_reports(message) if getattr(message, "has_base", False) else None,
+        _take_delivered(message) if getattr(message, "has_base", False) else None,
     )
 
 
-def _take_reports(message: Any) -> Reports:
-    return Reports(int(message.finds_reported), message.mean_report_delay_s, message.max_report_delay_s)
+def _take_delivered(message: Any) -> DeliveredDiscoveries:
+    return DeliveredDiscoveries(int(message.finds_reported), message.mean_report_delay_s, message.max_report_delay_s)
 
 
 def _take_event(message: Any) -> Event:
