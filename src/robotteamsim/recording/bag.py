@@ -20,6 +20,7 @@ from robotteamsim.recording.sensor_fields import sensor_topics
 from robotteamsim.scenario import occupancy_grid
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
+from robotteamsim.world.placement import placed_robots
 
 MAP_RESOLUTION_M = 0.05
 """Cell of `/map` [m]."""
@@ -116,7 +117,7 @@ class BagWriter:
     def begin(self, scenario: Scenario) -> None:
         """Open the bag. Raises: RecordingError: it cannot be written."""
         self._scenario = scenario
-        self._robots = scenario.placed_robots()
+        self._robots = placed_robots(scenario)
         self._sensors = [sensor_topics(robot) for robot in self._robots]
         self._step_ns = round(scenario.run.step_s * 1e9)
         self._steps, self._within_step = 0, False

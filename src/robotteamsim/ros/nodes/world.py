@@ -67,6 +67,7 @@ from robotteamsim.srv import (
 )
 from robotteamsim.world import World
 from robotteamsim.world.doors import DoorState
+from robotteamsim.world.placement import placed_robots
 
 MAP_RESOLUTION_M = 0.05
 SERVICE_PATIENCE_S = 5.0
@@ -98,7 +99,7 @@ class WorldNode:
         self._settings = settings
         self._scenario = scenario
         self._step_ns = settings.step_ns
-        self._robots = scenario.placed_robots()
+        self._robots = placed_robots(scenario)
         self._make = conversion.RosTypes()
         self._gate = Gate()
         self._pacer = _pacer()
