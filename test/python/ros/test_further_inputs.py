@@ -5,7 +5,7 @@ from io import BytesIO
 import numpy as np
 import pytest
 
-from robotteamsim.recording.sensor_fields import sensor_topics
+from robotteamsim.recording.sensor_messages import sensor_topics
 from robotteamsim.ros.nodes.further_inputs import FurtherInputs
 from robotteamsim.ros.transport.inbox import Step
 from robotteamsim.ros.transport.msg_conversion import RosTypes
