@@ -233,7 +233,7 @@ class BagWriter:
             reading.odometry if record.is_there(robot_id) else None for robot_id, reading in enumerate(record.readings)
         ]
         yield "/tf", ros_messages.transforms(make, time_ns, self._robots, odometry)
-        if record.doors and (last is None or record.doors is not last.doors):
+        if record.doors and (last is None or record.doors.version != last.doors.version):
             yield "/world/doors", ros_messages.doors(make, time_ns, record.doors)
         if last is None or record.present is not last.present or record.arrivals is not last.arrivals:
             yield "/world/robots", ros_messages.robots(make, time_ns, record.present, record.arrivals)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
@@ -18,7 +18,7 @@ from robotteamsim.scenario.plan import Solid, solids
 from robotteamsim.scenario.schedule import ScheduledEvent, in_order
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.things import Thing
-from robotteamsim.world.doors import DoorState, core_door, door_at_start, door_state, leaf_outline
+from robotteamsim.world.doors import DoorStates, core_door, door_state, leaf_outline
 from robotteamsim.world.pieces import convex_pieces
 from robotteamsim.world.placement import check_things
 
@@ -48,22 +48,19 @@ class World:
         *,
         things: Sequence[Thing] = (),
         schedule: Sequence[ScheduledEvent] = (),
-        seed: int = 0,
     ) -> None:
         """Place the robots at their start poses, in id order.
 
         Args:   schedule: robots that leave and come by themselves; one whose place is taken comes when it is free.
-                seed: for what is random in a world; so far nothing is.
         Raises: PlacementError: a robot or thing starts in a wall, block, closed door, robot or thing, or outside.
         """
-        self.seed = seed
         self.plan = plan
         self._robots = tuple(robots)
         self._first_things = self._things = tuple(things)
         self._step_ns = round(run.step_s * 1e9)
         self._solids, self._shapes = _still_solids(plan)
         self._door_ids = {door.name: index for index, door in enumerate(plan.doors)}
-        self._doors = {door.name: door_at_start(door) for door in plan.doors}
+        self._doors = DoorStates.at_start(plan)
         self._reaches_m = np.array([robot.reach_m for robot in self._robots])
         self._start_poses = [Pose(*robot.start_pose) for robot in self._robots]
         self._schedule = [happening for _, happening in in_order(schedule)]
@@ -138,12 +135,8 @@ class World:
             thing.name: Pose(*row) for thing, row in zip(self._things, self.core.thing_poses().tolist(), strict=True)
         }
 
-    def doors(self) -> dict[str, bool]:
-        """Return whether each door is closed, by name, in the plan's order."""
-        return {name: state.closed for name, state in self._doors.items()}
-
-    def door_states(self) -> Mapping[str, DoorState]:
-        """Return all doors as they are, by name, in the plan's order; the same object until one of them changes."""
+    def door_states(self) -> DoorStates:
+        """Return the state of all doors, by name, in the plan's order; its version grows with each change."""
         return self._doors
 
     def set_pose(self, robot_id: int, pose: Pose) -> None:
@@ -229,7 +222,7 @@ class World:
     def reset(self) -> None:
         """Begin again as new: time, poses, who is there, things and doors as at the start."""
         self.core.reset()
-        self._doors = {door.name: door_at_start(door) for door in self.plan.doors}
+        self._doors = self._doors.updated(DoorStates.at_start(self.plan))
         self._things = self._first_things
         self._begin()
 
@@ -360,9 +353,9 @@ class World:
                 yield Solid(door.name, "door", corners, door)
 
     def _look_at_doors(self) -> None:
-        states = {name: door_state(self.core, index) for name, index in self._door_ids.items()}
-        if states != self._doors:
-            self._doors = states
+        self._doors = self._doors.updated(
+            {name: door_state(self.core, index) for name, index in self._door_ids.items()}
+        )
 
 
 @functools.lru_cache(maxsize=16)

@@ -46,7 +46,7 @@ def step(world: World, steps: int, *twists: Twist) -> list[DoorState]:
 def test_door_is_closed_exactly_while_its_leaf_is_all_across_the_gap(motion):
     world = world_of(door(motion=motion, time_s=1.0, closed=True))
     world.set_door("gate", False)
-    assert world.doors() == {"gate": True}
+    assert world.door_states().closed() == {"gate": True}
     opening = step(world, 12)
     assert [state.opening for state in opening] == pytest.approx([*(0.1 * i for i in range(1, 11)), 1.0, 1.0])
     assert {state.closed for state in opening} == {False}
@@ -55,7 +55,7 @@ def test_door_is_closed_exactly_while_its_leaf_is_all_across_the_gap(motion):
     closing = step(world, 12)
     assert [state.closed for state in closing] == [False] * 9 + [True] * 3
     assert [state.motion for state in closing] == ["closes"] * 9 + ["still"] * 3
-    assert world.doors() == {"gate": True}
+    assert world.door_states().closed() == {"gate": True}
 
 
 def test_instant_door_has_no_leaf_while_it_is_open():

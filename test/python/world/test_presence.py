@@ -114,11 +114,11 @@ def test_leaf_of_a_door_waits_for_no_robot_that_is_gone():
     world.set_door("gate", True)
     for _ in range(20):
         world.step([Twist(), Twist()])
-    assert not world.doors()["gate"]
+    assert not world.door_states().closed()["gate"]
     world.remove_robot(0)
     for _ in range(20):
         world.step([Twist(), Twist()])
-    assert world.doors()["gate"]
+    assert world.door_states().closed()["gate"]
 
 
 def test_what_others_do_after_a_robot_left_is_as_if_it_had_never_been_there():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
 
 import numpy as np
 import rospy
@@ -66,7 +65,7 @@ from robotteamsim.srv import (
     StepResponse,
 )
 from robotteamsim.world import World
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.placement import placed_robots
 
 MAP_RESOLUTION_M = 0.05
@@ -159,9 +158,7 @@ class WorldNode:
     def _build(self) -> None:
         seed = self._scenario.run.seed
         things, schedule = self._scenario.things, self._scenario.schedule
-        self._world = World(
-            self._scenario.plan, self._robots, self._scenario.run, things=things, schedule=schedule, seed=seed
-        )
+        self._world = World(self._scenario.plan, self._robots, self._scenario.run, things=things, schedule=schedule)
         self._come: set[int] = set()
         self._sensors = RobotSensors(self._world, self._robots, seed)
 
@@ -186,7 +183,7 @@ class WorldNode:
             if tick < ticks:
                 self._publish_clock(time_ns)
 
-    def _publish(self, readings: TeamReadings, doors: Mapping[str, DoorState], who: Who) -> None:
+    def _publish(self, readings: TeamReadings, doors: DoorStates, who: Who) -> None:
         time_ns, (present, arrivals) = self._world.sim_time_ns, who
         here = (True,) * len(arrivals) if present is None else tuple(present.tolist())
         self._team.note_who(time_ns, here)
