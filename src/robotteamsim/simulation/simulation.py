@@ -37,8 +37,8 @@ class Simulation:
         check_places(scenario)
         robots, seed = placed_robots(scenario), scenario.run.seed
         self.scenario = scenario
-        things, schedule = scenario.things, scenario.schedule
-        self.world = World(scenario.plan, robots, scenario.run, things=things, schedule=schedule)
+        objects, schedule = scenario.objects, scenario.schedule
+        self.world = World(scenario.plan, robots, scenario.run, objects=objects, schedule=schedule)
         self.sensors = RobotSensors(self.world, robots, seed)
         self.environment = Environment(scenario)
         self._arrivals = self.world.arrivals

@@ -34,7 +34,7 @@ class FakeParts:
     def names(self) -> list[str]:
         return [call[0] for call in self.calls]
 
-    def world(self, plan, robots, run, *, things, schedule) -> FakeWorld:
+    def world(self, plan, robots, run, *, objects, schedule) -> FakeWorld:
         return FakeWorld(self)
 
     def sensors(self, world, robots, seed) -> FakeSensors:
