@@ -126,7 +126,11 @@ def test_cluster_without_workers_gives_a_message(capsys, tmp_path, monkeypatch, 
     monkeypatch.setattr(campaign_command, "scheduler_at", lambda address: contextlib.nullcontext(client))
     command = ["campaign", "tutorial_arena", "--trials", "2", "--out", str(tmp_path), "--scheduler", "tcp://x:1"]
     assert main(command) == 0
-    assert capsys.readouterr().err.splitlines()[:-1] == ["tutorial_arena: 2 trials", *messages, "2 of 2 trials, 0 s left"]
+    assert capsys.readouterr().err.splitlines()[:-1] == [
+        "tutorial_arena: 2 trials",
+        *messages,
+        "2 of 2 trials, 0 s left",
+    ]
 
 
 @pytest.mark.parametrize(
