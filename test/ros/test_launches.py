@@ -107,7 +107,7 @@ def test_mapping_starts_gmapping_in_the_namespace_of_its_robot(tmp_path: Path, m
 def test_launch_ends_with_the_mission_and_a_table_of_what_happened(run: Run, headless_hash: str) -> None:
     assert run.status == 0
     assert "mission-4] has died!\nprocess has finished cleanly" in run.output
-    assert "the time was up" in run.output
+    assert "time limit reached" in run.output
     assert f"trajectories {headless_hash}" in run.output
     assert (run.result["trajectory_hash"], run.result["noise_db"]) == (headless_hash, 12.0)
     assert "Traceback" not in run.output

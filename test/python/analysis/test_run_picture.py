@@ -124,7 +124,7 @@ def test_runs_beside_each_other_share_the_scales_and_say_what_one_lacks(run, rea
 
 def test_words_tell_how_the_mission_went(run, real, busy):
     assert figures(run).title == "busy: garage_sar, 5 robots, 5 dB noise"
-    assert outcome(figures(run)) == "0/5 areas, 0/4 victims in 25.0 s: the time was up"
+    assert outcome(figures(run)) == "0/5 areas, 0/4 victims in 25.0 s: time limit reached"
     assert figures(real).title == "real: 1 robot"
     assert outcome(figures(real)) == ""
 

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from robotteamsim.analysis.runs.derived import MissionFigures, NetworkFigures, RobotTotals, RunFigures
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
-from robotteamsim.recording.table import END_WORDS, event_table, report_rows
+from robotteamsim.recording.table import END_WORDS, delivery_rows, event_table
 
 _UNKNOWN = "-"
 _SHORT_ENDS = {
@@ -80,7 +80,7 @@ def _mission_rows(mission: MissionFigures) -> list[tuple[str, str]]:
         ("end", _end_words(mission.end)),
         ("areas explored", f"{mission.areas_explored} of {mission.num_areas}"),
         ("victims saved", f"{mission.victims_saved} of {mission.num_victims}"),
-        *report_rows(mission.finds_reported, mission.mean_report_delay_s, mission.max_report_delay_s),
+        *delivery_rows(mission.finds_reported, mission.mean_report_delay_s, mission.max_report_delay_s),
         ("time", f"{mission.time_s:.1f} s"),
         ("endangered links", str(mission.endangered_links)),
     ]
