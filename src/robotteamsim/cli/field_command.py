@@ -17,6 +17,7 @@ from robotteamsim.cli.pictures import save
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording.files import atomically, write_atomically
+from robotteamsim.world.placement import check_places
 
 if TYPE_CHECKING:
     from robotteamsim.analysis.fields.maps import VoiceRange
@@ -120,6 +121,7 @@ class _Variant:
         """Load the scenario of this map. Raises: ScenarioError, UsageError: the message names the option."""
         try:
             loaded = scenario.load(options.scenario, self.overrides)
+            check_places(loaded)
         except ScenarioError as error:
             error.args = (self._with_own_option(str(error)),)
             raise

@@ -16,6 +16,7 @@ from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.recording.files import write_atomically
 from robotteamsim.simulation import Simulation
 from robotteamsim.wording import counted
+from robotteamsim.world.placement import check_places
 
 _SCHEMA_EPILOG = """\
 With an editor's YAML extension, this first line enables completion and checks:
@@ -57,6 +58,7 @@ def run_check(options: argparse.Namespace) -> None:
     for name in options.scenarios:
         try:
             loaded = scenario.load(name, options.overrides)
+            check_places(loaded)
         except ScenarioError as error:
             mistakes += [str(error), *getattr(error, "__notes__", [])]
             continue
@@ -65,7 +67,7 @@ def run_check(options: argparse.Namespace) -> None:
             continue
         mission, (width_m, height_m) = loaded.mission, _size_m(loaded)
         print(
-            f"{name}: valid: {counted(len(loaded.placed_robots()), 'robot')}, {counted(len(mission.areas), 'area')}, "
+            f"{name}: valid: {counted(loaded.num_robots, 'robot')}, {counted(len(mission.areas), 'area')}, "
             f"{counted(len(mission.victims), 'victim')} in {loaded.plan.name} of {width_m:g} x {height_m:g} m"
         )
     if mistakes:

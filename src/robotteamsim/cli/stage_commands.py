@@ -74,7 +74,7 @@ def add_to(actions: Any) -> None:
 def import_stage(options: argparse.Namespace) -> None:
     """Import a Stage world."""
     # Imported late, because OpenCV takes longer to load than most commands take to run.
-    from robotteamsim.scenario.stage import import_world
+    from robotteamsim.stage import import_world
 
     name = options.world.stem
     folder = options.out or Path(name)
@@ -90,7 +90,7 @@ def import_stage(options: argparse.Namespace) -> None:
     with atomically(plan_file) as plan_part, atomically(scenario_file) as scenario_part:
         scenario.write_floor_plan(found.plan, plan_part)
         scenario_part.write_text(write(keys), encoding="utf-8")
-    robots, walls, blocks = len(found.scenario.placed_robots()), len(found.plan.walls), len(found.plan.blocks)
+    robots, walls, blocks = found.scenario.num_robots, len(found.plan.walls), len(found.plan.blocks)
     print(
         f"{scenario_file}: {counted(robots, 'robot')}; "
         f"{plan_file}: {counted(walls, 'wall')}, {counted(blocks, 'block')}"
@@ -99,7 +99,7 @@ def import_stage(options: argparse.Namespace) -> None:
 
 def export_stage(options: argparse.Namespace) -> None:
     """Export a scenario to Stage."""
-    from robotteamsim.scenario.stage import export_world
+    from robotteamsim.stage import export_world
 
     model = scenario.load(options.scenario, options.settings)
     # The scenario's own name may not be a valid file name.
@@ -111,7 +111,7 @@ def export_stage(options: argparse.Namespace) -> None:
     with atomically(bitmap) as bitmap_part, atomically(world) as world_part:
         bitmap_part.write_bytes(export.bitmap)
         world_part.write_text(export.world, encoding="utf-8")
-    print(f"{world}: {counted(len(model.placed_robots()), 'robot')}; {bitmap}: walls and closed doors")
+    print(f"{world}: {counted(model.num_robots, 'robot')}; {bitmap}: walls and closed doors")
 
 
 def _warn(notes: Sequence[str]) -> None:

@@ -20,6 +20,7 @@ from robotteamsim.recording.sensor_messages import sensor_topics
 from robotteamsim.scenario import occupancy_grid
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
+from robotteamsim.world.placement import placed_robots
 
 MAP_RESOLUTION_M = 0.05
 """Cell size of `/map` [m]."""
@@ -115,7 +116,7 @@ class BagWriter:
     def begin(self, scenario: Scenario) -> None:
         """Open the bag. Raises: RecordingError: it cannot be written."""
         self._scenario = scenario
-        self._robots = scenario.placed_robots()
+        self._robots = placed_robots(scenario)
         self._sensors = [sensor_topics(robot) for robot in self._robots]
         self._step_ns = round(scenario.run.step_s * 1e9)
         self._steps, self._within_step = 0, False
@@ -234,7 +235,7 @@ class BagWriter:
             reading.odometry if record.is_there(robot_id) else None for robot_id, reading in enumerate(record.readings)
         ]
         yield "/tf", ros_messages.transforms(make, time_ns, self._robots, odometry)
-        if record.doors and (last is None or record.doors is not last.doors):
+        if record.doors and (last is None or record.doors.version != last.doors.version):
             yield "/world/doors", ros_messages.doors(make, time_ns, record.doors)
         if last is None or record.present is not last.present or record.arrivals is not last.arrivals:
             yield "/world/robots", ros_messages.robots(make, time_ns, record.present, record.arrivals)

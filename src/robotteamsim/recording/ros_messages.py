@@ -5,7 +5,7 @@ of rosbags, and the nodes pass a factory for their own message classes. Numeric 
 attribute's type; a factory converts them if its classes need something else.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,7 +18,7 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.doors import DoorStates
 
 MAP_FRAME = "map"
 
@@ -346,7 +346,7 @@ def victims(make: Make, time_ns: int, all_victims: Sequence[Victim], states: Seq
     )
 
 
-def doors(make: Make, time_ns: int, states: Mapping[str, DoorState]) -> Any:
+def doors(make: Make, time_ns: int, states: DoorStates) -> Any:
     """robotteamsim/Doors."""
     return make(
         "robotteamsim/Doors",

@@ -31,7 +31,6 @@ from robotteamsim.ros.transport.node import (
     run,
 )
 from robotteamsim.ros.transport.quick_messages import PlanarOdometry
-from robotteamsim.scenario.placement import check_places
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.sections import Mission as MissionSection
 from robotteamsim.scenario.sections import Victim
@@ -52,6 +51,7 @@ from robotteamsim.srv import (
     SetVictimRequest,
     SetVictimResponse,
 )
+from robotteamsim.world.placement import check_mission
 
 STATUS = "/mission/status"
 DOORS = "/world/doors"
@@ -278,7 +278,7 @@ class EnvironmentNode:
         scenario = self._settings.scenario
         try:
             mission = MissionSection(victims=(Victim(name=request.name, position=position_m),))
-            check_places(scenario.plan, scenario.robots, mission)
+            check_mission(scenario.plan, mission)
         except ValidationError as error:
             return SetVictimResponse(success=False, message=str(problems(error, MissionSection)[0]))
         except PlacementError as error:
