@@ -41,7 +41,7 @@ def test_one_bag_is_summarised_in_detail(capsys, bags):
     assert "0.0 s   mission starts: 5 areas, 4 victims, 10 dB noise" in out
     assert "time limit reached" in out
     assert "robot_2" in out
-    assert "left out" not in out
+    assert "omitted" not in out
 
 
 def test_several_bags_are_one_table_with_their_means(capsys, bags):
