@@ -16,9 +16,10 @@ PACKAGE = ROOT / "src" / "robotteamsim"
 
 FLOORS = (
     ("errors", "geometry", "rng", "wording", "_core"),
+    ("map_import",),
     ("scenario", "plan"),  # C++ calls it plan
     ("world", "propagation"),
-    ("sensing", "network"),
+    ("sensing", "network", "stage"),
     ("swarm",),
     ("interface",),
     ("control",),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import repeat
 
 import msgspec
@@ -19,7 +19,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.wording import counted
-from robotteamsim.world.doors import DoorState, LeafMotion, door_at_start
+from robotteamsim.world.doors import DoorStates, LeafMotion
 
 NOBODY = -1
 """robot_id of an event that no robot caused."""
@@ -54,7 +54,7 @@ class Mission:
         self.noise_db = scenario.voice.noise_db
         """Background noise as last set [dB]."""
 
-        self._doors: Mapping[str, DoorState] = {door.name: door_at_start(door) for door in scenario.plan.doors}
+        self._doors = DoorStates.at_start(scenario.plan)
 
         self._state: MissionState = "waiting"
         self._end: MissionEnd = ""
@@ -71,7 +71,7 @@ class Mission:
         self._endangered_links = 0
         self._endangered: np.ndarray | None = None
         self._team = TeamMonitor(scenario.mission.base)
-        present = np.array([robot.present for robot in scenario.placed_robots()], dtype=bool)
+        present = np.array(scenario.present_at_start, dtype=bool)
         self._num_robots = len(present)
         self._present = None if present.all() else present
         """Whether each robot was there in the last step; None: all were."""
@@ -121,18 +121,14 @@ class Mission:
         self._add_event("door", name, NOBODY, f"door {name} is {'closed' if closed else 'opened'}")
         self._change_task()
 
-    def follow_doors(self, doors: Mapping[str, DoorState]) -> None:
+    def follow_doors(self, doors: DoorStates) -> None:
         """Note what the doors of the world do now; one that was opened or closed changes the voice map."""
-        if doors is self._doors:
-            return
-        for name, door in doors.items():
-            before = self._doors[name]
-            if door.closed != before.closed:
-                self.set_door(name, door.closed)
-            elif door.motion != before.motion:
-                self._add_event(
-                    "door_moves", name, NOBODY, f"door {name} {_MOTION[door.motion]}, {door.opening:.0%} open"
-                )
+        for name, before, now in doors.changes_since(self._doors):
+            if now.closed != before.closed:
+                self.set_door(name, now.closed)
+            elif now.motion != before.motion:
+                detail = f"door {name} {_MOTION[now.motion]}, {now.opening:.0%} open"
+                self._add_event("door_moves", name, NOBODY, detail)
         self._doors = doors
 
     def set_noise_db(self, noise_db: float) -> None:

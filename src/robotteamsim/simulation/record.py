@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Sequence
 from typing import Protocol
 
 import msgspec
@@ -16,7 +15,7 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.doors import DoorStates
 
 
 class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
@@ -44,7 +43,7 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     victims: tuple[Victim, ...]
     noise_db: float
     voice_map: FieldMap | None
-    doors: Mapping[str, DoorState] = MappingProxyType({})
+    doors: DoorStates = DoorStates()
     present: np.ndarray | None = None
     arrivals: tuple[int, ...] = ()
 
@@ -75,8 +74,8 @@ class Result(msgspec.Struct, frozen=True, gc=False):
     """The outcome of a trial.
 
     time_s: of the mission's clock.  wall_s: of the computation, the only value that differs between equal runs.
-    finds_reported: discoveries delivered to the base; None: there is no base.
-    mean_report_delay_s, max_report_delay_s: from discovery to delivery [s]; None: none was delivered.
+    discoveries_delivered: discoveries delivered to the base; None: there is no base.
+    mean_delivery_delay_s, max_delivery_delay_s: from discovery to delivery [s]; None: none was delivered.
     """
 
     scenario: str
@@ -94,9 +93,9 @@ class Result(msgspec.Struct, frozen=True, gc=False):
     sim_time_s: float
     robots: tuple[RobotTotals, ...]
     wall_s: float
-    finds_reported: int | None = None
-    mean_report_delay_s: float | None = None
-    max_report_delay_s: float | None = None
+    discoveries_delivered: int | None = None
+    mean_delivery_delay_s: float | None = None
+    max_delivery_delay_s: float | None = None
 
     @property
     def speed(self) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import msgspec
@@ -22,7 +22,7 @@ from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.tally import Tally
 from robotteamsim.world import World
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.placement import check_places, placed_robots
 
 
 class Simulation:
@@ -35,11 +35,12 @@ class Simulation:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        """Build all stages. Raises: PlacementError: a robot starts where it cannot stand."""
-        robots, seed = scenario.placed_robots(), scenario.run.seed
+        """Build all stages. Raises: PlacementError: a robot, object, area or victim has no room where it is."""
+        check_places(scenario)
+        robots, seed = placed_robots(scenario), scenario.run.seed
         self.scenario = scenario
-        things, schedule = scenario.things, scenario.schedule
-        self.world = World(scenario.plan, robots, scenario.run, things=things, schedule=schedule, seed=seed)
+        objects, schedule = scenario.objects, scenario.schedule
+        self.world = World(scenario.plan, robots, scenario.run, objects=objects, schedule=schedule)
         self.sensors = RobotSensors(self.world, robots, seed)
         self.environment = Environment(scenario)
         self._arrivals = self.world.arrivals
@@ -50,7 +51,6 @@ class Simulation:
         self._task = Task()
         self._saved: tuple[str, ...] = ()
         self._voice_map_changes = -1
-        self._doors: Mapping[str, DoorState] = {}
 
     def step(self) -> StepRecord:
         """Advance by one step and return all that happened in it."""
@@ -73,7 +73,7 @@ class Simulation:
             victims=mission.victims,
             noise_db=mission.noise_db,
             voice_map=self._fresh_voice_map(),
-            doors=self._doors,
+            doors=world.door_states(),
             present=world.present,
             arrivals=world.arrivals,
         )
@@ -82,10 +82,8 @@ class Simulation:
         """Move the world by the last decisions; voice, radio and mission follow its doors."""
         self.world.step([decision.twist for decision in self._decisions])
         doors = self.world.door_states()
-        if doors is not self._doors:
-            self.environment.follow_doors(doors)
-            self.mission.follow_doors(doors)
-            self._doors = doors
+        self.environment.follow_doors(doors)
+        self.mission.follow_doors(doors)
 
     def _deliver(
         self, positions_m: np.ndarray

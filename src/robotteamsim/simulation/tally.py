@@ -36,7 +36,7 @@ class Tally:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._hash = TrajectoryHash()
-        self._totals = TeamTotals(len(scenario.placed_robots()), scenario.run.step_s)
+        self._totals = TeamTotals(scenario.num_robots, scenario.run.step_s)
         self._wall_start_s = time.perf_counter()
         self._last: StepRecord | None = None
         self._pending: list[_Step] = []
@@ -79,9 +79,9 @@ class Tally:
             sim_time_s=record.sim_time_s,
             robots=self._totals.result(),
             wall_s=time.perf_counter() - self._wall_start_s,
-            finds_reported=delivered.count if delivered else None,
-            mean_report_delay_s=delivered.mean_delay_s if delivered and delivered.count else None,
-            max_report_delay_s=delivered.max_delay_s if delivered and delivered.count else None,
+            discoveries_delivered=delivered.count if delivered else None,
+            mean_delivery_delay_s=delivered.mean_delay_s if delivered and delivered.count else None,
+            max_delivery_delay_s=delivered.max_delay_s if delivered and delivered.count else None,
         )
 
     def _add_pending(self) -> None:

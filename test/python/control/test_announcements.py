@@ -157,7 +157,7 @@ def test_swarm_in_the_garage_delivers_its_discoveries_to_a_base():
     simulation = Simulation(load("garage_sar", ["robots.count=4", "mission.base=0", "mission.time_limit_s=100"]))
     result = simulation.run()
     assert result.victims_saved > 0
-    assert result.finds_reported is not None
-    assert 0 < result.finds_reported <= result.victims_saved + result.areas_explored
+    assert result.discoveries_delivered is not None
+    assert 0 < result.discoveries_delivered <= result.victims_saved + result.areas_explored
     # Discovered in one step, announced in the next, delivered in the one after.
-    assert 0.199 < result.mean_report_delay_s <= result.max_report_delay_s < 100.0
+    assert 0.199 < result.mean_delivery_delay_s <= result.max_delivery_delay_s < 100.0

@@ -9,12 +9,13 @@ from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Laser as LaserModel
-from robotteamsim.scenario.things import Thing
 from robotteamsim.sensing.laser import Laser
 from robotteamsim.world import World
+from robotteamsim.world.placement import placed_robots
 
 PLAN = FloorPlan(
     name="two rooms",
@@ -113,11 +114,11 @@ def test_leaf_of_a_door_waits_for_no_robot_that_is_gone():
     world.set_door("gate", True)
     for _ in range(20):
         world.step([Twist(), Twist()])
-    assert not world.doors()["gate"]
+    assert not world.door_states().closed()["gate"]
     world.remove_robot(0)
     for _ in range(20):
         world.step([Twist(), Twist()])
-    assert world.doors()["gate"]
+    assert world.door_states().closed()["gate"]
 
 
 def test_what_others_do_after_a_robot_left_is_as_if_it_had_never_been_there():
@@ -168,8 +169,8 @@ def test_robots_put_back_are_those_who_are_there():
     ],
 )
 def test_robot_cannot_come_where_it_cannot_stand(pose: Pose, error: type[Exception], message: str):
-    drum = Thing(name="drum", kind="barrel", radius_m=0.3, pose=(9.0, 3.0, 0.0))
-    world = world_of(*STARTS, absent=(1,), things=[drum])
+    drum = MovableObject(name="drum", kind="barrel", radius_m=0.3, pose=(9.0, 3.0, 0.0))
+    world = world_of(*STARTS, absent=(1,), objects=[drum])
     with pytest.raises(error, match=message):
         world.spawn_robot(1, pose)
     assert present(world) == [True, False]
@@ -227,7 +228,7 @@ def test_schedule_that_others_forestalled_changes_nothing():
 
 
 def test_reserve_of_a_team_is_its_last_robots_at_their_places():
-    robots = load("garage_sar", ["robots.count=5", "robots.reserve=2"]).placed_robots()
+    robots = placed_robots(load("garage_sar", ["robots.count=5", "robots.reserve=2"]))
     assert [robot.present for robot in robots] == [True, True, True, False, False]
-    everybody = load("garage_sar", ["robots.count=5"]).placed_robots()
+    everybody = placed_robots(load("garage_sar", ["robots.count=5"]))
     assert [robot.start_pose for robot in robots] == [robot.start_pose for robot in everybody]

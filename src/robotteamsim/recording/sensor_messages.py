@@ -1,0 +1,84 @@
+"""Topics and messages of a robot's further sensors, for bags written without ROS and for the nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from robotteamsim.recording import ros_messages
+from robotteamsim.recording.ros_messages import Make
+from robotteamsim.scenario.sections import Robot
+from robotteamsim.scenario.sensors import MountedLaser, Sonar
+from robotteamsim.sensing.readings import FurtherReadings
+
+# Constants of sensor_msgs/Range, NavSatStatus and NavSatFix.
+_ULTRASOUND = 0
+_STATUS_FIX = 0
+_SERVICE_GPS = 1
+_COVARIANCE_TYPE_DIAGONAL_KNOWN = 2
+
+
+@dataclass(frozen=True, slots=True)
+class SensorTopic:
+    """The topic of one sensor, in the namespace of its robot.
+
+    message: makes the message from the stamp [ns], the robot's id and its readings; None in a step without a reading.
+    """
+
+    name: str
+    type_name: str
+    message: Callable[[Make, int, int, FurtherReadings], Any | None]
+
+
+def sensor_topics(robot: Robot) -> tuple[SensorTopic, ...]:
+    """Return the topics of a robot's further sensors."""
+    lasers = (
+        SensorTopic(laser.name, "sensor_msgs/LaserScan", partial(_scan, index, laser))
+        for index, laser in enumerate(robot.lasers)
+    )
+    sonars = (
+        SensorTopic(sonar.name, "sensor_msgs/Range", partial(_range, index, sonar))
+        for index, sonar in enumerate(robot.sonars)
+    )
+    gps = (SensorTopic("fix", "sensor_msgs/NavSatFix", _fix),) if robot.gps else ()
+    return (*lasers, *sonars, *gps)
+
+
+def _scan(
+    index: int, laser: MountedLaser, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings
+) -> Any | None:
+    ranges_m = readings.scans_m[index]
+    return (
+        None if ranges_m is None else ros_messages.scan(make, time_ns, robot_id, laser, ranges_m, f"{laser.name}_link")
+    )
+
+
+def _range(index: int, sonar: Sonar, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings) -> Any:
+    return make(
+        "sensor_msgs/Range",
+        header=ros_messages.header(make, time_ns, ros_messages.robot_frame(robot_id, f"{sonar.name}_link")),
+        radiation_type=_ULTRASOUND,
+        field_of_view=sonar.opening_rad,
+        min_range=sonar.range_min_m,
+        max_range=sonar.range_max_m,
+        range=readings.sonars_m[index],
+    )
+
+
+def _fix(make: Make, time_ns: int, robot_id: int, readings: FurtherReadings) -> Any | None:
+    if readings.fix is None:
+        return None
+    return make(
+        "sensor_msgs/NavSatFix",
+        header=ros_messages.header(make, time_ns, ros_messages.robot_frame(robot_id, "base_link")),
+        status=make("sensor_msgs/NavSatStatus", status=_STATUS_FIX, service=_SERVICE_GPS),
+        latitude=readings.fix.latitude_deg,
+        longitude=readings.fix.longitude_deg,
+        altitude=readings.fix.altitude_m,
+        position_covariance=np.diag([readings.fix.variance_m2, readings.fix.variance_m2, 0.0]).ravel(),
+        position_covariance_type=_COVARIANCE_TYPE_DIAGONAL_KNOWN,
+    )

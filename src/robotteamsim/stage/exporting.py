@@ -1,0 +1,315 @@
+"""From a scenario to a Stage world file and its bitmap."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.drives import AnyDrive
+from robotteamsim.scenario.floor_plan import Block, Door, Wall
+from robotteamsim.scenario.objects import MovableObject
+from robotteamsim.scenario.plan import OCCUPIED, Corners, grid_shape, occupancy_grid
+from robotteamsim.scenario.plan_export import RESOLUTION_M
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot
+from robotteamsim.world.placement import check_places, placed_robots
+
+MAX_PIXELS = 100_000_000
+"""Of a bitmap: what Stage, which looks at every pixel of it, still loads in minutes."""
+
+_RAYTRACE_M = 0.02
+"""Cell in which Stage traces rays: its own default."""
+
+_DISC_CORNERS = 16
+_COLORS = ("red", "blue", "green", "orange", "purple", "cyan", "magenta", "gold")
+
+
+@dataclass(frozen=True, slots=True)
+class StageExport:
+    """A world file's text, the bitmap (PNG) that it names, and notes on what Stage does not have, one line each."""
+
+    world: str
+    bitmap: bytes
+    notes: tuple[str, ...]
+
+
+def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTION_M) -> StageExport:
+    """Return a scenario as Stage 4 and stage_ros read it.
+
+    Walls and closed doors become a bitmap, cut to the solid cells as Stage itself would cut it, so that a cell stays
+    where it is. Every robot becomes a position model, in id order: stage_ros calls them robot_0, ... Its rangers are
+    its laser, its further lasers and its sonars. Objects become models that stand still.
+
+    Args:   bitmap: the name of the PNG, relative to the world file. resolution_m: edge of a pixel.
+    Raises: ScenarioError: the plan has no solid, or a robot is a car. PlacementError: a robot stands badly.
+    """
+    check_places(scenario)
+    robots = placed_robots(scenario)
+    if any(robot.drive.kind == "car" for robot in robots):
+        text = "robots.drive.kind: a car of Stage takes a steering angle for a turn: wanted another drive"
+        raise ScenarioError(f"{scenario.name}: {text}")
+    pixels = math.prod(grid_shape(scenario.plan, resolution_m))
+    if pixels > MAX_PIXELS:
+        raise ScenarioError(
+            f"{scenario.name}: plan: at {resolution_m:g} m a pixel has {pixels} pixels; up to {MAX_PIXELS}"
+        )
+    grid = occupancy_grid(scenario.plan, resolution_m)
+    solid = grid.cells == OCCUPIED
+    if not solid.any():
+        raise ScenarioError(f"{scenario.name}: plan: has no wall, block or closed door to draw a bitmap of")
+    rows, columns = np.flatnonzero(solid.any(axis=1)), np.flatnonzero(solid.any(axis=0))
+    low, high = (int(columns[0]), int(rows[0])), (int(columns[-1]) + 1, int(rows[-1]) + 1)
+    grey = np.where(solid[low[1] : high[1], low[0] : high[0]], 0, 255).astype(np.uint8)
+    size = [(b - a) * resolution_m for a, b in zip(low, high, strict=True)]
+    middle = [o + 0.5 * (a + b) * resolution_m for o, a, b in zip(grid.origin_m, low, high, strict=True)]
+    kinds = list(dict.fromkeys(_kind(robot) for robot in robots))
+    lowest_m = min(robot.height_m for robot in robots)
+    lines = [
+        f"# {scenario.name}: made by `robotteamsim plan export-stage`",
+        f'name "{_text(scenario.name)}"',
+        f"interval_sim {_number(scenario.run.step_s * 1000.0)}  # a step [ms]: commands, scans and odometry",
+        f"quit_time {_number(scenario.mission.time_limit_s)}  # [s]",
+        f"resolution {_number(_RAYTRACE_M)}  # of Stage's rays and collisions [m]",
+        *_floor_plan(scenario, bitmap, size, middle),
+    ]
+    for number, kind in enumerate(kinds):
+        lines += _defined(f"robot_kind_{number}", kind, lowest_m, scenario.run.step_ns)
+    for obj in scenario.objects:
+        lines += _object(obj)
+    lines.append("")
+    for i, robot in enumerate(robots):
+        x, y, yaw = robot.start_pose
+        name = f"robot_kind_{kinds.index(_kind(robot))}"
+        color = _COLORS[i % len(_COLORS)]
+        lines.append(f'{name}( pose {_tuple(x, y, 0.0, math.degrees(yaw))} name "robot_{i}" color "{color}" )')
+    image = cv2.imencode(".png", np.flipud(grey))[1].tobytes()
+    return StageExport("\n".join(lines) + "\n", image, _notes(scenario, robots))
+
+
+def _notes(scenario: Scenario, robots: Sequence[PlacedRobot]) -> tuple[str, ...]:
+    notes = []
+    if any(robot.odometry != _EXACT for robot in robots):
+        notes.append("odometry drifts by the alphas here, and by a fixed share of every motion in Stage: odom_error")
+    if scenario.plan.doors:
+        notes.append("doors stay as they are at the start: Stage has none that move, so closed ones are walls")
+    if scenario.objects:
+        notes.append("objects stay where they are: Stage pushes nothing")
+    if any(laser.no_return == "inf" for robot in robots for laser in (robot.laser, *robot.lasers)):
+        notes.append("laser.no_return: Stage says range_max where nothing is hit, never inf")
+    if any(robot.sonars for robot in robots):
+        notes.append("sonars: Stage has no cones; a ranger tells every ray, of which the nearest is the sonar's")
+    if any(robot.mounts for robot in robots):
+        notes.append("lasers, sonars: stage_ros numbers the scans of such a robot, the first laser's is base_scan_0")
+    if any(robot.gps for robot in robots):
+        notes.append("gps: Stage has no receiver of satellites: left out")
+    if len(robots) == 1:
+        notes.append("stage_ros leaves out robot_0/ in the names of topics where there is one robot")
+    return tuple(notes)
+
+
+_EXACT = Odometry(alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0)
+
+
+def _kind(robot: PlacedRobot) -> PlacedRobot:
+    """Return a robot as all of its kind are."""
+    return robot.model_copy(update={"start_pose": (0.0, 0.0, 0.0)})
+
+
+def _floor_plan(scenario: Scenario, bitmap: str, size: Sequence[float], middle: Sequence[float]) -> list[str]:
+    elements: tuple[Wall | Block | Door, ...] = (*scenario.plan.walls, *scenario.plan.blocks, *scenario.plan.doors)
+    height_m = max(element.height_m for element in elements)
+    return [
+        "",
+        "model",
+        "(",
+        '  name "floorplan"',
+        f'  bitmap "{_text(bitmap)}"',
+        f"  size {_tuple(*size, height_m)}",
+        f"  pose {_tuple(*middle, 0.0, 0.0)}",
+        '  color "gray30"',
+        "  gui_move 0",
+        "  gui_outline 0",
+        "  gripper_return 0",
+        "  fiducial_return 0",
+        ")",
+    ]
+
+
+def _object(obj: MovableObject) -> list[str]:
+    x, y, yaw = obj.pose
+    size = obj.size_m or (2.0 * obj.reach_m, 2.0 * obj.reach_m)
+    return [
+        "",
+        "model",
+        "(",
+        f'  name "{_text(obj.name)}"',
+        f"  size {_tuple(*size, obj.height_m)}",
+        *_outline(obj.corners_m or _disc(obj.reach_m)),
+        f"  pose {_tuple(x, y, 0.0, math.degrees(yaw))}",
+        f'  color "{"brown" if obj.kind == "box" else "gray50"}"',
+        ")",
+    ]
+
+
+def _disc(radius_m: float) -> Corners:
+    angles = [2.0 * math.pi * i / _DISC_CORNERS for i in range(_DISC_CORNERS)]
+    return tuple((radius_m * math.cos(angle), radius_m * math.sin(angle)) for angle in angles)
+
+
+def _outline(corners: Corners) -> list[str]:
+    return [
+        f"  block( points {len(corners)}",
+        *(f"    point[{i}] {_tuple(x, y)}" for i, (x, y) in enumerate(corners)),
+        "    z [ 0 1 ]",
+        "  )",
+    ]
+
+
+def _body(robot: PlacedRobot) -> list[str]:
+    """Return size, place and outline of a body; Stage stretches blocks to the size, around the origin."""
+    corners = robot.corners_m or _disc(robot.radius_m)
+    low, high = ([pick(axis) for axis in zip(*corners, strict=True)] for pick in (min, max))
+    size = [b - a for a, b in zip(low, high, strict=True)]
+    middle = [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
+    return [
+        f"  size {_tuple(*size, robot.height_m)}",
+        *([f"  origin {_tuple(*middle, 0.0, 0.0)}"] if robot.footprint_m else ["  # a disc"]),
+        *_outline(corners),
+    ]
+
+
+def _defined(name: str, robot: PlacedRobot, lowest_m: float, step_ns: int) -> list[str]:
+    """Return the definition of a kind of robot.
+
+    Args: lowest_m: height of the lowest robot; rays pass below it, so that robots see each other as they do here.
+    """
+    return [
+        "",
+        f"define {name} position",
+        "(",
+        *_body(robot),
+        "  gui_nose 1",
+        f"  {_update(step_ns)}",
+        f"  mass {_number(robot.mass_kg)}",
+        *_drive(robot.drive),
+        *_odometry(robot.odometry),
+        *_rangers(robot, lowest_m, step_ns),
+        ")",
+    ]
+
+
+def _drive(drive: AnyDrive) -> list[str]:
+    assert drive.kind != "car"
+    aside = drive.max_speed_mps if drive.kind == "omni" else 0.0
+    aside_change = drive.max_acceleration_mps2 if drive.kind == "omni" else 0.0
+    speed, turn = drive.max_speed_mps, math.degrees(drive.max_turn_radps)
+    change, turn_change = drive.max_acceleration_mps2, math.degrees(drive.max_turn_acceleration_radps2)
+    return [
+        f'  drive "{"omni" if drive.kind == "omni" else "diff"}"',
+        f"  velocity_bounds {_tuple(-speed, speed, -aside, aside, 0.0, 0.0, -turn, turn)}",
+        f"  acceleration_bounds "
+        f"{_tuple(-change, change, -aside_change, aside_change, 0.0, 0.0, -turn_change, turn_change)}",
+    ]
+
+
+def _odometry(odometry: Odometry) -> list[str]:
+    if odometry == _EXACT:
+        return ['  localization "gps"']
+    # What comes back from `import-stage` is alpha1 and alpha3.
+    share, turn_share = math.sqrt(odometry.alpha3), math.degrees(math.sqrt(odometry.alpha1))
+    return ['  localization "odom"', f"  odom_error {_tuple(share, share, 0.0, turn_share)}"]
+
+
+def _rangers(robot: PlacedRobot, lowest_m: float, step_ns: int) -> list[str]:
+    """Return the first laser, the further lasers and the sonars, in this order."""
+    lines = _laser(robot.laser, (robot.laser.forward_m, 0.0, 0.0), "", robot.height_m, lowest_m, step_ns)
+    for laser in robot.lasers:
+        mount = (laser.forward_m, laser.left_m, laser.yaw_rad)
+        lines += _laser(laser, mount, laser.name, robot.height_m, lowest_m, laser.every_steps * step_ns)
+    for sonar in robot.sonars:
+        # By its name `import-stage` tells a sonar from a laser.
+        name = sonar.name if "sonar" in sonar.name else f"sonar_{sonar.name}"
+        pose = (sonar.forward_m, sonar.left_m, sonar.yaw_rad)
+        beams = _Beams(sonar.range_min_m, sonar.range_max_m, sonar.opening_rad, sonar.rays, sonar.noise_m)
+        lines += _ranger(beams, pose, name, (sonar.height_m, robot.height_m, lowest_m), step_ns)
+    return lines
+
+
+def _laser(
+    laser: Laser,
+    mount: tuple[float, float, float],
+    name: str,
+    robot_height_m: float,
+    lowest_m: float,
+    interval_ns: int,
+) -> list[str]:
+    middle_rad = 0.5 * (laser.angle_min_rad + laser.angle_max_rad)
+    fov_rad = laser.angle_max_rad - laser.angle_min_rad
+    beams = _Beams(laser.range_min_m, laser.range_max_m, fov_rad, laser.beams, laser.noise_m)
+    pose = (mount[0], mount[1], mount[2] + middle_rad)
+    return _ranger(beams, pose, name, (laser.height_m, robot_height_m, lowest_m), interval_ns)
+
+
+@dataclass(frozen=True, slots=True)
+class _Beams:
+    range_min_m: float
+    range_max_m: float
+    fov_rad: float
+    samples: int
+    noise_m: float
+
+
+def _ranger(
+    beams: _Beams,
+    pose: tuple[float, float, float],
+    name: str,
+    heights_m: tuple[float, float, float],
+    interval_ns: int,
+) -> list[str]:
+    """Args: pose: of the middle beam, in base_link. heights_m: of the sensor, of the robot, of the lowest robot."""
+    height_m, robot_m, lowest_m = heights_m
+    # stage_ros takes tf from the ranger's pose, rays start at the sensor's: one may stand right, the other see robots.
+    ray_m = height_m if height_m < 0.9 * lowest_m else 0.5 * lowest_m
+    noise = [f"      noise {_tuple(beams.noise_m**2, 0.0, 0.0)}  # a variance [m^2]"] if beams.noise_m else []
+    return [
+        "  ranger",
+        "  (",
+        *([f'    name "{name}"'] if name else []),
+        f"    pose {_tuple(pose[0], pose[1], height_m - robot_m, math.degrees(pose[2]))}",
+        f"    {_update(interval_ns)}",
+        "    sensor",
+        "    (",
+        f"      pose {_tuple(0.0, 0.0, ray_m - height_m, 0.0)}",
+        "      size [ 0.02 0.02 0 ]",
+        f"      range {_tuple(beams.range_min_m, beams.range_max_m)}",
+        f"      fov {_number(math.degrees(beams.fov_rad))}",
+        f"      samples {beams.samples}",
+        *noise,
+        "    )",
+        "  )",
+    ]
+
+
+def _update(interval_ns: int) -> str:
+    """Stage takes whole milliseconds."""
+    return f"update_interval {max(interval_ns // 1_000_000, 1)}"
+
+
+def _tuple(*values: float) -> str:
+    return f"[ {' '.join(map(_number, values))} ]"
+
+
+def _number(value: float) -> str:
+    """Return a number as Stage reads it: digits, a point and a sign, no exponent."""
+    text = f"{value:.12f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def _text(text: str) -> str:
+    """Return a text without what would end it in a world file."""
+    return text.replace('"', "'").replace("\n", " ")

@@ -1,0 +1,181 @@
+"""From a Stage world file to a scenario and its floor plan."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from robotteamsim.errors import PlacementError, ScenarioError
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.plan import wall_corners
+from robotteamsim.scenario.problems import problems, suggestion
+from robotteamsim.scenario.scenario import MAX_ROBOTS, Scenario
+from robotteamsim.scenario.sections import Mission, PlacedRobot, Run, Team
+from robotteamsim.stage.robots import DEVICES, RobotReader
+from robotteamsim.stage.solids import SolidReader
+from robotteamsim.stage.values import Notes, Values, checked, tidy
+from robotteamsim.stage.world_file import Entity, read_world_file
+from robotteamsim.world.placement import placed_robots
+
+_PASSED_OVER = """
+    alwayson blob_return color color_rgba confirm_on_quit debug event_queue fiducial_key fiducial_return friction
+    give_watts gripper_return gui_boundary gui_disable gui_grid gui_interval gui_move gui_movemask gui_nose gui_outline
+    interval_real joules joules_capacity kjoules kjoules_capacity laser_return map_resolution mass obstacle_return
+    paused ranger_return resolution say show_clock show_clock_interval speedup stack_children take_watts threads
+    trail_interval trail_length update_interval velocity watts wheelbase"""
+"""Keys that Stage knows and that change nothing here: for the eye, for other sensors, for Stage's own clockwork."""
+
+_TAKEN = """
+    acceleration_bounds bitmap boundary drive fov interval_sim localization localization_origin name noblocks noise
+    odom_error origin points pose quit_time range range_max range_min samples size unit_angle unit_length
+    velocity_bounds z"""
+_SILENT = re.compile(r"name|size|origin|z|point\[\d+\]")
+"""Where these are not read, they belong to the look of a ranger or to a robot's number."""
+
+DEFAULT_STEP_MS = 100.0
+"""Of a world that does not say `interval_sim` (Stage 4)."""
+
+_NO_SECTION = ("block", "sensor", "window", "gripper", "actuator", "puck", "charger")
+_MODELS = ("model", "position", "ranger", "laser", *DEVICES, *_NO_SECTION)
+
+
+@dataclass(frozen=True, slots=True)
+class StageImport:
+    """What a world file gives.
+
+    plan:     the floor plan.
+    keys:     the scenario's keys as YAML has them, without `plan`.
+    scenario: the same, checked.
+    notes:    one line each: what is taken differently, and per file what changes nothing.
+    """
+
+    plan: FloorPlan
+    keys: dict[str, Any]
+    scenario: Scenario
+    notes: tuple[str, ...]
+
+
+def import_world(world: str | os.PathLike[str]) -> StageImport:
+    """Return the scenario of a Stage world file, as Stage 4 and stage_ros read it.
+
+    Raises: ScenarioError: one line with file, line, key and what was wanted. PlacementError: likewise, a robot stands
+            outside the plan, in a wall or in another robot.
+    """
+    path = Path(world)
+    root = read_world_file(path, os.fspath(world))
+    values, notes = Values(root), Notes()
+    _check_kinds(root, notes)
+    positions = root.of_kind("position")
+    if not 1 <= len(positions) <= MAX_ROBOTS:
+        raise ScenarioError(
+            f"{path}: {len(positions)} robots, as models of kind position are; wanted 1 to {MAX_ROBOTS}"
+        )
+    reader = RobotReader(values, notes, values.number(root, "interval_sim", "f", DEFAULT_STEP_MS))
+    robots = tuple(reader.read(position) for position in positions)
+    plan = _plan(root, path, max(robot.height_m for robot in robots), values, notes)
+    keys: dict[str, Any] = {"name": values.text(root, "name", path.stem), "robots": _team_or_list(robots)}
+    if root.get("interval_sim"):
+        step = {"step_s": tidy(values.number(root, "interval_sim", "f", 0.0) / 1000.0)}
+        keys["run"] = checked(Run, step, {"step_s": (root, "interval_sim")}).model_dump(include={"step_s"})
+    if values.number(root, "quit_time", "f", 0.0) != 0.0:
+        limit = {"time_limit_s": values.number(root, "quit_time", "f", 0.0)}
+        checked(Mission, limit, {"time_limit_s": (root, "quit_time")})
+        keys["mission"] = limit
+    _note_unread(root, values, notes)
+    scenario = Scenario.model_validate({**keys, "plan": plan})
+    _check_poses(scenario, robots, positions)
+    return StageImport(plan, keys, scenario, tuple(notes.lines()))
+
+
+def _check_kinds(root: Entity, notes: Notes) -> None:
+    """Refuse unknown models and those that would change the world, and note the ones that are left out."""
+    for entity in root.walk():
+        if entity is not root and entity.kind not in _MODELS:
+            near = suggestion(entity.kind, _MODELS)
+            raise entity.place.wrong(f"{entity.called}: unknown model '{entity.kind}'{near}")
+        if entity.kind not in ("world", "model"):
+            continue
+        allowed = ("position", "window") if entity is root else ("block",)
+        for child in entity.children:
+            if child.kind == "window" and entity is root:
+                notes.pass_over("window", child.place)
+            elif child.kind in ("ranger", "laser", *DEVICES):
+                notes.say(child.place, f"{child.called}: a '{child.kind}' that no robot carries: left out")
+            elif child.kind not in ("model", *allowed):
+                on = "is not simulated" if entity is root else f"on the model '{entity.called}' is not simulated"
+                raise child.place.wrong(f"{child.called}: a '{child.kind}' {on}")
+
+
+def _plan(root: Entity, path: Path, tallest_m: float, values: Values, notes: Notes) -> FloorPlan:
+    """Return the floor plan: every model's body, and the rectangle that they fill."""
+    reader = SolidReader(path.parent, values, notes)
+    models = root.of_kind("model")
+    for model in models:
+        reader.add(model, (0.0, 0.0, 0.0), 0.0, tallest_m)
+    corners = [corner for wall in reader.walls for corner in wall_corners(wall)]
+    corners += [corner for block in reader.blocks for corner in block.polygon]
+    if not corners:
+        raise ScenarioError(f"{path}: no model bounds the world; wanted one with a bitmap, blocks or boundary 1")
+    low, high = (np.round(edge, 6).tolist() for edge in (np.min(corners, axis=0), np.max(corners, axis=0)))
+    keys = {"name": path.stem, "bounds": {"min": low, "max": high}, "walls": reader.walls, "blocks": reader.blocks}
+    try:
+        return FloorPlan.model_validate(keys)
+    except ValidationError as error:
+        raise models[0].place.wrong(f"{models[0].called}: {problems(error, FloorPlan)[0]}") from None
+
+
+def _check_poses(scenario: Scenario, robots: tuple[PlacedRobot, ...], positions: list[Entity]) -> None:
+    """Raise PlacementError, with its line of the world file, for a robot that does not fit where it starts."""
+    try:
+        placed_robots(scenario.model_copy(update={"robots": robots}))
+    except PlacementError as error:
+        # Of a list of robots, the key is robots.<index>.start_pose.
+        index = int(error.key.split(".")[1])
+        text = str(error).removeprefix(f"{error.key}: ")
+        raise PlacementError(f"{positions[index].place_of('pose')}: pose: {text}") from None
+
+
+def _team_or_list(robots: tuple[PlacedRobot, ...]) -> Any:
+    """Return the robots as YAML has them: a team where all are equal but for where they stand."""
+    data = [robot.model_dump(mode="json", exclude_unset=True) for robot in robots]
+    poses = [robot.pop("start_pose") for robot in data]
+    if any(robot != data[0] for robot in data):
+        return [{"start_pose": pose, **robot} for pose, robot in zip(poses, data, strict=True)]
+    widest_m = 2.0 * robots[0].reach_m
+    spacing = {"spacing_m": widest_m} if widest_m > Team.model_fields["spacing_m"].default else {}
+    return {"count": len(robots), "start_poses": poses, **spacing, **data[0]}
+
+
+def _note_unread(root: Entity, values: Values, notes: Notes) -> None:
+    """Note every property that nothing asked for. Raises: ScenarioError: one that would change the world."""
+    passed_over = _PASSED_OVER.split()
+    for entity in _taken(root):
+        for given in entity.properties.values():
+            name = given.name
+            if values.was_read(given) or _SILENT.fullmatch(name):
+                continue
+            if name in ("bitmap", "boundary"):
+                raise given.place.wrong(f"{name}: only models of kind 'model' have one here, not '{entity.kind}'")
+            if name in passed_over:
+                notes.pass_over(name, given.place)
+            elif name == "ctrl":
+                notes.say(given.place, "ctrl: Stage's controllers are not run here; control.algorithm drives")
+            else:
+                near = suggestion(name, [*passed_over, *_TAKEN.split()])
+                notes.say(given.place, f"{name}: a '{entity.kind}' has no such key, neither in Stage nor here{near}")
+
+
+def _taken(root: Entity) -> Iterator[Entity]:
+    """Yield the entities that make the scenario, without what is left out."""
+    yield root
+    parts = {"position": ("ranger", "laser", "block"), "ranger": ("sensor",), "laser": (), "block": (), "sensor": ()}
+    for child in root.children:
+        if child.kind in parts.get(root.kind, ("model", "position", "block")):
+            yield from _taken(child)

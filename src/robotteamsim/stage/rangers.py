@@ -1,0 +1,183 @@
+"""Stage's rangers as lasers and sonars of a robot."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from robotteamsim.scenario.base import Model
+from robotteamsim.scenario.sections import Laser
+from robotteamsim.scenario.sensors import MountedLaser, Sonar, is_free_name
+from robotteamsim.stage.solids import DEFAULT_SIZE_M
+from robotteamsim.stage.values import ASIDE_M, Notes, Pose2, Values, checked, compose, tidy
+from robotteamsim.stage.world_file import Entity
+
+M = TypeVar("M", bound=Model)
+
+_DEFAULT_FOV_RAD = 0.1
+"""Of a sensor that says nothing (Stage 4)."""
+
+_LASER_DEFAULTS = (0.0, 8.0, math.pi, 180)
+"""range_min, range_max, fov and samples of the `laser` model (Stage 3)."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Beams:
+    """What a ranger measures, and where its x axis stands on the robot."""
+
+    ranger: Entity
+    sensor: Entity
+    range_m: tuple[float, float]
+    fov_rad: float
+    samples: int
+    noise_m: float
+    mount: Pose2
+    height_m: float
+
+
+class RangerReader:
+    """Makes lasers and sonars of rangers."""
+
+    def __init__(self, values: Values, notes: Notes, step_ms: float) -> None:
+        self._values, self._notes, self._step_ms = values, notes, step_ms
+
+    def read(self, robot: Entity) -> dict[str, Any]:
+        """Return the keys `laser`, `lasers` and `sonars` of a robot, as far as it has them.
+
+        Rangers whose name holds "sonar" are sonars. The first of the others is the laser, or the first of all.
+
+        Raises: ScenarioError: one line with file, line and key.
+        """
+        rangers = robot.of_kind("ranger", "laser")
+        if not rangers:
+            text = f"'{robot.called}' carries no ranger; every robot has one here, so it gets the default laser"
+            self._notes.say(robot.place, text)
+            return {}
+        sonars = [ranger for ranger in rangers if "sonar" in self._name(ranger).lower()]
+        lasers = [ranger for ranger in rangers if ranger not in sonars]
+        if not lasers:
+            lasers = [sonars.pop(0)]
+        names = self._names([*lasers[1:], *sonars])
+        keys: dict[str, Any] = {"laser": self._laser(self._beams(robot, lasers[0]))}
+        if lasers[1:]:
+            keys["lasers"] = tuple(self._further_laser(self._beams(robot, r), names[id(r)]) for r in lasers[1:])
+        if sonars:
+            keys["sonars"] = tuple(self._sonar(self._beams(robot, r), names[id(r)]) for r in sonars)
+        return keys
+
+    def _name(self, ranger: Entity) -> str:
+        return self._values.text(ranger, "name", ranger.called)
+
+    def _names(self, rangers: list[Entity]) -> dict[int, str]:
+        """Return a name of its own for each ranger: as in the file where that can be a topic."""
+        names: dict[int, str] = {}
+        for number, ranger in enumerate(rangers, 1):
+            wanted = re.sub(r"\W", "_", self._name(ranger).lower(), flags=re.ASCII)
+            if not is_free_name(wanted):
+                wanted = f"{ranger.kind}_{wanted}"
+            name = wanted if wanted not in ("ranger", "laser") else f"{wanted}_{number}"
+            while name in names.values():
+                name = f"{wanted}_{number}"
+                number += 1
+            names[id(ranger)] = name
+        return names
+
+    def _laser(self, beams: _Beams) -> Laser:
+        x_m, y_m, yaw_rad = beams.mount
+        if abs(y_m) > ASIDE_M:
+            text = f"'{beams.ranger.called}' stands {y_m:.3g} m beside the robot's axis; the first laser stands on it"
+            raise beams.ranger.place_of("pose").wrong(f"pose: {text} here")
+        angles = {"angle_min_rad": yaw_rad - 0.5 * beams.fov_rad, "angle_max_rad": yaw_rad + 0.5 * beams.fov_rad}
+        return self._checked(Laser, beams, {"beams": beams.samples, **angles, "forward_m": tidy(x_m)})
+
+    def _further_laser(self, beams: _Beams, name: str) -> MountedLaser:
+        half_rad = 0.5 * beams.fov_rad
+        interval_ms = self._values.number(beams.ranger, "update_interval", "f", self._step_ms)
+        every_steps = max(1, round(interval_ms / self._step_ms)) if self._step_ms > 0.0 else 1
+        keys = {
+            "beams": beams.samples,
+            "angle_min_rad": -half_rad,
+            "angle_max_rad": half_rad,
+            "every_steps": every_steps,
+        }
+        return self._checked(MountedLaser, beams, {"name": name, **keys, **_mount(beams.mount)})
+
+    def _sonar(self, beams: _Beams, name: str) -> Sonar:
+        keys: dict[str, Any] = {"name": name, "opening_rad": tidy(beams.fov_rad), **_mount(beams.mount)}
+        if beams.samples > 1:
+            keys["rays"] = beams.samples
+        else:
+            text = "samples: one ray along the middle in Stage; a sonar here is a cone of rays"
+            self._notes.say(beams.sensor.place_of("samples"), text)
+        return self._checked(Sonar, beams, keys)
+
+    def _beams(self, robot: Entity, ranger: Entity) -> _Beams:
+        """Return what a ranger measures; that it stands on the robot may say more of its place."""
+        values = self._values
+        if ranger.kind == "laser":
+            sensor, range_m, fov_rad, samples, noise_m = self._old_laser(ranger)
+        else:
+            sensor, range_m, fov_rad, samples, noise_m = self._sensor(ranger)
+        pose, z = values.pose(ranger, "pose")
+        origin, origin_z = values.pose(ranger, "origin")
+        mount = compose(pose, origin)
+        if sensor is not ranger:
+            mount = compose(mount, values.pose(sensor, "pose")[0])
+        base_m = values.size(robot, DEFAULT_SIZE_M)[2] if values.whole(robot, "stack_children", 1) else 0.0
+        return _Beams(ranger, sensor, range_m, fov_rad, samples, noise_m, mount, base_m + z + origin_z)
+
+    def _sensor(self, ranger: Entity) -> tuple[Entity, tuple[float, float], float, int, float]:
+        sensors = ranger.of_kind("sensor")
+        if not sensors:
+            raise ranger.place.wrong(f"{ranger.called}: a ranger without a sensor( ... ) measures nothing")
+        for other in sensors[1:]:
+            self._notes.say(other.place, f"{other.called}: stage_ros publishes a ranger's first sensor only, as here")
+        values, sensor = self._values, sensors[0]
+        low, high = values.numbers(sensor, "range", "ll", (0.0, 5.0))
+        fov_rad = values.number(sensor, "fov", "a", _DEFAULT_FOV_RAD)
+        samples = values.whole(sensor, "samples", 1)
+        variance, share, angle = values.numbers(sensor, "noise", "lfa", (0.0, 0.0, 0.0))
+        if share != 0.0 or angle != 0.0:
+            text = "noise: only the constant part is simulated, not the share of the range or the angle"
+            self._notes.say(sensor.place_of("noise"), text)
+        if variance < 0.0:
+            raise sensor.place_of("noise").wrong(f"noise: {variance:g} is below 0")
+        return sensor, (low, high), fov_rad, samples, math.sqrt(variance)
+
+    def _old_laser(self, laser: Entity) -> tuple[Entity, tuple[float, float], float, int, float]:
+        values = self._values
+        low, high, fov, samples = _LASER_DEFAULTS
+        range_m = (values.number(laser, "range_min", "l", low), values.number(laser, "range_max", "l", high))
+        return laser, range_m, values.number(laser, "fov", "a", fov), values.whole(laser, "samples", int(samples)), 0.0
+
+    def _checked(self, model: type[M], beams: _Beams, keys: dict[str, Any]) -> M:
+        """Return a sensor with what all of them have. Raises: ScenarioError."""
+        sensor = beams.sensor
+        common = {
+            "range_min_m": tidy(beams.range_m[0]),
+            "range_max_m": tidy(beams.range_m[1]),
+            "height_m": tidy(beams.height_m),
+            "noise_m": tidy(beams.noise_m),
+        }
+        bounds = ("range_min", "range_max") if sensor is beams.ranger else ("range", "range")
+        said_by = {
+            "beams": (sensor, "samples"),
+            "rays": (sensor, "samples"),
+            "angle_min_rad": (sensor, "fov"),
+            "angle_max_rad": (sensor, "fov"),
+            "opening_rad": (sensor, "fov"),
+            "range_min_m": (sensor, bounds[0]),
+            "range_max_m": (sensor, bounds[1]),
+            "forward_m": (beams.ranger, "pose"),
+            "left_m": (beams.ranger, "pose"),
+            "height_m": (beams.ranger, "pose"),
+            "noise_m": (sensor, "noise"),
+            "every_steps": (beams.ranger, "update_interval"),
+        }
+        return checked(model, {**keys, **common}, said_by)
+
+
+def _mount(pose: Pose2) -> dict[str, float]:
+    return {"forward_m": tidy(pose[0]), "left_m": tidy(pose[1]), "yaw_rad": tidy(pose[2])}

@@ -1,0 +1,261 @@
+"""The bodies of Stage's models as walls and blocks of a floor plan."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import shapely
+from pydantic import ValidationError
+
+from robotteamsim.map_import.cells import read_image, without_corner_contacts
+from robotteamsim.map_import.pieces import solid_pieces
+from robotteamsim.scenario.body import MAX_CORNERS
+from robotteamsim.scenario.floor_plan import Block, Wall
+from robotteamsim.scenario.plan import Corners, counter_clockwise, wall_corners
+from robotteamsim.scenario.plan_import import walls_and_blocks
+from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.yaml_text import is_file, shown
+from robotteamsim.stage.values import Notes, Pose2, Values, compose, tidy
+from robotteamsim.stage.world_file import Entity
+
+DEFAULT_SIZE_M = (0.4, 0.4, 1.0)
+"""Of a model that does not say its size (Stage 4)."""
+
+BOUNDARY_M = 0.01
+"""Thickness of the walls of `boundary 1`."""
+
+MIN_PIXEL_M, MAX_PIXEL_M = 0.001, 10.0
+"""Of a bitmap."""
+
+_FREE_ABOVE = 127
+"""A lighter pixel of a bitmap is free."""
+
+_MAX_HEIGHT_M = 20.0
+
+MAX_GAP_SHARE = 0.01
+"""A body is convex when no more than this of its convex hull is missing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """Outlines in the frame of a model's pose [m], corners in order, and from where to where they reach [m]."""
+
+    outlines: tuple[np.ndarray, ...]
+    bottom_m: float
+    top_m: float
+
+
+def body_of(entity: Entity, values: Values) -> Body:
+    """Return the body of a model without a bitmap: its blocks, or else a box.
+
+    As in Stage, the blocks together are stretched to the model's size around its origin.
+
+    Raises: ScenarioError: a block without area or points, a size of 0.
+    """
+    size = values.size(entity, DEFAULT_SIZE_M)
+    origin, z = values.pose(entity, "origin")
+    blocks = [_points(block, values) for block in entity.of_kind("block")]
+    spans = [values.numbers(block, "z", "ll", (0.0, 1.0)) for block in entity.of_kind("block")]
+    if not blocks:
+        if values.whole(entity, "noblocks", 0):
+            return Body((), z, z)
+        blocks, spans = [np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])], [(0.0, 1.0)]
+    corners = np.concatenate(blocks)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    if (high - low).min() <= 0.0:
+        raise entity.of_kind("block")[0].place.wrong("block: its points enclose no area")
+    scaled = [(points - 0.5 * (low + high)) * (np.array(size[:2]) / (high - low)) for points in blocks]
+    stretch = size[2] / max(max(high for _, high in spans) - min(low for low, _ in spans), 1e-9)
+    bottom = z + min(low for low, _ in spans) * stretch
+    return Body(tuple(_moved(points, origin) for points in scaled), bottom, bottom + size[2])
+
+
+def _points(block: Entity, values: Values) -> np.ndarray:
+    count = values.whole(block, "points", 0)
+    if not 3 <= count <= 10_000:
+        raise block.place_of("points").wrong(f"points: {count} is not from 3 to 10000")
+    for i in range(count):
+        if block.get(f"point[{i}]") is None:
+            raise block.place_of("points").wrong(f"points: {count} are said, but there is no point[{i}]")
+    return np.array([values.numbers(block, f"point[{i}]", "ll", (0.0, 0.0)) for i in range(count)])
+
+
+class SolidReader:
+    """Collects the walls and blocks of top-level models and of the models that they carry."""
+
+    def __init__(self, folder: Path, values: Values, notes: Notes) -> None:
+        """Take the world file's folder, which paths of bitmaps are relative to."""
+        self.walls: list[Wall] = []
+        self.blocks: list[Block] = []
+        self._folder, self._values, self._notes = folder, values, notes
+        self._names: set[str] = set()
+
+    def add(self, entity: Entity, parent: Pose2, base_z_m: float, tallest_m: float) -> None:
+        """Add the body of a model and of its children.
+
+        Args:   parent: the frame that the model's pose is given in, and its z.
+                tallest_m: of the robots; what hangs above is left out.
+        Raises: ScenarioError: one line with file, line and key.
+        """
+        values = self._values
+        local, z = values.pose(entity, "pose")
+        pose, size = compose(parent, local), values.size(entity, DEFAULT_SIZE_M)
+        name = self._unused_name(values.text(entity, "name", entity.called))
+        if self._blocks_anything(entity):
+            if entity.get("bitmap") is not None:
+                self._add_bitmap(entity, pose, size, name)
+            else:
+                self._add_body(entity, pose, base_z_m + z, tallest_m, name)
+            if values.whole(entity, "boundary", 0):
+                self._add_boundary(entity, pose, size, name)
+        stacked = size[2] if values.whole(entity, "stack_children", 1) else 0.0
+        for child in entity.of_kind("model"):
+            self.add(child, pose, base_z_m + z + stacked, tallest_m)
+
+    def _blocks_anything(self, entity: Entity) -> bool:
+        """Whether robots and lasers meet this model; both or neither."""
+        obstacle = self._values.whole(entity, "obstacle_return", 1) != 0
+        seen = self._values.number(entity, "ranger_return", "f", 1.0) >= 0.0
+        seen = seen and self._values.whole(entity, "laser_return", 1) != 0
+        if obstacle != seen:
+            key = "ranger_return" if entity.get("ranger_return") else "laser_return"
+            raise entity.place_of("obstacle_return" if seen else key).wrong(
+                f"{'obstacle_return' if seen else key}: '{entity.called}' would be "
+                f"{'seen by lasers but no obstacle' if seen else 'an obstacle that lasers do not see'}; "
+                "here what blocks is seen, and the other way round"
+            )
+        return obstacle
+
+    def _add_bitmap(self, entity: Entity, pose: Pose2, size: tuple[float, ...], name: str) -> None:
+        if entity.of_kind("block"):
+            raise entity.place_of("bitmap").wrong("bitmap: a model with blocks as well is not taken")
+        solid = self._read_bitmap(entity)
+        rows, columns = solid.shape
+        cell = (size[0] / columns, size[1] / rows)
+        if not (min(cell) >= MIN_PIXEL_M and max(cell) <= MAX_PIXEL_M):
+            text = f"its pixels would be {cell[0]:.3g} x {cell[1]:.3g} m; wanted {MIN_PIXEL_M:g} to {MAX_PIXEL_M:g} m"
+            raise entity.place_of("size").wrong(f"size: {text}")
+        walls, blocks = walls_and_blocks(solid_pieces(solid, (-0.5 * size[0], -0.5 * size[1]), cell))
+        body = compose(pose, self._values.pose(entity, "origin")[0])
+        height = _height(size[2])
+        for wall in walls:
+            ends = [_moved(np.array([end]), body)[0] for end in (wall.start, wall.end)]
+            update = {"start": _point(ends[0]), "end": _point(ends[1]), "name": f"{name}_{wall.name}", **height}
+            self.walls.append(wall.model_copy(update=update))
+        for block in blocks:
+            polygon = tuple(_point(corner) for corner in _moved(np.array(block.polygon), body))
+            update = {"polygon": polygon, "name": f"{name}_{block.name}", **height}
+            self.blocks.append(block.model_copy(update=update))
+
+    def _read_bitmap(self, entity: Entity) -> np.ndarray:
+        """Return which cells of a bitmap are solid, cut to the solid ones as Stage does; row 0 at the lowest y."""
+        place, file = entity.place_of("bitmap"), self._values.text(entity, "bitmap", "")
+        path = self._folder / file
+        if not is_file(path):
+            raise place.wrong(f"bitmap: there is no file {shown(file)}")
+        image = read_image(path)
+        if image is None or image.dtype not in (np.uint8, np.uint16):
+            raise place.wrong(f"bitmap: '{file}' cannot be read as an image")
+        if image.dtype == np.uint16:
+            image = image // 256
+        # Stage looks at the first channel, red; OpenCV has it third.
+        first = image if image.ndim == 2 else image[:, :, 2]
+        solid = np.flipud(first <= _FREE_ABOVE)
+        if not solid.any():
+            raise place.wrong(f"bitmap: no pixel of '{file}' is dark, so it draws nothing")
+        rows, columns = np.flatnonzero(solid.any(axis=1)), np.flatnonzero(solid.any(axis=0))
+        return without_corner_contacts(solid[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1])
+
+    def _add_body(self, entity: Entity, pose: Pose2, z_m: float, tallest_m: float, name: str) -> None:
+        body = body_of(entity, self._values)
+        if body.outlines and z_m + body.bottom_m >= tallest_m:
+            text = f"'{name}' hangs at {z_m + body.bottom_m:g} m, above all robots: left out"
+            self._notes.say(entity.place_of("pose"), text)
+            return
+        height = _height(body.top_m - body.bottom_m)
+        for i, outline in enumerate(body.outlines):
+            polygon = tuple(_point(corner) for corner in _moved(outline, pose))
+            part = name if len(body.outlines) == 1 else f"{name}_part_{i + 1}"
+            try:
+                self.blocks.append(Block.model_validate({"name": part, "polygon": polygon, **height}))
+            except ValidationError as error:
+                block = entity.of_kind("block")[i] if entity.of_kind("block") else entity
+                raise block.place.wrong(f"{block.called}: {problems(error, Block)[0].text}") from None
+
+    def _add_boundary(self, entity: Entity, pose: Pose2, size: tuple[float, ...], name: str) -> None:
+        body = compose(pose, self._values.pose(entity, "origin")[0])
+        x, y, half = 0.5 * size[0], 0.5 * size[1], 0.5 * BOUNDARY_M
+        if min(size[0], size[1]) <= 2.0 * BOUNDARY_M:
+            raise entity.place_of("boundary").wrong(f"boundary: has no room in a model of {size[0]:g} x {size[1]:g} m")
+        sides = {
+            "south": ((-x, half - y), (x, half - y)),
+            "north": ((-x, y - half), (x, y - half)),
+            "west": ((half - x, BOUNDARY_M - y), (half - x, y - BOUNDARY_M)),
+            "east": ((x - half, BOUNDARY_M - y), (x - half, y - BOUNDARY_M)),
+        }
+        outlines = [*map(wall_corners, self.walls), *(block.polygon for block in self.blocks)]
+        solid = shapely.union_all([shapely.Polygon(outline) for outline in outlines]).buffer(1e-5)
+        for side, ends in sides.items():
+            start, end = (_point(corner) for corner in _moved(np.array(ends), body))
+            wall = Wall(name=f"{name}_boundary_{side}", start=start, end=end, thickness_m=BOUNDARY_M)
+            if not solid.covers(shapely.Polygon(wall_corners(wall))):
+                self.walls.append(wall.model_copy(update=_height(size[2])))
+
+    def _unused_name(self, wanted: str) -> str:
+        name, number = wanted, 2
+        while name in self._names:
+            name, number = f"{wanted}_{number}", number + 1
+        self._names.add(name)
+        return name
+
+
+def _height(height_m: float) -> dict[str, float]:
+    """Return the key for a height; a flat body has the default."""
+    return {"height_m": min(height_m, _MAX_HEIGHT_M)} if height_m > 0.0 else {}
+
+
+def disc_radius_m(body: Body) -> float | None:
+    """Return the radius of a body that is a disc around the model's pose, drawn as a polygon; none: it is no disc."""
+    if len(body.outlines) != 1 or len(body.outlines[0]) < 8:
+        return None
+    distances = np.hypot(*body.outlines[0].T)
+    inner = shapely.LinearRing(body.outlines[0]).distance(shapely.Point(0.0, 0.0))
+    round_enough = distances.max() - distances.min() < 0.02 * distances.max() and inner > 0.9 * distances.max()
+    return float(distances.max()) if round_enough else None
+
+
+def footprint_m(body: Body) -> Corners:
+    """Return the corners of a body as a robot can have it, around the model's pose; none: it is no such polygon."""
+    shapes = [shapely.Polygon(outline) for outline in body.outlines]
+    if not shapes or not all(shape.is_valid for shape in shapes):
+        return ()
+    # Straight corners are none; whole nanometres: no digits from rounding.
+    hull = shapely.convex_hull(shapely.union_all(shapes)).simplify(1e-9)
+    corners = tuple((tidy(x), tidy(y)) for x, y in hull.exterior.coords[:-1])
+    is_whole = hull.area - shapely.union_all(shapes).area <= MAX_GAP_SHARE * hull.area
+    if not is_whole or len(corners) > MAX_CORNERS or not hull.contains(shapely.Point(0.0, 0.0)):
+        return ()
+    return counter_clockwise(corners)
+
+
+def reach_m(body: Body) -> float:
+    """Return how far a body reaches from the model's pose [m]; 0 without a body."""
+    return max((float(np.hypot(*outline.T).max()) for outline in body.outlines), default=0.0)
+
+
+def _moved(points: np.ndarray, pose: Pose2) -> np.ndarray:
+    """Return points, shape (n, 2), given in the frame of a pose, in the frame that the pose is given in."""
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    # Quarter turns are exact, so that upright walls stay upright.
+    cos, sin = (0.0 if abs(value) < 1e-12 else value for value in (cos, sin))
+    moved: np.ndarray = points @ np.array([[cos, sin], [-sin, cos]]) + np.array(pose[:2])
+    return moved
+
+
+def _point(corner: np.ndarray) -> tuple[float, float]:
+    # Whole micrometres: no digits from rounding in the plan file.
+    x, y = np.round(corner, 6).tolist()
+    return x + 0.0, y + 0.0

@@ -1,0 +1,167 @@
+"""The values of a world file's properties in SI units, checked; and notes of what the scenario does not take."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from robotteamsim.geometry import normalise_angle
+from robotteamsim.scenario.base import Model
+from robotteamsim.scenario.problems import problems, suggestion
+from robotteamsim.stage.tokens import Place
+from robotteamsim.stage.world_file import Entity, Property
+
+M = TypeVar("M", bound=Model)
+
+Pose2 = tuple[float, float, float]
+"""x, y, yaw [m, m, rad]."""
+
+ASIDE_M = 1e-6
+"""What is this near to 0 is there."""
+
+MAX_NUMBER = 1e6
+"""No length, angle, time or count of a world is larger."""
+
+_LENGTHS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+_ANGLES_RAD = {"degrees": math.pi / 180.0, "radians": 1.0}
+
+_FORMS = {"llla": "[x y z heading]", "lll": "[x y z]", "ll": "[low high]", "lfa": "[constant share angle]"}
+
+
+class Values:
+    """Reads properties in the file's units and remembers which ones were read."""
+
+    def __init__(self, root: Entity) -> None:
+        """Take the units of the world. Raises: ScenarioError: an unknown unit."""
+        self._read: set[int] = set()
+        self._length_m = _LENGTHS_M[self.choice(root, "unit_length", tuple(_LENGTHS_M), "m")]
+        self._angle_rad = _ANGLES_RAD[self.choice(root, "unit_angle", tuple(_ANGLES_RAD), "degrees")]
+
+    def was_read(self, given: Property) -> bool:
+        """Whether a property was asked for."""
+        return id(given) in self._read
+
+    def numbers(self, entity: Entity, key: str, units: str, default: tuple[float, ...]) -> tuple[float, ...]:
+        """Return numbers in SI units.
+
+        Args:   units: one letter each: l a length, a an angle, f as it stands.
+                default: in SI units, where the file does not say the key.
+        Raises: ScenarioError: a text, or another number of numbers.
+        """
+        given = self._given(entity, key)
+        if given is None:
+            return default
+        if len(given.values) != len(units) or any(isinstance(value, str) for value in given.values):
+            form = f", {_FORMS[units]}" if units in _FORMS else ""
+            wanted = f"{len(units)} numbers{form}" if len(units) > 1 else "a number"
+            raise given.place.wrong(f"{key}: {_shown(given)} is not {wanted}")
+        if any(abs(value) > MAX_NUMBER for value in given.values if not isinstance(value, str)):
+            raise given.place.wrong(f"{key}: {_shown(given)} goes beyond {MAX_NUMBER:.0f}")
+        scale = {"l": self._length_m, "a": self._angle_rad, "f": 1.0}
+        return tuple(float(value) * scale[unit] for value, unit in zip(given.values, units, strict=True))
+
+    def number(self, entity: Entity, key: str, unit: str, default: float) -> float:
+        """Return one number in SI units; arguments and errors as in `numbers`."""
+        return self.numbers(entity, key, unit, (default,))[0]
+
+    def whole(self, entity: Entity, key: str, default: int) -> int:
+        """Return a whole number. Raises: ScenarioError."""
+        value = self.number(entity, key, "f", default)
+        if value != int(value):
+            raise entity.place_of(key).wrong(f"{key}: {value:g} is not a whole number")
+        return int(value)
+
+    def text(self, entity: Entity, key: str, default: str) -> str:
+        """Return a text. Raises: ScenarioError: a number."""
+        given = self._given(entity, key)
+        if given is None:
+            return default
+        if len(given.values) != 1 or not isinstance(given.values[0], str):
+            raise given.place.wrong(f"{key}: {_shown(given)} is not a text in quotes")
+        return given.values[0]
+
+    def choice(self, entity: Entity, key: str, known: tuple[str, ...], default: str) -> str:
+        """Return one of the known texts. Raises: ScenarioError."""
+        value = self.text(entity, key, default)
+        if value not in known:
+            hint = suggestion(value, known)
+            raise entity.place_of(key).wrong(f"{key}: '{value}' is not one of {', '.join(known)}{hint}")
+        return value
+
+    def pose(self, entity: Entity, key: str) -> tuple[Pose2, float]:
+        """Return a pose and its z; zero where it is not said."""
+        x, y, z, heading = self.numbers(entity, key, "llla", (0.0, 0.0, 0.0, 0.0))
+        return (x, y, normalise_angle(heading)), z
+
+    def size(self, entity: Entity, default: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the size of a body [m]. Raises: ScenarioError: it is not above 0."""
+        size = self.numbers(entity, "size", "lll", default)
+        for axis, value in zip("xyz", size, strict=True):
+            # A flat body is a body: floor plans with a height of 0 are around.
+            if value < 0.0 or (value == 0.0 and axis != "z"):
+                raise entity.place_of("size").wrong(f"size: {axis} {value:g} is not above 0")
+        return size
+
+    def _given(self, entity: Entity, key: str) -> Property | None:
+        given = entity.get(key)
+        if given is not None:
+            self._read.add(id(given))
+        return given
+
+
+class Notes:
+    """What a user is told of a world: at its line, and per file in one line what is only for the eye."""
+
+    def __init__(self) -> None:
+        self._said: dict[tuple[Place, str], None] = {}
+        self._passed_over: dict[str, dict[str, set[int]]] = {}
+
+    def say(self, place: Place, text: str) -> None:
+        """Note that something is taken in another way than Stage does; said once, however often it is used."""
+        self._said[(place, text)] = None
+
+    def pass_over(self, name: str, place: Place) -> None:
+        """Note a key or model that changes nothing here."""
+        self._passed_over.setdefault(place.file, {}).setdefault(name, set()).add(place.line)
+
+    def lines(self) -> list[str]:
+        """Return the notes, by file and line."""
+        lines = [f"{place}: {text}" for place, text in sorted(self._said)]
+        for file, names in self._passed_over.items():
+            shown = [f"{name} (line {', '.join(map(str, sorted(at)))})" for name, at in names.items()]
+            lines.append(f"{file}: changes nothing here: {', '.join(shown)}")
+        return lines
+
+
+def compose(first: Pose2, second: Pose2) -> Pose2:
+    """Return the pose `second`, which is given in the frame of `first`, in the frame that `first` is given in."""
+    (x0, y0, yaw0), (x1, y1, yaw1) = first, second
+    cos, sin = math.cos(yaw0), math.sin(yaw0)
+    return x0 + cos * x1 - sin * y1, y0 + sin * x1 + cos * y1, normalise_angle(yaw0 + yaw1)
+
+
+def tidy(value: float) -> float:
+    """Return a number without the last digits, which conversions of units leave."""
+    return round(value, 9) + 0.0
+
+
+def checked(model: type[M], values: Mapping[str, Any], said_by: Mapping[str, tuple[Entity, str]]) -> M:
+    """Return a section of the scenario.
+
+    Args:   said_by: entity and property behind each key.
+    Raises: ScenarioError: a value is out of range; names the property and its line.
+    """
+    try:
+        return model.model_validate(dict(values))
+    except ValidationError as error:
+        problem = problems(error, model)[0]
+        entity, key = said_by.get(problem.key) or next(iter(said_by.values()))
+        raise entity.place_of(key).wrong(f"{key}: {problem.key}: {problem.text}") from None
+
+
+def _shown(given: Property) -> str:
+    values = [f"'{value}'" if isinstance(value, str) else f"{value:g}" for value in given.values]
+    return f"[{' '.join(values)}]" if len(values) != 1 else values[0]

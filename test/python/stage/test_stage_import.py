@@ -1,0 +1,339 @@
+"""Stage worlds as scenarios."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from robotteamsim.errors import PlacementError, ScenarioError
+from robotteamsim.scenario import occupancy_grid, solids
+from robotteamsim.stage import StageImport, import_world
+from robotteamsim.world.placement import placed_robots
+
+DATA = Path(__file__).parents[2] / "data" / "stage"
+
+ROOM = "model( size [ 10 8 1 ] pose [ 5 4 0 0 ] noblocks 1 boundary 1 )\n"
+ROBOT = "position( pose [ 2 2 0 0 ] size [ 0.4 0.4 0.25 ] ranger( sensor( range [ 0 5 ] fov 180 samples 181 ) ) )\n"
+
+
+@pytest.fixture
+def world_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Return what a world given as a text is imported as."""
+    monkeypatch.chdir(tmp_path)
+
+    def imported(text: str) -> StageImport:
+        Path("a.world").write_text(text, encoding="utf-8")
+        return import_world("a.world")
+
+    return imported
+
+
+def _robot(text: str) -> str:
+    """Return a robot with more said of it."""
+    return ROBOT.replace("position(", f"position( {text} ")
+
+
+def test_world_in_one_file_becomes_a_scenario():
+    found = import_world(DATA / "hall.world")
+    assert (found.plan.bounds.min, found.plan.bounds.max) == ((-8.0, 0.0), (0.0, 12.0))
+    robot = placed_robots(found.scenario)[0]
+    assert robot.start_pose == (-3.0, 4.5, math.pi)
+    assert (robot.laser.beams, robot.laser.range_max_m, robot.laser.forward_m) == (1081, 20.0, 0.1)
+    assert robot.laser.angle_max_rad == -robot.laser.angle_min_rad == pytest.approx(math.radians(270.25 / 2))
+    assert robot.laser.height_m == pytest.approx(0.2)
+    assert (robot.drive.max_speed_mps, robot.drive.max_turn_radps) == (1.0, pytest.approx(math.pi / 2))
+    assert found.scenario.run.step_s == 0.05
+    assert [block.name for block in found.plan.blocks] == ["crate"]
+
+
+def test_turned_bitmap_is_solid_where_its_picture_is():
+    """The grid of the plan, turned back by hand, is the picture without its margin."""
+    found = import_world(DATA / "hall.world")
+    walls_only = found.plan.model_copy(update={"blocks": ()})
+    cells = occupancy_grid(walls_only, 0.05).cells > 0
+    picture = cv2.imread(str(DATA / "hall.png"), cv2.IMREAD_GRAYSCALE)[10:170, 5:245] < 128
+    assert np.array_equal(np.rot90(np.flipud(cells), -1), picture)
+
+
+def test_world_of_included_parts_becomes_a_scenario():
+    found = import_world(DATA / "patrol" / "patrol.world")
+    assert (found.plan.bounds.min, found.plan.bounds.max) == ((0.0, 0.0), (12.0, 8.0))
+    one, other = placed_robots(found.scenario)
+    assert one.start_pose == (2.0, 2.0, pytest.approx(math.pi / 2))
+    assert other.start_pose == (10.0, 6.0, pytest.approx(-math.pi / 2))
+    assert one.radius_m == pytest.approx(0.18, abs=2e-4)
+    assert (one.drive.max_speed_mps, one.drive.max_turn_radps) == (0.5, pytest.approx(math.pi / 3))
+    assert (one.drive.max_acceleration_mps2, one.drive.max_turn_acceleration_radps2) == (
+        1.0,
+        pytest.approx(math.pi / 2),
+    )
+    assert (one.laser.noise_m, one.laser.height_m) == (pytest.approx(0.02), pytest.approx(0.15))
+    assert (one.odometry.alpha1, one.odometry.alpha3) == (pytest.approx(math.radians(1.0) ** 2, abs=1e-9), 0.0004)
+    assert (found.scenario.name, found.scenario.mission.time_limit_s) == ("patrol", 3600.0)
+
+
+def test_what_changes_nothing_is_told_in_one_line_per_file():
+    notes = import_world(DATA / "patrol" / "patrol.world").notes
+    told = {line.partition(": ")[0]: line.partition(": ")[2] for line in notes if "changes nothing" in line}
+    folder = str(DATA / "patrol")
+    assert told == {
+        f"{folder}/patrol.world": "changes nothing here: speedup (line 7)",
+        f"{folder}/floor.inc": "changes nothing here: color (line 3), gui_move (line 4), fiducial_return (line 5)",
+        f"{folder}/team.inc": "changes nothing here: color (line 1, 2)",
+    }
+
+
+def test_equal_robots_are_a_team_and_others_a_list(world_of):
+    second = ROBOT.replace("2 2 0 0", "4 4 0 0")
+    assert world_of(ROOM + ROBOT + second).keys["robots"]["count"] == 2
+    robots = world_of(ROOM + ROBOT + second.replace("181", "91")).keys["robots"]
+    assert [robot["laser"]["beams"] for robot in robots] == [181, 91]
+
+
+def test_wide_robots_are_a_team_too(world_of):
+    robots = [ROBOT.replace("0.4 0.4", "1.6 1.6").replace("2 2 0 0", f"{x} 4 0 0") for x in (2, 6)]
+    assert world_of(ROOM + "".join(robots)).scenario.robots.count == 2
+
+
+def test_boundary_is_a_thin_wall_along_the_size(world_of):
+    plan = world_of(ROOM + ROBOT).plan
+    assert [wall.thickness_m for wall in plan.walls] == [0.01] * 4
+    assert occupancy_grid(plan, 0.01).cells[1:-1, 1:-1].max() == 0
+    assert occupancy_grid(plan, 0.01).cells[[0, -1]].min() == 100
+
+
+def test_blocks_are_stretched_to_the_size_and_moved_by_origin_and_pose(world_of):
+    block = "block( points 3 point[0] [ 0 0 ] point[1] [ 2 0 ] point[2] [ 0 1 ] z [ 0 1 ] )"
+    model = f'model( name "ramp" size [ 1 2 0.5 ] origin [ 0.5 0 0 0 ] pose [ 6 4 0 90 ] {block} )'
+    assert world_of(ROOM + ROBOT + model).plan.blocks[0].polygon == ((7.0, 4.0), (7.0, 5.0), (5.0, 4.0))
+
+
+def test_model_without_blocks_is_a_box_of_its_size(world_of):
+    plan = world_of(ROOM + ROBOT + "model( size [ 1 2 0.5 ] pose [ 5 5 0 0 ] )model( pose [ 8 5 0 0 ] )").plan
+    assert [solid.polygon.bounds for solid in solids(plan)[4:]] == [(4.5, 4.0, 5.5, 6.0), (7.8, 4.8, 8.2, 5.2)]
+
+
+def test_kind_may_be_defined_by_the_name_of_a_part(world_of):
+    """As in the world that comes with stage_ros, where `block` is a model."""
+    text = "define block model( size [ 0.5 0.5 0.5 ] )\n" + ROOM + ROBOT + "block( pose [ 5 5 0 180 ] )"
+    assert [solid.polygon.bounds for solid in solids(world_of(text).plan)[4:]] == [(4.75, 4.75, 5.25, 5.25)]
+
+
+def test_model_on_a_model_stands_in_its_frame(world_of):
+    text = "model( size [ 2 2 0.1 ] pose [ 6 4 0 90 ] stack_children 0 model( size [1 0.2 0.2] pose [ 1 0 0 0 ] ) )"
+    plan = world_of(ROOM + ROBOT + text).plan
+    assert solids(plan)[-1].polygon.bounds == pytest.approx((5.9, 4.5, 6.1, 5.5))
+
+
+def test_units_of_the_world_are_taken(world_of):
+    text = (ROOM + ROBOT).replace("10 8 1", "1000 800 100").replace("5 4 0 0", "500 400 0 0")
+    text = text.replace("2 2 0 0", "200 300 0 1.5").replace("0.4 0.4 0.25", "40 40 25").replace("[ 0 5 ]", "[ 0 500 ]")
+    robot = placed_robots(world_of('unit_length "cm"\nunit_angle "radians"\n' + text.replace("180", "3.14")).scenario)[
+        0
+    ]
+    assert robot.start_pose == (2.0, 3.0, 1.5)
+    assert (robot.laser.range_max_m, robot.laser.angle_max_rad) == (5.0, 1.57)
+
+
+def test_old_laser_model_is_a_ranger(world_of):
+    text = "position( pose [2 2 0 0] laser( range_max 8 fov 90 samples 46 pose [0.1 0 0 90] ) )"
+    laser = placed_robots(world_of(ROOM + text).scenario)[0].laser
+    assert (laser.beams, laser.range_max_m, laser.forward_m) == (46, 8.0, 0.1)
+    assert (laser.angle_min_rad, laser.angle_max_rad) == pytest.approx((math.pi / 4, 3 * math.pi / 4))
+
+
+def test_gps_is_exact_odometry(world_of):
+    odometry = placed_robots(world_of(ROOM + _robot('localization "gps"')).scenario)[0].odometry
+    assert (odometry.alpha1, odometry.alpha2, odometry.alpha3, odometry.alpha4) == (0.0, 0.0, 0.0, 0.0)
+
+
+def test_box_is_a_body_with_corners(world_of):
+    found = world_of(ROOM + ROBOT.replace("size [ 0.4 0.4", "origin [ 0.1 0 0 0 ] size [ 0.4 0.2"))
+    corners_m = placed_robots(found.scenario)[0].corners_m
+    expected = [(-0.1, -0.1), (-0.1, 0.1), (0.3, -0.1), (0.3, 0.1)]
+    np.testing.assert_allclose(sorted(corners_m), expected, atol=1e-9)
+    assert found.notes == ()
+
+
+def test_body_that_is_not_convex_becomes_the_disc_around_it(world_of):
+    corners = ["[ 0 0 ]", "[ 2 0 ]", "[ 2 2 ]", "[ 1 0.5 ]", "[ 0 2 ]"]
+    points = " ".join(f"point[{i}] {corner}" for i, corner in enumerate(corners))
+    found = world_of(ROOM + _robot(f"block( points 5 {points} )"))
+    assert placed_robots(found.scenario)[0].radius_m == pytest.approx(0.2 * math.sqrt(2.0))
+    assert found.notes == (
+        "a.world:2: size: 'position' has no body of 3 to 8 corners around its origin, convex: it becomes the disc "
+        "around it, of 0.283 m",
+    )
+
+
+def test_further_rangers_are_lasers_and_those_called_sonar_are_sonars(world_of):
+    more = (
+        'ranger( name "Sonar 1" pose [ 0 0.2 0 90 ] sensor( range [ 0.1 3 ] fov 30 samples 7 ) )'
+        " ranger( pose [ -0.2 0 0 180 ] update_interval 300 sensor( range [ 0 4 ] fov 90 samples 91 ) )"
+        ' ranger( name "fix" sensor( range [ 0 4 ] fov 90 samples 91 ) )'
+    )
+    robot = placed_robots(world_of(ROOM + _robot(more)).scenario)[0]
+    assert [(laser.name, laser.beams, laser.every_steps) for laser in robot.lasers] == [
+        ("ranger_fix", 91, 1),
+        ("ranger_2", 181, 1),
+    ]
+    assert (robot.laser.beams, robot.laser.forward_m) == (91, -0.2)
+    (sonar,) = robot.sonars
+    assert (sonar.name, sonar.rays, sonar.left_m, sonar.range_min_m) == ("sonar_1", 7, 0.2, 0.1)
+    assert (sonar.opening_rad, sonar.yaw_rad) == pytest.approx((math.radians(30.0), math.pi / 2))
+
+
+def test_sonar_of_one_ray_becomes_a_cone_and_a_lone_one_the_laser(world_of):
+    sonar = 'ranger( name "sonar" sensor( range [ 0 3 ] fov 20 samples 1 ) )'
+    found = world_of(ROOM + _robot(sonar))
+    assert placed_robots(found.scenario)[0].sonars[0].rays == 15
+    assert found.notes == ("a.world:2: samples: one ray along the middle in Stage; a sonar here is a cone of rays",)
+    lone = placed_robots(world_of(ROOM + f"position( pose [ 2 2 0 0 ] {sonar} )").scenario)[0]
+    assert (lone.laser.beams, lone.sonars) == (1, ())
+
+
+def test_model_that_hangs_above_the_robots_is_left_out(world_of):
+    found = world_of(ROOM + ROBOT + "model( size [ 1 1 1 ] pose [ 5 5 2 0 ] )")
+    assert found.plan.blocks == ()
+    assert "a.world:3: 'model_2' hangs at 2 m, above all robots: left out" in found.notes
+
+
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        (_robot('ctrl "wander"'), "ctrl: Stage's controllers are not run here; control.algorithm drives"),
+        (
+            _robot("sampels 3"),
+            "sampels: a 'position' has no such key, neither in Stage nor here; did you mean 'samples'?",
+        ),
+        (_robot('drive "omni" velocity_bounds [-1 1 -2 2 0 0 -90 90]'), "velocity_bounds: y has other limits than x"),
+        (_robot("camera()"), "camera: robots have no camera here: left out"),
+        (_robot("localization_origin [0 0 0 0]"), "localization_origin: odometry begins where the robot does, at 0"),
+        (_robot("velocity_bounds [-0.2 1 0 0 0 0 -90 90]"), "velocity_bounds: x has another limit below than above"),
+        (ROBOT.replace("2 2 0 0", "2 2 0.5 0"), "pose: z 0.5 counts as 0; robots drive on the floor"),
+        ("position( pose [2 2 0 0] )", "'position' carries no ranger; every robot has one here"),
+        (ROBOT.replace(" ) ) )", " ) sensor() ) )"), "sensor: stage_ros publishes a ranger's first sensor only"),
+        (ROBOT.replace("fov", "noise [0 0.1 0] fov"), "noise: only the constant part is simulated"),
+        (ROBOT + "fiducial()\n", "fiducial: a 'fiducial' that no robot carries: left out"),
+    ],
+)
+def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
+    notes = world_of(ROOM + text).notes
+    assert any(
+        line.startswith(f"a.world:{2 + text.count(chr(10), 0, text.find('fid'))}: {note}") for line in notes
+    ) or any(line.startswith(f"a.world:2: {note}") for line in notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            ROOM + _robot('drive "car"'),
+            "a.world:2: drive: 'car' takes a steering angle for a turn in Stage; only 'diff' and 'omni' are read",
+        ),
+        (ROOM + _robot('drive "dif"'), "a.world:2: drive: 'dif' is not one of diff, omni, car; did you mean 'diff'?"),
+        (
+            ROOM + _robot("ranger( pose [0 9 0 0] sensor( range [ 0 5 ] fov 90 samples 9 ) )"),
+            "a.world:2: pose: 'ranger' stands 9 m beside the robot's axis; the first laser stands on it here",
+        ),
+        (ROOM + _robot("gripper()"), "a.world:2: gripper: a robot with a 'gripper' on it is not simulated"),
+        (ROOM + _robot("ragner()"), "a.world:2: ragner: unknown model 'ragner'; did you mean 'ranger'?"),
+        (
+            ROOM + _robot("obstacle_return 0"),
+            "a.world:2: obstacle_return: robots that others pass through or do not see",
+        ),
+        (
+            ROOM + _robot('bitmap "x.png"'),
+            "a.world:2: bitmap: only models of kind 'model' have one here, not 'position'",
+        ),
+        (ROOM + _robot("mass -1"), "a.world:2: mass: mass_kg: -1.0 is not above 0"),
+        (ROOM + ROBOT.replace("0.4 0.4", "0 0.4"), "a.world:2: size: x 0 is not above 0"),
+        (ROOM + ROBOT.replace("0.4 0.4", "9 9"), "a.world:2: size: footprint_m: reaches 6.36396 m from base_link"),
+        (ROOM + ROBOT.replace("2 2 0 0", "2 2 0"), "a.world:2: pose: [2 2 0] is not 4 numbers, [x y z heading]"),
+        (
+            ROOM + ROBOT.replace("2 2 0 0", '2 2 0 "a"'),
+            "a.world:2: pose: [2 2 0 'a'] is not 4 numbers, [x y z heading]",
+        ),
+        (
+            ROOM + ROBOT.replace("2 2 0 0", "12 2 0 0"),
+            "a.world:2: pose: [12, 2] lies outside the plan, [0, 0] .. [10, 8]",
+        ),
+        (
+            ROOM + ROBOT.replace("2 2 0 0", "0.1 2 0 0"),
+            "a.world:2: pose: [0.1, 2]: robot 0 stands in wall",
+        ),
+        (ROOM + ROBOT + ROBOT, "a.world:3: pose: [2, 2]: robot 1 stands in robot 0"),
+        (ROOM + ROBOT.replace("181", "0"), "a.world:2: samples: beams: 0 is below 1"),
+        (ROOM + ROBOT.replace("181", "100000"), "a.world:2: samples: beams: 100000 is above 10000"),
+        (ROOM + ROBOT.replace("181", "2.5"), "a.world:2: samples: 2.5 is not a whole number"),
+        (ROOM + ROBOT.replace("[ 0 5 ]", "[ 5 5 ]"), "a.world:2: range: range_max_m: 5 is not above range_min_m, 5"),
+        (ROOM + ROBOT.replace("ranger(", "ranger( pose [0 0.1 0 0]"), "a.world:2: pose: 'ranger' stands 0.1 m beside"),
+        (ROOM + "position( ranger() )", "a.world:2: ranger: a ranger without a sensor( ... ) measures nothing"),
+        (ROOM + "ranger()", "a.world: 0 robots, as models of kind position are; wanted 1 to 3000"),
+        (ROBOT, "a.world: no model bounds the world; wanted one with a bitmap, blocks or boundary 1"),
+        (ROOM + "puck()" + ROBOT, "a.world:2: puck: a 'puck' is not simulated"),
+        (
+            ROOM + "model( position() )" + ROBOT,
+            "a.world:2: position: a 'position' on the model 'model' is not simulated",
+        ),
+        ("interval_sim 0\n" + ROOM + ROBOT, "a.world:1: interval_sim: step_s: 0.0 is below 0.001"),
+        ("quit_time -1\n" + ROOM + ROBOT, "a.world:1: quit_time: time_limit_s: -1.0 is not above 0"),
+        ('interval_sim "a"\n' + ROOM + ROBOT, "a.world:1: interval_sim: 'a' is not a number"),
+        ('unit_length "km"\n', "a.world:1: unit_length: 'km' is not one of m, cm, mm"),
+        (ROBOT + "model( bitmap 3 )", "a.world:2: bitmap: 3 is not a text in quotes"),
+        (ROBOT + 'model( bitmap "no.png" )', "a.world:2: bitmap: there is no file 'no.png'"),
+        (ROBOT + 'model( bitmap "a.world" )', "a.world:2: bitmap: 'a.world' cannot be read as an image"),
+        (ROBOT + "model( block( points 2 ) )", "a.world:2: points: 2 is not from 3 to 10000"),
+        (ROBOT + "model( block( points 3 ) )", "a.world:2: points: 3 are said, but there is no point[0]"),
+        (
+            ROOM + ROBOT + "model( ranger_return -1 )",
+            "a.world:3: ranger_return: 'model' would be an obstacle that lasers",
+        ),
+        (
+            ROOM + ROBOT + "model( obstacle_return 0 )",
+            "a.world:3: obstacle_return: 'model' would be seen by lasers but no",
+        ),
+        (
+            ROBOT + "model( size [ 2000 1 1 ] )",
+            "a.world:2: model: bounds.max: x 1000 is more than 1000 m from that of min",
+        ),
+    ],
+)
+def test_bad_world_is_refused_in_one_line(world_of, text, message):
+    with pytest.raises(ScenarioError) as refused:
+        world_of(text)
+    assert str(refused.value).startswith(message)
+    assert "\n" not in str(refused.value)
+
+
+def test_blocks_that_cross_or_enclose_nothing_are_refused(world_of):
+    points = ["[ 0 0 ]", "[ 3 1 ]", "[ 3 0 ]", "[ 0 2 ]"]
+    crossed = " ".join(f"point[{i}] {point}" for i, point in enumerate(points))
+    with pytest.raises(ScenarioError, match=r"^a\.world:3: block: .*crosses or touches itself"):
+        world_of(ROOM + ROBOT + f"model( pose [5 5 0 0] block( points 4 {crossed} ) )")
+    with pytest.raises(ScenarioError, match=r"^a\.world:3: block: its points enclose no area"):
+        world_of(ROOM + ROBOT + "model( block( points 3 point[0] [0 0] point[1] [0 1] point[2] [0 2] ) )")
+
+
+def test_white_bitmap_is_refused(world_of, tmp_path):
+    cv2.imwrite(str(tmp_path / "white.png"), np.full((9, 9), 255, np.uint8))
+    with pytest.raises(ScenarioError, match=r"^a\.world:2: bitmap: no pixel of 'white\.png' is dark"):
+        world_of(ROBOT + 'model( bitmap "white.png" )')
+
+
+def test_robot_in_a_wall_is_a_mistake_of_place(world_of):
+    with pytest.raises(PlacementError):
+        world_of(ROOM + ROBOT.replace("2 2 0 0", "0 2 0 0"))
+
+
+def test_colours_are_judged_by_their_red_as_stage_does(world_of, tmp_path):
+    picture = np.full((20, 20, 3), 255, np.uint8)
+    picture[[0, -1]] = picture[:, [0, -1]] = (255, 255, 0)  # blue, green, red: cyan has no red
+    picture[10, 10] = (0, 0, 255)  # red
+    cv2.imwrite(str(tmp_path / "room.png"), picture)
+    plan = world_of(ROBOT + 'model( bitmap "room.png" size [ 10 10 1 ] pose [ 5 5 0 0 ] )').plan
+    assert np.count_nonzero(occupancy_grid(plan, 0.5).cells) == 4 * 19
