@@ -33,7 +33,7 @@ class BaseStation:
 
         Args: time_s: of the mission's clock [s].
         """
-        if self.delivered is None or not self.undelivered:
+        if self.delivered is None:
             return []
         announced = [found for message in inbox for found in announced_in(message.payload)]
         now = [

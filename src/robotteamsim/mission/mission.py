@@ -179,7 +179,8 @@ class Mission:
         if self._state == "running":
             self._judge_voices(voices)
             self._judge_places(positions_m)
-            self._judge_deliveries(base_inbox)
+            if self._base.undelivered:
+                self._judge_deliveries(base_inbox)
             if network.endangered is not self._endangered:
                 self._judge_links(network)
             if network.traffic.refused:

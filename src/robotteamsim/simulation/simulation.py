@@ -101,9 +101,9 @@ class Simulation:
         """Let each controller observe, then each decide."""
         sim_time_ns, task = self.world.sim_time_ns, self._task
         controllers = self._present_controllers()
-        for robot_id, controller in enumerate(controllers):
-            observation = Observation(robot_id, sim_time_ns, readings[robot_id], voices[robot_id])
-            controller.observe(observation, inboxes[robot_id], task)
+        received = zip(controllers, readings, voices, inboxes, strict=True)
+        for robot_id, (controller, reading, voice, inbox) in enumerate(received):
+            controller.observe(Observation(robot_id, sim_time_ns, reading, voice), inbox, task)
         return tuple([controller.decide() for controller in controllers])
 
     def _judge(

@@ -88,11 +88,12 @@ class Tally:
         if not self._pending:
             return
         steps = self._pending
-        ground_truth = np.stack([step.ground_truth for step in steps])
+        shape = (len(steps), len(steps[0].excluded))
+        ground_truth = np.concatenate([step.ground_truth for step in steps]).reshape(*shape, 4)
         self._hash.update_all([step.sim_time_ns for step in steps], ground_truth)
         self._totals.update(
             ground_truth[:, :, :2],
-            np.stack([step.in_contact for step in steps]),
+            np.concatenate([step.in_contact for step in steps]).reshape(shape),
             np.array([step.excluded for step in steps], dtype=bool),
             np.array([step.running for step in steps]),
         )

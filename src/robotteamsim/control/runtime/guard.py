@@ -78,11 +78,10 @@ def problem_of(decision: Decision, robot_id: int, num_robots: int) -> str:
     """Return what is wrong with a decision, in a few words; "" where nothing is."""
     if not isinstance(decision, Decision):
         return f"decide returned {_shown(decision)}; expected a Decision"
-    twist, goal_m = decision.twist, decision.goal_m
-    if not (isinstance(twist, Twist) and _are_finite(*twist)):
-        return f"decide returned {twist!r:.120}; expected a Twist of finite numbers"
-    if goal_m is not None and not (isinstance(goal_m, tuple) and len(goal_m) == 2 and _are_finite(*goal_m)):
-        return f"decide returned the goal {_shown(goal_m)}; expected finite (x, y), or None"
+    if not isinstance(decision.twist, Twist) or not _is_finite_twist(decision.twist):
+        return f"decide returned {decision.twist!r:.120}; expected a Twist of finite numbers"
+    if decision.goal_m is not None and not _is_finite_point(decision.goal_m):
+        return f"decide returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
     if not isinstance(decision.outbox, (tuple, list)):
         return f"decide returned the outbox {_shown(decision.outbox)}; expected a tuple of Messages"
     for message in decision.outbox:
@@ -139,8 +138,15 @@ def _has_utf8(text: str) -> bool:
     return True
 
 
-def _are_finite(*values: float) -> bool:
+def _is_finite_twist(twist: Twist) -> bool:
     try:
-        return all(map(isfinite, values))
+        return isfinite(twist.linear_x_mps) and isfinite(twist.linear_y_mps) and isfinite(twist.angular_z_radps)
+    except TypeError:
+        return False
+
+
+def _is_finite_point(point: object) -> bool:
+    try:
+        return isinstance(point, tuple) and len(point) == 2 and isfinite(point[0]) and isfinite(point[1])
     except TypeError:
         return False
