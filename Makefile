@@ -66,11 +66,12 @@ test_python: build ## pytest
 test_ros: build ## rostest, each test on a master of its own
 	@$(ENV) $(PYTHON) -m pytest test/ros -n $(JOBS) --dist loadfile $(ARGS)
 
-lint: build ## ruff, mypy, clang-format
+lint: build ## ruff, mypy, clang-format, yamllint
 	@$(PYTHON) -m ruff check --quiet .
 	@$(PYTHON) -m ruff format --quiet --check .
 	@$(PYTHON) -m mypy --no-error-summary
 	@clang-format --dry-run -Werror $(CPP_FILES)
+	@yamllint --strict scenarios maps
 	@echo "-- linters: clean"
 
 bench: build ## measure the speed of the parts, as ratios, into bench/results/speed.csv

@@ -23,8 +23,8 @@ from pathlib import Path
 
 import numpy as np
 
-from robotteamsim.analysis.recorded_run import read_run
-from robotteamsim.analysis.run_figures import figures
+from robotteamsim.analysis.runs.derived import figures
+from robotteamsim.analysis.runs.recorded_run import read_run
 from robotteamsim.campaign import read_store
 from robotteamsim.recording import BagWriter
 from robotteamsim.scenario import load

@@ -19,8 +19,8 @@ import matplotlib as mpl
 import numpy as np
 from scipy.stats import bootstrap, wilcoxon
 
-from robotteamsim.control.cover import COVER_RADIUS_M
-from robotteamsim.control.floor_cover import FloorCover
+from robotteamsim.control.cover.controller import COVER_RADIUS_M
+from robotteamsim.control.cover.floor_cover import FloorCover
 from robotteamsim.scenario import load
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Simulation, StepRecord

@@ -28,8 +28,8 @@ from robotteamsim.srv import Step
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
-from robotteamsim.ros.node import PARAMETERS
-from robotteamsim.ros.rviz_view import fitted
+from robotteamsim.ros.nodes.rviz_view import fitted
+from robotteamsim.ros.transport.node import PARAMETERS
 from robotteamsim.scenario import load
 
 ROOT = Path(__file__).resolve().parents[1]

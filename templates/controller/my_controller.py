@@ -3,8 +3,8 @@
 import json
 import math
 
-from robotteamsim.control import Decision, Task
 from robotteamsim.geometry import Twist
+from robotteamsim.interface import Decision, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 
 

@@ -20,6 +20,7 @@ FLOORS = (
     ("world", "propagation"),
     ("sensing", "network"),
     ("swarm",),
+    ("interface",),
     ("control",),
     ("mission",),
     ("simulation",),
@@ -95,7 +96,7 @@ def test_ros_is_imported_only_in_the_ros_shell(path):
 def test_only_programs_for_a_terminal_print(path):
     calls = [node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.Call)]
     prints = [call.lineno for call in calls if isinstance(call.func, ast.Name) and call.func.id == "print"]
-    assert prints == [] or part_of(path, PACKAGE) == "cli" or path.name == "teleop_node.py"
+    assert prints == [] or part_of(path, PACKAGE) == "cli" or path.name == "teleop.py"
 
 
 def test_nothing_is_random_but_by_the_named_streams_of_a_seed():

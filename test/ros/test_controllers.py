@@ -18,7 +18,7 @@ TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorial_controller.md"
 PRINTED = re.findall(r"```python\n(.*?)```", TUTORIAL.read_text(), re.DOTALL)
 FAULTY = """
 from my_controller import MyController
-from robotteamsim.control import Decision
+from robotteamsim.interface import Decision
 from robotteamsim.geometry import Twist
 
 

@@ -19,14 +19,14 @@ import roslaunch.rlutil
 from rosbags.rosbag1 import Reader
 from running import ROSLAUNCH, running
 
-from robotteamsim.analysis.recorded_run import read_run
-from robotteamsim.analysis.run_figures import figures
+from robotteamsim.analysis.runs.derived import figures
+from robotteamsim.analysis.runs.recorded_run import read_run
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter, TrajectoryHash, message_fields
 from robotteamsim.recording.bag import ROBOT_TOPICS, TEAM_TOPICS
 from robotteamsim.recording.bag_types import bag_typestore
-from robotteamsim.ros import msg_conversion as conversion
-from robotteamsim.ros.find_gmapping import installed
+from robotteamsim.ros.nodes.find_gmapping import installed
+from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 

@@ -19,9 +19,9 @@ from PIL import Image
 from running import PATIENCE_S, environment
 
 from robotteamsim.recording import BagWriter
-from robotteamsim.ros.rviz_view import fitted
-from robotteamsim.ros.scene_plan import FLOOR, WALL
-from robotteamsim.ros.scene_team import robot_colour
+from robotteamsim.ros.nodes.rviz_view import fitted
+from robotteamsim.ros.scene.plan import FLOOR, WALL
+from robotteamsim.ros.scene.team import robot_colour
 from robotteamsim.scenario import Bounds, load
 from robotteamsim.simulation import Simulation
 

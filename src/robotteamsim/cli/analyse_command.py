@@ -19,8 +19,8 @@ from robotteamsim.recording.files import atomically, check_replaceable, write_at
 if TYPE_CHECKING:
     import numpy as np
 
-    from robotteamsim.analysis.recorded_run import RecordedRun
-    from robotteamsim.analysis.run_figures import RunFigures
+    from robotteamsim.analysis.runs.derived import RunFigures
+    from robotteamsim.analysis.runs.recorded_run import RecordedRun
 
 MAX_DRAWN = 6
 """Bags beside each other in a picture."""
@@ -71,8 +71,8 @@ def add_to(commands: Any) -> None:
 def analyse(options: argparse.Namespace) -> None:
     """Read all bags, then write what is asked for and print a table."""
     # Imported late: not every command reads bags.
-    from robotteamsim.analysis.recorded_run import read_run
-    from robotteamsim.analysis.run_figures import figures
+    from robotteamsim.analysis.runs.derived import figures
+    from robotteamsim.analysis.runs.recorded_run import read_run
 
     _check(options)
     plan = scenario.load(options.scenario).plan if options.scenario else None
@@ -82,7 +82,7 @@ def analyse(options: argparse.Namespace) -> None:
     all_figures = [figures(run) for run in runs]
     written = _write(options, runs, all_figures)
     if options.png:
-        from robotteamsim.analysis.run_picture import draw_runs
+        from robotteamsim.analysis.runs.picture import draw_runs
 
         with atomically(options.png) as part:
             draw_runs(runs, all_figures, plan).savefig(part, format="png")
@@ -127,7 +127,7 @@ def _files(options: argparse.Namespace) -> list[Path]:
 
 
 def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], figures: Sequence[RunFigures]) -> list[Path]:
-    from robotteamsim.analysis.run_files import document, write_tables
+    from robotteamsim.analysis.runs.files import document, write_tables
 
     written = write_tables(options.csv, runs, figures) if options.csv else []
     if options.json:
@@ -145,7 +145,7 @@ def _film(
 ) -> list[Path]:
     if not (options.gif or options.mp4):
         return []
-    from robotteamsim.analysis.run_film import RunFilm
+    from robotteamsim.analysis.runs.film import RunFilm
     from robotteamsim.recording.film_files import find_ffmpeg, write_gif, write_mp4
 
     if options.gif:
@@ -164,7 +164,7 @@ def _told(frames: Iterator[np.ndarray], count: int) -> Iterator[np.ndarray]:
 
 
 def _print(runs: Sequence[RecordedRun], figures: Sequence[RunFigures]) -> None:
-    from robotteamsim.analysis.run_tables import print_run, print_runs
+    from robotteamsim.analysis.runs.tables import print_run, print_runs
 
     if len(runs) == 1:
         print_run(Console(), runs[0], figures[0])

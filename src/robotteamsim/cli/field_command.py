@@ -19,8 +19,8 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.recording.files import atomically, write_atomically
 
 if TYPE_CHECKING:
-    from robotteamsim.analysis.field_picture import FieldStyle, Panel
-    from robotteamsim.analysis.fields import VoiceRange
+    from robotteamsim.analysis.fields.maps import VoiceRange
+    from robotteamsim.analysis.fields.picture import FieldStyle, Panel
 
 MAX_PANELS = 9
 SHOWN_KEYS = ("voice.noise_db", "radio.tx_power_dbm")
@@ -133,7 +133,7 @@ class _Variant:
 def draw_radio(options: argparse.Namespace) -> None:
     """Draw or write the radio maps."""
     # Imported late: Matplotlib takes longer to start than a short mission.
-    from robotteamsim.analysis.fields import radio_panel, radio_style
+    from robotteamsim.analysis.fields.maps import radio_panel, radio_style
 
     variants = _variants(options)
     scenarios = [variant.load(options) for variant in variants]
@@ -146,7 +146,7 @@ def draw_radio(options: argparse.Namespace) -> None:
 
 def draw_voice(options: argparse.Namespace) -> None:
     """Draw or write the voice maps."""
-    from robotteamsim.analysis.fields import voice_panel, voice_style
+    from robotteamsim.analysis.fields.maps import voice_panel, voice_style
 
     variants = _variants(options)
     scenarios = [variant.load(options) for variant in variants]
@@ -201,7 +201,7 @@ def _variant(common: _Variant, text: str) -> _Variant:
 
 
 def _resolution_m(options: argparse.Namespace, loaded: scenario.Scenario) -> float:
-    from robotteamsim.analysis.fields import default_resolution_m
+    from robotteamsim.analysis.fields.maps import default_resolution_m
 
     if options.resolution is None:
         return default_resolution_m(loaded.plan)
@@ -218,7 +218,7 @@ def _finish(
     options: argparse.Namespace, variants: Sequence[_Variant], panels: Sequence[Panel], style: FieldStyle
 ) -> None:
     """Draw and write what was asked for; nothing where the maps do not fit into one file."""
-    from robotteamsim.analysis.field_file import numbers
+    from robotteamsim.analysis.fields.file import numbers
 
     panels = [
         replace(panel, title=f"{variant.name}: {panel.title}") if variant.name else panel
@@ -226,7 +226,7 @@ def _finish(
     ]
     arrays = numbers(panels, style) if options.out else {}
     if options.png:
-        from robotteamsim.analysis.field_picture import draw_fields
+        from robotteamsim.analysis.fields.picture import draw_fields
 
         save(draw_fields(panels, style, f"{panels[0].plan.name}: {style.quantity}"), options.png)
     if options.out:
@@ -235,7 +235,7 @@ def _finish(
 
 def _write(path: Path, arrays: dict[str, np.ndarray], panels: Sequence[Panel], style: FieldStyle) -> None:
     """Write the numbers, and per map an image with its yaml; tell their names."""
-    from robotteamsim.analysis.field_file import grid_pgm, grid_yaml
+    from robotteamsim.analysis.fields.file import grid_pgm, grid_yaml
 
     with atomically(path) as part, part.open("wb") as file:
         np.savez_compressed(file, **arrays)  # type: ignore[arg-type]  # NumPy's stub has no keywords but its own

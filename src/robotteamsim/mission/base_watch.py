@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from robotteamsim.control.controller import Discovery
-from robotteamsim.control.finds import tells_of
+from robotteamsim.control.runtime.base_station import tells_of
+from robotteamsim.interface import Discovery
 from robotteamsim.mission.status import Reports
 from robotteamsim.network.messages import Message
 from robotteamsim.scenario.scenario import Scenario

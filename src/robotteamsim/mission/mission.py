@@ -9,7 +9,7 @@ from itertools import repeat
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.control.controller import Decision, Discovery, Task
+from robotteamsim.interface import Decision, Discovery, Task
 from robotteamsim.mission.base_watch import BaseWatch
 from robotteamsim.mission.status import Event, MissionEnd, MissionState, MissionStatus, VictimState
 from robotteamsim.mission.team_watch import TeamWatch

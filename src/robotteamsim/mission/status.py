@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from robotteamsim import _core
-from robotteamsim.control.controller import Task
+from robotteamsim.interface import Task
 
 MissionState = Literal["waiting", "running", "paused", "ended"]
 MissionEnd = Literal["", "areas_explored", "time_limit", "all_excluded", "none_left", "aborted"]

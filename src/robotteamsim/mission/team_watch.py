@@ -8,7 +8,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from robotteamsim.control.controller import OUTSIDE, Decision
+from robotteamsim.interface import OUTSIDE, Decision
 
 # By index, as names of a tuple's items take several times as long.
 _WATCHED = itemgetter(*[Decision._fields.index(name) for name in ("excluded", "swarm", "fault")])

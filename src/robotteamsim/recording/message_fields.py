@@ -12,8 +12,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from robotteamsim.control.controller import Decision, Discovery
 from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.interface import Decision, Discovery
 from robotteamsim.mission.status import Event, MissionStatus, Reports, VictimState
 from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.propagation import FieldMap

@@ -9,7 +9,7 @@ from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 from robotteamsim.scenario.base import Many, Model, first_repeated, wrong
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
 from robotteamsim.scenario.placement import placed_robots
-from robotteamsim.scenario.schedule import Happening, problem_of
+from robotteamsim.scenario.schedule import ScheduledEvent, problem_of
 from robotteamsim.scenario.sections import Control, Mission, Network, PlacedRobot, Radio, Run, Team, Voice
 from robotteamsim.scenario.things import Thing
 
@@ -44,7 +44,7 @@ class Scenario(Model):
     control: Control = Control()
     mission: Mission = Mission()
     things: Many[Thing] = Field(default=(), max_length=MAX_THINGS, description="boxes and barrels that robots push")
-    schedule: Many[Happening] = Field(
+    schedule: Many[ScheduledEvent] = Field(
         default=(), max_length=MAX_HAPPENINGS, description="robots that leave and come while the world runs"
     )
     run: Run = Run()

@@ -13,7 +13,7 @@ from robotteamsim.scenario.plan import solids
 from robotteamsim.scenario.sections import PlacedRobot
 
 
-class Happening(Model):
+class ScheduledEvent(Model):
     """A robot that leaves or comes: one of `remove` and `spawn`."""
 
     at_s: float = Field(ge=0.0, le=1e6, description="with the first step that begins then or later [s]")
@@ -26,7 +26,7 @@ class Happening(Model):
     )
 
     @model_validator(mode="after")
-    def _check(self) -> Happening:
+    def _check(self) -> ScheduledEvent:
         if (self.remove is None) == (self.spawn is None):
             raise wrong("remove", "wanted the id of a robot here, or as spawn, and not both")
         if self.pose is not None and self.spawn is None:
@@ -39,12 +39,12 @@ class Happening(Model):
         return self.remove if self.remove is not None else self.spawn or 0
 
 
-def in_order(schedule: Sequence[Happening]) -> list[tuple[int, Happening]]:
+def in_order(schedule: Sequence[ScheduledEvent]) -> list[tuple[int, ScheduledEvent]]:
     """Return what happens, with its place in the list, in the order of time; at one time in that of the list."""
     return sorted(enumerate(schedule), key=lambda item: item[1].at_s)
 
 
-def problem_of(schedule: Sequence[Happening], present: Sequence[bool]) -> tuple[str, str] | None:
+def problem_of(schedule: Sequence[ScheduledEvent], present: Sequence[bool]) -> tuple[str, str] | None:
     """Return key and what is wrong with it, where the schedule cannot be followed; `present`: who starts."""
     there = list(present)
     for index, happening in in_order(schedule):
@@ -58,7 +58,7 @@ def problem_of(schedule: Sequence[Happening], present: Sequence[bool]) -> tuple[
     return None
 
 
-def check_schedule(plan: FloorPlan, schedule: Sequence[Happening], robots: Sequence[PlacedRobot]) -> None:
+def check_schedule(plan: FloorPlan, schedule: Sequence[ScheduledEvent], robots: Sequence[PlacedRobot]) -> None:
     """Raise PlacementError where a robot would come in a wall or outside; doors, things and robots come and go."""
     standing = [solid for solid in solids(plan) if solid.kind != "door"] if schedule else []
     for index, happening in enumerate(schedule):

@@ -166,12 +166,3 @@ _NOWHERE = PoseReading(math.nan, math.nan, math.nan, math.nan)
 
 NOT_THERE = RobotReading(_NOWHERE, Twist(), OdometryReading(_NOWHERE, Twist()), np.zeros(0, np.float32), False)
 """What is told of a robot that is not there, where something must stand."""
-
-
-class Observation(NamedTuple):
-    """All that a controller is told of the world in one step; sim_time_ns is the stamp of every part."""
-
-    robot_id: int
-    sim_time_ns: int
-    robot: RobotReading
-    voice: VoiceReading

@@ -1,7 +1,7 @@
 """One trial: the step loop, its environment, its records."""
 
 from robotteamsim.simulation.environment import Environment
-from robotteamsim.simulation.record import Observer, Result, RobotFigures, StepRecord
+from robotteamsim.simulation.record import Observer, Result, RobotTotals, StepRecord
 from robotteamsim.simulation.simulation import Simulation, true_positions_m
 from robotteamsim.simulation.tally import Tally
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
@@ -10,7 +10,7 @@ __all__ = [
     "Environment",
     "Observer",
     "Result",
-    "RobotFigures",
+    "RobotTotals",
     "Simulation",
     "StepRecord",
     "Tally",

@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from robotteamsim.control.controller import Decision
+from robotteamsim.interface import Decision
 from robotteamsim.mission.status import Event, MissionEnd, MissionStatus
 from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.propagation import FieldMap
@@ -59,7 +59,7 @@ class StepRecord(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class RobotFigures:
+class RobotTotals:
     """What one robot did in a trial.
 
     distance_m: length of its true path.      contact_s: time in which it touched something.
@@ -94,7 +94,7 @@ class Result:
     trajectory_hash: str
     steps: int
     sim_time_s: float
-    robots: tuple[RobotFigures, ...]
+    robots: tuple[RobotTotals, ...]
     wall_s: float
     finds_reported: int | None = None
     mean_report_delay_s: float | None = None

@@ -9,13 +9,13 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.control import Guard, make_controller
-from robotteamsim.control.controller import Decision, Task
 from robotteamsim.geometry import Pose, Twist
+from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.mission import Mission
 from robotteamsim.network.messages import Message
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import Observation, RobotReading, TeamReadings, ground_truth_rows
+from robotteamsim.sensing.readings import RobotReading, TeamReadings, ground_truth_rows
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.record import Observer, Result, StepRecord

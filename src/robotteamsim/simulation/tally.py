@@ -8,11 +8,11 @@ from operator import itemgetter
 
 import numpy as np
 
-from robotteamsim.control.controller import Decision
+from robotteamsim.interface import Decision
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import contact_flags, ground_truth_rows
-from robotteamsim.simulation.figures import TeamFigures
 from robotteamsim.simulation.record import Result, StepRecord
+from robotteamsim.simulation.team_totals import TeamTotals
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
 
 _PENDING_STEPS = 64
@@ -35,7 +35,7 @@ class Tally:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._hash = TrajectoryHash()
-        self._figures = TeamFigures(len(scenario.placed_robots()), scenario.run.step_s)
+        self._figures = TeamTotals(len(scenario.placed_robots()), scenario.run.step_s)
         self._wall_start_s = time.perf_counter()
         self._last: StepRecord | None = None
         self._pending: list[_Step] = []

@@ -15,7 +15,7 @@ from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.body import Body
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import Solid, solids
-from robotteamsim.scenario.schedule import Happening, in_order
+from robotteamsim.scenario.schedule import ScheduledEvent, in_order
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.things import Thing, check_things
 from robotteamsim.world.doors import DoorState, core_door, door_at_start, door_state, leaf_outline
@@ -46,7 +46,7 @@ class World:
         run: Run,
         *,
         things: Sequence[Thing] = (),
-        schedule: Sequence[Happening] = (),
+        schedule: Sequence[ScheduledEvent] = (),
         seed: int = 0,
     ) -> None:
         """Place the robots at their start poses, in id order.

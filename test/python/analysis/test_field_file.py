@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import yaml
 
-from robotteamsim.analysis.field_file import grid_pgm, grid_yaml, numbers
-from robotteamsim.analysis.field_picture import FieldStyle, Panel, Spot
+from robotteamsim.analysis.fields.file import grid_pgm, grid_yaml, numbers
+from robotteamsim.analysis.fields.picture import FieldStyle, Panel, Spot
 from robotteamsim.errors import RecordingError
 from robotteamsim.propagation import FieldMap
 

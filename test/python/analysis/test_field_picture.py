@@ -10,7 +10,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.contour import QuadContourSet
 
-from robotteamsim.analysis.field_picture import FieldStyle, Level, Panel, Spot, draw_fields
+from robotteamsim.analysis.fields.picture import FieldStyle, Level, Panel, Spot, draw_fields
 from robotteamsim.propagation import FieldMap
 
 STYLE = FieldStyle("level", "dB", "YlOrRd", low=10.0, high=60.0, silence="quiet", levels=(Level(30.0, "half"),))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotteamsim.analysis.fields import default_resolution_m, radio_panel, radio_style, voice_panel, voice_style
+from robotteamsim.analysis.fields.maps import default_resolution_m, radio_panel, radio_style, voice_panel, voice_style
 from robotteamsim.propagation import RadioField, VoiceField, VoiceSource
 from robotteamsim.scenario import load
 from robotteamsim.scenario.sections import Network, Radio, Voice

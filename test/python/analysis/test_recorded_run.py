@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer
 
-from robotteamsim.analysis.recorded_run import read_run
-from robotteamsim.analysis.run_figures import figures
+from robotteamsim.analysis.runs.derived import figures
+from robotteamsim.analysis.runs.recorded_run import read_run
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.recording.bag_types import BagTypes

@@ -11,10 +11,10 @@ import networkx
 import numpy as np
 import pytest
 
-from robotteamsim.analysis import run_figures
-from robotteamsim.analysis.recorded_run import RecordedNetwork, read_run
-from robotteamsim.analysis.run_figures import figures
-from robotteamsim.analysis.run_files import document, write_tables
+from robotteamsim.analysis.runs import derived as run_figures
+from robotteamsim.analysis.runs.derived import figures
+from robotteamsim.analysis.runs.files import document, write_tables
+from robotteamsim.analysis.runs.recorded_run import RecordedNetwork, read_run
 from robotteamsim.mission.status import Event
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.recording.bag_types import BagTypes

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotteamsim.analysis.recorded_run import read_run
-from robotteamsim.analysis.run_figures import figures
-from robotteamsim.analysis.run_film import RunFilm, link_segments
+from robotteamsim.analysis.runs.derived import figures
+from robotteamsim.analysis.runs.film import RunFilm, link_segments
+from robotteamsim.analysis.runs.recorded_run import read_run
 
 BLUE = (0x1F, 0x6F, 0xEB)
 SECOND_NS = 10**9

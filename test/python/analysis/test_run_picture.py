@@ -10,10 +10,10 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from robotteamsim.analysis.recorded_run import read_run
-from robotteamsim.analysis.run_figures import figures
-from robotteamsim.analysis.run_picture import draw_runs, outcome
-from robotteamsim.analysis.run_plan import extent_m, robot_colour
+from robotteamsim.analysis.runs.derived import figures
+from robotteamsim.analysis.runs.picture import draw_runs, outcome
+from robotteamsim.analysis.runs.plan_panel import extent_m, robot_colour
+from robotteamsim.analysis.runs.recorded_run import read_run
 from robotteamsim.recording import message_fields as fields
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.bag_types import BagTypes

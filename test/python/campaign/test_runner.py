@@ -12,7 +12,7 @@ import pytest
 from robotteamsim.campaign import open_store, run_trial
 from robotteamsim.campaign import runner as runner_module
 from robotteamsim.campaign.runner import run_trials, scheduler_at
-from robotteamsim.control.known_map import known_map
+from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.errors import CampaignError
 
 

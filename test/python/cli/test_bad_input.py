@@ -12,7 +12,7 @@ from robotteamsim.recording.bag_reader import BagReader
 SHORT = ("--set", "mission.time_limit_s=2")
 
 FAULTY = """
-from robotteamsim.control import Decision
+from robotteamsim.interface import Decision
 from robotteamsim.geometry import Twist
 from robotteamsim.network.messages import Message
 

@@ -7,10 +7,11 @@ from collections.abc import Callable, Sequence
 
 import pytest
 
-from robotteamsim.control import Controller, Decision, Task, make_controller
+from robotteamsim.control import make_controller
+from robotteamsim.interface import Controller, Decision, Observation, Task
 from robotteamsim.network.messages import Message
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import Observation, VoiceReading
+from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 

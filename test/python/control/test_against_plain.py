@@ -10,12 +10,12 @@ from plain import PlainNavigator, PlainRuledOut, PlainSurroundings, plain_along_
 from scipy import ndimage
 
 from robotteamsim import _core
-from robotteamsim.control.controller import Decision
-from robotteamsim.control.known_map import KnownMap
-from robotteamsim.control.localisation import Localiser
-from robotteamsim.control.navigation import Navigator
-from robotteamsim.control.surroundings import Surroundings
+from robotteamsim.control.driving.known_map import KnownMap
+from robotteamsim.control.driving.localisation import Localiser
+from robotteamsim.control.driving.navigation import Navigator
+from robotteamsim.control.rdpso.obstacles import Surroundings
 from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.interface import Decision
 from robotteamsim.scenario import load
 from robotteamsim.scenario.drives import CarDrive, Drive
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan

@@ -6,11 +6,12 @@ import math
 
 import pytest
 
-from robotteamsim.control import Decision, Task, make_controller
-from robotteamsim.control.known_map import known_map
-from robotteamsim.control.local_best import LocalBestFinder
-from robotteamsim.control.report import Best
-from robotteamsim.control.ruled_out import RuledOut
+from robotteamsim.control import make_controller
+from robotteamsim.control.driving.known_map import known_map
+from robotteamsim.control.rdpso.local_best import LocalBestFinder
+from robotteamsim.control.rdpso.ruled_out import RuledOut
+from robotteamsim.control.rdpso.update import Best
+from robotteamsim.interface import Decision, Task
 from robotteamsim.scenario.sections import Area, Control, Mission
 from robotteamsim.sensing.readings import VoiceReading
 

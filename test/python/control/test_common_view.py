@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from robotteamsim.control.common_view import CommonView, common_view
-from robotteamsim.control.controller import OUTSIDE
-from robotteamsim.control.report import Best, Report, parse_report
+from robotteamsim.control.rdpso.common_view import CommonView, common_view
+from robotteamsim.control.rdpso.update import Best, RdpsoUpdate, parse_update
+from robotteamsim.interface import OUTSIDE
 from robotteamsim.swarm import SwarmState
 
 
-def report(robot_id: int, swarm_id: int = 0, local_best: Best | None = None, epoch: int = 1, **changes) -> Report:
+def report(robot_id: int, swarm_id: int = 0, local_best: Best | None = None, epoch: int = 1, **changes) -> RdpsoUpdate:
     fields = {
         "iteration": 3,
         "position": (float(robot_id), 0.0),
@@ -16,12 +16,12 @@ def report(robot_id: int, swarm_id: int = 0, local_best: Best | None = None, epo
         "known_best": None,
         "swarm": SwarmState(robot_id, 0),
     }
-    return Report(robot_id=robot_id, swarm_id=swarm_id, local_best=local_best, epoch=epoch, **(fields | changes))
+    return RdpsoUpdate(robot_id=robot_id, swarm_id=swarm_id, local_best=local_best, epoch=epoch, **(fields | changes))
 
 
 def test_robots_that_parsed_the_same_messages_share_one_view():
     payloads = [report(i).to_json() for i in range(3)]
-    assert common_view(tuple(map(parse_report, payloads))) is common_view(tuple(map(parse_report, payloads)))
+    assert common_view(tuple(map(parse_update, payloads))) is common_view(tuple(map(parse_update, payloads)))
     assert common_view((report(0), report(1))) is not common_view((report(0), report(1, epoch=2)))
 
 

@@ -7,16 +7,16 @@ import json
 import numpy as np
 import pytest
 
-from robotteamsim.control.cover import CoverController
-from robotteamsim.control.cover_report import CoverReport, Find, parse_cover_report
+from robotteamsim.control.cover.controller import CoverController
+from robotteamsim.control.cover.update import CoverUpdate, Find, parse_cover_update
 from robotteamsim.errors import ScenarioError
+from robotteamsim.interface import Observation
 from robotteamsim.network import EVERYBODY, Message
 from robotteamsim.scenario import load
 from robotteamsim.scenario.sections import Control, Mission, PlacedRobot, Victim, Voice
-from robotteamsim.sensing.readings import Observation
 from robotteamsim.simulation import Simulation, StepRecord
 
-REPORT = CoverReport(2, (1.0 / 3.0, 4.0), (7.0, 8.0), "00ff", (Find((1.5, 2.5), 4, 12.3),))
+REPORT = CoverUpdate(2, (1.0 / 3.0, 4.0), (7.0, 8.0), "00ff", (Find((1.5, 2.5), 4, 12.3),))
 
 
 def _simulation(hall_scenario, **control) -> Simulation:
@@ -33,12 +33,12 @@ def _simulation(hall_scenario, **control) -> Simulation:
 
 
 def test_report_keeps_every_bit_as_a_message():
-    assert parse_cover_report(REPORT.to_json()) == REPORT
+    assert parse_cover_update(REPORT.to_json()) == REPORT
 
 
 @pytest.mark.parametrize("payload", ["", "3", "{}", "[]", '{"cover": {"robot_id": 1}}', '{"cover": 1}', "ä"])
 def test_other_messages_are_no_reports(payload):
-    assert parse_cover_report(payload) is None
+    assert parse_cover_update(payload) is None
 
 
 def test_team_covers_the_hall_and_the_base_hears_of_the_find(hall_scenario):
@@ -46,7 +46,7 @@ def test_team_covers_the_hall_and_the_base_hears_of_the_find(hall_scenario):
     heard = []
     for _ in range(900):
         record = simulation.step()
-        heard += [parse_cover_report(m.payload) for m in record.inboxes[0]]
+        heard += [parse_cover_update(m.payload) for m in record.inboxes[0]]
     base, *others = simulation.controllers
     assert record.mission.victims == ("saved",)
     assert [find.robot_id for find in base.finds] == [find.robot_id for find in heard[-1].finds]
@@ -83,7 +83,7 @@ def test_partition_splits_what_robots_know_and_heals(hall_scenario):
     for _ in range(5):
         record = simulation.step()
     first, second = simulation.controllers[1:]
-    find = CoverReport(0, (1.0, 1.0), None, first._cover.to_hex(), (Find((15.0, 5.0), 0, 1.0),))
+    find = CoverUpdate(0, (1.0, 1.0), None, first._cover.to_hex(), (Find((15.0, 5.0), 0, 1.0),))
     observation = _observation(record)
     first.observe(observation, [Message(0, EVERYBODY, find.to_json())], record.mission.task)
     assert (len(first.finds), len(second.finds)) == (1, 0)

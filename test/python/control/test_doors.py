@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from robotteamsim.control.doors import DoorBeliefs
-from robotteamsim.control.known_map import UNREACHABLE_M, KnownMap
+from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap
+from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import Door, FloorPlan, Wall
 from robotteamsim.scenario.sections import Area, Laser, Mission, PlacedRobot, Run

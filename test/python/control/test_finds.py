@@ -6,17 +6,22 @@ import json
 
 import pytest
 
-from robotteamsim.control import Decision, Task, make_controller
-from robotteamsim.control.controller import Discovery
-from robotteamsim.control.cover import CoverController
-from robotteamsim.control.cover_report import CoverReport, Find
-from robotteamsim.control.finds import FindListener, FindReporter, StandingBase, discovery_to_json, tells_of
-from robotteamsim.control.rdpso import RdpsoController
+from robotteamsim.control import make_controller
+from robotteamsim.control.cover.controller import CoverController
+from robotteamsim.control.cover.update import CoverUpdate, Find
+from robotteamsim.control.rdpso.controller import RdpsoController
+from robotteamsim.control.runtime.base_station import (
+    FindListener,
+    FindReporter,
+    StandingBase,
+    discovery_to_json,
+    tells_of,
+)
+from robotteamsim.interface import Decision, Discovery, Observation, Task
 from robotteamsim.network import Message
 from robotteamsim.network.messages import EVERYBODY
 from robotteamsim.scenario import load
 from robotteamsim.scenario.sections import Control
-from robotteamsim.sensing.readings import Observation
 from robotteamsim.simulation import Simulation
 
 ANN = Discovery("victim", "ann", 1, (9.0, 4.0), 12.5)
@@ -141,7 +146,7 @@ def test_other_messages_tell_of_nothing(payload):
 
 @pytest.mark.parametrize(("x_m", "tells"), [(9.9, True), (10.1, False)])
 def test_cover_report_tells_of_the_victim_at_its_place(x_m, tells):
-    report = CoverReport(2, (1.0, 4.0), None, "00", (Find((1.0, 1.0), 1, 3.0), Find((x_m, 4.0), 1, 12.5)))
+    report = CoverUpdate(2, (1.0, 4.0), None, "00", (Find((1.0, 1.0), 1, 3.0), Find((x_m, 4.0), 1, 12.5)))
     assert tells_of(report.to_json(), ANN, 1.0) is tells
     assert not tells_of(report.to_json(), EAST._replace(position_m=(9.0, 4.0)), 1.0)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotteamsim.control.floor_cover import FloorCover
+from robotteamsim.control.cover.floor_cover import FloorCover
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 
 HALL = FloorPlan(name="hall", bounds=Bounds(max=(20.0, 10.0)))

@@ -8,9 +8,10 @@ import re
 import numpy as np
 import pytest
 
-from robotteamsim.control import Decision, Guard, Task
+from robotteamsim.control import Guard
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Twist
+from robotteamsim.interface import Decision, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 
 FORWARD = Decision(Twist(0.5))

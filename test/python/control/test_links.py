@@ -8,8 +8,8 @@ import networkx
 import numpy as np
 import pytest
 
-from robotteamsim.control.link_keeper import LinkKeeper, strongest_tree
-from robotteamsim.control.ruled_out import RuledOut
+from robotteamsim.control.rdpso.communication import LinkKeeper, strongest_tree
+from robotteamsim.control.rdpso.ruled_out import RuledOut
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Control, Network

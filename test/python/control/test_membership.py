@@ -7,10 +7,10 @@ import itertools
 
 import pytest
 
-from robotteamsim.control.common_view import CommonView
-from robotteamsim.control.controller import OUTSIDE
-from robotteamsim.control.membership import Membership
-from robotteamsim.control.report import Best, Report
+from robotteamsim.control.rdpso.common_view import CommonView
+from robotteamsim.control.rdpso.membership import Membership
+from robotteamsim.control.rdpso.update import Best, RdpsoUpdate
+from robotteamsim.interface import OUTSIDE
 from robotteamsim.mission.team_watch import TeamWatch
 from robotteamsim.scenario.sections import Area, Control, Mission, PlacedRobot, SocialExclusion, Swarms
 from robotteamsim.swarm import SwarmState
@@ -38,7 +38,7 @@ def members(hall_scenario):
 def iterate(team: list[Membership], iteration: int, improved: set[int], heard: tuple[int, ...] = tuple(range(NUM))):
     """Let all of `heard` hear each other in one iteration; the lower the id, the better the robot."""
     reports = {
-        i: Report(
+        i: RdpsoUpdate(
             robot_id=i,
             iteration=iteration,
             epoch=1,
@@ -71,7 +71,7 @@ def test_robots_are_dealt_to_swarms_in_runs_of_equal_length(members):
 
 def test_verdict_of_a_team_with_other_rules_is_its_own(members):
     teams = [members(control(sc_max=1)), members(control(sc_max=3))]
-    view = CommonView((Report(2, 0, 1, (0.0, 0.0), None, Best(-2.0, (0.0, 0.0)), None, 0, SwarmState()),))
+    view = CommonView((RdpsoUpdate(2, 0, 1, (0.0, 0.0), None, Best(-2.0, (0.0, 0.0)), None, 0, SwarmState()),))
     for team in teams:
         team[2].judge(0, view, (), {0})
     assert [team[2].swarm_id for team in teams] == [OUTSIDE, 0]

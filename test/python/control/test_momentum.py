@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robotteamsim.control.momentum import Momentum
+from robotteamsim.control.rdpso.velocity_memory import Momentum
 
 
 def test_way_of_the_last_iterations_counts_by_their_weights():

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import pytest
 
-from robotteamsim.control.known_map import KnownMap
-from robotteamsim.control.navigation import Navigator
+from robotteamsim.control.driving.known_map import KnownMap
+from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.geometry import Twist
 from robotteamsim.scenario.drives import AnyDrive, CarDrive, Drive
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall

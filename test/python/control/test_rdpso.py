@@ -9,13 +9,15 @@ import math
 import numpy as np
 import pytest
 
-from robotteamsim.control import Decision, RdpsoController, Task, make_controller
-from robotteamsim.control.report import Best, Report, parse_report
+from robotteamsim.control import make_controller
+from robotteamsim.control.rdpso.controller import RdpsoController
+from robotteamsim.control.rdpso.update import Best, RdpsoUpdate, parse_update
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.sections import Area, Control, Mission, PlacedRobot, SocialExclusion
-from robotteamsim.sensing.readings import Observation, OdometryReading, RobotReading, VoiceReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
 from robotteamsim.swarm import SwarmState
 
 AREA = (16.0, 5.0)
@@ -52,7 +54,7 @@ def report(robot_id: int, iteration: int, **changes: object) -> Message:
         "swarm_id": 0,
         "swarm": SwarmState(),
     }
-    return Message(robot_id, EVERYBODY, Report(**(fields | changes)).to_json())
+    return Message(robot_id, EVERYBODY, RdpsoUpdate(**(fields | changes)).to_json())
 
 
 def drive(controller: RdpsoController, *inputs: tuple[Observation, list[Message], Task]) -> list[Decision]:
@@ -63,9 +65,9 @@ def drive(controller: RdpsoController, *inputs: tuple[Observation, list[Message]
     return decisions
 
 
-def sent(decision: Decision) -> Report:
+def sent(decision: Decision) -> RdpsoUpdate:
     (message,) = decision.outbox
-    parsed = parse_report(message.payload)
+    parsed = parse_update(message.payload)
     assert parsed is not None
     return parsed
 
@@ -159,7 +161,7 @@ def test_what_others_write_into_messages_does_no_harm(robot):
 
 
 def test_report_keeps_every_bit():
-    original = Report(
+    original = RdpsoUpdate(
         robot_id=3,
         iteration=17,
         epoch=2,
@@ -171,7 +173,7 @@ def test_report_keeps_every_bit():
         swarm=SwarmState(7, 1),
         doors=(("door_a", True, 4),),
     )
-    assert parse_report(original.to_json()) == original
+    assert parse_update(original.to_json()) == original
 
 
 def test_robot_by_odometry_takes_its_start_and_what_it_drove_for_its_pose(hall_scenario):

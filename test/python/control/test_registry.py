@@ -6,12 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from robotteamsim.control import ALGORITHMS, Task, algorithm_names, make_controller
+from robotteamsim.control import ALGORITHMS, algorithm_names, make_controller
 from robotteamsim.errors import ScenarioError
+from robotteamsim.interface import Task
 from robotteamsim.scenario.sections import Control
 
 OTHERS = """
-from robotteamsim.control import Decision
+from robotteamsim.interface import Decision
 
 class Still:
     def __init__(self, robot_id, scenario):

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from robotteamsim import _core
-from robotteamsim.control.controller import OUTSIDE
-from robotteamsim.control.report import Best, Report, parse_report, reports_in
+from robotteamsim.control.rdpso.update import Best, RdpsoUpdate, parse_update, updates_in
+from robotteamsim.interface import OUTSIDE
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.swarm import SwarmState
 
 
-def random_report(rng: np.random.Generator) -> Report:
+def random_report(rng: np.random.Generator) -> RdpsoUpdate:
     def place() -> tuple[float, float]:
         x, y = (rng.normal(size=2) * 10.0 ** rng.integers(-8, 9)).tolist()
         return x, y
@@ -23,7 +23,7 @@ def random_report(rng: np.random.Generator) -> Report:
     def best() -> Best | None:
         return Best(float(rng.normal()), place()) if rng.random() < 0.7 else None
 
-    return Report(
+    return RdpsoUpdate(
         robot_id=int(rng.integers(100)),
         iteration=int(rng.integers(1000)),
         epoch=int(rng.integers(9)),
@@ -42,8 +42,8 @@ def test_report_is_written_as_the_json_library_writes_it_and_keeps_every_bit(see
     report = random_report(np.random.default_rng(seed))
     text = report.to_json()
     assert json.dumps(json.loads(text)) == text
-    assert parse_report(text) is report, "a robot of this process wrote it"
-    assert parse_report(text + " ") == report
+    assert parse_update(text) is report, "a robot of this process wrote it"
+    assert parse_update(text + " ") == report
 
 
 def test_text_of_the_library_is_that_of_json():
@@ -71,4 +71,4 @@ def test_text_of_the_library_refuses_what_is_no_json(value):
 def test_messages_that_carry_something_else_are_no_reports():
     report = random_report(np.random.default_rng(0))
     inbox = [Message(1, EVERYBODY, text) for text in ("", "[]", '{"robot": 1}', report.to_json())]
-    assert list(reports_in(inbox)) == [report]
+    assert list(updates_in(inbox)) == [report]

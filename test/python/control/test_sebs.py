@@ -8,8 +8,8 @@ from itertools import pairwise
 import pytest
 
 from robotteamsim.control import make_controller
-from robotteamsim.control.patrol_graph import patrol_graph
-from robotteamsim.control.sebs import Visit, gain, parse_visit, visit_probability
+from robotteamsim.control.baselines.patrol_graph import patrol_graph
+from robotteamsim.control.baselines.sebs import Visit, gain, parse_visit, visit_probability
 from robotteamsim.errors import ScenarioError
 from robotteamsim.network.messages import Message
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall

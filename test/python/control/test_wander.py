@@ -3,10 +3,10 @@ from __future__ import annotations
 import math
 
 from robotteamsim import rng
-from robotteamsim.control import Task
-from robotteamsim.control.known_map import known_map
-from robotteamsim.control.wander import Wander, free_end
+from robotteamsim.control.driving.known_map import known_map
+from robotteamsim.control.driving.wander import Wander, free_end
 from robotteamsim.geometry import Twist
+from robotteamsim.interface import Task
 from robotteamsim.scenario.sections import Control
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotteamsim.control.controller import Decision, Discovery
-from robotteamsim.control.finds import discovery_to_json
+from robotteamsim.control.runtime.base_station import discovery_to_json
+from robotteamsim.interface import Decision, Discovery
 from robotteamsim.mission import Mission
 from robotteamsim.mission.base_watch import BaseWatch
 from robotteamsim.mission.status import Reports

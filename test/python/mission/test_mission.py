@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from robotteamsim import _core, rng
-from robotteamsim.control.controller import Decision, Task
+from robotteamsim.interface import Decision, Task
 from robotteamsim.mission import Mission
 from robotteamsim.network.messages import NetworkState, Refusal, Traffic
 from robotteamsim.scenario import sections

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotteamsim.control.controller import OUTSIDE, Decision
+from robotteamsim.interface import OUTSIDE, Decision
 from robotteamsim.mission.team_watch import TeamWatch
 
 

@@ -7,14 +7,14 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from robotteamsim.control.controller import Decision, Task
 from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.interface import Decision, Task
 from robotteamsim.mission.status import Event, MissionStatus
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
-from robotteamsim.simulation import Result, RobotFigures, StepRecord
+from robotteamsim.simulation import Result, RobotTotals, StepRecord
 
 STEP_NS = 100_000_000
 
@@ -103,7 +103,7 @@ class Trial:
             trajectory_hash="ab" * 32,
             steps=steps,
             sim_time_s=steps * STEP_NS / 1e9,
-            robots=(RobotFigures(1.0, 0.0, 0.0, 0.1), RobotFigures(2.0, 0.5, 1.0, 0.2)),
+            robots=(RobotTotals(1.0, 0.0, 0.0, 0.1), RobotTotals(2.0, 0.5, 1.0, 0.2)),
             wall_s=0.5,
         )
 

@@ -6,7 +6,7 @@ import threading
 import pytest
 
 from robotteamsim.geometry import Twist
-from robotteamsim.ros.commands import STOP, Answers, Commands
+from robotteamsim.ros.nodes.commands import STOP, Answers, Commands
 
 FORWARD = Twist(0.5, 0.0, 0.1)
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from robotteamsim.recording.sensor_fields import sensor_topics
-from robotteamsim.ros.further_inputs import FurtherInputs
-from robotteamsim.ros.inbox import Step
-from robotteamsim.ros.msg_conversion import RosTypes
+from robotteamsim.ros.nodes.further_inputs import FurtherInputs
+from robotteamsim.ros.transport.inbox import Step
+from robotteamsim.ros.transport.msg_conversion import RosTypes
 from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import NOTHING_FURTHER
 from robotteamsim.sensing.robots import RobotSensors

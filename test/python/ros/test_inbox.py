@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from robotteamsim.ros.inbox import Channel, Inbox, LatestInbox, LockstepInbox, Step
+from robotteamsim.ros.transport.inbox import Channel, Inbox, LatestInbox, LockstepInbox, Step
 
 STEP_NS = 100
 
@@ -108,8 +108,8 @@ def test_lockstep_restart_waits_for_answers_of_the_new_life(lockstep):
 
 @pytest.fixture
 def quick_rings(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robotteamsim.ros.inbox.RING_S", 0.01)
-    monkeypatch.setattr("robotteamsim.ros.inbox.PATIENCE_S", 0.02)
+    monkeypatch.setattr("robotteamsim.ros.transport.inbox.RING_S", 0.01)
+    monkeypatch.setattr("robotteamsim.ros.transport.inbox.PATIENCE_S", 0.02)
 
 
 @pytest.mark.usefixtures("quick_rings")

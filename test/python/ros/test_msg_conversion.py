@@ -6,13 +6,13 @@ import genpy
 import numpy as np
 import pytest
 
-from robotteamsim.control.controller import Decision, Discovery, Task
 from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.interface import Decision, Discovery, Task
 from robotteamsim.mission.status import Event, MissionStatus, Reports
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import message_fields as fields
-from robotteamsim.ros import msg_conversion as conversion
+from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading

@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.ros import node
-from robotteamsim.ros.node import ParameterError, parameter, read_seed, read_settings
+from robotteamsim.ros.transport import node
+from robotteamsim.ros.transport.node import ParameterError, parameter, read_seed, read_settings
 
 
 @pytest.fixture

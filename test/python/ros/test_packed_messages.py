@@ -13,9 +13,9 @@ from tf2_msgs.msg import TFMessage
 
 from robotteamsim.geometry import PoseReading
 from robotteamsim.recording import message_fields as fields
-from robotteamsim.ros import team_outputs
-from robotteamsim.ros.msg_conversion import RosTypes
-from robotteamsim.ros.packed_messages import PackedRows, Serialized, layout
+from robotteamsim.ros.nodes import team_outputs
+from robotteamsim.ros.transport.msg_conversion import RosTypes
+from robotteamsim.ros.transport.packed_messages import PackedRows, Serialized, layout
 from robotteamsim.scenario.sections import Laser, PlacedRobot
 from robotteamsim.sensing.readings import TeamReadings
 

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from robotteamsim.ros.prompt_connection import PromptConnection
+from robotteamsim.ros.transport.prompt_connection import PromptConnection
 
 
 class Connection:

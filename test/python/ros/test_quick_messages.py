@@ -11,8 +11,8 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
 
-from robotteamsim.ros import msg_conversion as conversion
-from robotteamsim.ros.quick_messages import BareScan, PlanarOdometry
+from robotteamsim.ros.transport import msg_conversion as conversion
+from robotteamsim.ros.transport.quick_messages import BareScan, PlanarOdometry
 
 STAMP = genpy.Time(12, 345_678_901)
 

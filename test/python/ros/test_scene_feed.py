@@ -1,6 +1,6 @@
 import pytest
 
-from robotteamsim.ros.scene_feed import robot_topics, thinned
+from robotteamsim.ros.scene.feed import robot_topics, thinned
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from robotteamsim.geometry import Pose
-from robotteamsim.ros.scene_laser import IN_FRONT_M, ScanView, cloud, scan_points_m
-from robotteamsim.ros.scene_team import robot_colour
+from robotteamsim.ros.scene.laser import IN_FRONT_M, ScanView, cloud, scan_points_m
+from robotteamsim.ros.scene.team import robot_colour
 
 ORIGIN = Pose(0.0, 0.0, 0.0)
 

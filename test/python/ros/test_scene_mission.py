@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from robotteamsim.ros.scene import WALL_HEIGHT_M
-from robotteamsim.ros.scene_mission import (
+from robotteamsim.ros.nodes.scene import WALL_HEIGHT_M
+from robotteamsim.ros.scene.mission import (
     EXPLORED_AREA,
     MAX_VOICE_CELLS,
     VICTIM_COLOURS,

@@ -2,7 +2,7 @@ import pytest
 import shapely
 from robotteamsim.msg import MissionEvent
 
-from robotteamsim.ros.scene_plan import building_markers, door_change, door_markers
+from robotteamsim.ros.scene.plan import building_markers, door_change, door_markers
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.plan import leaf_corners

@@ -5,7 +5,7 @@ import pytest
 from visualization_msgs.msg import Marker
 
 from robotteamsim.geometry import Pose
-from robotteamsim.ros.scene_sensors import FixView, SonarView, fix_markers, sonar_markers
+from robotteamsim.ros.scene.sensors import FixView, SonarView, fix_markers, sonar_markers
 
 NEAR = SonarView(Pose(1.0, 2.0, math.pi / 2), 0.25, 0.5, 3.0, 2.0)
 NOTHING = SonarView(Pose(1.0, 2.0, 0.0), 0.25, 0.5, 3.0, 3.0)

@@ -4,7 +4,7 @@ import pytest
 import shapely
 from visualization_msgs.msg import Marker
 
-from robotteamsim.ros.scene_shapes import (
+from robotteamsim.ros.scene.shapes import (
     Mesh,
     Shown,
     circle_points,

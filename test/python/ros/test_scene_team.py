@@ -6,8 +6,8 @@ from visualization_msgs.msg import Marker
 
 from robotteamsim.geometry import Pose
 from robotteamsim.network.messages import NetworkState
-from robotteamsim.ros.scene_shapes import colour, label
-from robotteamsim.ros.scene_team import (
+from robotteamsim.ros.scene.shapes import colour, label
+from robotteamsim.ros.scene.team import (
     EXCLUDED,
     LinkView,
     RobotView,

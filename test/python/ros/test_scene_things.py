@@ -5,7 +5,7 @@ import pytest
 from visualization_msgs.msg import Marker
 
 from robotteamsim.geometry import Pose
-from robotteamsim.ros.scene_things import RIM_M, thing_markers
+from robotteamsim.ros.scene.objects import RIM_M, thing_markers
 from robotteamsim.scenario.things import Thing
 
 CRATE = Thing(name="crate", size_m=(0.6, 0.4), height_m=0.5, pose=(0.0, 0.0, 0.0))

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 from std_msgs.msg import String
 
-from robotteamsim.ros.shared_ear import SharedEar
+from robotteamsim.ros.transport.shared_ear import SharedEar
 
 PATIENCE_S = 5.0
 

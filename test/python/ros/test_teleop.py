@@ -7,8 +7,8 @@ import termios
 import pytest
 
 from robotteamsim.geometry import Twist
-from robotteamsim.ros.commands import STOP
-from robotteamsim.ros.teleop_node import FIRST_HOLD_S, REPEAT_HOLD_S, Keys, read_keys, unbuffered
+from robotteamsim.ros.nodes.commands import STOP
+from robotteamsim.ros.nodes.teleop import FIRST_HOLD_S, REPEAT_HOLD_S, Keys, read_keys, unbuffered
 
 
 @pytest.fixture

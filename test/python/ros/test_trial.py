@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from robotteamsim.control.controller import Decision
 from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.interface import Decision
 from robotteamsim.network.messages import NetworkState
-from robotteamsim.ros.trial import Trial
+from robotteamsim.ros.nodes.trial import Trial
 from robotteamsim.scenario import Scenario
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
 from robotteamsim.simulation import Result, Simulation, StepRecord

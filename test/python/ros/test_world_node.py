@@ -8,10 +8,11 @@ import pytest
 from sensor_msgs.msg import Range
 
 from robotteamsim.geometry import Twist
-from robotteamsim.ros import msg_conversion as conversion
-from robotteamsim.ros import team_outputs, world_node
-from robotteamsim.ros.gate import Gate, Pacer
-from robotteamsim.ros.node import Settings
+from robotteamsim.ros.nodes import team_outputs
+from robotteamsim.ros.nodes import world as world_node
+from robotteamsim.ros.nodes.gate import Gate, Pacer
+from robotteamsim.ros.transport import msg_conversion as conversion
+from robotteamsim.ros.transport.node import Settings
 from robotteamsim.scenario.floor_plan import Door
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.rng import stream
-from robotteamsim.simulation.figures import TeamFigures
+from robotteamsim.simulation.team_totals import TeamTotals
 
 
 def update(figures, positions_m, in_contact, excluded, running):
@@ -20,7 +20,7 @@ def walk_along_x(figures, xs_m, running=True):
 
 
 def test_distance_contact_and_exclusion_are_added_up_per_robot():
-    figures = TeamFigures(2, step_s=0.1)
+    figures = TeamTotals(2, step_s=0.1)
     for x in (0.0, 3.0, 3.0):
         update(figures, [(x, 0.0), (0.0, x)], [x > 0.0, False], [False, True], running=True)
     first, second = figures.result()
@@ -30,20 +30,20 @@ def test_distance_contact_and_exclusion_are_added_up_per_robot():
 
 
 def test_longest_stay_is_the_longest_time_within_half_a_metre_while_the_mission_runs():
-    figures = TeamFigures(1, step_s=1.0)
+    figures = TeamTotals(1, step_s=1.0)
     walk_along_x(figures, [0.0, 0.3, 0.4, 1.0, 1.2, 2.0])  # three steps near 0, two near 1, one at 2
     walk_along_x(figures, [2.0] * 10, running=False)
     assert figures.result()[0].longest_stay_s == 3.0
 
 
 def test_robot_that_comes_elsewhere_has_no_way_between():
-    figures = TeamFigures(1, step_s=1.0)
+    figures = TeamTotals(1, step_s=1.0)
     walk_along_x(figures, (0.0, 3.0, math.nan, 10.0, 11.0))
     assert figures.result()[0].distance_m == 4.0
 
 
 def test_nothing_counts_of_a_robot_that_is_not_there():
-    figures = TeamFigures(1, step_s=1.0)
+    figures = TeamTotals(1, step_s=1.0)
     for _ in range(3):
         update(figures, [(math.nan, math.nan)], [True], [True], running=True)
     assert figures.result()[0] == type(figures.result()[0])(0.0, 0.0, 0.0, 0.0)
@@ -75,7 +75,7 @@ def test_figures_of_random_walks_are_those_added_up_by_hand_in_one_go_and_in_par
     paths_m[generator.random((steps, robots)) < 0.02] = math.nan
     in_contact, excluded = generator.random((2, steps, robots)) < 0.3
     running = generator.random(steps) < 0.9
-    whole, parts = TeamFigures(robots, step_s=1.0), TeamFigures(robots, step_s=1.0)
+    whole, parts = TeamTotals(robots, step_s=1.0), TeamTotals(robots, step_s=1.0)
     whole.update(paths_m, in_contact, excluded, running)
     for begin in range(0, steps, 64):
         part = slice(begin, begin + 64)
@@ -92,4 +92,4 @@ def test_figures_of_random_walks_are_those_added_up_by_hand_in_one_go_and_in_par
 def test_rows_that_do_not_fit_the_team_are_refused():
     flags = np.zeros((1, 2), dtype=bool)
     with pytest.raises(ValueError, match="one row per robot in each step"):
-        TeamFigures(2, step_s=1.0).update(np.zeros((1, 3, 2)), flags, flags, np.array([True]))
+        TeamTotals(2, step_s=1.0).update(np.zeros((1, 3, 2)), flags, flags, np.array([True]))

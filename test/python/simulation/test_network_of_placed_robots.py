@@ -6,12 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robotteamsim.control.controller import Decision, Task
+from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.network import EVERYBODY, Message
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Mission, Network, PlacedRobot
-from robotteamsim.sensing.readings import Observation
 from robotteamsim.simulation import Simulation
 
 PLACES_M = [(100, 100), (150, 160), (150, 255), (270, 60), (180, 90), (350, 100), (400, 275), (400, 180)]

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from robotteamsim import scenario
-from robotteamsim.control.controller import Decision, Task
 from robotteamsim.errors import RecordingError
 from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.interface import Decision, Task
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
 from robotteamsim.scenario import sections
 from robotteamsim.sensing.readings import TeamReadings, VoiceReading

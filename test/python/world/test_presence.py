@@ -9,7 +9,7 @@ from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
-from robotteamsim.scenario.schedule import Happening
+from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Laser as LaserModel
 from robotteamsim.scenario.things import Thing
@@ -191,7 +191,7 @@ def test_robots_that_are_unknown_there_or_not_there_are_refused():
 
 
 def test_schedule_lets_robots_leave_and_come_with_the_step_that_begins_then():
-    schedule = [Happening(at_s=0.5, spawn=0, pose=(8.0, 4.0, 0.0)), Happening(at_s=0.2, remove=0)]
+    schedule = [ScheduledEvent(at_s=0.5, spawn=0, pose=(8.0, 4.0, 0.0)), ScheduledEvent(at_s=0.2, remove=0)]
     world = world_of(*STARTS, schedule=schedule)
     seen = []
     for _ in range(6):
@@ -207,7 +207,7 @@ def test_schedule_lets_robots_leave_and_come_with_the_step_that_begins_then():
 
 
 def test_scheduled_robot_waits_until_its_place_is_free():
-    world = world_of(*STARTS, absent=(1,), schedule=[Happening(at_s=0.0, spawn=1, pose=(2.3, 2.0, 0.0))])
+    world = world_of(*STARTS, absent=(1,), schedule=[ScheduledEvent(at_s=0.0, spawn=1, pose=(2.3, 2.0, 0.0))])
     world.step([Twist(-0.7), Twist()])
     assert present(world) == [True, False]
     for _ in range(10):
@@ -216,7 +216,7 @@ def test_scheduled_robot_waits_until_its_place_is_free():
 
 
 def test_schedule_that_others_forestalled_changes_nothing():
-    world = world_of(*STARTS, schedule=[Happening(at_s=0.1, remove=0), Happening(at_s=0.2, spawn=0)])
+    world = world_of(*STARTS, schedule=[ScheduledEvent(at_s=0.1, remove=0), ScheduledEvent(at_s=0.2, spawn=0)])
     world.remove_robot(0)
     world.step([Twist(), Twist()])
     world.spawn_robot(0)

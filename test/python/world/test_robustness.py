@@ -9,7 +9,7 @@ import pytest
 from robotteamsim import _core
 from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
-from robotteamsim.scenario.schedule import Happening
+from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.world import World
 
@@ -121,7 +121,7 @@ def test_thousand_robots_in_one_spot_are_refused_by_the_names_of_two():
 
 def test_of_a_thousand_robots_held_back_for_one_spot_one_comes():
     robots = [PlacedRobot(start_pose=(4.0, 4.0, 0.0), present=i == 0) for i in range(1000)]
-    world = World(room(), robots, Run(), schedule=[Happening(at_s=0.0, spawn=i) for i in range(1, 1000)])
+    world = World(room(), robots, Run(), schedule=[ScheduledEvent(at_s=0.0, spawn=i) for i in range(1, 1000)])
     for _ in range(3):
         world.step(np.zeros((1000, 3)))
     assert sum(world.arrivals) == 1

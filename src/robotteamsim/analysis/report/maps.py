@@ -15,8 +15,8 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 
-from robotteamsim.analysis.field_picture import draw_fields
-from robotteamsim.analysis.fields import VoiceRange, radio_panel, radio_style, voice_panel, voice_style
+from robotteamsim.analysis.fields.maps import VoiceRange, radio_panel, radio_style, voice_panel, voice_style
+from robotteamsim.analysis.fields.picture import draw_fields
 from robotteamsim.analysis.plan_picture import VICTIM, draw_doors, draw_solids
 from robotteamsim.analysis.report.figures import INK, styled
 from robotteamsim.analysis.report.samples import Campaign, Cell

@@ -1,0 +1,1 @@
+"""Radio and voice fields of a floor plan as pictures and files."""

@@ -1,0 +1,117 @@
+"""Radio and voice maps of a scenario: one panel each, and how to draw them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from robotteamsim.analysis.fields.picture import FieldStyle, Level, Panel, Spot
+from robotteamsim.propagation import FieldMap, RadioField, VoiceField, VoiceSource
+from robotteamsim.scenario import FloorPlan, Scenario
+from robotteamsim.scenario.sections import Victim
+from robotteamsim.sensing.voice import VoiceSensor
+
+Point = tuple[float, float]
+VoiceRange = Literal["drawn", "lowest", "highest"]
+
+RADIO_LEVELS_DBM = (-60.0, -70.0)
+"""Beside the network's own two [dissertation, Fig. 18]."""
+
+VOICE_LEVELS_DB = (10.0, 20.0, 30.0)
+"""The noise levels of the dissertation's missions [Fig. 16, 17]."""
+
+_MINUS = "\N{MINUS SIGN}"
+
+_BEYOND_LOST_DB = 16.0
+"""Maps of the loss go on beyond the last link, so that each wall shows there too [Fig. 6]."""
+
+_JUST_HEARD_DB = 1e-9
+"""Voice maps hold 0 where nothing is heard, even without noise."""
+
+_FINEST_M, _COARSEST_M, _CELLS = 0.02, 1.0, 600
+
+
+def default_resolution_m(plan: FloorPlan) -> float:
+    """Return the cell that gives a picture some 600 cells along its longer side, in whole cm."""
+    longer_side_m = float(np.subtract(plan.bounds.max, plan.bounds.min).max())
+    return min(max(round(longer_side_m / _CELLS, 2), _FINEST_M), _COARSEST_M)
+
+
+def radio_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, loss: bool) -> Panel:
+    """Return the strongest signal of all transmitters in each cell [dBm], or the least path loss [dB].
+
+    Args: at_m: the transmitters in `map` [m]; none: robot 0 at its start.
+    """
+    places = list(at_m) or [scenario.placed_robots()[0].start_pose[:2]]
+    model = RadioField(scenario.plan, scenario.radio)
+    maps = [model.rssi_map_dbm(place, resolution_m) for place in places]
+    values = np.maximum.reduce([each.values for each in maps])
+    if loss:
+        values = scenario.radio.tx_power_dbm - values
+    names = ["transmitter"] if len(places) == 1 else [f"tx {i}" for i in range(len(places))]
+    spots = tuple(Spot(name, place, "robot") for name, place in zip(names, places, strict=True))
+    power = f"{scenario.radio.tx_power_dbm:g} dBm".replace("-", _MINUS)
+    best = "the least" if loss else "the strongest"
+    title = "transmitter at ({:g}, {:g})".format(*places[0])
+    if len(places) > 1:
+        title = f"{best} of {len(places)} transmitters"
+    field = FieldMap(maps[0].origin_m, resolution_m, values)
+    if loss:
+        return Panel(title, field, scenario.plan, spots)
+    return Panel(f"{title}, {power}", field, scenario.plan, spots, silent_below=scenario.network.lost_below_dbm)
+
+
+def voice_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, voice_range: VoiceRange) -> Panel:
+    """Return the loudest voice in each cell [dB]; 0 below the noise and in walls.
+
+    Args: at_m: victims in `map` [m]; none: the scenario's.
+          voice_range: with l_c and gamma as the scenario's seed draws them per victim, or all with the quiet or the
+              loud ends of their ranges.
+    """
+    named = [Victim(name=f"victim_{i}", position=place) for i, place in enumerate(at_m, 1)]
+    victims = named or list(scenario.mission.victims)
+    voice = scenario.voice.model_copy(update={"map_resolution_m": resolution_m})
+    if voice_range == "drawn":
+        field = VoiceSensor(scenario.plan, voice, victims, scenario.run.seed).map()
+        how = f"as drawn by seed {scenario.run.seed}"
+    else:
+        end = 1 if voice_range == "lowest" else 0
+        constant_db, exponent = voice.constant_db[end], voice.exponent[end]
+        sources = [VoiceSource(victim.position, constant_db, exponent) for victim in victims]
+        field = VoiceField(scenario.plan, voice).map_db(sources)
+        how = f"{voice_range} range ($l_c$ = {constant_db:g} dB, \N{GREEK SMALL LETTER GAMMA} = {exponent:g})"
+    spots = tuple(Spot(victim.name, victim.position, "victim") for victim in victims)
+    title = f"{voice.noise_db:g} dB of noise, {how.replace('-', _MINUS)}"
+    return Panel(title, field, scenario.plan, spots, silent_below=max(voice.noise_db, _JUST_HEARD_DB))
+
+
+def radio_style(scenarios: Sequence[Scenario], levels: Sequence[float], loss: bool) -> FieldStyle:
+    """Return how to draw radio maps, on a scale that holds those of all scenarios; levels: none for the usual ones."""
+    lost, endangered = (
+        min(scenario.network.lost_below_dbm for scenario in scenarios),
+        min(scenario.network.endangered_below_dbm for scenario in scenarios),
+    )
+    strongest = max(scenario.radio.tx_power_dbm - scenario.radio.constant_loss_db for scenario in scenarios)
+    power = max(scenario.radio.tx_power_dbm for scenario in scenarios)
+    meanings = {lost: "lost", endangered: "endangered"}
+    values = levels or sorted({*RADIO_LEVELS_DBM, endangered, lost})
+    if loss:
+        values = levels or [power - value for value in values]
+        means = {power - value: meaning for value, meaning in meanings.items()}
+        marks = tuple(Level(value, means.get(value, "")) for value in values)
+        return FieldStyle(
+            "path loss", "dB", "YlGnBu_r", power - strongest, power - lost + _BEYOND_LOST_DB, levels=marks
+        )
+    marks = tuple(Level(value, meanings.get(value, "")) for value in values)
+    return FieldStyle("signal strength", "dBm", "YlGnBu", lost, max(strongest, lost + 1.0), "no link", marks)
+
+
+def voice_style(scenarios: Sequence[Scenario], levels: Sequence[float]) -> FieldStyle:
+    """Return how to draw voice maps, on a scale that holds those of all scenarios; levels: none for the usual ones."""
+    noise_db = min(scenario.voice.noise_db for scenario in scenarios)
+    loudest = max(-scenario.voice.constant_db[0] for scenario in scenarios)
+    usual = sorted({noise_db, *VOICE_LEVELS_DB} - {0.0})
+    marks = tuple(Level(value) for value in levels or [value for value in usual if value >= noise_db])
+    return FieldStyle("voice level", "dB", "YlOrRd", noise_db, max(loudest, noise_db + 1.0), "not heard", marks)

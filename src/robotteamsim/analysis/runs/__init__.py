@@ -1,0 +1,1 @@
+"""One recorded mission: curves, tables, pictures, film."""

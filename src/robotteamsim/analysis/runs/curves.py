@@ -1,0 +1,124 @@
+"""Curves of recorded runs over time: progress, network, distances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from robotteamsim.analysis.runs.derived import endangered_links, is_split, links, max_hops, onsets, speeds_mps
+from robotteamsim.analysis.runs.plan_panel import (
+    COLLISION,
+    ENDANGERED,
+    EXPLORED,
+    INK,
+    LINK,
+    VICTIM_COLOURS,
+    robot_colour,
+)
+from robotteamsim.analysis.runs.recorded_run import RecordedRun
+
+Curve = Callable[[Axes, RecordedRun], None]
+
+_SMOOTH_S = 10
+_FIEDLER, _HOPS = "#8250df", "#6e7781"
+
+
+def curves(run: RecordedRun) -> list[Curve]:
+    """Return what can be drawn of a run, top to bottom."""
+    found: list[Curve] = []
+    if run.statuses:
+        found.append(draw_progress)
+    if run.network is not None:
+        found += [draw_links, draw_fiedler]
+    if run.robots:
+        found += [draw_speeds, draw_distances]
+    return found
+
+
+def draw_progress(axes: Axes, run: RecordedRun) -> None:
+    """Areas explored, victims heard and saved."""
+    times_s = run.time_s(np.array([status.stamp_ns for status in run.statuses]))
+    saved = np.array([status.victims.count("saved") for status in run.statuses])
+    heard = saved + [status.victims.count("heard") for status in run.statuses]
+    explored = [sum(status.explored) for status in run.statuses]
+    axes.step(times_s, heard, where="post", color=VICTIM_COLOURS["heard"], linewidth=1.2, label="victims heard")
+    axes.step(times_s, saved, where="post", color=INK, linewidth=1.4, label="victims saved")
+    axes.step(times_s, explored, where="post", color=EXPLORED, linewidth=1.6, label="areas explored")
+    last = run.statuses[-1]
+    _whole(axes, max(len(last.explored), len(last.victims), 1))
+    _finish(axes, "mission")
+
+
+def draw_links(axes: Axes, run: RecordedRun) -> None:
+    """Links, endangered links, and the longest way in hops."""
+    assert run.network is not None
+    times_s, count, hops = run.time_s(run.network.stamps_ns), links(run.network), max_hops(run.network)
+    endangered = endangered_links(run.network)
+    axes.fill_between(
+        times_s, endangered, step="post", color=ENDANGERED, alpha=0.35, linewidth=0, label="endangered links"
+    )
+    axes.step(times_s, count, where="post", color=LINK, linewidth=1.4, label="links")
+    axes.step(times_s, hops, where="post", color=_HOPS, linewidth=1.2, label="longest way [hops]")
+    _whole(axes, int(max(count.max(), hops.max(), 1)))
+    _finish(axes, "network")
+
+
+def draw_fiedler(axes: Axes, run: RecordedRun) -> None:
+    """The Fiedler value, and when the team was split."""
+    assert run.network is not None
+    times_s, values, split = run.time_s(run.network.stamps_ns), run.network.fiedler_value, is_split(run.network)
+    axes.plot(times_s, values, color=_FIEDLER, linewidth=1.2)
+    axes.set_ylim(0.0, max(1.1 * float(values.max()), 1.0))
+    if split.any():
+        axes.fill_between(
+            times_s, 0, 1, where=split, transform=axes.get_xaxis_transform(), color=ENDANGERED, alpha=0.25, linewidth=0
+        )
+        axes.fill_between([], [], color=ENDANGERED, alpha=0.25, linewidth=0, label="team split")
+    _finish(axes, "Fiedler value")
+
+
+def draw_speeds(axes: Axes, run: RecordedRun) -> None:
+    """The speed of each robot, smoothed over ten seconds."""
+    for index, robot in enumerate(run.robots):
+        middles_ns, speeds = speeds_mps(robot)
+        if len(speeds) >= _SMOOTH_S:
+            smooth = np.convolve(speeds, np.full(_SMOOTH_S, 1.0 / _SMOOTH_S), "valid")
+            begin = (_SMOOTH_S - 1) // 2
+            times_s = run.time_s(middles_ns)[begin : begin + len(smooth)]
+            axes.plot(times_s, smooth, color=robot_colour(index), linewidth=1.0)
+        elif len(speeds):
+            axes.plot(run.time_s(middles_ns), speeds, color=robot_colour(index), linewidth=1.0)
+    axes.set_ylim(bottom=0.0)
+    _finish(axes, "speed [m/s]")
+
+
+def draw_distances(axes: Axes, run: RecordedRun) -> None:
+    """What each robot has driven, with a star at each collision."""
+    for index, robot in enumerate(run.robots):
+        times_s = run.time_s(robot.track.stamps_ns)
+        axes.plot(times_s, robot.track.driven_m, color=robot_colour(index), linewidth=1.3)
+        if robot.contact is not None:
+            hit_ns = robot.contact.stamps_ns[onsets(robot.contact.values)]
+            driven_m = np.interp(hit_ns, robot.track.stamps_ns, robot.track.driven_m)
+            axes.plot(run.time_s(hit_ns), driven_m, "*", color=COLLISION, markersize=6, markeredgewidth=0)
+    axes.set_ylim(bottom=0.0)
+    _finish(axes, "driven [m]")
+
+
+def _whole(axes: Axes, highest: int) -> None:
+    axes.set_ylim(0.0, 1.12 * highest)
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=5))
+
+
+def _finish(axes: Axes, name: str) -> None:
+    axes.set_ylabel(name, fontsize=8)
+    axes.tick_params(labelsize=7, length=2)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[["left", "bottom"]].set_color("#9a978f")
+    axes.grid(axis="y", color="#e9e7e1", linewidth=0.6)
+    axes.margins(x=0.01)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.96), ncols=3, fontsize=7, frameon=False, borderaxespad=0.1)

@@ -1,0 +1,189 @@
+"""Pictures of recorded runs: paths on the plan and curves over time, of one run or of several side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from robotteamsim.analysis.runs.curves import Curve, curves, draw_speeds
+from robotteamsim.analysis.runs.derived import RunFigures
+from robotteamsim.analysis.runs.plan_panel import (
+    COLLISION,
+    EXPLORED,
+    INK,
+    VICTIM_COLOURS,
+    draw_areas,
+    draw_collisions,
+    draw_floor,
+    draw_paths,
+    draw_victims,
+    drawn_robots,
+    extent_m,
+    is_on_map,
+    robot_colour,
+)
+from robotteamsim.analysis.runs.recorded_run import RecordedRun
+from robotteamsim.recording.table import END_WORDS
+from robotteamsim.scenario import FloorPlan
+
+_SLIDE_INCHES = (13.3, 7.0)
+_MAX_NAMED_ROBOTS = 10
+_MAX_LEFT_OUT = 5
+_LEGEND_COLUMNS = 8
+
+
+def draw_runs(runs: Sequence[RecordedRun], figures: Sequence[RunFigures], plan: FloorPlan | None = None) -> Figure:
+    """Return one run on a slide, or several in columns beside each other, with the same scales of curves.
+
+    Args: plan: drawn instead of the bags' own /map.
+    """
+    if len(runs) == 1:
+        return _draw_one(runs[0], figures[0], plan)
+    return _draw_columns(runs, figures, plan)
+
+
+def outcome(figures: RunFigures) -> str:
+    """Return in one line how the mission went; "" where there was none."""
+    mission = figures.mission
+    if mission is None:
+        return ""
+    end = next((words for kind, words in END_WORDS.items() if kind == mission.end), "no end in this bag")
+    counts = (
+        f"{mission.areas_explored}/{mission.num_areas} areas, {mission.victims_saved}/{mission.num_victims} victims"
+    )
+    return f"{counts} in {mission.time_s:.1f} s: {end}"
+
+
+def _draw_one(run: RecordedRun, figures: RunFigures, plan: FloorPlan | None) -> Figure:
+    figure = Figure(figsize=_SLIDE_INCHES, dpi=120, layout="constrained")
+    wanted = curves(run)
+    x0, x1, y0, y1 = extent_m(run, plan)
+    is_tall = (y1 - y0) > 1.2 * (x1 - x0)
+    grid = figure.add_gridspec(1, 2, width_ratios=(0.9, 1.0) if is_tall else (1.75, 1.0))
+    floor = figure.add_subplot(grid[0])
+    _draw_plan(floor, run, plan)
+    _draw_curves(figure, grid[1], wanted, run)
+    figure.suptitle(figures.title, x=0.01, ha="left", fontsize=13, weight="bold", color=INK)
+    floor.set_title(outcome(figures), loc="left", fontsize=10)
+    _add_legend(figure, [run], [figures], with_figures=True)
+    return figure
+
+
+def _draw_curves(figure: Figure, place: object, wanted: Sequence[Curve], run: RecordedRun) -> None:
+    if not wanted:
+        return
+    column = place.subgridspec(len(wanted), 1)  # type: ignore[attr-defined]
+    first: Axes | None = None
+    for row, draw in enumerate(wanted):
+        axes = figure.add_subplot(column[row], sharex=first)
+        first = first or axes
+        draw(axes, run)
+        if row < len(wanted) - 1:
+            axes.tick_params(labelbottom=False)
+        else:
+            axes.set_xlabel("time [s]", fontsize=8)
+
+
+def _draw_columns(runs: Sequence[RecordedRun], figures: Sequence[RunFigures], plan: FloorPlan | None) -> Figure:
+    rows = [c for c in _all_curves(runs) if c is not draw_speeds]
+    height = 2.6 + 1.25 * len(rows) + 0.9
+    figure = Figure(figsize=(max(4.4 * len(runs), 8.8), height), dpi=120, layout="constrained")
+    all_axes = figure.subplots(1 + len(rows), len(runs), squeeze=False, height_ratios=[2.6, *(1.0 for _ in rows)])
+    for column, (run, figure_of_run) in enumerate(zip(runs, figures, strict=True)):
+        _draw_plan(all_axes[0, column], run, plan)
+        all_axes[0, column].set_title(f"{figure_of_run.title}\n{outcome(figure_of_run)}", loc="left", fontsize=8)
+        known = curves(run)
+        for row, draw in enumerate(rows, 1):
+            axes = all_axes[row, column]
+            if draw in known:
+                draw(axes, run)
+                if column > 0 and axes.get_legend():
+                    axes.get_legend().remove()
+            else:
+                axes.set_axis_off()
+                axes.text(0.5, 0.5, "not in this bag", ha="center", va="center", color="#8a877f", fontsize=8)
+        all_axes[-1, column].set_xlabel("time [s]", fontsize=8)
+    for row in range(1, 1 + len(rows)):
+        _share(all_axes[row])
+    _add_legend(figure, runs, figures, with_figures=False)
+    return figure
+
+
+def _all_curves(runs: Sequence[RecordedRun]) -> list[Curve]:
+    """Return every curve that some run has, in the order of one that has all."""
+    fullest = max((curves(run) for run in runs), key=len)
+    return fullest + [draw for run in runs for draw in curves(run) if draw not in fullest]
+
+
+def _share(row: Sequence[Axes]) -> None:
+    """Give the axes of one row the same limits."""
+    drawn = [axes for axes in row if axes.axison]
+    for axes in drawn[1:]:
+        axes.sharex(drawn[0])
+        axes.sharey(drawn[0])
+    for axes in drawn:
+        axes.autoscale(axis="x")
+    highest = max((axes.get_ylim()[1] for axes in drawn), default=1.0)
+    if drawn:
+        drawn[0].set_ylim(0.0, highest)
+
+
+def _draw_plan(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
+    draw_floor(axes, run, plan)
+    if is_on_map(run):
+        draw_areas(axes, run.areas, run.statuses[-1].explored if run.statuses else ())
+        if run.victims:
+            draw_victims(axes, run.victims[-1][1])
+    draw_paths(axes, run)
+    draw_collisions(axes, run)
+
+
+def _add_legend(figure: Figure, runs: Sequence[RecordedRun], figures: Sequence[RunFigures], with_figures: bool) -> None:
+    handles = [] if not with_figures else _robot_handles(runs[0], figures[0])
+    if not with_figures:
+        most = max(runs, key=lambda run: len(run.robots))
+        handles = [_line(robot_colour(i), robot.name) for i, robot in list(enumerate(most.robots))[:_MAX_NAMED_ROBOTS]]
+    if any(run.robots for run in runs):
+        handles.append(_marker("o", "white", "start", edge="#555555"))
+        handles.append(_marker("o", "#555555", "end"))
+    states = {victim.state for run in runs if run.victims for victim in run.victims[-1][1]}
+    handles += [_marker("X", colour, f"victim {state}") for state, colour in VICTIM_COLOURS.items() if state in states]
+    if any(run.areas for run in runs):
+        handles.append(_marker("o", EXPLORED, "area, filled when explored", alpha=0.35))
+    if any(figure.collisions for figure in figures):
+        handles.append(_marker("*", COLLISION, "collision"))
+    legend = figure.legend(
+        handles=handles, loc="outside lower left", ncols=_LEGEND_COLUMNS, frameon=False, fontsize=8, alignment="left"
+    )
+    if lines := _left_out(figures):
+        legend.set_title("\n".join(lines))
+        legend.get_title().set(fontsize=7, color="#77746c")
+
+
+def _left_out(figures: Sequence[RunFigures]) -> list[str]:
+    lines = [f"{figure.bag}: {line}" if len(figures) > 1 else line for figure in figures for line in figure.left_out]
+    shown = lines if len(lines) <= _MAX_LEFT_OUT else [*lines[:_MAX_LEFT_OUT], f"and {len(lines) - _MAX_LEFT_OUT} more"]
+    rows = ["; ".join(shown[row : row + 2]) for row in range(0, len(shown), 2)]
+    return [f"left out: {row}" for row in rows]
+
+
+def _robot_handles(run: RecordedRun, figures: RunFigures) -> list[Line2D]:
+    handles = []
+    for index, _ in drawn_robots(run)[:_MAX_NAMED_ROBOTS]:
+        robot = figures.robots[index]
+        speed = "" if robot.mean_speed_mps is None else f", {robot.mean_speed_mps:.2f} m/s"
+        handles.append(_line(robot_colour(index), f"{robot.name}: {robot.distance_m:.0f} m{speed}"))
+    return handles
+
+
+def _line(colour: str, label: str) -> Line2D:
+    return Line2D([], [], color=colour, linewidth=2.0, label=label)
+
+
+def _marker(marker: str, colour: str, label: str, edge: str = "white", alpha: float = 1.0) -> Line2D:
+    line = Line2D([], [], color=colour, marker=marker, linestyle="", markersize=8, markeredgecolor=edge, label=label)
+    line.set_alpha(alpha)
+    return line

@@ -1,0 +1,163 @@
+"""Drawings of recorded runs on the plan: floor, areas, victims, paths, robots."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb, to_rgba
+from matplotlib.patches import Circle
+from matplotlib.patheffects import withStroke
+
+from robotteamsim.analysis.plan_picture import FLOOR, draw_doors, draw_solids
+from robotteamsim.analysis.runs.derived import onsets
+from robotteamsim.analysis.runs.recorded_run import RecordedArea, RecordedRobot, RecordedRun, RecordedVictim
+from robotteamsim.scenario import FloorPlan
+from robotteamsim.scenario.plan import OCCUPIED, UNKNOWN, OccupancyGrid, bay_lines
+
+ROBOT_COLOURS = (
+    "#1f6feb",
+    "#e07b00",
+    "#8250df",
+    "#0f9d8a",
+    "#c2185b",
+    "#6b7a00",
+    "#00838f",
+    "#a0522d",
+    "#5c6bc0",
+    "#ad8b00",
+)
+EXPLORED = "#2a7f62"
+VICTIM_COLOURS = {"waiting": "#d1495b", "heard": "#e09f3e", "saved": "#2a7f62"}
+COLLISION = "#e3170a"
+LINK = "#2f8f4e"
+ENDANGERED = "#d1495b"
+INK = "#16202e"
+_WALL, _UNSEEN, _BAY = "#3b4252", "#dedcd6", "#c9c6bd"
+_MARGIN = 0.03
+_MIN_SIZE_M = 4.0
+
+
+def robot_colour(index: int) -> str:
+    """Return the colour of the index-th robot of a run; they repeat after ten."""
+    return ROBOT_COLOURS[index % len(ROBOT_COLOURS)]
+
+
+def drawn_robots(run: RecordedRun) -> list[tuple[int, RecordedRobot]]:
+    """Return index and robot of those whose paths share one drawing: all in map, or where nobody is, all."""
+    indexed = list(enumerate(run.robots))
+    return [(i, robot) for i, robot in indexed if robot.track.is_on_map] or indexed
+
+
+def is_on_map(run: RecordedRun) -> bool:
+    """Whether the drawing is in `map`; else each path stands in its own odometry's frame."""
+    return any(robot.track.is_on_map for robot in run.robots) or not run.robots
+
+
+def extent_m(run: RecordedRun, plan: FloorPlan | None) -> tuple[float, float, float, float]:
+    """Return the least and greatest x and the least and greatest y to draw [m]."""
+    corners = [
+        np.vstack((r.track.poses[:, :2].min(axis=0), r.track.poses[:, :2].max(axis=0))) for _, r in drawn_robots(run)
+    ]
+    if is_on_map(run):
+        for area in run.areas:
+            corners.append(np.add(area.center_m, ((-area.radius_m,) * 2, (area.radius_m,) * 2)))
+        if plan:
+            corners.append(np.array([plan.bounds.min, plan.bounds.max]))
+        elif run.grid is not None:
+            corners.append(_known_corners(run.grid))
+    if not corners:
+        return 0.0, _MIN_SIZE_M, 0.0, _MIN_SIZE_M
+    low, high = np.min([pair[0] for pair in corners], axis=0), np.max([pair[1] for pair in corners], axis=0)
+    middle, half = (low + high) / 2.0, np.maximum((high - low) / 2.0, _MIN_SIZE_M / 2.0)
+    half = half + _MARGIN * half.max()
+    (x0, y0), (x1, y1) = (middle - half).tolist(), (middle + half).tolist()
+    return x0, x1, y0, y1
+
+
+def _known_corners(grid: OccupancyGrid) -> np.ndarray:
+    """Return the corners of what is known of a map, shape (2, 2) [m]; of all of it where nothing is."""
+    rows, columns = (np.flatnonzero((grid.cells != UNKNOWN).any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        rows, columns = (np.arange(size) for size in grid.cells.shape)
+    cells = np.array([[columns[0], rows[0]], [columns[-1] + 1, rows[-1] + 1]])
+    return np.asarray(grid.origin_m + cells * grid.resolution_m)
+
+
+def draw_floor(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
+    """Draw the walls: of a plan where one is given, else of the bag's /map; set up the axes [m]."""
+    x0, x1, y0, y1 = extent_m(run, plan)
+    if is_on_map(run) and plan:
+        (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
+        axes.fill([min_x, max_x, max_x, min_x], [min_y, min_y, max_y, max_y], color=FLOOR, zorder=0)
+        axes.add_collection(LineCollection(bay_lines(plan), colors=_BAY, linewidths=0.8, zorder=1))
+        draw_solids(axes, plan)
+        draw_doors(axes, plan)
+    elif is_on_map(run) and run.grid is not None:
+        _draw_grid(axes, run.grid)
+    else:
+        axes.grid(color="#e4e2dc", linewidth=0.6)
+        axes.set_axisbelow(True)
+    if not (run.robots or run.areas or run.grid or plan):
+        axes.set(xticks=[], yticks=[])
+        axes.text(0.5, 0.5, "no paths and no plan in this bag", ha="center", color="#8a877f", transform=axes.transAxes)
+    axes.set(xlim=(x0, x1), ylim=(y0, y1), aspect="equal")
+    where = "" if is_on_map(run) else ", each robot in its own odometry's frame"
+    axes.set_xlabel(f"x [m]{where}", fontsize=8)
+    axes.set_ylabel("y [m]", fontsize=8)
+    axes.tick_params(labelsize=7, length=2)
+    axes.spines[:].set_visible(False)
+
+
+def _draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
+    levels = np.clip(np.arange(256) / OCCUPIED, 0.0, 1.0)[:, None]
+    colours = (1.0 - levels) * to_rgb(FLOOR) + levels * to_rgb(_WALL)
+    colours[np.uint8(UNKNOWN & 0xFF)] = to_rgb(_UNSEEN)
+    image = np.round(255.0 * colours).astype(np.uint8)[grid.cells.view(np.uint8)]
+    (x, y), (rows, columns) = grid.origin_m, grid.cells.shape
+    extent = (x, x + columns * grid.resolution_m, y, y + rows * grid.resolution_m)
+    # Colours, not classes, are averaged where cells are smaller than pixels: thin walls do not vanish.
+    axes.imshow(image, origin="lower", extent=extent, interpolation="antialiased", zorder=0)
+
+
+def draw_areas(axes: Axes, areas: tuple[RecordedArea, ...], explored: tuple[bool, ...]) -> list[Circle]:
+    """Draw areas as circles with their number, filled where they are explored; return the circles."""
+    circles = []
+    for number, area in enumerate(areas, 1):
+        is_explored = number <= len(explored) and explored[number - 1]
+        colour = to_rgba(EXPLORED, 0.28 if is_explored else 0.05)
+        style = "-" if is_explored else ":"
+        circle = Circle(area.center_m, area.radius_m, facecolor=colour, edgecolor=EXPLORED, linestyle=style, zorder=2)
+        axes.add_patch(circle)
+        circles.append(circle)
+        name = axes.text(*area.center_m, str(number), color=EXPLORED, ha="center", va="center", weight="bold", zorder=6)
+        name.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+    return circles
+
+
+def draw_victims(axes: Axes, victims: tuple[RecordedVictim, ...]) -> None:
+    """Draw victims as crosses in the colour of their state."""
+    for victim in victims:
+        colour = VICTIM_COLOURS.get(victim.state, INK)
+        axes.plot(*victim.position_m, "X", color=colour, markersize=9, markeredgecolor="white", zorder=7)
+
+
+def draw_paths(axes: Axes, run: RecordedRun) -> None:
+    """Draw every path, with a ring where it begins and a dot where it ends; both also where a robot left and came."""
+    for index, robot in drawn_robots(run):
+        colour, places = robot_colour(index), robot.track.poses[:, :2]
+        begins = np.array([0, *robot.track.breaks])
+        ends = np.array([*robot.track.breaks, len(places)]) - 1
+        halo = [withStroke(linewidth=2.8, foreground="white", alpha=0.7)]
+        axes.plot(*robot.track.line(0, len(places)).T, color=colour, linewidth=1.4, zorder=4, path_effects=halo)
+        axes.plot(*places[begins].T, "o", color="white", markeredgecolor=colour, markersize=5, zorder=5)
+        axes.plot(*places[ends].T, "o", color=colour, markeredgecolor="white", markersize=8, zorder=8)
+
+
+def draw_collisions(axes: Axes, run: RecordedRun) -> None:
+    """Draw a star where a robot began to touch something."""
+    for _, robot in drawn_robots(run):
+        if robot.contact is not None:
+            for stamp_ns in robot.contact.stamps_ns[onsets(robot.contact.values)].tolist():
+                place = robot.track.poses[robot.track.index_at(stamp_ns), :2]
+                axes.plot(*place, "*", color=COLLISION, markersize=9, markeredgecolor="white", zorder=8)

@@ -1,0 +1,1 @@
+"""Simple and published controllers to compare with."""

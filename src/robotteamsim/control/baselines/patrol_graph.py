@@ -1,0 +1,102 @@
+"""The graph that a robot patrols: that of the scenario, or one made from the map that it carries."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from robotteamsim.control.driving.known_map import KnownMap, known_map
+from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.patrol import PatrolGraph
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.swarm import Vector
+
+_LONGEST_EDGE = 1.5
+"""Lattice points are linked where the path between them is at most this much longer than the spacing (ours)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """Places in `map` [m], and for each the others that it is linked to with the length of the way [m]."""
+
+    places: tuple[Vector, ...]
+    edges: tuple[tuple[tuple[int, float], ...], ...]
+
+    def nearest(self, position: Vector) -> int:
+        """Return the vertex nearest to a position as the crow flies, the first of equals."""
+        return min(range(len(self.places)), key=lambda vertex: math.dist(self.places[vertex], position))
+
+
+def patrol_graph(scenario: Scenario, robot_radius_m: float) -> Graph:
+    """Return the graph of `control.patrol`. Raises: ScenarioError: the plan has no room for one."""
+    patrol = scenario.control.patrol
+    if patrol.graph is not None:
+        return _of_file(patrol.graph)
+    graph = _lattice(scenario.plan, robot_radius_m, patrol.spacing_m)
+    if not graph.places:
+        raise ScenarioError(
+            f"{scenario.name}: control.patrol.spacing_m: {patrol.spacing_m:g} m leaves no two places of the plan linked"
+        )
+    return graph
+
+
+def _of_file(graph: PatrolGraph) -> Graph:
+    places = tuple(vertex.position for vertex in graph.vertices)
+    return Graph(places, tuple(tuple(zip(v.neighbours, v.lengths_m, strict=True)) for v in graph.vertices))
+
+
+@functools.lru_cache(maxsize=8)
+def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float) -> Graph:
+    """Return the free places next to the points of a square lattice, linked to their four neighbours by free paths.
+
+    Only the largest part that hangs together is kept.
+    """
+    known = known_map(plan, robot_radius_m)
+    places = _places(plan, known, spacing_m)
+    ways: dict[tuple[int, int], list[tuple[tuple[int, int], float]]] = {node: [] for node in places}
+    for column, row in places:
+        for other in ((column + 1, row), (column, row + 1)):
+            if other not in places:
+                continue
+            _, length_m = known.first_stretch(places[column, row], places[other], _LONGEST_EDGE * spacing_m)
+            free = known.grid.is_line_free(places[column, row], places[other])
+            # Without a path of that length the straight distance comes back, through the wall.
+            if free or math.dist(places[column, row], places[other]) + 1e-6 < length_m <= _LONGEST_EDGE * spacing_m:
+                ways[column, row].append((other, length_m))
+                ways[other].append(((column, row), length_m))
+    kept = _largest_part(ways)
+    index = {node: i for i, node in enumerate(kept)}
+    edges = tuple(tuple((index[other], length_m) for other, length_m in ways[node]) for node in kept)
+    return Graph(tuple(places[node] for node in kept), edges)
+
+
+def _places(plan: FloorPlan, known: KnownMap, spacing_m: float) -> dict[tuple[int, int], Vector]:
+    (x_low, y_low), (x_high, y_high) = plan.bounds.min, plan.bounds.max
+    places: dict[tuple[int, int], Vector] = {}
+    for column, x in enumerate(np.arange(x_low + 0.5 * spacing_m, x_high, spacing_m).tolist()):
+        for row, y in enumerate(np.arange(y_low + 0.5 * spacing_m, y_high, spacing_m).tolist()):
+            place = known.grid.nearest_free((x, y), 0.25 * spacing_m)
+            if place is not None:
+                places[column, row] = place
+    return places
+
+
+def _largest_part(ways: dict[tuple[int, int], list[tuple[tuple[int, int], float]]]) -> list[tuple[int, int]]:
+    """Return the nodes of the largest connected part, sorted; none where no two nodes are linked."""
+    largest: set[tuple[int, int]] = set()
+    seen: set[tuple[int, int]] = set()
+    for first in ways:
+        part, waiting = {first}, [first] if first not in seen else []
+        while waiting:
+            for other, _ in ways[waiting.pop()]:
+                if other not in part:
+                    part.add(other)
+                    waiting.append(other)
+        seen |= part
+        if len(part) > max(1, len(largest)):
+            largest = part
+    return sorted(largest)

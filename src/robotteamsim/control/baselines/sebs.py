@@ -1,0 +1,148 @@
+"""SEBS: patrol of a graph by state exchange [portugal2013]."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+from dataclasses import dataclass
+
+from robotteamsim.control.baselines.patrol_graph import patrol_graph
+from robotteamsim.control.driving.localisation import body_of
+from robotteamsim.control.driving.path_controller import PathController
+from robotteamsim.control.runtime.streams import robot_stream
+from robotteamsim.geometry import Pose
+from robotteamsim.interface import Decision
+from robotteamsim.network.messages import EVERYBODY, Message
+from robotteamsim.scenario.patrol import Patrol
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.swarm import Vector
+
+ARRIVED_M = 0.5
+"""A vertex counts as visited from this near: two robots that meet there must not wait for each other."""
+_PATIENCE = 4.0
+"""A robot that takes this many times as long as the way takes at full speed, and 10 s more, chooses again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """What a robot tells: the vertex that it has reached (-1: none yet) and the one that it goes to."""
+
+    robot_id: int
+    reached: int
+    intends: int
+
+    def to_json(self) -> str:
+        """Return the visit as one line of JSON."""
+        return json.dumps({"sebs": [self.robot_id, self.reached, self.intends]})
+
+
+# All robots of one process parse the same text.
+@functools.lru_cache(maxsize=8192)
+def parse_visit(payload: str) -> Visit | None:
+    """Return the visit that a message carries; none where it carries something else."""
+    try:
+        robot_id, reached, intends = map(int, json.loads(payload)["sebs"])
+    except (ValueError, KeyError, TypeError):
+        return None
+    return Visit(robot_id, reached, intends)
+
+
+def gain(idleness_s: float, length_m: float, patrol: Patrol) -> float:
+    """Return what going to a vertex is worth: its idleness over the length of the edge [s/m]."""
+    return idleness_s / max(length_m, patrol.edge_min_m)
+
+
+def visit_probability(gain_s_per_m: float, num_intending: int, team_size: int, patrol: Patrol) -> float:
+    """Return the posterior of going to a vertex, up to a factor that is the same for all.
+
+    G1 exp(ln(1/G1) gain / G2), 1 where gain >= G2, times 2^(R - count) / (2^R - 1): the more teammates intend to go
+    there, the less.
+
+    Args: num_intending: count, how many teammates said so.  team_size: R.
+    """
+    probability = 1.0
+    if gain_s_per_m < patrol.g2:
+        probability = patrol.g1 * math.exp(math.log(1.0 / patrol.g1) * gain_s_per_m / patrol.g2)
+    # Multiplied out: 2^R of a thousand robots is no float.
+    return probability * 2.0**-num_intending / (1.0 - 2.0**-team_size)
+
+
+class SebsController(PathController):
+    """Goes from vertex to vertex, each time to the neighbour that is likeliest to be worth it, and tells the others.
+
+    What it knows of idleness and intentions is what it did and heard. Voices and areas do not matter to it: victims are
+    found because it passes by.
+    """
+
+    def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
+        super().__init__(robot_id, scenario, arrival)
+        self._patrol = scenario.control.patrol
+        self._graph = patrol_graph(scenario, body_of(robot_id, scenario).reach_m)
+        self._team_size = len(scenario.placed_robots())
+        self._rng = robot_stream(scenario, "sebs", robot_id, arrival)
+        self._visited_s = [0.0] * len(self._graph.places)
+        self._intentions: dict[int, int] = {}
+        """Where each teammate said that it goes, by robot id."""
+        self._at = -1
+        self._goal = -1
+        self._until_s = 0.0
+
+    def decide(self) -> Decision:
+        """Return the command towards the vertex chosen, and, when one is reached, what to tell the others."""
+        if not self.is_running:
+            return Decision()
+        self._listen()
+        pose = self.pose()
+        position = (pose.x_m, pose.y_m)
+        if self._goal < 0:
+            self._go_to(self._graph.nearest(position), position)
+            return self._tell(pose)
+        if math.dist(position, self._graph.places[self._goal]) < ARRIVED_M:
+            self._visited_s[self._goal] = self.time_s
+            self._at = self._goal
+            self._go_to(self._next_vertex(self._at), position)
+            return self._tell(pose)
+        if self.time_s > self._until_s:
+            # The way is shut: from where it is, any vertex nearby is as good.
+            self._go_to(self._next_vertex(self._goal), position)
+            return self._tell(pose)
+        return self.drive(pose, self._graph.places[self._goal])
+
+    def _listen(self) -> None:
+        last = len(self._visited_s) - 1
+        for message in self.inbox:
+            visit = parse_visit(message.payload)
+            if visit is None or not (-1 <= visit.reached <= last and 0 <= visit.intends <= last):
+                continue
+            self._intentions[visit.robot_id] = visit.intends
+            if visit.reached >= 0:
+                self._visited_s[visit.reached] = self.time_s
+
+    def _next_vertex(self, vertex: int) -> int:
+        """Return the neighbour of highest posterior; equals are told apart by the dice."""
+        edges = self._graph.edges[vertex]
+        if not edges:
+            return vertex
+        intended = list(self._intentions.values())
+        worth = [
+            visit_probability(
+                gain(self.time_s - self._visited_s[other], length_m, self._patrol),
+                intended.count(other),
+                self._team_size,
+                self._patrol,
+            )
+            for other, length_m in edges
+        ]
+        best = [other for (other, _), value in zip(edges, worth, strict=True) if value == max(worth)]
+        return best[int(self._rng.integers(len(best)))]
+
+    def _go_to(self, vertex: int, position: Vector) -> None:
+        self._goal = vertex
+        distance_m = self.map.distance_m(self._graph.places[vertex], position)
+        self._until_s = self.time_s + 10.0 + _PATIENCE * min(distance_m, 1000.0) / self.speed_mps
+
+    def _tell(self, pose: Pose) -> Decision:
+        visit = Visit(self.robot_id, self._at, self._goal)
+        message = Message(self.robot_id, EVERYBODY, visit.to_json())
+        return self.drive(pose, self._graph.places[self._goal], (message,))

@@ -1,0 +1,1 @@
+"""Covering the floor while staying connected to the base."""

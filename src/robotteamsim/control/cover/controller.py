@@ -1,0 +1,260 @@
+"""Covering the floor: each robot goes where the team has not been, held back by the communication term of eq. (22)."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+from robotteamsim.control.cover.floor_cover import CELL_M, FloorCover
+from robotteamsim.control.cover.update import CoverUpdate, Find, parse_cover_update
+from robotteamsim.control.driving.known_map import KnownMap, known_map
+from robotteamsim.control.driving.localisation import Localiser, body_of
+from robotteamsim.control.driving.navigation import Navigator
+from robotteamsim.control.rdpso.communication import LinkKeeper
+from robotteamsim.control.rdpso.ruled_out import RuledOut
+from robotteamsim.geometry import Pose, Twist
+from robotteamsim.interface import Decision, Observation, Task
+from robotteamsim.network.messages import EVERYBODY, Message
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.swarm import Vector, limit_speed
+
+COVER_RADIUS_M = 2.5
+LONGEST_WAY_M = 200.0
+NEARNESS_M = 4.0
+"""A place is worth what it would newly cover over its distance and this [facts of the adaptive search; ours]."""
+
+APART_M = 6.0
+"""Places nearer than this to where a teammate goes are left to it."""
+
+HEARD_S = 3.5
+"""A teammate counts as connected for so long after its last report: some get lost."""
+
+MISSED_S = 90.0
+"""A teammate that was not heard for longer is given up."""
+
+PROGRESS_M = 1.0
+PATIENCE_S = 12.0
+AVOIDED_S = 60.0
+AVOIDED_M = 3.0
+"""A goal that comes no nearer by so much in so long is left alone for so long, and what is so near to it as well."""
+
+HURRY = 1.25
+"""As in RDPSO: a robot drives this much faster than its velocity, to be there when the next iteration begins."""
+
+
+class CoverController:
+    """One robot of a team that covers the floor and tells the base of each find.
+
+    Every iteration the robot reports what it knows and chooses v[t+1] of eq. (22): the local best is the place where it
+    covers most for the way, or the loudest cell of a voice; x_CB is weighted by the link keeper. Inertia and the social
+    term are left out, as a team that covers wants to be in different places, and obstacles are the navigator's affair.
+    The base, `mission.base`, stands still, listens and reports as all others do.
+    """
+
+    reports_victims = True
+
+    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+        control, body = scenario.control, body_of(robot_id, scenario)
+        start = scenario.placed_robots()[robot_id].start_pose
+        self._robot_id = robot_id
+        self._is_base = robot_id == scenario.mission.base
+        self._control = control
+        self._iteration_ns = round(control.iteration_s * 1e9)
+        self._found_within_m = scenario.mission.save_distance_m + scenario.voice.map_resolution_m
+        self._level_at_1_m_db = -scenario.voice.constant_db[1]
+        self._localiser = Localiser(robot_id, scenario)
+        self._map = known_map(scenario.plan, body.reach_m)
+        self._cover = FloorCover(scenario.plan, body.reach_m, start[:2], COVER_RADIUS_M)
+        self._navigator = Navigator(body, robot_id, control.navigation)
+        self._links = LinkKeeper(scenario)
+        self._ruled_out = RuledOut(scenario)
+
+        self._observation: Observation | None = None
+        self._task = Task()
+        self._loudest: Vector | None = None
+        """The loudest cell of the step before, where it was as loud as a victim is at 1 m or nearer."""
+        self._team: dict[int, tuple[float, CoverUpdate]] = {}
+        """The last report of every teammate, and when it came [s]."""
+        self._teammates: dict[int, Vector] = {}
+        self._finds: list[Find] = []
+        self._iteration = -1
+        self._goal: Vector | None = None
+        self._goal_m, self._goal_since_s = math.inf, 0.0
+        """How near the goal was at best, along the path [m], and since when."""
+        self._avoided: list[tuple[Vector, float]] = []
+        """Places left alone, and until when [s]."""
+        self._route = _Route()
+        self._target: Vector | None = None
+        self._speed_mps = control.max_step_speed_mps
+
+    @property
+    def finds(self) -> tuple[Find, ...]:
+        """All finds that the robot knows of."""
+        return tuple(self._finds)
+
+    @property
+    def covered_share(self) -> float:
+        """The share of the floor that the robot knows to be covered."""
+        return self._cover.share
+
+    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        """Take in what the robot perceives, the messages that arrived, and the mission's task."""
+        if task.epoch != self._task.epoch:
+            self._ruled_out.clear()
+            self._note_find(observation)
+        self._observation, self._task = observation, task
+        voice = observation.voice
+        is_beside = voice.heard and voice.local_best_level_db >= self._level_at_1_m_db
+        self._loudest = voice.local_best_m if is_beside else None
+        for message in inbox:
+            report = parse_cover_update(message.payload)
+            if report is None or report.robot_id == self._robot_id or not self._cover.merge(report.covered):
+                continue
+            self._team[report.robot_id] = observation.sim_time_ns * 1e-9, report
+            self._teammates[report.robot_id] = report.position
+            for find in report.finds:
+                self._add_find(find)
+
+    def decide(self) -> Decision:
+        """Return command and messages for this step."""
+        if self._observation is None or not self._task.running:
+            return Decision()
+        _, sim_time_ns, robot, voice = self._observation
+        pose = self._localiser.map_T_base_link(robot)
+        outbox: tuple[Message, ...] = ()
+        iteration = sim_time_ns // self._iteration_ns
+        if iteration != self._iteration:
+            self._iteration = iteration
+            self._choose(pose, voice, sim_time_ns * 1e-9)
+            outbox = (Message(self._robot_id, EVERYBODY, self._report(pose).to_json()),)
+        if self._target is None:
+            return Decision(outbox=outbox)
+        twist: Twist = self._navigator.drive(
+            self._map.grid, pose, robot.ranges_m, self._target, self._speed_mps, sim_time_ns, lambda: self._teammates
+        )
+        return Decision(twist=twist, outbox=outbox, goal_m=self._goal)
+
+    def _report(self, pose: Pose) -> CoverUpdate:
+        position = (pose.x_m, pose.y_m)
+        return CoverUpdate(self._robot_id, position, self._goal, self._cover.to_hex(), tuple(self._finds))
+
+    def _note_find(self, observation: Observation) -> None:
+        """A voice that falls silent beside the robot was that of a victim whom it has found."""
+        if self._loudest is None:
+            return
+        pose, voice = self._localiser.map_T_base_link(observation.robot), observation.voice
+        is_silent = not voice.heard or math.dist(voice.local_best_m, self._loudest) > self._found_within_m
+        if is_silent and math.dist((pose.x_m, pose.y_m), self._loudest) <= self._found_within_m:
+            self._add_find(Find(self._loudest, self._robot_id, observation.sim_time_ns * 1e-9))
+
+    def _add_find(self, find: Find) -> None:
+        """Keep a find, unless one at that place is known already."""
+        if all(math.dist(find.position, known.position) > self._found_within_m for known in self._finds):
+            self._finds.append(find)
+
+    def _choose(self, pose: Pose, voice: VoiceReading, time_s: float) -> None:
+        """Look around, set the goal and, towards it, the point for this iteration."""
+        position = (pose.x_m, pose.y_m)
+        self._cover.look(position)
+        if self._is_base:
+            return
+        self._avoided = [(place, until_s) for place, until_s in self._avoided if until_s > time_s]
+        self._choose_goal(position, voice, time_s)
+        velocity = self._velocity(position, time_s)
+        if velocity == (0.0, 0.0):
+            self._target = None
+            return
+        self._target = self._map.reachable_towards(position, (position[0] + velocity[0], position[1] + velocity[1]))
+        self._speed_mps = max(0.1, HURRY * math.hypot(*velocity) / self._control.iteration_s)
+
+    def _choose_goal(self, position: Vector, voice: VoiceReading, time_s: float) -> None:
+        loudest = voice.local_best_m if voice.heard else None
+        self._ruled_out.add(position, loudest)
+        if loudest and not self._ruled_out.covers(loudest) and not self._is_avoided(loudest):
+            if self._goal is None or math.dist(self._goal, loudest) > AVOIDED_M:
+                self._goal_m, self._goal_since_s = math.inf, time_s
+            self._goal = loudest
+        elif self._goal is not None and (self._cover.is_covered(self._goal) or self._is_taken(self._goal, position)):
+            self._goal = None
+        if self._goal is not None:
+            length_m = self._route.first_stretch(self._map, position, self._goal)[1]
+            if length_m < self._goal_m - PROGRESS_M:
+                self._goal_m, self._goal_since_s = length_m, time_s
+            elif time_s - self._goal_since_s > PATIENCE_S:
+                self._avoided.append((self._goal, time_s + AVOIDED_S))
+                self._goal = None
+        if self._goal is None:
+            self._goal = self._best_place(position)
+            self._goal_m, self._goal_since_s = math.inf, time_s
+
+    def _is_avoided(self, place: Vector) -> bool:
+        return any(math.dist(place, avoided) <= AVOIDED_M for avoided, _ in self._avoided)
+
+    def _is_taken(self, place: Vector, position: Vector) -> bool:
+        """Whether a teammate goes there that is nearer, or as near and of lower id."""
+        own = (math.dist(place, position), self._robot_id)
+        return any(
+            report.goal is not None
+            and math.dist(place, report.goal) < APART_M
+            and (math.dist(place, report.position), robot_id) < own
+            for robot_id, (_, report) in self._team.items()
+        )
+
+    def _best_place(self, position: Vector) -> Vector | None:
+        """Return where the robot covers most for the way; none where nothing is left to it."""
+        left_out = [(place, AVOIDED_M) for place, _ in self._avoided]
+        left_out += [(report.goal, APART_M) for _, report in self._team.values() if report.goal]
+        in_reach = self._links.in_reach([report.position for _, report in self._team.values()], CELL_M)
+        if in_reach is not None:
+            place = self._cover.best_place(position, left_out, NEARNESS_M, in_reach)
+            if place:
+                return place
+        # What is left is out of reach: the team stretches towards it.
+        return self._cover.best_place(position, left_out, NEARNESS_M)
+
+    def _velocity(self, position: Vector, time_s: float) -> Vector:
+        """Return v[t+1] of eq. (22) [m per iteration]: a full step towards the local best, and the weighted x_CB."""
+        step_m = self._control.max_step_speed_mps * self._control.iteration_s
+        v_x, v_y = self._way_to(self._route, self._goal, position, step_m) if self._goal else (0.0, 0.0)
+        ages_s = {robot_id: time_s - heard_s for robot_id, (heard_s, _) in self._team.items()}
+        x_cb, weight = self._links.pull(
+            position,
+            {i: self._teammates[i] for i, age_s in sorted(ages_s.items()) if age_s <= HEARD_S},
+            {i: self._teammates[i] for i, age_s in sorted(ages_s.items()) if HEARD_S < age_s <= MISSED_S},
+        )
+        if weight > 0.0:
+            c_x, c_y = self._way_to(_Route(), x_cb, position, LONGEST_WAY_M)
+            v_x, v_y = v_x + weight * c_x, v_y + weight * c_y
+        return limit_speed((v_x, v_y), step_m)
+
+    def _way_to(self, route: _Route, place: Vector, position: Vector, longest_m: float) -> Vector:
+        """Return the way to a place: along the first stretch of the path, as long as all of it, or `longest_m`."""
+        (x, y), length_m = route.first_stretch(self._map, position, place)
+        stretch_m = math.dist(position, (x, y))
+        if stretch_m == 0.0:
+            return 0.0, 0.0
+        stretch = min(length_m, longest_m) / stretch_m
+        return stretch * (x - position[0]), stretch * (y - position[1])
+
+
+class _Route:
+    """The corners of a path, kept while the place that it leads to stays and the robot follows it."""
+
+    def __init__(self) -> None:
+        self._place: Vector | None = None
+        self._corners: list[Vector] = []
+
+    def first_stretch(self, known: KnownMap, position: Vector, place: Vector) -> tuple[Vector, float]:
+        """Return the first corner ahead on the way to a place, in `map` [m], and the length of the whole way [m]."""
+        is_lost = self._place != place or not known.grid.is_line_free(position, self._corners[0])
+        if is_lost:
+            self._place, self._corners = place, [place]
+            start, end = known.grid.nearest_free(position, 1.0), known.grid.nearest_free(place, 1.0)
+            if start is not None and end is not None and not known.grid.is_line_free(start, end):
+                self._corners = [*known.grid.waypoints(start, end, LONGEST_WAY_M)[1:-1], place]
+        while len(self._corners) > 1 and known.grid.is_line_free(position, self._corners[1]):
+            del self._corners[0]
+        ways = itertools.pairwise([position, *self._corners])
+        return self._corners[0], sum(math.dist(a, b) for a, b in ways)

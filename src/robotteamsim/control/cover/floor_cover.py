@@ -1,0 +1,143 @@
+"""Which parts of the floor the team has been to, as far as one robot knows."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, known_map
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.swarm import Vector
+
+CELL_M = 1.0
+
+Disc = tuple[Vector, float]
+"""Centre in `map` and radius [m]."""
+
+
+class _Floor:
+    """The cells of a plan that a robot of one size can reach from a start; what is dear is computed once and kept."""
+
+    def __init__(self, plan: FloorPlan, robot_radius_m: float, start: Vector) -> None:
+        self.grid = known_map(plan, robot_radius_m).grid
+        self.origin_m = plan.bounds.min
+        columns, rows = (math.ceil((high - low) / CELL_M) for low, high in zip(*_corners(plan), strict=True))
+        self.shape = rows, columns
+        self.middles_m = np.stack(np.meshgrid(np.arange(columns) + 0.5, np.arange(rows) + 0.5), axis=-1) * CELL_M
+        self.middles_m += self.origin_m
+        self.places: list[list[Vector | None]] = [
+            [self.grid.nearest_free(tuple(middle), 0.4 * CELL_M) for middle in row] for row in self.middles_m.tolist()
+        ]
+        """Per cell, a free place at its middle or close to it."""
+        # Free places are middles of the grid's cells, so the cell that holds one is beyond doubt.
+        origin_x, origin_y = self.origin_m
+        found = [[place or (origin_x, origin_y) for place in row] for row in self.places]
+        cells = np.floor((np.array(found) - self.origin_m) / GRID_RESOLUTION_M).astype(np.int64)
+        self._columns, self._rows = cells[..., 0], cells[..., 1]
+        self._has_place = np.array([[place is not None for place in row] for row in self.places])
+        self._lengths: dict[tuple[int, int], np.ndarray] = {}
+        free_start = self.grid.nearest_free(start, 1.0)
+        self.open = np.isfinite(self._lengths_from(free_start)) if free_start else np.zeros(self.shape, dtype=bool)
+
+    def lengths_m(self, cell: tuple[int, int]) -> np.ndarray | None:
+        """Return how far the places of all cells are from that of one cell, by free paths, shape (rows, cols) [m].
+
+        None where the cell has no free place.
+        """
+        place = self.places[cell[0]][cell[1]]
+        if place is None:
+            return None
+        if cell not in self._lengths:
+            self._lengths[cell] = self._lengths_from(place)
+        return self._lengths[cell]
+
+    def _lengths_from(self, start: Vector) -> np.ndarray:
+        field = self.grid.distance_field(start)
+        return np.where(self._has_place, field[self._rows, self._columns], math.inf)
+
+
+def _corners(plan: FloorPlan) -> tuple[Vector, Vector]:
+    return plan.bounds.min, plan.bounds.max
+
+
+# Robots and trials share it: its content depends on these values alone.
+_floor = functools.lru_cache(maxsize=8)(_Floor)
+
+
+class FloorCover:
+    """The floor as cells of 1 m; one is covered once a robot was within `radius_m` of its middle and saw it."""
+
+    def __init__(self, plan: FloorPlan, robot_radius_m: float, start: Vector, radius_m: float) -> None:
+        self._floor = _floor(plan, robot_radius_m, start)
+        self._radius_m = radius_m
+        self._covered = np.zeros_like(self._floor.open)
+        reach = math.floor(radius_m / CELL_M)
+        offsets_m = np.arange(-reach, reach + 1) * CELL_M
+        self._disc = (np.hypot(offsets_m[:, None], offsets_m[None, :]) <= radius_m).astype(np.int32)
+
+    @property
+    def share(self) -> float:
+        """The share of reachable cells that are covered; 1 where there are none."""
+        num_open = np.count_nonzero(self._floor.open)
+        return float(np.count_nonzero(self._covered & self._floor.open) / num_open) if num_open else 1.0
+
+    def look(self, position: Vector) -> None:
+        """Cover what a robot sees from a place in `map` [m]."""
+        start = self._floor.grid.nearest_free(position, 0.5)
+        away_m = self._floor.middles_m - position
+        near = away_m[..., 0] ** 2 + away_m[..., 1] ** 2 <= self._radius_m**2
+        for row, column in np.argwhere(near & self._floor.open & ~self._covered).tolist():
+            place = self._floor.places[row][column]
+            self._covered[row, column] = start is not None and self._floor.grid.is_line_free(start, place)
+
+    def best_place(
+        self, position: Vector, left_out: Sequence[Disc], nearness_m: float, within: np.ndarray | None = None
+    ) -> Vector | None:
+        """Return the place of the cell that newly covers most, over its distance and `nearness_m`; the first of equals.
+
+        Args: left_out: discs, centre and radius [m], whose cells are not asked for.
+              within: the only cells to ask for, bool, shape (rows, cols); none: all.
+        """
+        from scipy import ndimage  # Takes longer to import than a node without this algorithm takes to start.
+
+        lengths_m = self._floor.lengths_m(self._cell_of(position))
+        missing = self._floor.open & ~self._covered
+        if within is not None:
+            missing &= within
+        for center, radius_m in left_out:
+            away_m = self._floor.middles_m - center
+            missing &= away_m[..., 0] ** 2 + away_m[..., 1] ** 2 > radius_m**2
+        if lengths_m is None or not missing.any():
+            return None
+        near = ndimage.convolve(missing.astype(np.int32), self._disc, mode="constant")
+        worth = np.where(missing, near / (lengths_m + nearness_m), 0.0)
+        row, column = np.unravel_index(np.argmax(worth), worth.shape)
+        return self._floor.places[row][column] if worth[row, column] > 0.0 else None
+
+    def is_covered(self, place: Vector) -> bool:
+        """Whether the cell that holds a place in `map` [m] is covered."""
+        return bool(self._covered[self._cell_of(place)])
+
+    def to_hex(self) -> str:
+        """Return which cells are covered, as text for a message."""
+        return np.packbits(self._covered).tobytes().hex()
+
+    def merge(self, text: str) -> bool:
+        """Cover what the writer of `to_hex` has covered; whether the text was one of this floor."""
+        try:
+            bits = np.unpackbits(np.frombuffer(bytes.fromhex(text), dtype=np.uint8))
+        except ValueError:
+            return False
+        if len(bits) != 8 * math.ceil(self._covered.size / 8):
+            return False
+        self._covered |= bits[: self._covered.size].reshape(self._covered.shape).astype(bool)
+        return True
+
+    def _cell_of(self, place: Vector) -> tuple[int, int]:
+        rows, columns = self._covered.shape
+        row = math.floor((place[1] - self._floor.origin_m[1]) / CELL_M)
+        column = math.floor((place[0] - self._floor.origin_m[0]) / CELL_M)
+        return min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)

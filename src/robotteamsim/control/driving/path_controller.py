@@ -1,0 +1,77 @@
+"""What the simpler controllers share: a robot that knows where it is, holds the map, and drives to a point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from robotteamsim.control.driving.known_map import known_map
+from robotteamsim.control.driving.localisation import Localiser, body_of
+from robotteamsim.control.driving.navigation import Navigator
+from robotteamsim.control.driving.wander import Wander
+from robotteamsim.control.runtime.streams import robot_stream
+from robotteamsim.geometry import Pose
+from robotteamsim.interface import Decision, Observation, Task
+from robotteamsim.network.messages import Message
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.swarm import Vector
+
+
+class PathController:
+    """Base of a controller that says where to go; the way there, and standing still on demand, are done here."""
+
+    def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
+        body = body_of(robot_id, scenario)
+        self.robot_id = robot_id
+        self.scenario = scenario
+        self.map = known_map(scenario.plan, body.reach_m)
+        self.speed_mps = scenario.control.max_step_speed_mps
+        self._localiser = Localiser(robot_id, scenario)
+        self._navigator = Navigator(body, robot_id, scenario.control.navigation)
+        self._wander = Wander(robot_stream(scenario, "wander", robot_id, arrival), self.speed_mps)
+        self._observation: Observation | None = None
+        self.inbox: Sequence[Message] = ()
+        self.task = Task()
+
+    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        """Take in what the robot perceives, the messages that arrived, and the mission's task."""
+        self._observation, self.inbox, self.task = observation, inbox, task
+
+    @property
+    def observation(self) -> Observation:
+        """What was perceived in this step."""
+        assert self._observation is not None, "observe comes before decide"
+        return self._observation
+
+    @property
+    def is_running(self) -> bool:
+        """Whether there is anything to do."""
+        return self._observation is not None and self.task.running
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time of this step [s]."""
+        return self.observation.sim_time_ns * 1e-9
+
+    def pose(self) -> Pose:
+        """Return where the robot takes itself to be, in `map`."""
+        return self._localiser.map_T_base_link(self.observation.robot)
+
+    def drive(
+        self,
+        pose: Pose,
+        goal: Vector | None,
+        outbox: tuple[Message, ...] = (),
+        *,
+        local_best: float = 0.0,
+        teammates: Mapping[int, Vector] | None = None,
+    ) -> Decision:
+        """Return the decision to drive to a goal in `map` [m] at full speed, or to wander where there is none."""
+        if goal is None:
+            goal = self._wander.goal(self.map, (pose.x_m, pose.y_m), self.time_s)
+        else:
+            self._wander.stop()
+        _, sim_time_ns, robot, _ = self.observation
+        twist = self._navigator.drive(
+            self.map.grid, pose, robot.ranges_m, goal, self.speed_mps, sim_time_ns, lambda: teammates or {}
+        )
+        return Decision(twist, outbox, goal_m=goal, local_best=local_best)

@@ -1,0 +1,61 @@
+"""Wandering at random: what an excluded robot does, and one that knows nothing better."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, KnownMap
+from robotteamsim.swarm import Vector
+
+LONGEST_LEG_M = 8.0
+SHORTEST_LEG_M = 1.0
+ARRIVED_M = 0.3
+
+
+class Wander:
+    """Random straight legs over the known map: a new direction at the end of each, or when one takes too long."""
+
+    def __init__(self, generator: np.random.Generator, speed_mps: float) -> None:
+        self._rng = generator
+        self._speed_mps = speed_mps
+        self._goal: Vector | None = None
+        self._until_s = 0.0
+
+    def goal(self, free_space: KnownMap, position: Vector, time_s: float) -> Vector:
+        """Return the end of the present leg, in `map` [m]."""
+        if self._goal is None or time_s >= self._until_s or math.dist(position, self._goal) < ARRIVED_M:
+            self._goal = self._next_goal(free_space, position)
+            # Twice the time that the leg takes at full speed, and some for turning.
+            self._until_s = time_s + 3.0 + 2.0 * math.dist(position, self._goal) / self._speed_mps
+        return self._goal
+
+    def stop(self) -> None:
+        """Forget the present leg; the next call begins a new one."""
+        self._goal = None
+
+    def _next_goal(self, free_space: KnownMap, position: Vector) -> Vector:
+        start = free_space.grid.nearest_free(position, 1.0) or position
+        longest, longest_m = position, -1.0
+        for _ in range(8):
+            heading_rad, length_m = (self._rng.random(2) * (math.tau, LONGEST_LEG_M - SHORTEST_LEG_M)).tolist()
+            end = free_end(free_space, start, heading_rad, length_m + SHORTEST_LEG_M)
+            end_m = math.dist(start, end)
+            if end_m > longest_m:
+                longest, longest_m = end, end_m
+            if end_m >= SHORTEST_LEG_M:
+                break
+        return longest
+
+
+def free_end(free_space: KnownMap, start: Vector, heading_rad: float, length_m: float) -> Vector:
+    """Return the farthest point in a direction, up to `length_m`, to which the straight way is free."""
+    end = start
+    for i in range(1, int(length_m / GRID_RESOLUTION_M) + 1):
+        reach_m = i * GRID_RESOLUTION_M
+        point = (start[0] + reach_m * math.cos(heading_rad), start[1] + reach_m * math.sin(heading_rad))
+        if not free_space.grid.is_line_free(end, point):
+            break
+        end = point
+    return end

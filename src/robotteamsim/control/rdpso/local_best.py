@@ -1,0 +1,39 @@
+"""The best place that one robot perceives around it [dissertation, 5.3]."""
+
+from __future__ import annotations
+
+import math
+
+from robotteamsim.control.driving.known_map import KnownMap
+from robotteamsim.control.rdpso.ruled_out import RuledOut
+from robotteamsim.control.rdpso.update import Best
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.swarm import Vector
+
+
+class LocalBestFinder:
+    """Finds the best place around a robot."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        # Read once: asked of the scenario, each takes several times as long.
+        self._radius_m = scenario.voice.local_best_radius_m
+        self._by_path = scenario.control.navigation == "path"
+
+    def find(
+        self, known_map: KnownMap, ruled_out: RuledOut, voice: VoiceReading, area: Vector | None, position: Vector
+    ) -> Best | None:
+        """Return the loudest cell around; where no voice is heard, the cell nearest to the area to explore [5.3].
+
+        A voice that is ruled out counts as none; without an area, nothing draws the robot then. Places in `map` [m].
+        """
+        _, is_heard, loudest, level_db = voice
+        if is_heard and not ruled_out.covers(loudest):
+            return Best(level_db, loudest)
+        if area is None:
+            return None
+        if not self._by_path:
+            cell = known_map.nearest_by_sight(area, position, self._radius_m)
+            return Best(-math.dist(area, cell), cell)
+        cell, length_m = known_map.nearest_by_path(area, position, self._radius_m)
+        return Best(-length_m, cell)

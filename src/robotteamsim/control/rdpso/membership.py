@@ -1,0 +1,140 @@
+"""Which swarm a robot belongs to: social exclusion and inclusion, dissolution and new swarms [5.2.2].
+
+No robot is in charge. Each knows the reports that reached it in this iteration, finds by the same rules what becomes of
+every swarm in them, and does what concerns itself. Those who heard the same come to the same verdict; where the team
+was split, each part goes on by itself, and what a robot is in the end is what it says of itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from functools import partial
+
+from robotteamsim import rng
+from robotteamsim.control.rdpso.common_view import CommonView
+from robotteamsim.interface import OUTSIDE
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Team
+from robotteamsim.swarm import ExclusionRules, SwarmState, Verdict, judge
+
+Values = dict[int, float]
+"""Value of the local best by robot id."""
+
+
+class Membership:
+    """One robot's swarm, and its copy of that swarm's memory."""
+
+    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+        exclusion, swarms = scenario.control.exclusion, scenario.control.swarms
+        num_robots = scenario.robots.count if isinstance(scenario.robots, Team) else len(scenario.robots)
+        self._robot_id = robot_id
+        self._seed = scenario.run.seed
+        self._enabled = exclusion.enabled
+        self._rules = ExclusionRules(exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots)
+        self._swarms = swarms
+        limits = exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots
+        self._settings = self._seed, *limits, swarms.min, swarms.max, swarms.new_robots
+        """All that a verdict depends on, but for reports."""
+        self.swarm_id = robot_id * swarms.initial // num_robots
+        """OUTSIDE where it is excluded."""
+        self.state = SwarmState()
+        self._last_swarm_id = self.swarm_id
+
+    @property
+    def excluded(self) -> bool:
+        """Whether the robot is socially excluded."""
+        return self.swarm_id == OUTSIDE
+
+    def judge(self, iteration: int, view: CommonView, improved: Collection[int], in_use: Collection[int]) -> None:
+        """Let the rules act on all swarms heard of, in the order of their numbers.
+
+        Args: view: of the reports of this iteration, the own one included.
+              improved: swarms that improved their best; OUTSIDE in it where the excluded did.
+              in_use: numbers of all swarms known of, heard in this iteration or before.
+        """
+        if not self._enabled:
+            return
+        # Those who share a view come to the same verdict, so one of them finds it for all.
+        key = self._settings, tuple(improved), frozenset(in_use)
+        verdict = view.verdicts.get(key)
+        if verdict is None:
+            verdict = view.verdicts[key] = self._verdict(iteration, view, improved, in_use)
+        moves, states = verdict
+        self._move(moves.get(self._robot_id, self.swarm_id), states)
+
+    def _verdict(
+        self, iteration: int, view: CommonView, improved: Collection[int], in_use: Collection[int]
+    ) -> tuple[dict[int, int], dict[int, SwarmState]]:
+        """Return who goes to which swarm, and the swarms' memories."""
+        swarms: dict[int, Values] = dict(view.values)
+        outside = swarms.pop(OUTSIDE, {})
+        moves: dict[int, int] = {}
+        # Swarms that were not heard now may still be there.
+        taken = {*swarms, *in_use} - {OUTSIDE}
+        asking, num_swarms = [], len(taken)
+        states: dict[int, SwarmState] = {}
+        for swarm_id, members in sorted(swarms.items()):
+            dice = partial(self._dice, iteration, swarm_id)
+            free = {i: value for i, value in outside.items() if i not in moves} if outside else outside
+            has_improved = swarm_id in improved
+            verdict = judge(view.states[swarm_id], has_improved, members, free, self._rules, dice)
+            if len(verdict.leaves) == len(members):
+                verdict, num_swarms = self._dissolved_or_not(verdict, num_swarms)
+            state, leaves, joins = verdict
+            if leaves or joins:
+                moves |= dict.fromkeys(leaves, OUTSIDE) | dict.fromkeys(joins, swarm_id)
+            states[swarm_id] = state
+            if has_improved and state.search_counter == 0:
+                asking.append(len(members))
+        if OUTSIDE in improved:
+            asking.append(len(outside))
+        if asking:
+            self._found(iteration, asking, outside, moves, num_swarms, taken)
+        return moves, states
+
+    def _dissolved_or_not(self, verdict: Verdict, num_swarms: int) -> tuple[Verdict, int]:
+        """Let a swarm that all leave go, or begin anew where too few swarms would be left."""
+        if num_swarms > self._swarms.min:
+            return verdict, num_swarms - 1
+        return Verdict(SwarmState(0, verdict.state.num_killed - len(verdict.leaves))), num_swarms
+
+    def _found(
+        self,
+        iteration: int,
+        asking: list[int],
+        outside: Values,
+        moves: dict[int, int],
+        num_swarms: int,
+        taken: set[int],
+    ) -> None:
+        """Make swarms of the best excluded robots: once for each that asks, with a chance that grows with its size.
+
+        That is f N_s / N_max, f uniform in [0, 1]; an excluded team whose best improved asks as well.
+        """
+        dice = None
+        for num_asking in asking:
+            free = [robot_id for robot_id in outside if robot_id not in moves]
+            if num_swarms >= self._swarms.max or len(free) < self._swarms.new_robots:
+                return
+            dice = dice or rng.stream(self._seed, "new_swarm", iteration)
+            fraction, drawn = dice.random(2).tolist()
+            if drawn < fraction * min(1.0, num_asking / self._rules.max_robots):
+                swarm_id = min(set(range(len(taken) + 1)) - taken)
+                best_first = sorted(free, key=lambda robot_id: (-outside[robot_id], robot_id))
+                moves |= dict.fromkeys(best_first[: self._swarms.new_robots], swarm_id)
+                taken = taken | {swarm_id}
+                num_swarms += 1
+
+    def _move(self, swarm_id: int, states: Mapping[int, SwarmState]) -> None:
+        """Go to a swarm and take over its memory; an excluded robot goes on with that of the swarm it left."""
+        if swarm_id not in (OUTSIDE, self.swarm_id):
+            self.state = SwarmState()  # of a new swarm
+        self.swarm_id = swarm_id
+        if swarm_id != OUTSIDE:
+            self._last_swarm_id = swarm_id
+        self.state = states.get(self._last_swarm_id, self.state)
+
+    def _dice(self, iteration: int, swarm_id: int) -> float:
+        """Return the number that all robots draw alike for a swarm in an iteration."""
+        name = (iteration, swarm_id) if swarm_id else (iteration,)
+        return float(rng.stream(self._seed, "swarm", *name).random())

@@ -1,0 +1,1 @@
+"""Finds, builds and guards the controllers of a team."""

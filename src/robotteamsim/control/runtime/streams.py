@@ -1,0 +1,20 @@
+"""Random numbers of one robot's controller."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robotteamsim import rng
+from robotteamsim.scenario.scenario import Scenario
+
+
+def robot_stream(scenario: Scenario, purpose: str, robot_id: int, arrival: int) -> np.random.Generator:
+    """Return the generator of one robot's controller for a purpose.
+
+    Not for numbers that all robots must draw identically.
+
+
+    Args: arrival: how often the robot has come, its start included: the second time it draws other numbers.
+    """
+    again = (arrival,) if arrival > 1 else ()
+    return rng.stream(scenario.run.seed, purpose, robot_id, *again)

@@ -1,0 +1,21 @@
+"""What every controller is: observation and messages in, decision out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from robotteamsim.interface.decision import Decision
+from robotteamsim.interface.observation import Observation
+from robotteamsim.interface.task import Task
+from robotteamsim.network.messages import Message
+
+
+class Controller(Protocol):
+    """One robot's controller, built once per trial and whenever its robot comes again, stepped once per loop step."""
+
+    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        """Take in what the robot perceives, the messages that arrived, and the mission's task."""
+
+    def decide(self) -> Decision:
+        """Return command and messages for this step."""

@@ -1,0 +1,1 @@
+"""The nodes: parse, convert, call the core, convert, publish."""

@@ -1,0 +1,186 @@
+"""The nodes `controller` and `controllers`: drive one robot, or the whole team, in simulation or real.
+
+The first runs in its robot's namespace; the second, in the namespace of all, hosts the same class for each robot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from geometry_msgs.msg import Twist as TwistMessage
+from geometry_msgs.msg import TwistStamped
+
+from robotteamsim.control import Guard, make_controller
+from robotteamsim.control.driving.localisation import body_of
+from robotteamsim.interface import Decision, Observation, Task
+from robotteamsim.msg import Contact, ControllerStatus, MissionStatus, NetworkMessages, Voice
+from robotteamsim.network.messages import Message
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.ros.nodes.further_inputs import FurtherInputs
+from robotteamsim.ros.transport import msg_conversion as conversion
+from robotteamsim.ros.transport.inbox import Channel, Step
+from robotteamsim.ros.transport.node import (
+    WHO_IS_THERE,
+    Attendance,
+    Input,
+    Output,
+    ParameterError,
+    Settings,
+    make_inbox,
+    parameter,
+    read_seed,
+    read_settings,
+    run,
+)
+from robotteamsim.ros.transport.quick_messages import BareScan, PlanarOdometry
+from robotteamsim.sensing.readings import RobotReading
+
+STATUS = "/mission/status"
+
+
+def main() -> None:
+    """Run the node of one robot, `~robot_id`; its topics are relative."""
+    run("controller", _serve_robot)
+
+
+def main_of_team() -> None:
+    """Run the node of all robots; their topics are in their namespaces."""
+    run("controllers", _serve_team)
+
+
+def _serve_robot() -> None:
+    settings = read_settings()
+    robot_id = parameter("~robot_id", -1)
+    if not 0 <= robot_id < settings.num_robots:
+        raise ParameterError(f"~robot_id: {robot_id}; wanted 0 to {settings.num_robots - 1}")
+    ControllerNode(settings, [ControllerSlot(settings, robot_id, "")]).serve()
+
+
+def _serve_team() -> None:
+    settings = read_settings()
+    seats = [
+        ControllerSlot(settings, robot_id, f"/{fields.robot_name(robot_id)}/")
+        for robot_id in range(settings.num_robots)
+    ]
+    ControllerNode(settings, seats).serve()
+
+
+class ControllerSlot:
+    """Where one robot's controller sits: its topics, each with `prefix` before its name, and the controller."""
+
+    def __init__(self, settings: Settings, robot_id: int, prefix: str) -> None:
+        self._robot_id = robot_id
+        self._make = conversion.RosTypes()
+        self._by_truth = settings.scenario.control.localisation == "ground_truth"
+        self._odom, self._scan, self._truth = (
+            f"{prefix}{name}" for name in ("odom", "base_scan", "base_pose_ground_truth")
+        )
+        self._contact, self._voice, self._received = (f"{prefix}{name}" for name in ("contact", "voice", "network/rx"))
+        self._further = FurtherInputs(body_of(robot_id, settings.scenario), prefix, settings.step_ns, robot_id)
+        self._arrival = 1
+        """How often the robot has come, its start included."""
+        self.build(settings)
+        latched = settings.lockstep
+        self._answer = Output(f"{prefix}cmd_vel_stamped", TwistStamped, latched=True)
+        self._messages = Output(f"{prefix}network/tx", NetworkMessages, latched=latched)
+        self._status = Output(f"{prefix}controller/status", ControllerStatus, latched=latched)
+        self._command = Output(f"{prefix}cmd_vel", TwistMessage) if settings.drives(robot_id) else None
+
+    @property
+    def inputs(self) -> list[Input]:
+        """The topics that it needs."""
+        return [
+            Input(Channel(self._odom, needed=True, robot_id=self._robot_id), PlanarOdometry),
+            Input(Channel(self._scan, needed=True, robot_id=self._robot_id), BareScan),
+            Input(Channel(self._truth, needed=self._by_truth, robot_id=self._robot_id), PlanarOdometry),
+            Input(Channel(self._contact, robot_id=self._robot_id), Contact),
+            Input(Channel(self._voice, needed=True, robot_id=self._robot_id), Voice),
+            Input(Channel(self._received, robot_id=self._robot_id), NetworkMessages),
+            *self._further.inputs,
+        ]
+
+    def build(self, settings: Settings) -> None:
+        """Make the controller, or make it anew."""
+        self._further.begin_anew()
+        make = partial(make_controller, self._robot_id, settings.scenario, self._arrival)
+        self._controller = Guard(self._robot_id, settings.num_robots, make)
+
+    def is_taken(self, attendance: Attendance, settings: Settings) -> bool:
+        """Return whether the robot is there; where it has come (again), its controller begins anew."""
+        if attendance.arrivals is not None and attendance.arrivals[self._robot_id] != self._arrival:
+            self._arrival = attendance.arrivals[self._robot_id]
+            self.build(settings)
+        return attendance.is_there(self._robot_id)
+
+    def greet(self) -> None:
+        """Answer no step yet: it says that the controller is there."""
+        self._answer.publish(fields.twist_stamped(self._make, 0, self._robot_id, Decision().twist))
+
+    def step(self, step: Step, task: Task) -> None:
+        """Let the controller perceive and decide, and publish what it decided."""
+        self._controller.observe(self._observation(step), self._inbox(step), task)
+        self._publish(step.stamp_ns, self._controller.decide())
+
+    def _observation(self, step: Step) -> Observation:
+        odometry = step.latest(self._odom).reading
+        # A real robot that navigates by odometry has no ground truth.
+        truth = step.latest(self._truth)
+        ground_truth = odometry if truth is None else truth.reading
+        contact = step.latest(self._contact)
+        robot = RobotReading(
+            ground_truth=ground_truth.pose,
+            twist=ground_truth.twist,
+            odometry=odometry,
+            ranges_m=conversion.ranges_m(step.latest(self._scan)),
+            in_contact=contact is not None and contact.in_contact,
+            contact_angles_rad=() if contact is None else tuple(contact.angles_rad),
+            further=self._further.reading(step),
+        )
+        return Observation(self._robot_id, step.stamp_ns, robot, conversion.voice_reading(step.latest(self._voice)))
+
+    def _inbox(self, step: Step) -> list[Message]:
+        return [
+            received for message in step.messages[self._received] for received in conversion.network_messages(message)
+        ]
+
+    def _publish(self, time_ns: int, decision: Decision) -> None:
+        make = self._make
+        self._answer.publish(fields.twist_stamped(make, time_ns, self._robot_id, decision.twist))
+        if self._messages.wanted:
+            self._messages.publish(fields.network_messages(make, time_ns, decision.outbox))
+        if self._status.wanted:
+            self._status.publish(fields.controller_status(make, time_ns, self._robot_id, decision))
+        if self._command is not None and self._command.wanted:
+            self._command.publish(fields.twist(make, decision.twist))
+
+
+class ControllerNode:
+    """Steps the controllers of its seats by what the robots sense and what reaches them over the network."""
+
+    def __init__(self, settings: Settings, seats: Sequence[ControllerSlot]) -> None:
+        self._settings = settings
+        self._seats = seats
+        self._task = Task()
+        self._attendance = Attendance()
+        inputs = [an_input for seat in seats for an_input in seat.inputs]
+        status = Input(Channel(STATUS, of_last_step=True), MissionStatus)
+        self._inbox = make_inbox(settings, [*inputs, WHO_IS_THERE, status])
+        for seat in seats:
+            seat.greet()
+
+    def serve(self) -> None:
+        """Step until the node is shut down."""
+        while (step := self._inbox.take()) is not None:
+            if step.restarted:
+                self._settings = read_seed(self._settings)
+                self._task = Task()
+                for seat in self._seats:
+                    seat.build(self._settings)
+            status = step.latest(STATUS)
+            if status is not None:
+                self._task = conversion.task(status)
+            self._attendance.follow(step)
+            for seat in self._seats:
+                if seat.is_taken(self._attendance, self._settings):
+                    seat.step(step, self._task)

@@ -1,0 +1,299 @@
+"""The node `environment`: carries voices and messages between the robots."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+import rospy
+from nav_msgs.msg import OccupancyGrid
+from pydantic import ValidationError
+
+from robotteamsim.errors import PlacementError
+from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkMessages, NetworkState, Voice
+from robotteamsim.propagation import FieldMap
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.ros.transport import msg_conversion as conversion
+from robotteamsim.ros.transport.inbox import Channel, Step
+from robotteamsim.ros.transport.msg_conversion import RosTypes
+from robotteamsim.ros.transport.node import (
+    WHO_IS_THERE,
+    Attendance,
+    Input,
+    Output,
+    Settings,
+    make_inbox,
+    read_seed,
+    read_settings,
+    run,
+)
+from robotteamsim.ros.transport.quick_messages import PlanarOdometry
+from robotteamsim.scenario.placement import check_places
+from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.sections import Mission as MissionSection
+from robotteamsim.scenario.sections import Victim
+from robotteamsim.scenario.sections import Voice as VoiceSection
+from robotteamsim.sensing.readings import NOT_THERE
+from robotteamsim.simulation.environment import Environment
+from robotteamsim.srv import (
+    GetRadioMap,
+    GetRadioMapRequest,
+    GetRadioMapResponse,
+    SetDoor,
+    SetDoorRequest,
+    SetDoorResponse,
+    SetNoise,
+    SetNoiseRequest,
+    SetNoiseResponse,
+    SetVictim,
+    SetVictimRequest,
+    SetVictimResponse,
+)
+
+STATUS = "/mission/status"
+DOORS = "/world/doors"
+RADIO_MAP_RESOLUTION_M = 0.25
+FINEST_M, COARSEST_M = 0.05, 10.0
+"""Range of the resolution of a map made on demand: a finer one would be a message of many megabytes."""
+RADIO_MAP_PERIOD_NS = 10**9
+NODE_PATIENCE_S = 2.0
+"""A change waits this long for another node's service [s, wall]."""
+
+
+def main() -> None:
+    """Run the node."""
+    run("environment", lambda: EnvironmentNode(read_settings()).serve())
+
+
+class RadioMaps:
+    """The signal of one robot over the floor: costly, so only for those who look, once a second and when they come."""
+
+    def __init__(self, robot_name: str, make: RosTypes, now: Callable[[], tuple[int, FieldMap] | None]) -> None:
+        """Advertise the maps. now: returns stamp [ns] and map of the last step, for who comes late; None: no map."""
+        self._make = make
+        self._now = now
+        self._picture = Output(
+            f"/{robot_name}/radio_map", OccupancyGrid, greeting=lambda: self._greeting(self._picture_of)
+        )
+        self._values = Output(
+            f"/{robot_name}/radio_map/values", FloatMap, greeting=lambda: self._greeting(self._values_of)
+        )
+        self._due_ns = 0
+
+    def publish(self, time_ns: int, position_m: tuple[float, float], environment: Environment) -> None:
+        """Publish the maps, if they are due and somebody listens."""
+        if time_ns < self._due_ns or not (self._picture.wanted or self._values.wanted):
+            return
+        self._due_ns = time_ns + RADIO_MAP_PERIOD_NS
+        radio_map = environment.radio_map(position_m, RADIO_MAP_RESOLUTION_M)
+        self._picture.publish(self._picture_of(time_ns, radio_map))
+        self._values.publish(self._values_of(time_ns, radio_map))
+
+    def restart(self) -> None:
+        """Begin again with the first step."""
+        self._due_ns = 0
+
+    def _picture_of(self, time_ns: int, radio_map: FieldMap) -> OccupancyGrid:
+        return fields.radio_map_picture(self._make, time_ns, radio_map)
+
+    def _values_of(self, time_ns: int, radio_map: FieldMap) -> FloatMap:
+        return fields.field_map(self._make, time_ns, radio_map, "rssi", "dBm")
+
+    def _greeting(self, message_of: Callable[[int, FieldMap], Any]) -> Any:
+        now = self._now()
+        return None if now is None else message_of(*now)
+
+
+class EnvironmentNode:
+    """Steps voices and network by the robots' true places; takes changes of doors, noise and victims."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._make = RosTypes()
+        self._environment_lock = threading.Lock()
+        names = [f"/{fields.robot_name(robot_id)}" for robot_id in range(settings.num_robots)]
+        self._places = [f"{name}/base_pose_ground_truth" for name in names]
+        self._sent = [f"{name}/network/tx" for name in names]
+        latched = settings.lockstep
+        self._voices = [Output(f"{name}/voice", Voice, latched=latched) for name in names]
+        self._received = [Output(f"{name}/network/rx", NetworkMessages, latched=latched) for name in names]
+        self._network = Output("/network/state", NetworkState, latched=latched)
+        self._voice_picture = Output("/voice_map", OccupancyGrid, latched=True)
+        self._voice_map = Output("/voice_map/values", FloatMap, latched=True)
+        self._attendance = Attendance()
+        self._last_step: tuple[int, list[tuple[float, float]]] | None = None
+        self._radio_maps = [
+            RadioMaps(fields.robot_name(robot_id), self._make, partial(self._radio_map_now, robot_id))
+            for robot_id in range(settings.num_robots)
+        ]
+        self._build()
+        self._publish_voice_map(0)
+        self._inbox = make_inbox(settings, self._inputs())
+        rospy.Service("/get_radio_map", GetRadioMap, self._serve_get_radio_map)
+        rospy.Service("/set_door", SetDoor, self._serve_set_door)
+        rospy.Service("/set_noise", SetNoise, self._serve_set_noise)
+        rospy.Service("/set_victim", SetVictim, self._serve_set_victim)
+
+    def serve(self) -> None:
+        """Step until the node is shut down."""
+        while (step := self._inbox.take()) is not None:
+            if step.restarted:
+                with self._environment_lock:
+                    self._settings = read_seed(self._settings)
+                    self._build()
+            self._step(step)
+
+    def _inputs(self) -> list[Input]:
+        places = [
+            Input(Channel(topic, needed=True, robot_id=robot_id), PlanarOdometry)
+            for robot_id, topic in enumerate(self._places)
+        ]
+        controlled = self._settings.controlled
+        sent = [
+            Input(Channel(topic, of_last_step=True, may_be_silent=True, robot_id=robot_id), NetworkMessages)
+            for robot_id, topic in enumerate(self._sent)
+            if robot_id in controlled or not self._settings.lockstep
+        ]
+        doors = [Input(Channel(DOORS), Doors)] if self._settings.scenario.plan.doors else []
+        return [*places, *sent, *doors, WHO_IS_THERE, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
+
+    def _build(self) -> None:
+        self._environment = Environment(self._settings.scenario)
+        self._victims = [victim.name for victim in self._settings.scenario.mission.victims]
+        self._saved: tuple[str, ...] = ()
+        self._published_changes = -1
+        self._last_step = None
+        for radio_maps in self._radio_maps:
+            radio_maps.restart()
+
+    def _step(self, step: Step) -> None:
+        self._attendance.follow(step)
+        is_there = self._attendance.is_there
+        places = [
+            step.latest(topic).reading.pose if is_there(robot_id) else NOT_THERE.ground_truth
+            for robot_id, topic in enumerate(self._places)
+        ]
+        positions_m = np.array([(place.x_m, place.y_m) for place in places])
+        outboxes = [
+            [sent for message in step.messages.get(topic, ()) for sent in conversion.network_messages(message)]
+            for topic in self._sent
+        ]
+        with self._environment_lock:
+            doors = step.latest(DOORS) if self._settings.scenario.plan.doors else None
+            if doors is not None:
+                self._environment.follow_doors(conversion.door_states(doors))
+            status = step.latest(STATUS)
+            if status is not None:
+                states = zip(self._victims, status.victims, strict=False)
+                self._saved = tuple(name for name, state in states if state == "saved")
+            voices, network, inboxes = self._environment.step(
+                positions_m, outboxes, self._saved, self._attendance.present
+            )
+        make, time_ns = self._make, step.stamp_ns
+        for robot_id, (output, voice) in enumerate(zip(self._voices, voices, strict=True)):
+            if is_there(robot_id) and output.wanted:
+                output.publish(fields.voice(make, time_ns, voice))
+        for robot_id, (output, inbox) in enumerate(zip(self._received, inboxes, strict=True)):
+            if is_there(robot_id) and output.wanted:
+                output.publish(fields.network_messages(make, time_ns, inbox))
+        if self._network.wanted:
+            self._network.publish(fields.network_state(make, time_ns, network))
+        self._publish_voice_map(time_ns)
+        with self._environment_lock:
+            self._last_step = time_ns, [(place.x_m, place.y_m) for place in places]
+            for robot_id, (radio_maps, place) in enumerate(zip(self._radio_maps, places, strict=True)):
+                if not is_there(robot_id):
+                    continue
+                radio_maps.publish(time_ns, (place.x_m, place.y_m), self._environment)
+
+    def _publish_voice_map(self, time_ns: int) -> None:
+        with self._environment_lock:
+            changes = self._environment.voice.changes
+            if changes == self._published_changes:
+                return
+            self._published_changes = changes
+            voice_map = self._environment.voice_map()
+        self._voice_picture.publish(fields.field_map_picture(self._make, time_ns, voice_map))
+        self._voice_map.publish(fields.field_map(self._make, time_ns, voice_map, "voice_level", "dB"))
+
+    def _radio_map_now(self, robot_id: int) -> tuple[int, FieldMap] | None:
+        """Return stamp [ns] and radio map of a robot's last step; None: there was none, or it is not there."""
+        with self._environment_lock:
+            if self._last_step is None or not self._attendance.is_there(robot_id):
+                return None
+            time_ns, positions_m = self._last_step
+            return time_ns, self._environment.radio_map(positions_m[robot_id], RADIO_MAP_RESOLUTION_M)
+
+    def _serve_get_radio_map(self, request: GetRadioMapRequest) -> GetRadioMapResponse:
+        resolution_m = request.resolution_m or RADIO_MAP_RESOLUTION_M
+        with self._environment_lock:
+            problem = self._problem_of(request.robot_id, resolution_m)
+            if problem or self._last_step is None:
+                return GetRadioMapResponse(success=False, message=problem)
+            time_ns, positions_m = self._last_step
+            radio_map = self._environment.radio_map(positions_m[request.robot_id], resolution_m)
+        return GetRadioMapResponse(success=True, map=fields.field_map(self._make, time_ns, radio_map, "rssi", "dBm"))
+
+    def _problem_of(self, robot_id: int, resolution_m: float) -> str:
+        """Return why there is no such radio map; empty: there is one."""
+        if not 0 <= robot_id < self._settings.num_robots:
+            return f"robot_id: {robot_id}; wanted 0 to {self._settings.num_robots - 1}"
+        if not FINEST_M <= resolution_m <= COARSEST_M:
+            return f"resolution_m: {resolution_m:g}; wanted {FINEST_M:g} to {COARSEST_M:g}, or 0"
+        if not self._attendance.is_there(robot_id):
+            return f"robot_id: {robot_id}; that robot is not there"
+        return "" if self._last_step else "no step has been taken so far"
+
+    def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
+        """Have the world set a door, which then tells everybody by a topic; without such a world, tell them here."""
+        answer = _told("/world/set_door", SetDoor, request)
+        if answer is not None:
+            return answer
+        try:
+            with self._environment_lock:
+                self._environment.set_door(request.name, request.closed)
+        except ValueError as error:
+            return SetDoorResponse(success=False, message=str(error))
+        _told("/mission/set_door", SetDoor, request)
+        return SetDoorResponse(success=True, message="")
+
+    def _serve_set_noise(self, request: SetNoiseRequest) -> SetNoiseResponse:
+        try:
+            # The scenario's own model knows the range.
+            VoiceSection.model_validate({"noise_db": request.noise_db})
+        except ValidationError as error:
+            return SetNoiseResponse(success=False, message=str(problems(error, VoiceSection)[0]))
+        with self._environment_lock:
+            self._environment.set_noise_db(request.noise_db)
+        _told("/mission/set_noise", SetNoise, request)
+        return SetNoiseResponse(success=True, message="")
+
+    def _serve_set_victim(self, request: SetVictimRequest) -> SetVictimResponse:
+        position_m = (request.position.x, request.position.y)
+        scenario = self._settings.scenario
+        try:
+            mission = MissionSection(victims=(Victim(name=request.name, position=position_m),))
+            check_places(scenario.plan, scenario.robots, mission)
+        except ValidationError as error:
+            return SetVictimResponse(success=False, message=str(problems(error, MissionSection)[0]))
+        except PlacementError as error:
+            return SetVictimResponse(success=False, message=f"set_victim: {error}")
+        with self._environment_lock:
+            self._environment.set_victim(request.name, position_m)
+            if request.name not in self._victims:
+                self._victims.append(request.name)
+        _told("/mission/set_victim", SetVictim, request)
+        return SetVictimResponse(success=True, message="")
+
+
+def _told(service: str, service_class: Any, request: Any) -> Any | None:
+    """Pass a change on to another node and return its answer; None: it is not there."""
+    try:
+        rospy.wait_for_service(service, timeout=NODE_PATIENCE_S)
+        return rospy.ServiceProxy(service, service_class)(request)
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        rospy.logwarn(f"{service} was not told: {error}")
+        return None

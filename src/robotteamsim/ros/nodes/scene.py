@@ -1,0 +1,326 @@
+"""The node `scene`: turns the topics of a run, or of a bag, into what rviz shows."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterable
+
+import numpy as np
+import rospy
+import tf2_ros
+from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import PointCloud2
+from visualization_msgs.msg import Marker, MarkerArray
+
+from robotteamsim.msg import (
+    Areas,
+    Doors,
+    FloatMap,
+    MissionEvent,
+    MissionStatus,
+    NetworkState,
+    Robots,
+    Victims,
+)
+from robotteamsim.ros.scene import laser as scene_laser
+from robotteamsim.ros.scene import mission as scene_mission
+from robotteamsim.ros.scene import plan as scene_plan
+from robotteamsim.ros.scene import sensors as scene_sensors
+from robotteamsim.ros.scene import team as scene_team
+from robotteamsim.ros.scene.feed import Feed, robot_topics
+from robotteamsim.ros.scene.robot import RobotFeed
+from robotteamsim.ros.scene.shapes import FRAME, Shown
+from robotteamsim.ros.transport import msg_conversion
+from robotteamsim.ros.transport.node import ROBOTS, Output, parameter, read_settings, run
+from robotteamsim.scenario import Bounds, Scenario, occupancy_grid
+from robotteamsim.scenario.plan import OCCUPIED
+from robotteamsim.scenario.sections import Robot
+
+DRAW_PERIOD_S = 0.1
+TRAIL_PERIOD_S = 0.5
+DISCOVERY_PERIOD_S = 0.5
+IDLE_SHARE = 4.0
+"""After each drawing the node rests this many times as long, up to a limit: many robots are drawn less often."""
+MAX_IDLE_S = 0.5
+RESEND_PERIOD_S = 5.0
+"""rviz forgets all markers when time jumps backwards, and by its Reset button."""
+RESEND_DELAY_S = 1.0
+"""After time has jumped backwards, rviz gets this long to notice."""
+TRAIL_POINTS = 6_000
+"""Of all robots together."""
+WALL_HEIGHT_M = 1.1
+SENSORS = ("sonars", "gps")
+"""Layers of sensors that not every robot has."""
+
+
+def main() -> None:
+    """Run the node. Its own parameter is ~wall_height_m: walls are cut there to let one look in from above."""
+    run("scene", _serve)
+
+
+def _serve() -> None:
+    scene = Scene(read_settings().scenario, parameter("~wall_height_m", WALL_HEIGHT_M))
+    while not rospy.is_shutdown():
+        started_s = time.monotonic()
+        scene.step(started_s)
+        drawing_s = time.monotonic() - started_s
+        scene.wait(max(DRAW_PERIOD_S - drawing_s, min(IDLE_SHARE * drawing_s, MAX_IDLE_S)))
+
+
+class Canvas:
+    """One latched topic of markers, and what of it is on display."""
+
+    def __init__(self, topic: str) -> None:
+        self._output = Output(topic, MarkerArray, latched=True)
+        self._shown = Shown()
+        self._markers: list[Marker] = []
+
+    def draw(self, markers: Iterable[Marker]) -> None:
+        """Replace what the topic shows."""
+        self._markers = list(markers)
+        self._output.publish(MarkerArray(self._shown.update(self._markers)))
+
+    @property
+    def watched(self) -> bool:
+        """Whether somebody looks at it right now."""
+        return self._output.num_subscribers > 0
+
+    @property
+    def shows(self) -> bool:
+        """Whether there is anything on it."""
+        return bool(self._markers)
+
+    def draw_again(self) -> None:
+        """Send what the topic shows."""
+        self.draw(self._markers)
+
+
+class Scene:
+    """Draws when something has changed."""
+
+    def __init__(self, scenario: Scenario, wall_height_m: float) -> None:
+        self._scenario = scenario
+        self._wall_height_m = wall_height_m
+        self._placed = scenario.placed_robots()
+        layers = ("building", "doors", "voice", "areas", "victims", "trails", "links", "robots", "headline", *SENSORS)
+        self._canvas = {layer: Canvas(f"/scene/{layer}") for layer in layers}
+        self._laser = Output("/scene/laser", PointCloud2)
+        self._robots: dict[int, RobotFeed] = {}
+        self._missing: set[int] = set()
+        self._status = Feed("/mission/status", MissionStatus)
+        self._events = Feed("/mission/events", MissionEvent, keep=1000)
+        self._doors = Feed("/world/doors", Doors)
+        self._tells_doors = False
+        self._areas = Feed("/mission/areas", Areas)
+        self._victims = Feed("/mission/victims", Victims)
+        self._who = Feed(ROBOTS, Robots)
+        self._absent: frozenset[int] = frozenset()
+        self._network = Feed("/network/state", NetworkState)
+        self._voice = Feed("/voice_map/values", FloatMap)
+        self._links: list[scene_team.LinkView] = []
+        self._scans: dict[tuple[int, str], scene_laser.ScanView] = {}
+        self._mission: MissionStatus | None = None
+        self._num_endangered = 0
+        self._headline: scene_mission.Headline | None = None
+        self._stamp_ns = 0
+        self._discovery_due_s = self._trails_due_s = self._resend_due_s = 0.0
+        self._trails_stale = False
+        self._frame = _publish_frame(scenario.plan.bounds)
+        self._ended = threading.Event()
+        rospy.on_shutdown(self._ended.set)
+        self._draw_start()
+
+    def wait(self, duration_s: float) -> None:
+        """Wait, but not beyond the node's end [s, wall]."""
+        self._ended.wait(duration_s)
+
+    def _draw_start(self) -> None:
+        mission, plan = self._scenario.mission, self._scenario.plan
+        self._canvas["building"].draw(scene_plan.building_markers(plan, self._wall_height_m))
+        self._draw_doors(scene_plan.openings_at_start(plan))
+        areas = [scene_mission.AreaView(area.name, area.center, area.radius_m) for area in mission.areas]
+        self._draw_areas(areas)
+        self._draw_victims([scene_mission.VictimView(victim.name, victim.position) for victim in mission.victims])
+        for layer in ("voice", "trails", "links", "robots", "headline", *SENSORS):
+            self._canvas[layer].draw([])
+
+    def _draw_areas(self, areas: list[scene_mission.AreaView]) -> None:
+        self._numbers_m = [area.center_m for area in areas]
+        self._canvas["areas"].draw(scene_mission.area_markers(areas))
+
+    def _draw_victims(self, victims: list[scene_mission.VictimView]) -> None:
+        distance_m = self._scenario.mission.save_distance_m
+        self._names_m = [scene_mission.name_spot_m(victim, distance_m) for victim in victims]
+        self._canvas["victims"].draw(scene_mission.victim_markers(victims, distance_m))
+
+    def _draw_doors(self, openings: dict[str, float]) -> None:
+        self._openings = openings
+        self._canvas["doors"].draw(scene_plan.door_markers(self._scenario.plan, openings, self._wall_height_m))
+
+    def step(self, now_s: float) -> None:
+        """Take in what came and draw it; now_s is wall time, as rviz draws on the wall clock, too."""
+        if now_s >= self._discovery_due_s:
+            self._discovery_due_s = now_s + DISCOVERY_PERIOD_S
+            self._discover()
+        if now_s >= self._resend_due_s:
+            self._resend_due_s = now_s + RESEND_PERIOD_S
+            for canvas in self._canvas.values():
+                canvas.draw_again()
+        self._draw_mission()
+        self._draw_voice()
+        self._draw_team(now_s)
+        self._draw_headline()
+        self._draw_laser()
+
+    def _note_time(self, now_s: float) -> None:
+        """Begin anew when the world does: doors are as in the plan again."""
+        stamp_ns = max((robot.stamp_ns for robot in self._robots.values()), default=0)
+        if stamp_ns < self._stamp_ns:
+            self._resend_due_s = now_s + RESEND_DELAY_S
+            self._draw_doors(scene_plan.openings_at_start(self._scenario.plan))
+        self._stamp_ns = stamp_ns
+
+    def _discover(self) -> None:
+        """Follow the robots that are published; the last ones stay when a run or a bag has ended."""
+        found = robot_topics(topic for topic, _ in rospy.get_published_topics())
+        if not found:
+            return
+        gone = self._robots.keys() - found.keys()
+        for robot_id in gone & self._missing:  # seen missing twice: a run that ends takes back its topics one by one
+            self._robots.pop(robot_id).close()
+            self._scans = {key: scan for key, scan in self._scans.items() if key[0] != robot_id}
+        self._missing = gone
+        for robot_id in found.keys() - self._robots.keys():
+            robot = self._placed[robot_id] if robot_id < len(self._placed) else Robot()
+            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot, self._scenario.control.swarms.max > 1)
+        self._robots = dict(sorted(self._robots.items()))
+
+    def _draw_mission(self) -> None:
+        areas, victims = self._areas.newest(), self._victims.newest()
+        if areas is not None:
+            views = [
+                scene_mission.AreaView(a.name, (a.center.x, a.center.y), a.radius_m, a.explored, a.target)
+                for a in areas.areas
+            ]
+            self._draw_areas(views)
+        if victims is not None:
+            self._draw_victims(
+                [scene_mission.VictimView(v.name, (v.position.x, v.position.y), v.state) for v in victims.victims]
+            )
+        changes = dict(filter(None, map(scene_plan.door_change, self._events.take())))
+        doors = self._doors.newest()
+        if doors is not None:
+            self._tells_doors, changes = True, {door.name: door.opening for door in doors.doors}
+        elif self._tells_doors:  # only of another kind of world events are all that is told
+            changes = {}
+        openings = self._openings | {name: changes[name] for name in self._openings if name in changes}
+        if openings != self._openings:
+            self._draw_doors(openings)
+
+    def _draw_headline(self) -> None:
+        self._mission = status = self._status.newest() or self._mission
+        if status is None:
+            return
+        headline = scene_mission.Headline(
+            scenario=status.scenario,
+            state=status.state,
+            end=status.end,
+            time_s=status.time_s,
+            areas_explored=sum(map(bool, status.explored)),
+            num_areas=len(status.explored),
+            victims_saved=status.victims.count("saved"),
+            num_victims=len(status.victims),
+            noise_db=status.noise_db,
+            num_endangered=self._num_endangered,
+        )
+        if headline != self._headline:
+            self._headline = headline
+            self._canvas["headline"].draw([scene_mission.headline_marker(headline, self._scenario.plan.bounds)])
+
+    def _draw_voice(self) -> None:
+        voice = self._voice.newest()
+        if voice is not None:
+            levels_db = np.asarray(voice.data).reshape(voice.height, voice.width)
+            origin_m = (voice.origin.x, voice.origin.y)
+            grid = occupancy_grid(self._scenario.plan, voice.resolution_m)
+            same = grid.origin_m == origin_m and grid.cells.shape == levels_db.shape
+            solid = grid.cells == OCCUPIED if same else None
+            self._canvas["voice"].draw(scene_mission.voice_markers(origin_m, voice.resolution_m, levels_db, solid))
+
+    def _draw_team(self, now_s: float) -> None:
+        num_seen = sum(robot.view() is not None for robot in self._robots.values())
+        trail_points = max(100, TRAIL_POINTS // max(1, num_seen))
+        changed = [robot.look(trail_points) for robot in self._robots.values()]
+        changed.append(self._follow_who_is_there())
+        network = self._network.newest()
+        if network is not None:
+            self._links = scene_team.link_views(msg_conversion.network_state(network))
+            self._num_endangered = network.num_endangered
+        if any(changed) or network is not None:
+            self._note_time(now_s)
+            views = [view for view in (robot.view() for robot in self._seen().values()) if view is not None]
+            positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
+            self._canvas["robots"].draw(scene_team.team_markers(views, self._names_m + self._numbers_m))
+            self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m))
+            self._draw_sensors()
+            self._trails_stale = True
+        if self._trails_stale and now_s >= self._trails_due_s:
+            self._trails_stale, self._trails_due_s = False, now_s + TRAIL_PERIOD_S
+            trails = {robot_id: robot.trail.points_m for robot_id, robot in self._robots.items()}
+            self._canvas["trails"].draw(
+                scene_team.trail_marker(robot_id, points) for robot_id, points in trails.items() if len(points) > 1
+            )
+
+    def _follow_who_is_there(self) -> bool:
+        """Return whether robots have left or come; of those who left the trail stays."""
+        told = self._who.newest()
+        absent = self._absent if told is None else frozenset(i for i, there in enumerate(told.present) if not there)
+        if absent == self._absent:
+            return False
+        for robot_id in self._absent - absent:
+            if robot_id in self._robots:
+                self._robots[robot_id].begin_trail()
+        self._absent = absent
+        self._scans = {key: scan for key, scan in self._scans.items() if key[0] not in absent}
+        return True
+
+    def _seen(self) -> dict[int, RobotFeed]:
+        """Return the robots that are there."""
+        return {robot_id: robot for robot_id, robot in self._robots.items() if robot_id not in self._absent}
+
+    def _draw_sensors(self) -> None:
+        watched = self._canvas["sonars"].watched
+        sonars = {robot_id: robot.sonars(watched) for robot_id, robot in self._seen().items()}
+        fixes = {robot_id: robot.fixes() for robot_id, robot in self._seen().items()}
+        for layer, markers in (
+            ("sonars", scene_sensors.sonar_markers(sonars)),
+            ("gps", scene_sensors.fix_markers(fixes)),
+        ):
+            if markers or self._canvas[layer].shows:
+                self._canvas[layer].draw(markers)
+
+    def _draw_laser(self) -> None:
+        fresh = {
+            (robot_id, name): scan
+            for robot_id, robot in self._seen().items()
+            for name, scan in robot.scans(self._laser.wanted).items()
+        }
+        if fresh:
+            self._scans |= fresh
+            self._laser.publish(scene_laser.cloud([self._scans[key] for key in sorted(self._scans)]))
+
+
+def _publish_frame(bounds: Bounds) -> tf2_ros.StaticTransformBroadcaster:
+    """Publish the frame `building` in the middle of the plan: rviz's camera looks there, whatever the plan.
+
+    It also makes `map` known, of which the world may say nothing; rviz warns of a fixed frame that is not there.
+    """
+    transform = TransformStamped(child_frame_id="building")
+    transform.header.frame_id = FRAME
+    transform.transform.translation.x = (bounds.min[0] + bounds.max[0]) / 2.0
+    transform.transform.translation.y = (bounds.min[1] + bounds.max[1]) / 2.0
+    transform.transform.rotation.w = 1.0
+    broadcaster = tf2_ros.StaticTransformBroadcaster()
+    broadcaster.sendTransform(transform)
+    return broadcaster

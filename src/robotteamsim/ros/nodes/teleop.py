@@ -1,0 +1,127 @@
+"""The node `teleop`: drives one robot by the keyboard."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import sys
+import termios
+import time
+import tty
+from collections.abc import Iterator
+
+import rospy
+from geometry_msgs.msg import Twist as TwistMessage
+
+from robotteamsim.geometry import Twist
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.ros.nodes.commands import STOP
+from robotteamsim.ros.transport.msg_conversion import RosTypes
+from robotteamsim.ros.transport.node import Output, ParameterError, parameter, run
+
+PERIOD_S = 0.1
+FIRST_HOLD_S = 0.6
+"""A terminal tells of no release. A key counts as held this long after its first character [s, wall]: keyboards wait
+that long before they repeat it."""
+REPEAT_HOLD_S = 0.2
+"""And this long after each repetition."""
+
+HELP = """\
+Hold a key to drive:        q z  both speeds up, down by 10 %
+  u  i  o                   w x  driving speed
+  j  k  l    k  stop        e c  turning speed
+  m  ,  .                   Ctrl-C ends
+"""
+
+_DIRECTIONS = {
+    "u": (1.0, 1.0),
+    "i": (1.0, 0.0),
+    "o": (1.0, -1.0),
+    "j": (0.0, 1.0),
+    "l": (0.0, -1.0),
+    "m": (-1.0, -1.0),
+    ",": (-1.0, 0.0),
+    ".": (-1.0, 1.0),
+}
+_SCALES = {
+    "q": (1.1, 1.1),
+    "z": (0.9, 0.9),
+    "w": (1.1, 1.0),
+    "x": (0.9, 1.0),
+    "e": (1.0, 1.1),
+    "c": (1.0, 0.9),
+}
+
+
+class Keys:
+    """What the keys pressed so far mean."""
+
+    def __init__(self, speed_mps: float, turn_radps: float) -> None:
+        """Make it for the speeds that a held key drives with."""
+        self.speed_mps = speed_mps
+        self.turn_radps = turn_radps
+        self._held = ""
+        self._until_s = 0.0
+
+    def press(self, key: str, now_s: float) -> None:
+        """Take in a character that came at a time [s]."""
+        if key in _SCALES:
+            speed, turn = _SCALES[key]
+            self.speed_mps *= speed
+            self.turn_radps *= turn
+            return
+        repeated = key == self._held and now_s <= self._until_s
+        self._held = key
+        self._until_s = max(self._until_s if repeated else 0.0, now_s + (REPEAT_HOLD_S if repeated else FIRST_HOLD_S))
+
+    def twist(self, now_s: float) -> Twist:
+        """Return the command at a time [s]: zero when no key is held."""
+        forward, left = _DIRECTIONS.get(self._held, (0.0, 0.0)) if now_s <= self._until_s else (0.0, 0.0)
+        return Twist(forward * self.speed_mps, 0.0, left * self.turn_radps)
+
+
+def main() -> None:
+    """Run the node."""
+    run("teleop", serve)
+
+
+def serve() -> None:
+    """Publish ten commands a second while a key is held, and a stop when it is let go."""
+    if not sys.stdin.isatty():
+        raise ParameterError("teleop: there is no terminal to read keys from")
+    keys = Keys(parameter("~speed_mps", 0.5), parameter("~turn_radps", 1.0))
+    make = RosTypes()
+    output = Output("cmd_vel", TwistMessage)
+    print(HELP, flush=True)
+    moving = False
+    with unbuffered(sys.stdin.fileno()) as terminal:
+        while not rospy.is_shutdown():
+            for key in read_keys(terminal, PERIOD_S):
+                keys.press(key, time.monotonic())
+            command = keys.twist(time.monotonic())
+            if moving or command != STOP:
+                output.publish(fields.twist(make, command))
+            moving = command != STOP
+
+
+@contextlib.contextmanager
+def unbuffered(terminal: int) -> Iterator[int]:
+    """Let a terminal give each character at once and show none; afterwards it is as it was."""
+    before = termios.tcgetattr(terminal)
+    tty.setcbreak(terminal)
+    try:
+        yield terminal
+    finally:
+        termios.tcsetattr(terminal, termios.TCSADRAIN, before)
+
+
+def read_keys(terminal: int, duration_s: float) -> Iterator[str]:
+    """Yield the characters that come within a time [s, wall]."""
+    until_s = time.monotonic() + duration_s
+    while (left_s := until_s - time.monotonic()) > 0.0:
+        if select.select([terminal], [], [], left_s)[0]:
+            characters = os.read(terminal, 64)
+            if not characters:
+                raise ParameterError("teleop: the terminal was closed")
+            yield from characters.decode(errors="ignore")

@@ -1,0 +1,91 @@
+"""One mission in ROS, from its first step to its end. Knows no ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from robotteamsim.interface import Decision
+from robotteamsim.mission import Mission
+from robotteamsim.mission.status import Event
+from robotteamsim.network.messages import Message, NetworkState
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.sensing.readings import RobotReading, VoiceReading
+from robotteamsim.simulation import Observer, Result, StepRecord, Tally, true_positions_m
+from robotteamsim.world.doors import DoorState
+
+
+class Trial:
+    """The mission, what is added up over it, and the recorders that look on; `result` when it has ended."""
+
+    def __init__(self, scenario: Scenario, recorders: Sequence[Observer]) -> None:
+        """Begin. Raises: RecordingError: a recorder cannot write."""
+        self.mission = Mission(scenario)
+        self.result: Result | None = None
+        self.events: list[Event] = []
+        self._scenario = scenario
+        self._tally: Tally | None = None
+        self._steps = 0
+        self._recorders: list[Observer] = []
+        for recorder in recorders:
+            recorder.begin(scenario)
+            self._recorders.append(recorder)
+
+    def step(
+        self,
+        sim_time_ns: int,
+        readings: tuple[RobotReading, ...],
+        voices: tuple[VoiceReading, ...],
+        network: NetworkState,
+        decisions: tuple[Decision, ...],
+        doors: Mapping[str, DoorState] | None = None,
+        base_inbox: Sequence[Message] = (),
+        present: np.ndarray | None = None,
+    ) -> tuple[Event, ...]:
+        """Judge one step and return its events; after the end nothing is added up any more.
+
+        Args: doors: as they are after the step; None: not told.  base_inbox: what the base receives in it.
+              present: whether each robot is there, bool, shape (n,); None: all are.
+        """
+        if doors is not None:
+            self.mission.follow_doors(doors)
+        positions_m = true_positions_m(readings)
+        events = self.mission.step(sim_time_ns, positions_m, voices, network, decisions, base_inbox, present)
+        if self.result is None:
+            # Its wall clock starts here: nodes wait for each other before the first step.
+            self._tally = self._tally or Tally(self._scenario)
+            self._steps += 1
+            self.events += events
+            record = StepRecord(
+                step_index=self._steps,
+                sim_time_ns=sim_time_ns,
+                readings=readings,
+                voices=voices,
+                network=network,
+                inboxes=tuple(() for _ in readings),
+                decisions=decisions,
+                mission=self.mission.status,
+                events=events,
+                victims=self.mission.victims,
+                noise_db=self.mission.noise_db,
+                voice_map=None,
+                present=present,
+            )
+            self._tally.add(record)
+            for recorder in self._recorders:
+                recorder.step(record)
+            if record.mission.state == "ended":
+                self._end(self._tally.result())
+        return events
+
+    def abandon(self) -> None:
+        """Tell the recorders that the mission broke off, unless it has ended."""
+        while self._recorders:
+            self._recorders.pop().abandon()
+
+    def _end(self, result: Result) -> None:
+        self.result = result
+        while self._recorders:
+            self._recorders[0].end(result)
+            del self._recorders[0]

@@ -1,0 +1,325 @@
+"""The node `world`: moves the robots, senses for them, and keeps the time."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+
+import numpy as np
+import rospy
+from nav_msgs.msg import OccupancyGrid
+from nav_msgs.srv import GetMap, GetMapResponse
+from rosgraph_msgs.msg import Clock
+from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerResponse
+
+from robotteamsim.errors import PlacementError
+from robotteamsim.geometry import Pose
+from robotteamsim.msg import Doors, Robots
+from robotteamsim.recording import message_fields as fields
+from robotteamsim.ros.nodes.commands import STOP
+from robotteamsim.ros.nodes.gate import Gate, Pacer
+from robotteamsim.ros.nodes.object_requests import set_thing
+from robotteamsim.ros.nodes.objects_output import ThingsOutput
+from robotteamsim.ros.nodes.team import FreeTeam, LockstepTeam
+from robotteamsim.ros.nodes.team_outputs import TeamOutputs
+from robotteamsim.ros.transport import msg_conversion as conversion
+from robotteamsim.ros.transport.node import (
+    ROBOTS,
+    SEED,
+    Output,
+    ParameterError,
+    Settings,
+    parameter,
+    read_settings,
+    run,
+)
+from robotteamsim.scenario import occupancy_grid
+from robotteamsim.sensing.readings import TeamReadings
+from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.srv import (
+    RemoveRobot,
+    RemoveRobotRequest,
+    RemoveRobotResponse,
+    RemoveThing,
+    RemoveThingRequest,
+    RemoveThingResponse,
+    ResetSeed,
+    ResetSeedRequest,
+    ResetSeedResponse,
+    SetDoor,
+    SetDoorRequest,
+    SetDoorResponse,
+    SetPose,
+    SetPoseRequest,
+    SetPoseResponse,
+    SetSpeed,
+    SetSpeedRequest,
+    SetSpeedResponse,
+    SetThing,
+    SetThingRequest,
+    SetThingResponse,
+    SpawnRobot,
+    SpawnRobotRequest,
+    SpawnRobotResponse,
+    Step,
+    StepRequest,
+    StepResponse,
+)
+from robotteamsim.world import World
+from robotteamsim.world.doors import DoorState
+
+MAP_RESOLUTION_M = 0.05
+SERVICE_PATIENCE_S = 5.0
+"""A service waits this long for the step under way [s, wall]."""
+START_NS = 1_000_000
+"""What the clock shows before the first step; to ROS, 0 means that there is no time yet."""
+QUIET_S = 1.0
+"""The world starts when no listener has come for this long [s, wall]."""
+NAP_S = 0.1
+"""A world that waits for its time looks this often whether the speed has changed [s, wall]."""
+FIRST_STEPS = 2
+"""A reset comes after these: only then do all nodes see stamps jump backwards."""
+
+
+Who = tuple[np.ndarray | None, tuple[int, ...]]
+"""`World.present` and `World.arrivals` of one step."""
+
+
+def main() -> None:
+    """Run the node."""
+    run("world", lambda: WorldNode(read_settings()).serve())
+
+
+class WorldNode:
+    """Steps the world by the team's commands and publishes what the robots sense."""
+
+    def __init__(self, settings: Settings) -> None:
+        scenario = settings.scenario
+        self._settings = settings
+        self._scenario = scenario
+        self._step_ns = settings.step_ns
+        self._robots = scenario.placed_robots()
+        self._make = conversion.RosTypes()
+        self._gate = Gate()
+        self._pacer = _pacer()
+        localization = parameter("~localization", "none")
+        if localization not in ("none", "ground_truth"):
+            raise ParameterError(f"~localization: {localization!r}; wanted none or ground_truth")
+        self._world_lock = threading.Lock()
+        self._build()
+        rospy.on_shutdown(self._gate.close)
+        self._team = (
+            LockstepTeam(settings, self._robots)
+            if settings.lockstep
+            else FreeTeam(settings, self._robots, follow=lambda: self._pacer.is_flat_out)
+        )
+        self._clock = Output("/clock", Clock, latched=True)
+        self._things = ThingsOutput()
+        self._show_things()
+        # Environment and mission take from it alone whether a door is closed, in lockstep step by step.
+        self._doors = Output("/world/doors", Doors, latched=True)
+        self._who = Output(ROBOTS, Robots, latched=True)
+        # In lockstep a late subscriber must still get the step that everybody waits for.
+        self._outputs = TeamOutputs(self._robots, latched=settings.lockstep, localized=localization == "ground_truth")
+        self._offer_map()
+        self._offer_services()
+
+    def serve(self) -> None:
+        """Step until the node is shut down."""
+        self._publish_clock(START_NS)
+        self._team.assemble()
+        self._await_listeners()
+        while self._gate.wait():
+            self._tick()
+            twists = self._team.twists(self._world.step_index, self._world.sim_time_ns)
+            if twists is None:
+                return
+            if self._world.step_index >= FIRST_STEPS and self._gate.reset_wanted:
+                self._reset()
+                self._gate.reset_done()
+                continue
+            with self._world_lock:
+                for robot_id in self._come:
+                    twists[robot_id] = STOP  # what its controller decided before it left
+                self._come.clear()
+                self._world.step(twists)
+                readings, doors, present = self._sensors.read(), self._world.door_states(), self._world.present
+                who = present, self._world.arrivals
+            self._publish(readings, doors, who)
+            self._gate.passed()
+
+    def _await_listeners(self) -> None:
+        """Wait until no new listener comes: a recorder is to get the first step, too."""
+        connected = -1
+        while connected != (now_connected := self._outputs.num_subscribers):
+            connected = now_connected
+            self._gate.sleep(QUIET_S)
+
+    def _build(self) -> None:
+        seed = self._scenario.run.seed
+        things, schedule = self._scenario.things, self._scenario.schedule
+        self._world = World(
+            self._scenario.plan, self._robots, self._scenario.run, things=things, schedule=schedule, seed=seed
+        )
+        self._come: set[int] = set()
+        self._sensors = RobotSensors(self._world, self._robots, seed)
+
+    def _reset(self) -> None:
+        self._team.restart(self._world.sim_time_ns)
+        self._scenario = self._settings.scenario
+        # Before stamps jump back, by which the other nodes see that they have to begin anew.
+        rospy.set_param(SEED, str(self._scenario.run.seed))
+        with self._world_lock:
+            self._build()
+            self._things.show(self._world)
+        self._publish_clock(START_NS)
+        rospy.loginfo("the world begins anew")
+
+    def _tick(self) -> None:
+        """Let the clock run up to the next step, whose own tick comes after its data."""
+        ticks = self._scenario.run.physics_substeps
+        for tick in range(1, ticks + 1):
+            time_ns = self._world.sim_time_ns + tick * self._step_ns // ticks
+            while (delay_s := self._pacer.delay_s(time_ns)) > 0.0 and self._gate.sleep(min(delay_s, NAP_S)):
+                pass
+            if tick < ticks:
+                self._publish_clock(time_ns)
+
+    def _publish(self, readings: TeamReadings, doors: Mapping[str, DoorState], who: Who) -> None:
+        time_ns, (present, arrivals) = self._world.sim_time_ns, who
+        here = (True,) * len(arrivals) if present is None else tuple(present.tolist())
+        self._team.note_who(time_ns, here)
+        self._who.publish(fields.robots(self._make, time_ns, present, arrivals))
+        if self._scenario.plan.doors:
+            self._doors.publish(fields.doors(self._make, time_ns, doors))
+        self._show_things()
+        self._outputs.publish(time_ns, readings, present)
+        self._publish_clock(time_ns)
+
+    def _show_things(self) -> None:
+        with self._world_lock:
+            self._things.show(self._world)
+
+    def _publish_clock(self, time_ns: int) -> None:
+        self._clock.publish(fields.clock(self._make, time_ns))
+
+    def _offer_map(self) -> None:
+        grid = fields.occupancy_grid(self._make, 0, occupancy_grid(self._scenario.plan, MAP_RESOLUTION_M))
+        self._map = Output("/map", OccupancyGrid, latched=True)
+        self._map.publish(grid)
+        rospy.Service("/static_map", GetMap, lambda _: GetMapResponse(map=grid))
+
+    def _offer_services(self) -> None:
+        rospy.Service("/pause", Trigger, self._serve_pause)
+        rospy.Service("/resume", Trigger, self._serve_resume)
+        rospy.Service("/step", Step, self._serve_step)
+        rospy.Service("/reset", Trigger, self._serve_reset)
+        rospy.Service("/reset_seed", ResetSeed, self._serve_reset_seed)
+        rospy.Service("/reset_positions", Empty, self._serve_reset_positions)
+        rospy.Service("/set_speed", SetSpeed, self._serve_set_speed)
+        rospy.Service("/set_pose", SetPose, self._serve_set_pose)
+        rospy.Service("/spawn_robot", SpawnRobot, self._serve_spawn_robot)
+        rospy.Service("/remove_robot", RemoveRobot, self._serve_remove_robot)
+        rospy.Service("/set_thing", SetThing, self._serve_set_thing)
+        rospy.Service("/remove_thing", RemoveThing, self._serve_remove_thing)
+        rospy.Service("/world/set_door", SetDoor, self._serve_set_door)
+
+    def _serve_pause(self, _: object) -> TriggerResponse:
+        done = self._gate.pause(SERVICE_PATIENCE_S)
+        return TriggerResponse(success=True, message="paused" if done else "pauses after the step under way")
+
+    def _serve_resume(self, _: object) -> TriggerResponse:
+        self._gate.resume()
+        return TriggerResponse(success=True, message="goes on")
+
+    def _serve_step(self, request: StepRequest) -> StepResponse:
+        if request.steps == 0:
+            return StepResponse(success=False, message="steps: 0; wanted at least 1")
+        done = self._gate.step(request.steps)
+        return StepResponse(success=done, message="" if done else "the world is not paused")
+
+    def _serve_reset(self, _: object) -> TriggerResponse:
+        return TriggerResponse(success=True, message=self._begin_anew())
+
+    def _serve_reset_seed(self, request: ResetSeedRequest) -> ResetSeedResponse:
+        try:
+            self._settings = self._settings.with_seed(request.seed)
+        except ParameterError as error:
+            return ResetSeedResponse(success=False, message=str(error))
+        return ResetSeedResponse(success=True, message=self._begin_anew())
+
+    def _begin_anew(self) -> str:
+        return "begun anew" if self._gate.reset(SERVICE_PATIENCE_S) else "begins anew after the step under way"
+
+    def _serve_reset_positions(self, _: object) -> EmptyResponse:
+        with self._world_lock:
+            self._world.reset_positions()
+        return EmptyResponse()
+
+    def _serve_set_speed(self, request: SetSpeedRequest) -> SetSpeedResponse:
+        try:
+            self._pacer.set_speed(request.speed)
+        except ValueError as error:
+            return SetSpeedResponse(success=False, message=str(error))
+        return SetSpeedResponse(success=True, message="")
+
+    def _serve_set_pose(self, request: SetPoseRequest) -> SetPoseResponse:
+        pose = Pose(request.pose.x, request.pose.y, request.pose.theta)
+        try:
+            with self._world_lock:
+                self._world.set_pose(request.robot_id, pose)
+        except (PlacementError, ValueError) as error:
+            return SetPoseResponse(success=False, message=str(error))
+        return SetPoseResponse(success=True, message="")
+
+    def _serve_spawn_robot(self, request: SpawnRobotRequest) -> SpawnRobotResponse:
+        pose = None if request.at_start else Pose(request.pose.x, request.pose.y, request.pose.theta)
+        try:
+            with self._world_lock:
+                self._world.spawn_robot(request.robot_id, pose)
+                self._come.add(request.robot_id)
+        except (PlacementError, ValueError) as error:
+            return SpawnRobotResponse(success=False, message=str(error))
+        return SpawnRobotResponse(success=True, message="")
+
+    def _serve_remove_robot(self, request: RemoveRobotRequest) -> RemoveRobotResponse:
+        try:
+            with self._world_lock:
+                self._world.remove_robot(request.robot_id)
+        except ValueError as error:
+            return RemoveRobotResponse(success=False, message=str(error))
+        return RemoveRobotResponse(success=True, message="")
+
+    def _serve_set_thing(self, request: SetThingRequest) -> SetThingResponse:
+        try:
+            with self._world_lock:
+                set_thing(self._world, request)
+                self._things.show(self._world)  # a paused world makes no step that would
+        except (PlacementError, ValueError) as error:
+            return SetThingResponse(success=False, message=str(error))
+        return SetThingResponse(success=True, message="")
+
+    def _serve_remove_thing(self, request: RemoveThingRequest) -> RemoveThingResponse:
+        try:
+            with self._world_lock:
+                self._world.remove_thing(request.name)
+                self._things.show(self._world)
+        except ValueError as error:
+            return RemoveThingResponse(success=False, message=str(error))
+        return RemoveThingResponse(success=True, message="")
+
+    def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
+        try:
+            with self._world_lock:
+                self._world.set_door(request.name, request.closed)
+        except ValueError as error:
+            return SetDoorResponse(success=False, message=str(error))
+        return SetDoorResponse(success=True, message="")
+
+
+def _pacer() -> Pacer:
+    speed = parameter("~speed", 1.0)
+    try:
+        return Pacer(speed)
+    except ValueError as error:
+        raise ParameterError(f"~speed: {error}") from None

@@ -1,0 +1,1 @@
+"""What rviz shows of a mission, as markers."""

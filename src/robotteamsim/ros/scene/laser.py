@@ -1,0 +1,70 @@
+"""Laser returns of the whole team as one coloured point cloud in the map frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from sensor_msgs.msg import PointCloud2, PointField
+
+from robotteamsim.geometry import Pose
+from robotteamsim.ros.scene.shapes import FRAME
+from robotteamsim.ros.scene.team import robot_colour
+
+IN_FRONT_M = 0.06
+
+_POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4")])
+
+
+@dataclass(frozen=True, slots=True)
+class ScanView:
+    """One scan, and where the laser stood in the map frame when it was taken.
+
+    ranges_m: shape (beams,); values at or beyond range_max_m, below range_min_m or not finite are no returns.
+    """
+
+    robot_id: int
+    laser: Pose
+    height_m: float
+    angle_min_rad: float
+    angle_step_rad: float
+    range_min_m: float
+    range_max_m: float
+    ranges_m: np.ndarray
+
+
+def scan_points_m(scan: ScanView) -> np.ndarray:
+    """Return the points that a scan hit, float64, shape (hits, 2), in the map frame [m].
+
+    They lie a little in front of what was hit, or it would cover half of each.
+    """
+    ranges_m = np.asarray(scan.ranges_m, dtype=float)
+    hit = np.isfinite(ranges_m) & (ranges_m >= scan.range_min_m) & (ranges_m < scan.range_max_m)
+    angles_rad = scan.laser.yaw_rad + scan.angle_min_rad + scan.angle_step_rad * np.flatnonzero(hit)
+    away = np.column_stack((np.cos(angles_rad), np.sin(angles_rad)))
+    return np.array([scan.laser.x_m, scan.laser.y_m]) + (ranges_m[hit, None] - IN_FRONT_M) * away
+
+
+def cloud(scans: Sequence[ScanView]) -> PointCloud2:
+    """Return the returns of all scans in their robots' colours; stamp 0, as every part of the scene."""
+    parts = []
+    for scan in scans:
+        points_m = scan_points_m(scan)
+        part = np.empty(len(points_m), dtype=_POINT)
+        part["x"], part["y"], part["z"] = points_m[:, 0], points_m[:, 1], scan.height_m
+        red, green, blue = (round(255 * value) for value in robot_colour(scan.robot_id)[:3])
+        part["rgb"] = red << 16 | green << 8 | blue
+        parts.append(part)
+    points = np.concatenate(parts) if parts else np.empty(0, dtype=_POINT)
+    message = PointCloud2(height=1, width=len(points), point_step=_POINT.itemsize, is_dense=True)
+    message.header.frame_id = FRAME
+    message.row_step = len(points) * _POINT.itemsize
+    message.data = points.tobytes()
+    message.fields = [
+        PointField("x", 0, PointField.FLOAT32, 1),
+        PointField("y", 4, PointField.FLOAT32, 1),
+        PointField("z", 8, PointField.FLOAT32, 1),
+        PointField("rgb", 12, PointField.FLOAT32, 1),
+    ]
+    return message

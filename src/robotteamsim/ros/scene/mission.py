@@ -1,0 +1,230 @@
+"""The mission in the 3D scene: victims, areas, the voice layer and the line of text above the building."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import contourpy
+import numpy as np
+import shapely
+from scipy import ndimage
+from visualization_msgs.msg import Marker
+
+from robotteamsim.ros.scene.plan import AREA_Z_M, VOICE_Z_M
+from robotteamsim.ros.scene.shapes import (
+    CONTOUR_LAYER,
+    DISC_LAYER,
+    VOICE_LAYER,
+    Colour,
+    Mesh,
+    Position,
+    colour,
+    drawn_below,
+    faded,
+    gradient,
+    label,
+    lines,
+    marker,
+)
+from robotteamsim.scenario.floor_plan import Bounds
+
+VICTIM_COLOURS = {"waiting": colour("#ff6b3d"), "heard": colour("#ffd23f"), "saved": colour("#2fe0a6")}
+VICTIM_GROUND = colour("#14171c", 0.6)
+SKIN = colour("#f1d3b8")
+
+NAME_M = 1.1
+"""Height of a capital letter of a victim's name."""
+NAME_Z_M = 1.7
+"""A name stands above walls that are cut at the usual height, so that none hides a part of it."""
+
+OPEN_AREA = colour("#c3ccd6")
+TARGET_AREA = colour("#ffffff")
+EXPLORED_AREA = colour("#2fe0a6")
+
+HEADLINE = colour("#f4f1ea")
+
+VOICE_COLOURS = (
+    (10.0, colour("#5a2a9c", 0.40)),
+    (30.0, colour("#8a2f9e", 0.50)),
+    (50.0, colour("#c73a7d", 0.60)),
+    (70.0, colour("#f0713f", 0.68)),
+    (95.0, colour("#ffc05c", 0.75)),
+)
+"""Colour by voice level [dB]."""
+VOICE_FADE_DB = 8.0
+"""The film's edge, where a voice sinks into the noise, fades over this range instead of showing the cells."""
+VOICE_CONTOUR_DB = 10.0
+VOICE_CONTOUR = colour("#ffd0e4", 0.25)
+MAX_VOICE_CELLS = 12_000
+"""A finer map is thinned to this many: a marker is a list of points, not an image."""
+
+
+@dataclass(frozen=True, slots=True)
+class VictimView:
+    """A victim; state is waiting, heard or saved."""
+
+    name: str
+    position_m: tuple[float, float]
+    state: str = "waiting"
+
+
+@dataclass(frozen=True, slots=True)
+class AreaView:
+    """An area to explore; target: the one to explore now."""
+
+    name: str
+    center_m: tuple[float, float]
+    radius_m: float
+    explored: bool = False
+    target: bool = False
+
+
+def victim_markers(victims: Sequence[VictimView], save_distance_m: float) -> list[Marker]:
+    """Return a lying figure for each victim, within a ring where a robot saves her; coloured by state."""
+    return [part for i, victim in enumerate(victims) for part in _victim_parts(i, victim, save_distance_m)]
+
+
+def name_spot_m(victim: VictimView, save_distance_m: float) -> tuple[float, float]:
+    """Return where a victim's name stands, south of her ring [m]."""
+    return (victim.position_m[0], victim.position_m[1] - save_distance_m - 1.1)
+
+
+def _victim_parts(index: int, victim: VictimView, save_distance_m: float) -> Iterable[Marker]:
+    tint = VICTIM_COLOURS[victim.state]
+    x, y = victim.position_m
+    yaw_rad = 0.6 + 1.9 * index  # no two lie alike
+    cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
+    body = (  # along the body, across it, height, size; a figure of 1.75 m
+        ("head", Marker.SPHERE, 0.72, 0.0, 0.13, (0.26, 0.24, 0.26)),
+        ("torso", Marker.SPHERE, 0.22, 0.0, 0.15, (0.85, 0.52, 0.3)),
+        ("left arm", Marker.SPHERE, 0.28, 0.36, 0.08, (0.62, 0.13, 0.13)),
+        ("right arm", Marker.SPHERE, 0.28, -0.36, 0.08, (0.62, 0.13, 0.13)),
+        ("left leg", Marker.SPHERE, -0.5, 0.13, 0.1, (0.95, 0.18, 0.18)),
+        ("right leg", Marker.SPHERE, -0.5, -0.13, 0.1, (0.95, 0.18, 0.18)),
+    )
+    for k, (name, kind, along, across, z, size) in enumerate(body):
+        at = (x + cos * along - sin * across, y + sin * along + cos * across, z)
+        skin = SKIN if name == "head" else tint
+        yield marker("victims", 10 * index + k, kind, skin, position=at, yaw_rad=yaw_rad, scale=size)
+    ring = Mesh()
+    ring.ring((x, y), 0.0, save_distance_m - 0.1, AREA_Z_M + 0.01, VICTIM_GROUND)
+    ring.ring((x, y), save_distance_m - 0.1, save_distance_m, AREA_Z_M + 0.01, tint)
+    yield drawn_below(ring.marker("victim_rings", index), DISC_LAYER)
+    words = victim.name.replace("_", " ")
+    yield label("victim_names", index, words, tint, (*name_spot_m(victim, save_distance_m), NAME_Z_M), NAME_M)
+
+
+def area_markers(areas: Sequence[AreaView]) -> list[Marker]:
+    """Return a disc for each area: an outline while open, bright as the target, green when explored; numbered."""
+    return [part for i, area in enumerate(areas) for part in _area_parts(i, area)]
+
+
+def _area_parts(index: int, area: AreaView) -> Iterable[Marker]:
+    tint = EXPLORED_AREA if area.explored else TARGET_AREA if area.target else OPEN_AREA
+    fill, rim_m = (0.30, 0.14) if area.explored else (0.22, 0.26) if area.target else (0.05, 0.10)
+    disc = Mesh()
+    disc.ring(area.center_m, 0.0, area.radius_m - rim_m, AREA_Z_M, faded(tint, fill))
+    disc.ring(area.center_m, area.radius_m - rim_m, area.radius_m, AREA_Z_M, faded(tint, 0.95))
+    yield drawn_below(disc.marker("areas", index), DISC_LAYER)
+    yield label("area_numbers", index, f"A{index + 1}", tint, (*area.center_m, 0.3), 1.4)
+
+
+def voice_markers(
+    origin_m: tuple[float, float], resolution_m: float, levels_db: np.ndarray, solid: np.ndarray | None = None
+) -> list[Marker]:
+    """Return the voice map as a coloured film over the floor with a contour every 10 dB; nothing where all is silent.
+
+    Args:
+        origin_m: lower left corner of the lower left cell [m].
+        levels_db: shape (rows, cols), row 0 at the lowest y; 0 where silent.
+        solid: bool, of the same shape: cells in walls, which are silent in the map; here they take the level beside
+            them, or every pillar would tear a hole into the film and draw contours around itself.
+    """
+    levels_db = np.asarray(levels_db, dtype=float)
+    if solid is not None and not solid.all():
+        beside = ndimage.distance_transform_edt(solid, return_distances=False, return_indices=True)
+        levels_db = levels_db[tuple(beside)]
+    stride = max(1, math.ceil(math.sqrt(levels_db.size / MAX_VOICE_CELLS)))
+    x_m = origin_m[0] + (np.arange(levels_db.shape[1]) + 0.5) * resolution_m
+    y_m = origin_m[1] + (np.arange(levels_db.shape[0]) + 0.5) * resolution_m
+    if not (levels_db > 0.0).any():
+        return []
+    film = _voice_film(x_m[::stride], y_m[::stride], levels_db[::stride, ::stride])
+    contours = lines("voice", 1, _contours(x_m, y_m, levels_db), 0.05)
+    return [drawn_below(film.marker("voice", 0), VOICE_LAYER), drawn_below(contours, CONTOUR_LAYER)]
+
+
+def _voice_film(x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray) -> Mesh:
+    """Return quadrilaterals between the centres of neighbouring cells, so that colours blend."""
+    heard = levels_db > 0.0
+    faintest_db = levels_db[heard].min(initial=math.inf)
+
+    def tint(level_db: float) -> Colour:
+        full = gradient(VOICE_COLOURS, level_db)
+        return faded(full, full[3] * min(1.0, max(0.0, level_db - faintest_db) / VOICE_FADE_DB))
+
+    inner = heard[:-1, :-1] | heard[:-1, 1:] | heard[1:, :-1] | heard[1:, 1:]
+    columns = len(x_m)
+    lower_left = [row * columns + column for row, column in np.argwhere(inner).tolist()]
+    film = Mesh()
+    film.sheet(
+        [(x, y, VOICE_Z_M) for y in y_m.tolist() for x in x_m.tolist()],
+        [tint(level_db) for level_db in levels_db.ravel().tolist()],
+        [(first, first + 1, first + columns + 1, first + columns) for first in lower_left],
+    )
+    return film
+
+
+def _contours(x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray) -> Iterator[tuple[Position, Position, Colour]]:
+    """Yield the edge of what can be heard, and a contour at every multiple of 10 dB within."""
+    generator = contourpy.contour_generator(x_m, y_m, levels_db)
+    faintest_db = levels_db[levels_db > 0.0].min()
+    first = math.floor(faintest_db / VOICE_CONTOUR_DB) + 1
+    within = np.arange(first * VOICE_CONTOUR_DB, levels_db.max(), VOICE_CONTOUR_DB)
+    for level_db in (0.9 * faintest_db, *within):
+        for line in generator.lines(level_db):
+            smooth = shapely.LineString(np.asarray(line)).simplify(0.5 * (x_m[1] - x_m[0]))
+            points = [(x, y, VOICE_Z_M + 0.004) for x, y in smooth.coords]
+            for start, end in itertools.pairwise(points):
+                yield start, end, VOICE_CONTOUR
+
+
+@dataclass(frozen=True, slots=True)
+class Headline:
+    """What the line of text above the building says; time since the mission's start."""
+
+    scenario: str
+    state: str
+    end: str
+    time_s: float
+    areas_explored: int
+    num_areas: int
+    victims_saved: int
+    num_victims: int
+    noise_db: float
+    num_endangered: int
+
+
+def headline_words(headline: Headline) -> str:
+    """Return the line, such as "garage_sar   251.3 s   areas 3/5   victims 2/4   noise 10 dB   running"."""
+    parts = [headline.scenario, f"{headline.time_s:.1f} s"]
+    if headline.num_areas:
+        parts.append(f"areas {headline.areas_explored}/{headline.num_areas}")
+    if headline.num_victims:
+        parts.append(f"victims {headline.victims_saved}/{headline.num_victims}")
+    parts.append(f"noise {headline.noise_db:g} dB")
+    if headline.num_endangered:
+        parts.append(f"links in danger {headline.num_endangered}")
+    parts.append(headline.end.replace("_", " ") if headline.state == "ended" else headline.state)
+    return "    ".join(parts)
+
+
+def headline_marker(headline: Headline, bounds: Bounds) -> Marker:
+    """Return the line as a text behind the upper edge of the plan, as large as the plan is wide."""
+    width_m = bounds.max[0] - bounds.min[0]
+    height_m = width_m / 33.0
+    at = ((bounds.min[0] + bounds.max[0]) / 2.0, bounds.max[1] + 1.4 * height_m, height_m)
+    return label("headline", 0, headline_words(headline), HEADLINE, at, height_m)

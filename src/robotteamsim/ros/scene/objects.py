@@ -1,0 +1,100 @@
+"""Boxes and barrels in the 3D scene."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Sequence
+
+from visualization_msgs.msg import Marker, MarkerArray
+
+from robotteamsim.geometry import Pose
+from robotteamsim.ros.scene.plan import SHADOW_Z_M
+from robotteamsim.ros.scene.shapes import WHITE, Mesh, circle_points, colour, marker, shaded
+from robotteamsim.scenario.things import Thing
+
+BOX = colour("#c9924f")
+TAPE = colour("#ecd9ae")
+BARREL = colour("#6f93a8")
+HOOP = colour("#d8dee2")
+GROUND = colour("#0b0e13")
+GROUND_M = 0.035
+"""How far the dark ground reaches from a thing: it ties the thing to the floor."""
+
+TAPE_SHARE = 0.09
+"""Half the width of the tape across a box, as a share of its width."""
+BARREL_SIDES = 20
+HOOP_SHARES = (0.04, 0.33, 0.67, 0.96)
+"""How high the hoops of a barrel are."""
+HOOP_HALF_SHARE = 0.035
+RIM_M = 0.012
+"""How far hoops, rims and tapes stand out."""
+FACE_LIGHTS = (0.62, 0.72, 0.84, 0.66)
+"""Of a box's sides: they turn with it, for rviz does not light triangles that have colours."""
+
+
+def thing_markers(things: Sequence[Thing], poses: Sequence[Pose], *, anew: bool = False) -> MarkerArray:
+    """Return one marker per thing, with its place in the list as id; anew: behind one that clears all others away."""
+    markers = [_marker(i, thing, pose) for i, (thing, pose) in enumerate(zip(things, poses, strict=True))]
+    return MarkerArray([Marker(action=Marker.DELETEALL), *markers] if anew else markers)
+
+
+def _marker(marker_id: int, thing: Thing, pose: Pose) -> Marker:
+    result = marker(
+        "things",
+        marker_id,
+        Marker.TRIANGLE_LIST,
+        WHITE,
+        position=(pose.x_m, pose.y_m, 0.0),
+        yaw_rad=pose.yaw_rad,
+    )
+    drawn = _drawn(thing.size_m, thing.reach_m, thing.height_m)
+    result.points, result.colors = drawn.points, drawn.colors
+    return result
+
+
+@functools.lru_cache(maxsize=256)
+def _drawn(size_m: tuple[float, float] | None, radius_m: float, height_m: float) -> Marker:
+    """Return the triangles of a thing around its middle: made once, as each step sends them."""
+    shape = _barrel(radius_m, height_m) if size_m is None else _box(*size_m, height_m)
+    return shape.marker("things", 0)
+
+
+def _box(length_m: float, width_m: float, height_m: float) -> Mesh:
+    """Return a carton with a tape along its middle, on a dark patch of ground."""
+    x, y, tape = 0.5 * length_m, 0.5 * width_m, TAPE_SHARE * width_m
+    mesh = Mesh()
+    mesh.quad([(a * (x + GROUND_M), b * (y + GROUND_M), SHADOW_Z_M) for a, b in _SIGNS], [GROUND] * 4)
+    corners = [(a * x, b * y) for a, b in _SIGNS]
+    mesh.quad([(*corner, height_m) for corner in corners], [BOX] * 4)
+    for (x0, y0), (x1, y1), light in zip(corners, [*corners[1:], corners[0]], FACE_LIGHTS, strict=True):
+        high, low = shaded(BOX, light), shaded(BOX, 0.6 * light)
+        mesh.quad([(x0, y0, 0.0), (x1, y1, 0.0), (x1, y1, height_m), (x0, y0, height_m)], [low, low, high, high])
+    mesh.quad([(a * x, b * tape, height_m + RIM_M) for a, b in _SIGNS], [TAPE] * 4)
+    return mesh
+
+
+def _barrel(radius_m: float, height_m: float) -> Mesh:
+    """Return a drum with hoops and a sunk lid, on a dark patch of ground."""
+    mesh = Mesh()
+    mesh.ring((0.0, 0.0), 0.0, radius_m + GROUND_M, SHADOW_Z_M, GROUND)
+    _wall(mesh, radius_m, 0.0, height_m, BARREL)
+    for share in HOOP_SHARES:
+        middle_m, half_m = share * height_m, HOOP_HALF_SHARE * height_m
+        _wall(mesh, radius_m + RIM_M, middle_m - half_m, middle_m + half_m, HOOP)
+    mesh.ring((0.0, 0.0), 0.0, radius_m, height_m, shaded(BARREL, 0.85))
+    mesh.ring((0.0, 0.0), 0.85 * radius_m, radius_m + RIM_M, height_m + RIM_M, HOOP)
+    mesh.ring((0.45 * radius_m, 0.0), 0.0, 0.16 * radius_m, height_m + RIM_M, shaded(HOOP, 0.6))
+    return mesh
+
+
+def _wall(mesh: Mesh, radius_m: float, low_m: float, high_m: float, tint: tuple[float, float, float, float]) -> None:
+    """Add an upright wall around the origin, lighter on one side."""
+    rim = circle_points(radius_m, BARREL_SIDES, closed=True)
+    for (x0, y0), (x1, y1) in itertools.pairwise(rim):
+        side = shaded(tint, 0.72 - 0.2 * (x0 - y0) / (1.42 * radius_m))
+        mesh.quad([(x0, y0, low_m), (x1, y1, low_m), (x1, y1, high_m), (x0, y0, high_m)], [side] * 4)
+
+
+_SIGNS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
+"""The corners of a rectangle, counter-clockwise."""

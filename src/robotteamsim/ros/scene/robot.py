@@ -1,0 +1,182 @@
+"""What the node `scene` hears of one robot."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+
+import numpy as np
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan, NavSatFix, Range
+
+from robotteamsim.geometry import Pose
+from robotteamsim.msg import Contact, ControllerStatus
+from robotteamsim.ros.scene import team as scene_team
+from robotteamsim.ros.scene.feed import GROUND_TRUTH, Feed
+from robotteamsim.ros.scene.laser import ScanView
+from robotteamsim.ros.scene.sensors import FixView, SonarView
+from robotteamsim.ros.transport import msg_conversion
+from robotteamsim.scenario.sections import Laser, Robot
+from robotteamsim.scenario.sensors import MountedLaser
+from robotteamsim.sensing.gps import tangent
+
+FIXES_KEPT = 30
+
+
+class RobotFeed:
+    """What the scene knows of one robot."""
+
+    def __init__(self, robot_id: int, prefix: str, robot: Robot, several_swarms: bool = False) -> None:
+        self._id = robot_id
+        self._several_swarms = several_swarms
+        self._swarm: int | None = None
+        self._prefix = prefix
+        self._robot = robot
+        self._truth = Feed(prefix + GROUND_TRUTH, Odometry, keep=1000)
+        self._status = Feed(f"{prefix}controller/status", ControllerStatus)
+        self._contact = Feed(f"{prefix}contact", Contact)
+        self._fix = Feed(f"{prefix}fix", NavSatFix, keep=FIXES_KEPT) if robot.gps else None
+        self._lasers = {"base_scan": robot.laser, **{laser.name: laser for laser in robot.lasers}}
+        self._scans = _Wanted(prefix, self._lasers, LaserScan)
+        self._sonars = _Wanted(prefix, [sonar.name for sonar in robot.sonars], Range)
+        self._heard_m: dict[str, float] = {}
+        self._recent: dict[int, Pose] = {}
+        self._excluded = False
+        self._contact_angles_rad: tuple[float, ...] = ()
+        self._fixes: deque[FixView] = deque(maxlen=FIXES_KEPT)
+        self.stamp_ns = 0
+        self.trail = scene_team.Trail()
+
+    def look(self, trail_points: int) -> bool:
+        """Take in what came; return whether anything did."""
+        truths = self._truth.take(at_most=20)
+        for truth in truths:
+            pose = msg_conversion.odometry_reading(truth).pose.pose
+            stamp_ns = msg_conversion.stamp_ns(truth)
+            self.trail.add(pose.x_m, pose.y_m, 1e-9 * stamp_ns, self._robot.drive.max_speed_mps, trail_points)
+            if stamp_ns < self.stamp_ns:
+                self._recent.clear()
+                self._fixes.clear()
+                self._heard_m.clear()
+            self.stamp_ns = stamp_ns
+            self._recent[stamp_ns] = pose
+        for old in list(self._recent)[:-10]:
+            del self._recent[old]
+        status = self._status.newest()
+        if status is not None:
+            self._excluded = status.excluded
+            self._swarm = status.swarm if self._several_swarms else None
+        contact = self._contact.newest()
+        if contact is not None:
+            self._contact_angles_rad = tuple(contact.angles_rad)
+        return bool(truths) or status is not None
+
+    def begin_trail(self) -> None:
+        """Let the trail begin anew: the robot has come (again)."""
+        self.trail = scene_team.Trail()
+
+    def view(self) -> scene_team.RobotView | None:
+        """Return what to draw of it; None before it has told where it is."""
+        if not self._recent:
+            return None
+        robot = self._robot
+        return scene_team.RobotView(
+            self._id,
+            self._newest_pose,
+            robot.reach_m,
+            robot.height_m,
+            self._excluded,
+            corners_m=robot.corners_m,
+            contact_angles_rad=self._contact_angles_rad,
+            lasers_m=tuple((mount.x_m, mount.y_m) for mount in map(_mount, self._lasers.values())),
+            swarm=self._swarm,
+        )
+
+    def scans(self, wanted: bool) -> dict[str, ScanView]:
+        """Return new scans by topic, from where they were taken; they are subscribed to only while they are wanted."""
+        return {
+            name: self._scan_view(self._lasers[name], scan)
+            for name, scan in self._scans.newest(wanted).items()
+            if self._recent
+        }
+
+    def sonars(self, wanted: bool) -> list[SonarView]:
+        """Return what each sonar told last, where the robot is now; subscribed to only while they are wanted."""
+        self._heard_m |= {name: message.range for name, message in self._sonars.newest(wanted).items()}
+        if not self._recent:
+            return []
+        return [
+            SonarView(
+                self._newest_pose @ Pose(sonar.forward_m, sonar.left_m, sonar.yaw_rad),
+                min(sonar.height_m, self._robot.height_m),
+                sonar.opening_rad,
+                sonar.range_max_m,
+                self._heard_m[sonar.name],
+            )
+            for sonar in self._robot.sonars
+            if sonar.name in self._heard_m
+        ]
+
+    def fixes(self) -> tuple[FixView, ...]:
+        """Return the last fixes of its GPS, oldest first, in the map frame."""
+        gps = self._robot.gps
+        if gps is not None and self._fix is not None:
+            for message in self._fix.take():
+                fix = msg_conversion.fix(message)
+                datum = gps.datum_lat_deg, gps.datum_lon_deg
+                place_m = tangent(fix.latitude_deg, fix.longitude_deg, fix.altitude_m, *datum)
+                self._fixes.append(FixView(place_m, fix.variance_m2**0.5))
+        return tuple(self._fixes)
+
+    def close(self) -> None:
+        """Unsubscribe from everything."""
+        for feed in (self._truth, self._status, self._contact, self._fix, self._scans, self._sonars):
+            if feed is not None:
+                feed.close()
+
+    @property
+    def _newest_pose(self) -> Pose:
+        return next(reversed(self._recent.values()))
+
+    def _scan_view(self, laser: Laser, scan: LaserScan) -> ScanView:
+        base = self._recent.get(msg_conversion.stamp_ns(scan), self._newest_pose)
+        return ScanView(
+            robot_id=self._id,
+            laser=base @ _mount(laser),
+            height_m=laser.height_m,
+            angle_min_rad=scan.angle_min,
+            angle_step_rad=scan.angle_increment,
+            range_min_m=scan.range_min,
+            range_max_m=scan.range_max,
+            ranges_m=np.asarray(scan.ranges),
+        )
+
+
+class _Wanted:
+    """Topics of one type that are subscribed to only while somebody looks."""
+
+    def __init__(self, prefix: str, names: Iterable[str], message_class: type) -> None:
+        self._prefix, self._names, self._class = prefix, tuple(names), message_class
+        self._feeds: dict[str, Feed] = {}
+
+    def newest(self, wanted: bool) -> dict[str, LaserScan | Range]:
+        """Return the new messages by topic."""
+        if not wanted:
+            self.close()
+        elif not self._feeds:
+            self._feeds = {name: Feed(self._prefix + name, self._class) for name in self._names}
+        newest = {name: feed.newest() for name, feed in self._feeds.items()}
+        return {name: message for name, message in newest.items() if message is not None}
+
+    def close(self) -> None:
+        """Unsubscribe."""
+        for feed in self._feeds.values():
+            feed.close()
+        self._feeds = {}
+
+
+def _mount(laser: Laser) -> Pose:
+    """Return where a laser sits in base_link."""
+    if isinstance(laser, MountedLaser):
+        return Pose(laser.forward_m, laser.left_m, laser.yaw_rad)
+    return Pose(laser.forward_m, 0.0, 0.0)

@@ -1,0 +1,355 @@
+"""The team in the 3D scene: robots, their trails and the radio links between them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker
+
+from robotteamsim.geometry import Pose
+from robotteamsim.network.messages import NetworkState
+from robotteamsim.ros.scene.plan import LABEL_Z_M, TRAIL_Z_M
+from robotteamsim.ros.scene.shapes import (
+    TRAIL_LAYER,
+    WHITE,
+    Colour,
+    Mesh,
+    Position,
+    circle_points,
+    colour,
+    drawn_below,
+    faded,
+    gradient,
+    label,
+    lines,
+    marker,
+    shaded,
+)
+from robotteamsim.scenario.body import corners_at
+from robotteamsim.scenario.plan import Corners
+
+# After Okabe and Ito's colour-blind-safe palette, without the green and red that say how victims and links are.
+ROBOT_COLOURS = tuple(map(colour, ("#56b4e9", "#f0e442", "#f08cc8", "#ffffff", "#e69f00", "#9b8cff", "#2f7fd0")))
+EXCLUDED = colour("#9aa0a8")
+BODY = colour("#14171c")
+BUMPER = colour("#ff4d4d")
+
+LINK_COLOURS = (
+    (-80.0, colour("#ff4d4d")),
+    (-70.0, colour("#ffe14d")),
+    (-55.0, colour("#4dff88")),
+)
+"""Colour by signal [dBm]: red at the threshold below which a link is in danger."""
+RELAYED = colour("#8d97a3")
+LINK_HEIGHT_M = 0.36
+DASH_M = 0.8
+FEW_ROBOTS = 8
+"""So many still get every pair's link and hop count; beyond that they would hide the scene."""
+
+RING_MARGIN_M = 0.55
+"""A robot is a few pixels wide when the whole building is in view; a ring this far around it shows where it is."""
+RING_WIDTH_M = 0.14
+RING_Z_M = TRAIL_Z_M - 0.01
+BUMPER_HALF_RAD = 0.35
+HIT_WIDTH_M = 0.3
+TURRET_M = 0.25
+"""Lasers of large robots are no larger than this allows."""
+MAX_LASERS = 17
+"""That a robot can have: `robots.laser` and sixteen of `robots.lasers`."""
+LABEL_DISTANCE_M = 1.6
+LABEL_M = 1.1
+
+
+@dataclass(frozen=True, slots=True)
+class RobotView:
+    """What is drawn of a robot; pose in the map frame, excluded: socially excluded, contacts as `Contact` has them."""
+
+    robot_id: int
+    pose: Pose
+    radius_m: float = 0.2
+    height_m: float = 0.25
+    excluded: bool = False
+    corners_m: Corners = ()
+    """Of a body that is no disc, counter-clockwise in base_link; radius_m is then how far it reaches."""
+    contact_angles_rad: tuple[float, ...] = ()
+    lasers_m: tuple[tuple[float, float], ...] = ()
+    """Where its lasers sit in base_link; none known: one, a little ahead."""
+    swarm: int | None = None
+    """Its swarm, where there are several; None: there is but one."""
+
+
+def robot_colour(robot_id: int) -> Colour:
+    """Return the robot's colour; they repeat after the palette's length."""
+    return ROBOT_COLOURS[robot_id % len(ROBOT_COLOURS)]
+
+
+def swarm_colour(swarm: int) -> Colour:
+    """Return the colour of a swarm's rings; they repeat after the palette's length."""
+    return ROBOT_COLOURS[swarm % len(ROBOT_COLOURS)]
+
+
+def label_offset(position_m: tuple[float, float], others_m: Iterable[tuple[float, float]]) -> tuple[float, float]:
+    """Return where a robot's number stands relative to it [m]: away from what is near, north when alone."""
+    x, y = 0.0, 0.25
+    for other_x, other_y in others_m:
+        dx, dy = position_m[0] - other_x, position_m[1] - other_y
+        weight = 1.0 / (0.05 + (dx * dx + dy * dy) ** 1.5)
+        x, y = x + weight * dx, y + weight * dy
+    length = math.hypot(x, y) or 1.0
+    return (LABEL_DISTANCE_M * x / length, LABEL_DISTANCE_M * y / length)
+
+
+def team_markers(views: Sequence[RobotView], written_m: Sequence[tuple[float, float]] = ()) -> list[Marker]:
+    """Return the markers of all robots; their numbers stand clear of each other.
+
+    Args: written_m: where other words stand, to keep clear of [m].
+    """
+    spots = [(view.pose.x_m, view.pose.y_m) for view in views]
+    label_m = LABEL_M if len(views) <= FEW_ROBOTS else 0.65 * LABEL_M
+    return [
+        part
+        for i, view in enumerate(views)
+        for part in robot_markers(view, label_offset(spots[i], (*spots[:i], *spots[i + 1 :], *written_m)), label_m)
+    ]
+
+
+def robot_markers(
+    view: RobotView, label_offset_m: tuple[float, float] = (0.0, LABEL_DISTANCE_M), label_m: float = LABEL_M
+) -> list[Marker]:
+    """Return body, deck, heading wedge, lasers, number, and a ring with an arrow to find the robot from far away.
+
+    An excluded robot has a grey ring, arrow and number, one of several swarms has them in the colour of the swarm; its
+    deck keeps its own. Where it touches something, its rim
+    is red, and a red arc lies before its ring.
+    """
+    tint = robot_colour(view.robot_id)
+    sign = EXCLUDED if view.excluded else tint if view.swarm is None else swarm_colour(view.swarm)
+    pose, radius_m, height_m = view.pose, view.radius_m, view.height_m
+    x, y = pose.x_m, pose.y_m
+    ring_m = radius_m + RING_MARGIN_M
+    bumpers = [corner for angle in view.contact_angles_rad for corner in _bumper(view, angle)]
+    hits = [corner for angle in view.contact_angles_rad for corner in _hit(ring_m, angle)]
+
+    def part(name: str, kind: int, tint: Colour, at: Position, size: Position) -> Marker:
+        return marker(name, view.robot_id, kind, tint, position=at, yaw_rad=pose.yaw_rad, scale=size)
+
+    def cylinder(name: str, tint: Colour, z: float, radius_m: float, height_m: float) -> Marker:
+        return part(name, Marker.CYLINDER, tint, (x, y, z), (2.0 * radius_m, 2.0 * radius_m, height_m))
+
+    def flat(name: str, kind: int, tint: Colour, z: float, corners: Sequence[tuple[float, float]]) -> Marker:
+        result = part(name, kind, tint, (x, y, z), (1.0, 1.0, 1.0))
+        result.points = [Point(along, across, 0.0) for along, across in corners]
+        result.colors = [ColorRGBA(*tint)] * len(corners)
+        return result
+
+    ring = flat("rings", Marker.LINE_STRIP, sign, RING_Z_M, circle_points(ring_m, 24, closed=True))
+    ring.scale.x = RING_WIDTH_M
+    touching = [("bumpers", height_m + 0.014, bumpers), ("hits", RING_Z_M + 0.02, hits)]
+    return [
+        cylinder("halos", faded(sign, 0.25), RING_Z_M, ring_m, 0.01),
+        ring,
+        flat("arrows", Marker.TRIANGLE_LIST, sign, RING_Z_M, _arrow(ring_m)),
+        *_body(view, tint, cylinder),
+        *_turrets(view),
+        flat("wedges", Marker.TRIANGLE_LIST, WHITE, height_m + 0.012, _wedge(radius_m)),
+        *(flat(name, Marker.TRIANGLE_LIST, BUMPER, z_m, corners) for name, z_m, corners in touching if corners),
+        label(
+            "robot_ids",
+            view.robot_id,
+            f"R{view.robot_id}",
+            sign,
+            (x + label_offset_m[0], y + label_offset_m[1], LABEL_Z_M),
+            label_m,
+        ),
+    ]
+
+
+def _body(
+    view: RobotView, tint: Colour, cylinder: Callable[[str, Colour, float, float, float], Marker]
+) -> list[Marker]:
+    """Return body and deck: cylinders, or prisms over the footprint."""
+    if not view.corners_m:
+        return [
+            cylinder("bodies", BODY, 0.45 * view.height_m, view.radius_m, 0.9 * view.height_m),
+            cylinder("decks", tint, 0.95 * view.height_m, 0.92 * view.radius_m, 0.1 * view.height_m),
+        ]
+    pose = (view.pose.x_m, view.pose.y_m, view.pose.yaw_rad)
+    inner = tuple((0.92 * x, 0.92 * y) for x, y in view.corners_m)
+    body, deck = Mesh(), Mesh()
+    body.prism(corners_at(view.corners_m, pose), 0.0, 0.9 * view.height_m, BODY)
+    deck.prism(corners_at(inner, pose), 0.9 * view.height_m, view.height_m, tint)
+    return [body.marker("bodies", view.robot_id), deck.marker("decks", view.robot_id)]
+
+
+def _wedge(radius_m: float) -> list[tuple[float, float]]:
+    nose, tail = (0.9 * radius_m, 0.0), (-0.3 * radius_m, 0.0)
+    left, right = (-0.65 * radius_m, 0.6 * radius_m), (-0.65 * radius_m, -0.6 * radius_m)
+    return [nose, left, tail, nose, tail, right]
+
+
+def _turrets(view: RobotView) -> list[Marker]:
+    """Return a small drum for each laser."""
+    places_m = view.lasers_m or ((0.45 * view.radius_m, 0.0),)
+    width_m = (0.7 if len(places_m) == 1 else 0.5) * min(view.radius_m, TURRET_M)
+    drums = []
+    for i, (x_m, y_m) in enumerate(places_m):
+        at = view.pose @ Pose(x_m, y_m, 0.0)
+        position, scale = (at.x_m, at.y_m, view.height_m + 0.05), (width_m, width_m, 0.1)
+        drums.append(
+            marker("lasers", MAX_LASERS * view.robot_id + i, Marker.CYLINDER, BODY, position=position, scale=scale)
+        )
+    return drums
+
+
+def _bumper(view: RobotView, angle_rad: float) -> list[tuple[float, float]]:
+    """Return the triangles of the part of the rim that is within 0.35 rad of an angle."""
+    angles_rad = angle_rad + np.linspace(-BUMPER_HALF_RAD, BUMPER_HALF_RAD, 8)
+    outline = shapely.Polygon(view.corners_m).exterior if view.corners_m else None
+    rims_m = [view.radius_m if outline is None else _rim_m(outline, angle) for angle in angles_rad.tolist()]
+    return _band(angles_rad, 0.75 * np.array(rims_m), 1.1 * np.array(rims_m))
+
+
+def _rim_m(outline: shapely.LinearRing, angle_rad: float) -> float:
+    """Return how far a body reaches in a direction."""
+    far_m = 2.0 * max(math.hypot(x, y) for x, y in outline.coords)
+    beam = shapely.LineString([(0.0, 0.0), (far_m * math.cos(angle_rad), far_m * math.sin(angle_rad))])
+    return float(shapely.hausdorff_distance(shapely.Point(0.0, 0.0), shapely.intersection(outline, beam)))
+
+
+def _hit(ring_m: float, angle_rad: float) -> list[tuple[float, float]]:
+    """Return the triangles of an arc outside the ring, wide enough to be seen with the whole building in view."""
+    angles_rad = angle_rad + np.linspace(-BUMPER_HALF_RAD, BUMPER_HALF_RAD, 8)
+    inner_m = np.full(8, ring_m + 0.5 * RING_WIDTH_M)
+    return _band(angles_rad, inner_m, inner_m + HIT_WIDTH_M)
+
+
+def _band(angles_rad: np.ndarray, inner_m: np.ndarray, outer_m: np.ndarray) -> list[tuple[float, float]]:
+    """Return the triangles between two curves around the origin, given by their distances at some angles."""
+    directions = np.column_stack([np.cos(angles_rad), np.sin(angles_rad)])
+    inner, outer = (list(map(tuple, (reach_m[:, None] * directions).tolist())) for reach_m in (inner_m, outer_m))
+    pieces = zip(inner, outer, inner[1:], outer[1:], strict=False)
+    return [corner for a, b, c, d in pieces for corner in (a, b, c, c, b, d)]
+
+
+def _arrow(ring_m: float) -> list[tuple[float, float]]:
+    base_m, half_m = ring_m + 0.5 * RING_WIDTH_M, 0.36 * ring_m
+    return [(base_m + 0.6 * ring_m, 0.0), (base_m - 0.1 * ring_m, half_m), (base_m - 0.1 * ring_m, -half_m)]
+
+
+class Trail:
+    """Where a robot has been: points at least `spacing_m` apart."""
+
+    def __init__(self, spacing_m: float = 0.2) -> None:
+        self._spacing_m = spacing_m
+        self._points: deque[tuple[float, float]] = deque()
+        self._time_s = -math.inf
+
+    @property
+    def points_m(self) -> tuple[tuple[float, float], ...]:
+        """From the oldest to the newest, in the map frame [m]."""
+        return tuple(self._points)
+
+    def add(self, x_m: float, y_m: float, time_s: float, max_speed_mps: float, max_points: int) -> None:
+        """Take in where the robot is now; beyond `max_points` the oldest are forgotten.
+
+        When time runs backwards, or the robot is farther away than it could have driven, it was put there: the
+        trail begins anew.
+        """
+        elapsed_s, self._time_s = time_s - self._time_s, time_s
+        if self._points:
+            moved_m = math.dist(self._points[-1], (x_m, y_m))
+            if elapsed_s < 0.0 or moved_m > self._spacing_m + 1.5 * max_speed_mps * elapsed_s:
+                self._points.clear()
+            elif moved_m < self._spacing_m:
+                return
+        self._points.append((x_m, y_m))
+        while len(self._points) > max_points:
+            self._points.popleft()
+
+
+def trail_marker(robot_id: int, points_m: Sequence[tuple[float, float]]) -> Marker:
+    """Return a line that fades toward its oldest point; at least two points."""
+    tint = robot_colour(robot_id)
+    result = marker("trails", robot_id, Marker.LINE_STRIP, faded(tint, 0.99), scale=(0.16, 0.0, 0.0))
+    # Neighbouring trails lie at slightly different heights, or they would flicker where they cross.
+    z_m = TRAIL_Z_M + 0.003 * (robot_id % 8)
+    for i, (x_m, y_m) in enumerate(points_m):
+        result.points.append(Point(x_m, y_m, z_m))
+        result.colors.append(ColorRGBA(*faded(shaded(tint, 0.9), 0.25 + 0.65 * (i + 1) / len(points_m))))
+    return drawn_below(result, TRAIL_LAYER)
+
+
+@dataclass(frozen=True, slots=True)
+class LinkView:
+    """One pair of robots: signal [dBm], whether a direct link exists, hops (-1: no path)."""
+
+    first: int
+    second: int
+    rssi_dbm: float
+    linked: bool
+    hop_count: int
+
+
+def link_views(network: NetworkState) -> list[LinkView]:
+    """Return every pair of robots once, ordered by their ids; of many robots only the links that hold them together.
+
+    Those are the links that no third robot offers a better way around (the relative neighbourhood graph by signal):
+    few, hardly crossing each other, and they connect whatever all links connect.
+    """
+    pairs = list(itertools.combinations(range(len(network.adjacency)), 2))
+    if len(network.adjacency) > FEW_ROBOTS:
+        rssi_dbm = np.where(network.adjacency, network.rssi_dbm, -np.inf)
+        pairs = [(i, j) for i, j in pairs if np.minimum(rssi_dbm[i], rssi_dbm[j]).max() < rssi_dbm[i, j]]
+    return [
+        LinkView(i, j, float(network.rssi_dbm[i, j]), bool(network.adjacency[i, j]), int(network.hop_count[i, j]))
+        for i, j in pairs
+    ]
+
+
+def link_markers(links: Sequence[LinkView], positions_m: Mapping[int, tuple[float, float]]) -> list[Marker]:
+    """Return direct links coloured by signal, pairs that reach each other over others dashed, lost pairs not at all.
+
+    Args: positions_m: of each robot in the map frame [m]; pairs of unknown robots are left out.
+    """
+    known = [link for link in links if link.first in positions_m and link.second in positions_m]
+    reachable = [link for link in known if link.linked or link.hop_count > 0]
+    solid, dashed, numbers = [], [], []
+    for i, link in enumerate(reachable):
+        start, end = _clear_of_robots(positions_m[link.first], positions_m[link.second])
+        tint = gradient(LINK_COLOURS, link.rssi_dbm) if link.linked else RELAYED
+        if link.linked:
+            solid.append((start, end, tint))
+        else:
+            dashed += [(a, b, tint) for a, b in _dashes(start, end)]
+        if len(positions_m) <= FEW_ROBOTS and math.dist(start, end) > 3.0:
+            # Not both at the middle: in a chain of robots the long pair lies on the short ones.
+            x, y, _ = _between(start, end, 0.5 if link.linked else 0.4)
+            numbers.append(label("hops", i, str(link.hop_count), tint, (x, y, LINK_HEIGHT_M + 0.5), 0.9))
+    bundles = [("links", 0, solid, 0.12), ("links", 1, dashed, 0.07)]
+    return [lines(name, i, segments, width_m) for name, i, segments, width_m in bundles if segments] + numbers
+
+
+def _between(start: Position, end: Position, share: float) -> Position:
+    x, y, z = (a + share * (b - a) for a, b in zip(start, end, strict=True))
+    return (x, y, z)
+
+
+def _clear_of_robots(first_m: tuple[float, float], second_m: tuple[float, float]) -> tuple[Position, Position]:
+    """Return the ends of a link, cut short so that it does not cover the robots."""
+    start, end = (*first_m, LINK_HEIGHT_M), (*second_m, LINK_HEIGHT_M)
+    cut = min(0.3, 0.4 / max(math.dist(start, end), 1e-6))
+    return _between(start, end, cut), _between(start, end, 1.0 - cut)
+
+
+def _dashes(start: Position, end: Position) -> Iterator[tuple[Position, Position]]:
+    count = max(1, round(math.dist(start, end) / DASH_M))
+    for i in range(0, count, 2):
+        yield _between(start, end, i / count), _between(start, end, min(i + 1, count) / count)

@@ -1,0 +1,1 @@
+"""How nodes subscribe, publish and wait for the messages of one step."""

@@ -1,0 +1,193 @@
+"""Between ROS messages and our values. Our values become messages in `recording.message_fields`, for bags as well."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import geometry_msgs.msg
+import nav_msgs.msg
+import numpy as np
+import rosgraph_msgs.msg
+import sensor_msgs.msg
+import std_msgs.msg
+import tf2_msgs.msg
+from genpy import Time
+
+import robotteamsim.msg
+from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.interface import Decision, Discovery, Task
+from robotteamsim.mission.status import MissionStatus, Reports
+from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
+from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
+from robotteamsim.world.doors import DoorState
+
+_PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_msgs, robotteamsim)
+
+
+class RosTypes:
+    """Builds messages of rospy's classes; the `make` of `recording.message_fields`."""
+
+    def __init__(self) -> None:
+        self._classes: dict[str, Any] = {}
+
+    def __call__(self, type_name: str, /, **fields: Any) -> Any:
+        """Return a message of a type such as "nav_msgs/Odometry". Every field must be given."""
+        message_class = self._classes.get(type_name) or self.message_class(type_name)
+        # All fields are given, so the defaults that __init__ would fill in first are not needed.
+        message = message_class.__new__(message_class)
+        for name, value in fields.items():
+            setattr(message, name, _plain(value) if type(value) is np.ndarray else value)
+        return message
+
+    def time(self, time_ns: int) -> Time:
+        """Return the stamp of a time [ns]."""
+        return Time(*divmod(time_ns, 10**9))
+
+    def message_class(self, type_name: str) -> Any:
+        """Return the class of a type such as "nav_msgs/Odometry"."""
+        package_name, class_name = type_name.split("/")
+        package = next(package for package in _PACKAGES if package.__name__ == package_name)
+        return self._classes.setdefault(type_name, getattr(package.msg, class_name))
+
+
+def _plain(values: np.ndarray) -> Any:
+    """uint8[] is bytes in rospy; other arrays are written fastest from lists."""
+    return values.tobytes() if values.dtype == np.uint8 else values.tolist()
+
+
+def stamp_ns(message: Any) -> int:
+    """Return the stamp of a message with a header [ns]."""
+    stamp = message.header.stamp
+    return stamp.secs * 10**9 + stamp.nsecs
+
+
+def pose_reading(message: geometry_msgs.msg.Pose) -> PoseReading:
+    """Return a pose in the plane; height, roll and pitch are dropped."""
+    return PoseReading(message.position.x, message.position.y, message.orientation.z, message.orientation.w)
+
+
+def twist(message: geometry_msgs.msg.Twist) -> Twist:
+    """Return a velocity in the plane, which may hold NaN or infinity."""
+    return Twist(message.linear.x, message.linear.y, message.angular.z)
+
+
+def odometry_reading(message: nav_msgs.msg.Odometry) -> OdometryReading:
+    """Return pose and twist of `odom` or `base_pose_ground_truth`."""
+    of_pose, of_twist = message.pose.covariance, message.twist.covariance
+    return OdometryReading(
+        pose_reading(message.pose.pose),
+        twist(message.twist.twist),
+        pose_covariance=(of_pose[0], of_pose[1], of_pose[5], of_pose[7], of_pose[11], of_pose[35]),
+        twist_variances=(of_twist[0], of_twist[7], of_twist[35]),
+    )
+
+
+def ranges_m(message: sensor_msgs.msg.LaserScan) -> np.ndarray:
+    """Return the ranges of a scan as float32, shape (beams,) [m]."""
+    return np.asarray(message.ranges, dtype=np.float32)
+
+
+def sonar_m(message: sensor_msgs.msg.Range) -> float:
+    """Return the range that a sonar told, a float32 [m]."""
+    return message.range
+
+
+def fix(message: sensor_msgs.msg.NavSatFix) -> Fix:
+    """Return what a receiver of satellites told."""
+    return Fix(message.latitude, message.longitude, message.altitude, message.position_covariance[0])
+
+
+def voice_reading(message: robotteamsim.msg.Voice) -> VoiceReading:
+    """Return what a robot hears."""
+    return VoiceReading(message.level_db, message.heard, _point(message.local_best), message.local_best_level_db)
+
+
+def network_messages(message: robotteamsim.msg.NetworkMessages) -> tuple[Message, ...]:
+    """Return the messages of `network/tx` or `network/rx`, in their order."""
+    return tuple(Message(m.sender, m.receiver, m.payload) for m in message.messages)
+
+
+def network_state(message: robotteamsim.msg.NetworkState) -> NetworkState:
+    """Return the network of n robots."""
+    shape = (message.num_robots, message.num_robots)
+
+    def matrix(values: Sequence[Any], dtype: Any) -> np.ndarray:
+        return np.array(values, dtype=dtype).reshape(shape)
+
+    return NetworkState(
+        rssi_dbm=matrix(message.rssi_dbm, np.float64),
+        link=matrix(message.link, np.float64),
+        adjacency=np.frombuffer(message.adjacency, dtype=np.uint8).reshape(shape).astype(bool),
+        hop_count=matrix(message.hop_count, np.int32),
+        break_matrix=matrix(message.break_matrix, np.float64),
+        fiedler_value=message.fiedler_value,
+        endangered=np.frombuffer(message.endangered, dtype=np.uint8).reshape(shape).astype(bool),
+        traffic=Traffic(
+            delivered=message.delivered,
+            lost=message.lost,
+            cut_off=message.cut_off,
+            mean_delay_s=message.mean_delay_s,
+            refused=tuple(
+                Refusal(sender, num_bytes, message.max_message_bytes)
+                for sender, num_bytes in zip(message.refused_senders, message.refused_bytes, strict=True)
+            ),
+        ),
+    )
+
+
+def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
+    """Return what is told of a decision; its twist and outbox travel on topics of their own."""
+    return Decision(
+        excluded=message.excluded,
+        swarm=message.swarm,
+        goal_m=_point(message.goal) if message.has_goal else None,
+        local_best=message.local_best,
+        search_counter=message.search_counter,
+        fault=message.fault,
+    )
+
+
+def mission_status(message: robotteamsim.msg.MissionStatus) -> MissionStatus:
+    """Return the mission and the task it sets."""
+    return MissionStatus(
+        state=message.state,
+        end=message.end,
+        time_s=message.time_s,
+        explored=tuple(map(bool, message.explored)),
+        victims=tuple(message.victims),
+        target_area=message.target_area,
+        endangered_links=message.endangered_links,
+        task=task(message),
+        reports=reports(message),
+    )
+
+
+def task(message: robotteamsim.msg.MissionStatus) -> Task:
+    """Return what the mission asks of the team."""
+    return Task(
+        running=message.running,
+        epoch=message.epoch,
+        area_center_m=_point(message.area_center) if message.has_area else None,
+        area_radius_m=message.area_radius_m,
+        unreported=tuple(
+            Discovery(find.kind, find.name, find.robot_id, _point(find.position), find.time_s)
+            for find in message.unreported
+        ),
+    )
+
+
+def reports(message: robotteamsim.msg.MissionStatus) -> Reports | None:
+    """Return what the base has heard of; None: there is no base."""
+    if not message.has_base:
+        return None
+    return Reports(message.finds_reported, message.mean_report_delay_s, message.max_report_delay_s)
+
+
+def _point(message: geometry_msgs.msg.Point) -> tuple[float, float]:
+    return message.x, message.y
+
+
+def door_states(message: robotteamsim.msg.Doors) -> dict[str, DoorState]:
+    """Return all doors as the world tells of them, by name."""
+    return {door.name: DoorState(bool(door.closed), door.opening, door.motion) for door in message.doors}

@@ -1,0 +1,43 @@
+"""Per-robot figures of a trial, gathered step by step."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robotteamsim import _core
+from robotteamsim.simulation.record import RobotTotals
+
+
+class TeamTotals:
+    """Adds up what each robot does."""
+
+    def __init__(self, num_robots: int, step_s: float) -> None:
+        self._core = _core.TeamFigures(num_robots)
+        self._step_s = step_s
+
+    def update(
+        self, positions_m: np.ndarray, in_contact: np.ndarray, excluded: np.ndarray, running: np.ndarray
+    ) -> None:
+        """Take in some steps, in id order. Staying counts only while the mission runs.
+
+        Args:
+            positions_m: true ones, in `map` [m], float64, shape (steps, n, 2); NaN of a robot that is not there, of
+                         whom nothing counts.
+            in_contact:  whether each touches something, bool, shape (steps, n).
+            excluded:    likewise, whether it is excluded.
+            running:     whether the mission runs, bool, shape (steps,).
+        Raises: ValueError: the shapes do not fit.
+        """
+        self._core.add_steps(positions_m, in_contact, excluded, running)
+
+    def result(self) -> tuple[RobotTotals, ...]:
+        """Return the figures so far, in id order."""
+        return tuple(
+            RobotTotals(
+                distance_m=distance_m,
+                contact_s=contact_steps * self._step_s,
+                excluded_s=excluded_steps * self._step_s,
+                longest_stay_s=longest_stay_steps * self._step_s,
+            )
+            for distance_m, contact_steps, excluded_steps, longest_stay_steps in self._core.sums()
+        )
