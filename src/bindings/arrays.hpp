@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 
 namespace robotteamsim::bindings {
 

@@ -9,8 +9,8 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "geometry.hpp"
+#include "robotteamsim/base/hypot.hpp"
 #include "robotteamsim/base/nearest.hpp"
-#include "robotteamsim/geometry/hypot.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;

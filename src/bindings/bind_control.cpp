@@ -86,8 +86,14 @@ void InitNotes(HeardNotes* self, const Heard& heard) {
   new (self) HeardNotes(std::move(notes));
 }
 
+Heard PairsOf(const HeardNotes& heard) {
+  Heard pairs;
+  for (const HeardNote& note : heard.notes()) pairs.emplace_back(note.position, note.loudest);
+  return pairs;
+}
+
 void BindRuledOut(nb::module_& m) {
-  nb::class_<HeardNotes>(m, "HeardNotes").def("__init__", &InitNotes, "heard"_a);
+  nb::class_<HeardNotes>(m, "HeardNotes").def("__init__", &InitNotes, "heard"_a).def_prop_ro("notes", &PairsOf);
   nb::class_<RuledOut>(m, "RuledOut")
       .def(nb::init<double, double, double>(), nb::kw_only(), "radius_m"_a, "cell_m"_a, "next_to_m"_a)
       .def("clear", &RuledOut::Clear)

@@ -25,8 +25,8 @@ void BindNetwork(nb::module_& m) {
           "__init__",
           [](TeamLinks* self, std::shared_ptr<const FaceSet> faces, const RadioModel& model, bool by_distance,
              double lost_below_dbm, double max_distance_m, double endangered_below_dbm) {
-            new (self) TeamLinks(std::move(faces), model,
-                                 {by_distance, lost_below_dbm, max_distance_m, endangered_below_dbm});
+            new (self)
+                TeamLinks(std::move(faces), model, {by_distance, lost_below_dbm, max_distance_m, endangered_below_dbm});
           },
           "faces"_a, "model"_a, nb::kw_only(), "by_distance"_a, "lost_below_dbm"_a, "max_distance_m"_a,
           "endangered_below_dbm"_a)

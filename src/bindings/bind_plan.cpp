@@ -32,8 +32,7 @@ void InitGrid(PlanningGrid* self, const Array<const bool, -1, -1>& occupied, con
 
 template <typename Value>
 Array<Value, -1, -1> CellsOf(const std::vector<Value>& values, const GridShape& shape) {
-  auto cells =
-      NewArray<Value, -1, -1>({static_cast<std::size_t>(shape.rows), static_cast<std::size_t>(shape.cols)});
+  auto cells = NewArray<Value, -1, -1>({static_cast<std::size_t>(shape.rows), static_cast<std::size_t>(shape.cols)});
   std::copy(values.begin(), values.end(), cells.data());
   return cells;
 }

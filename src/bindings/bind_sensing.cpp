@@ -84,7 +84,8 @@ void BindOdometry(nb::module_& m) {
           [](TeamOdometry* self, const std::vector<std::array<double, 4>>& alphas, double step_s,
              const std::vector<bool>& omni) {
             std::vector<OdometryModel> models;
-            for (const auto& [alpha1, alpha2, alpha3, alpha4] : alphas) models.push_back({alpha1, alpha2, alpha3, alpha4});
+            for (const auto& [alpha1, alpha2, alpha3, alpha4] : alphas)
+              models.push_back({alpha1, alpha2, alpha3, alpha4});
             new (self) TeamOdometry(models, step_s, omni);
           },
           "alphas"_a, "step_s"_a, "omni"_a)
@@ -92,8 +93,8 @@ void BindOdometry(nb::module_& m) {
       .def(
           "step",
           [](TeamOdometry& odometry, const Triples& motions, const Triples& twists, const Triples& noise) {
-            return RowsOf<16>(odometry.Step(RecordsOf<Pose>(motions), RecordsOf<Twist>(twists),
-                                            RecordsOf<Odometry::Noise>(noise)));
+            return RowsOf<16>(
+                odometry.Step(RecordsOf<Pose>(motions), RecordsOf<Twist>(twists), RecordsOf<Odometry::Noise>(noise)));
           },
           "motions"_a, "twists"_a, "noise"_a)
       .def(
@@ -107,10 +108,14 @@ void BindOdometry(nb::module_& m) {
 void BindTeam(nb::module_& m) {
   constexpr auto kView = nb::rv_policy::reference_internal;
   nb::class_<TeamReadings>(m, "TeamReadings")
-      .def_prop_ro("ground_truth", [](const TeamReadings& r) { return ViewOf<4>(r.ground_truth); }, kView)
-      .def_prop_ro("positions_m", [](const TeamReadings& r) { return ViewOf<2>(r.positions); }, kView)
-      .def_prop_ro("twists", [](const TeamReadings& r) { return ViewOf<3>(r.twists); }, kView)
-      .def_prop_ro("odometry", [](const TeamReadings& r) { return ViewOf<16>(r.odometry); }, kView)
+      .def_prop_ro(
+          "ground_truth", [](const TeamReadings& r) { return ViewOf<4>(r.ground_truth); }, kView)
+      .def_prop_ro(
+          "positions_m", [](const TeamReadings& r) { return ViewOf<2>(r.positions); }, kView)
+      .def_prop_ro(
+          "twists", [](const TeamReadings& r) { return ViewOf<3>(r.twists); }, kView)
+      .def_prop_ro(
+          "odometry", [](const TeamReadings& r) { return ViewOf<16>(r.odometry); }, kView)
       .def_ro("scans_m", &TeamReadings::scans, kView)
       .def_ro("in_contact", &TeamReadings::in_contact, kView);
   nb::class_<TeamSensors>(m, "TeamSensors")

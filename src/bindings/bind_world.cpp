@@ -71,7 +71,9 @@ void BindParts(nb::module_& m) {
   nb::class_<Door>(m, "Door").def(
       "__init__",
       [](Door* self, const Solid& leaf, bool closed, double time_s, double angle_rad, const Point& shift_m,
-         const Point& hinge_m) { new (self) Door{leaf, closed, {time_s, angle_rad, shift_m, hinge_m}}; },
+         const Point& hinge_m) {
+        new (self) Door{leaf, closed, {time_s, angle_rad, shift_m, hinge_m}};
+      },
       "leaf"_a, "closed"_a, nb::kw_only(), "time_s"_a = 0.0, "angle_rad"_a = 0.0, "shift_m"_a = Point(),
       "hinge_m"_a = Point());
   nb::class_<DoorState>(m, "DoorState")
@@ -95,16 +97,17 @@ void BindParts(nb::module_& m) {
       .def(
           "__init__",
           [](Robot* self, double radius_m, double mass_kg, const DriveLimits& drive, const Pose& start,
-             const Polygon& footprint_m, bool present) {
-            new (self) Robot{radius_m, mass_kg, drive, start, footprint_m, present};
-          },
+             const Polygon& footprint_m,
+             bool present) { new (self) Robot{radius_m, mass_kg, drive, start, footprint_m, present}; },
           nb::kw_only(), "radius_m"_a, "mass_kg"_a, "drive"_a, "start"_a, "footprint_m"_a = Polygon(),
           "present"_a = true);
   nb::class_<Thing>(m, "MovableObject")
       .def(
           "__init__",
           [](Thing* self, double radius_m, double mass_kg, double friction, const Pose& start,
-             const Polygon& corners_m) { new (self) Thing{radius_m, mass_kg, friction, start, corners_m}; },
+             const Polygon& corners_m) {
+            new (self) Thing{radius_m, mass_kg, friction, start, corners_m};
+          },
           nb::kw_only(), "radius_m"_a, "mass_kg"_a, "friction"_a, "start"_a, "corners_m"_a);
 }
 
@@ -115,7 +118,7 @@ void BindWorld(nb::module_& m) {
   nb::class_<World>(m, "World")
       .def(nb::init<std::vector<Solid>, std::vector<Door>, std::vector<Robot>, double, int, std::vector<Thing>>(),
            "solids"_a, "doors"_a, "robots"_a, "step_s"_a, "substeps"_a, "objects"_a = std::vector<Thing>())
-      .def("step", &StepByRows, "twists"_a.noconvert())
+      .def("step", &StepByRows, "twists"_a)
       .def("step", &World::Step, "twists"_a)
       .def("object_poses", [](const World& world) { return RowsOf<3>(world.thing_poses()); })
       .def("poses", [](const World& world) { return RowsOf<3>(world.poses()); })
@@ -131,14 +134,13 @@ void BindWorld(nb::module_& m) {
       .def("set_door", &World::SetDoorClosed, "door"_a, "closed"_a)
       .def_prop_ro("doors_version", &World::doors_version)
       .def("door_states", &World::door_states)
-      .def("add_object", &World::AddThing, "object"_a)
+      .def("add_object", &World::AddThing, "added"_a)
       .def(
-          "remove_object", [](World& world, int object) { world.RemoveThing(CheckedObject(world, object)); },
-          "object"_a)
+          "remove_object", [](World& world, int object) { world.RemoveThing(CheckedObject(world, object)); }, "index"_a)
       .def(
           "set_object_pose",
           [](World& world, int object, const Pose& pose) { world.SetThingPose(CheckedObject(world, object), pose); },
-          "object"_a, "pose"_a)
+          "index"_a, "pose"_a)
       .def("reset", &World::Reset);
 }
 

@@ -7,8 +7,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "robotteamsim/plan/types.hpp"
-#include "robotteamsim/world/drive.hpp"
+#include "robotteamsim/base/geometry.hpp"
 
 namespace nanobind::detail {
 

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 
 namespace robotteamsim {
 

@@ -9,7 +9,7 @@
 
 #include "robotteamsim/control/clearance.hpp"
 #include "robotteamsim/plan/grid.hpp"
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/world/drive.hpp"
 
 namespace robotteamsim {

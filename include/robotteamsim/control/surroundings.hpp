@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "robotteamsim/control/clearance.hpp"
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 
 namespace robotteamsim {
 

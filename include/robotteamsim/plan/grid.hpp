@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "robotteamsim/plan/disc_fill.hpp"
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 
 namespace robotteamsim {
 

@@ -11,9 +11,9 @@ namespace robotteamsim {
 
 /// What a robot's odometry reports.
 struct OdometryReading {
-  PoseReading pose;           ///< in `odom`
-  Twist twist;                ///< that the wheels measured, in base_link
-  PoseCovariance covariance;  ///< of the pose
+  PoseReading pose;                ///< in `odom`
+  Twist twist;                     ///< that the wheels measured, in base_link
+  PoseCovariance covariance;       ///< of the pose
   double forward_variance = 0.0;   ///< of the twist [m^2/s^2]
   double sideways_variance = 0.0;  ///< [m^2/s^2]
   double turn_variance = 0.0;      ///< [rad^2/s^2]

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/sensing/laser.hpp"
 #include "robotteamsim/sensing/team_odometry.hpp"
 #include "robotteamsim/world/world.hpp"

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/propagation/voice.hpp"
 
 namespace robotteamsim {

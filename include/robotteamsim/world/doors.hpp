@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/world/solid.hpp"
 
 class b2Body;

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/world/disc_grid.hpp"
 #include "robotteamsim/world/doors.hpp"
 #include "robotteamsim/world/drive.hpp"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "robotteamsim/geometry/hypot.hpp"
+#include "robotteamsim/base/hypot.hpp"
 
 namespace robotteamsim {
 

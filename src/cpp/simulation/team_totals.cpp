@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robotteamsim/geometry/hypot.hpp"
+#include "robotteamsim/base/hypot.hpp"
 
 namespace robotteamsim {
 namespace {

@@ -32,11 +32,11 @@ def door_at_start(door: Door) -> DoorState:
     return DoorState(door.closed, 0.0 if door.closed else 1.0)
 
 
-def core_door(door: Door) -> _core.Door:
+def core_door(door: Door) -> _core.world.Door:
     """Return a door of the C++ world."""
     leaf = door_corners(door)
-    return _core.Door(
-        _core.Solid(leaf, convex_pieces(leaf)),
+    return _core.world.Door(
+        _core.world.Solid(leaf, convex_pieces(leaf)),
         door.closed,
         time_s=door.leaf_time_s,
         angle_rad=door.leaf_angle_rad,
@@ -45,19 +45,9 @@ def core_door(door: Door) -> _core.Door:
     )
 
 
-def door_state(core: _core.World, index: int) -> DoorState:
-    """Return the state of a door by its index in the plan."""
-    closed: bool = core.door_closed(index)
-    leaf = core.leaves().get(index)
-    if leaf is None:
-        return DoorState(closed, 0.0 if closed else 1.0)
-    opening, shall_close, is_held = leaf
-    motion: LeafMotion = "closes" if shall_close else "opens"
-    if opening == (0.0 if shall_close else 1.0):
-        motion = "still"
-    elif is_held:
-        motion = "held"
-    return DoorState(closed, opening, motion)
+def door_state(state: _core.world.DoorState) -> DoorState:
+    """Return the state of a door of the C++ world."""
+    return DoorState(state.closed, state.opening, state.motion)
 
 
 def leaf_outline(door: Door, state: DoorState) -> Corners | None:

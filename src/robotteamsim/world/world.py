@@ -70,6 +70,7 @@ class World:
         check_things(plan, self._things, self._robots)
         self.core = self._build(run)
         """The C++ world, for the sensors that look at it."""
+        self._doors_version = self.core.doors_version
         self._have_leaves = any(door.motion != "instant" for door in plan.doors)
         self._begin()
 
@@ -129,12 +130,12 @@ class World:
 
         Angles in `base_link`, ascending in (-pi, pi], from the robot's middle; contacts within 0.05 rad are one.
         """
-        return self.core.contact_angles()
+        return {robot_id: tuple(angles) for robot_id, angles in self.core.contact_angles().items()}
 
     def things(self) -> dict[str, Pose]:
         """Return where the middle of each thing is in `map`, by name, in the scenario's order."""
         return {
-            thing.name: Pose(*row) for thing, row in zip(self._things, self.core.thing_poses().tolist(), strict=True)
+            thing.name: Pose(*row) for thing, row in zip(self._things, self.core.object_poses().tolist(), strict=True)
         }
 
     def doors(self) -> dict[str, bool]:
@@ -153,7 +154,7 @@ class World:
         if not self._is_there(robot_id):
             raise ValueError(f"robot_{robot_id} is not there; wanted one that is")
         self._check_free(robot_id, pose)
-        self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
+        self.core.set_pose(robot_id, pose)
 
     def remove_robot(self, robot_id: int) -> None:
         """Take a robot off the floor. Raises: ValueError: no such robot, or it is not there."""
@@ -172,7 +173,7 @@ class World:
             raise ValueError(f"robot_{robot_id} is there already; it cannot be spawned")
         place = self._start_poses[robot_id] if pose is None else pose
         self._check_free(robot_id, place)
-        self.core.spawn_robot(robot_id, (place.x_m, place.y_m, place.yaw_rad))
+        self.core.spawn_robot(robot_id, place)
         self._look_who_is_there()
 
     def thing_models(self) -> tuple[Thing, ...]:
@@ -188,7 +189,7 @@ class World:
         if known is not None:
             raise ValueError(f"there is a {known.kind} '{thing.name}' already")
         self._check_thing(thing, Pose(*thing.pose))
-        self.core.add_thing(_thing(thing))
+        self.core.add_object(_thing(thing))
         self._things = (*self._things, thing)
 
     def move_thing(self, name: str, pose: Pose) -> None:
@@ -198,12 +199,12 @@ class World:
         """
         index = self._thing_index(name)
         self._check_thing(self._things[index], pose)
-        self.core.set_thing_pose(index, (pose.x_m, pose.y_m, pose.yaw_rad))
+        self.core.set_object_pose(index, pose)
 
     def remove_thing(self, name: str) -> None:
         """Take a thing out of the world. Raises: ValueError: no such thing."""
         index = self._thing_index(name)
-        self.core.remove_thing(index)
+        self.core.remove_object(index)
         self._things = (*self._things[:index], *self._things[index + 1 :])
 
     def set_door(self, name: str, closed: bool) -> None:
@@ -223,12 +224,12 @@ class World:
         """Put all robots back to their start poses, standing still; time, things and doors stay as they are."""
         for robot_id, pose in enumerate(self._start_poses):
             if self._is_there(robot_id):
-                self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
+                self.core.set_pose(robot_id, pose)
 
     def reset(self) -> None:
         """Begin again as new: time, poses, who is there, things and doors as at the start."""
         self.core.reset()
-        self._doors = {door.name: door_at_start(door) for door in self.plan.doors}
+        self._look_at_doors()
         self._things = self._first_things
         self._begin()
 
@@ -268,10 +269,10 @@ class World:
                     waiting.append(happening)
         self._to_come = waiting + self._to_come
 
-    def _build(self, run: Run) -> _core.World:
+    def _build(self, run: Run) -> _core.world.World:
         still, leaves = core_solids(self.plan)
         bodies, things = [_body(robot) for robot in self._robots], [_thing(thing) for thing in self._things]
-        return _core.World(still, leaves, bodies, run.step_s, run.physics_substeps, things)
+        return _core.world.World(still, leaves, bodies, run.step_s, run.physics_substeps, things)
 
     def _check_start_poses(self) -> None:
         placed = np.full((self.num_robots, 3), math.nan)
@@ -287,7 +288,7 @@ class World:
         others[robot_id] = math.nan
         self._check_pose(robot_id, pose, others, "pose")
         body = self._robots[robot_id].body_at((pose.x_m, pose.y_m, pose.yaw_rad))
-        for thing, row in zip(self._things, self.core.thing_poses().tolist(), strict=True):
+        for thing, row in zip(self._things, self.core.object_poses().tolist(), strict=True):
             if body.overlaps(thing.body_at(tuple(row)), _TOUCH_M):
                 place = f"robot_{robot_id}: pose ({pose.x_m:.2f}, {pose.y_m:.2f})"
                 raise PlacementError(f"{place} is inside {thing.kind} '{thing.name}'")
@@ -337,7 +338,7 @@ class World:
         hit = self._solid_in(body)
         if hit is not None:
             raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'")
-        for other, row in zip(self._things, self.core.thing_poses().tolist(), strict=True):
+        for other, row in zip(self._things, self.core.object_poses().tolist(), strict=True):
             if other.name != thing.name and body.overlaps(other.body_at(tuple(row)), _TOUCH_M):
                 raise PlacementError(f"{place} is inside {other.kind} '{other.name}'")
         for robot_id, row in enumerate(self.core.poses().tolist()):
@@ -359,9 +360,11 @@ class World:
                 yield Solid(door.name, "door", corners, door)
 
     def _look_at_doors(self) -> None:
-        states = {name: door_state(self.core, index) for name, index in self._door_ids.items()}
-        if states != self._doors:
-            self._doors = states
+        if self.core.doors_version != self._doors_version:
+            self._doors_version = self.core.doors_version
+            self._doors = {
+                name: door_state(state) for name, state in zip(self._doors, self.core.door_states(), strict=True)
+            }
 
 
 @functools.lru_cache(maxsize=16)
@@ -372,29 +375,29 @@ def _still_solids(plan: FloorPlan) -> tuple[tuple[Solid, ...], shapely.STRtree]:
 
 
 @functools.lru_cache(maxsize=16)
-def core_solids(plan: FloorPlan) -> tuple[list[_core.Solid], list[_core.Door]]:
+def core_solids(plan: FloorPlan) -> tuple[list[_core.world.Solid], list[_core.world.Door]]:
     """Return the solids and the doors of the C++ world on a plan, not to be changed; worlds on one plan share them."""
     still, _ = _still_solids(plan)
-    pieces = [_core.Solid(solid.corners, convex_pieces(solid.corners)) for solid in still]
+    pieces = [_core.world.Solid(solid.corners, convex_pieces(solid.corners)) for solid in still]
     return pieces, [core_door(door) for door in plan.doors]
 
 
-def _body(robot: PlacedRobot) -> _core.Robot:
-    return _core.Robot(
+def _body(robot: PlacedRobot) -> _core.world.Robot:
+    return _core.world.Robot(
         radius_m=robot.radius_m,
         mass_kg=robot.mass_kg,
-        drive=_core.Drive(**robot.drive.model_dump()),
-        start=robot.start_pose,
+        drive=_core.world.Drive(**robot.drive.model_dump()),
+        start=Pose(*robot.start_pose),
         footprint_m=robot.corners_m,
         present=robot.present,
     )
 
 
-def _thing(thing: Thing) -> _core.Thing:
-    return _core.Thing(
+def _thing(thing: Thing) -> _core.world.MovableObject:
+    return _core.world.MovableObject(
         radius_m=thing.reach_m,
         mass_kg=thing.mass_kg,
         friction=thing.friction,
-        start=thing.pose,
+        start=Pose(*thing.pose),
         corners_m=thing.corners_m,
     )
