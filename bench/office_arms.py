@@ -24,6 +24,7 @@ from robotteamsim.control.cover.floor_cover import FloorCover
 from robotteamsim.scenario import load
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Simulation, StepRecord
+from robotteamsim.world.placement import placed_robots
 
 RESULTS = Path(__file__).resolve().parent / "results"
 ARMS = {"with": (), "without": ("control.c4=0",)}
@@ -47,7 +48,7 @@ class Watcher:
     """Looks on at one trial and adds up what this bench is about."""
 
     def __init__(self, scenario: Scenario) -> None:
-        robots = scenario.placed_robots()
+        robots = placed_robots(scenario)
         self._cover = FloorCover(scenario.plan, robots[0].reach_m, robots[0].start_pose[:2], COVER_RADIUS_M)
         self._base = scenario.mission.base or 0
         self._step_s = scenario.run.step_s

@@ -10,7 +10,11 @@ class ScenarioError(RobotTeamSimError):
 
 
 class PlacementError(ScenarioError):
-    """A robot, area, victim or door stands where it cannot stand."""
+    """A robot, object, area, victim or door is where it cannot be; `key` is the scenario's key that says so, if any."""
+
+    def __init__(self, message: str, key: str = "") -> None:
+        super().__init__(message)
+        self.key = key
 
 
 class RecordingError(RobotTeamSimError):

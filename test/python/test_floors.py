@@ -14,9 +14,10 @@ PACKAGE = ROOT / "src" / "robotteamsim"
 
 FLOORS = (
     ("errors", "geometry", "rng", "wording", "base"),  # base is C++
+    ("map_import",),
     ("scenario", "plan"),  # C++ calls it plan
     ("world", "propagation"),
-    ("sensing", "network"),
+    ("sensing", "network", "stage"),
     ("swarm",),
     ("interface",),
     ("control",),

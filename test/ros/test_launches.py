@@ -22,7 +22,7 @@ from running import ROSLAUNCH, running
 from robotteamsim.analysis.runs.derived import figures
 from robotteamsim.analysis.runs.recorded_run import read_run
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording import BagWriter, TrajectoryHash, message_fields
+from robotteamsim.recording import BagWriter, TrajectoryHash, ros_messages
 from robotteamsim.recording.bag import ROBOT_TOPICS, TEAM_TOPICS
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.ros.nodes.find_gmapping import installed
@@ -116,7 +116,7 @@ def test_launch_ends_with_the_mission_and_a_table_of_what_happened(run: Run, hea
 def test_recorded_bag_has_the_topics_and_types_of_a_headless_bag(run: Run) -> None:
     expected = {topic.name: topic.type_name for topic in TEAM_TOPICS}
     for robot_id in range(3):
-        name = message_fields.robot_name(robot_id)
+        name = ros_messages.robot_name(robot_id)
         expected |= {f"/{name}/{topic.name}": topic.type_name for topic in ROBOT_TOPICS}
     with Reader(run.bag) as bag:
         assert {name: topic.msgtype.replace("/msg/", "/") for name, topic in bag.topics.items()} == expected
@@ -232,7 +232,7 @@ def trajectory_hash(path: Path, steps: int) -> str:
 
 
 def truths(bag: Reader, typestore: object, robot_id: int) -> Iterator[object]:
-    topic = f"/{message_fields.robot_name(robot_id)}/base_pose_ground_truth"
+    topic = f"/{ros_messages.robot_name(robot_id)}/base_pose_ground_truth"
     connections = [connection for connection in bag.connections if connection.topic == topic]
     for connection, _, data in bag.messages(connections):
         yield typestore.deserialize_ros1(data, connection.msgtype)

@@ -14,6 +14,7 @@ from robotteamsim.scenario import Door, FloorPlan, Scenario, solids
 from robotteamsim.scenario.body import corners_at
 from robotteamsim.scenario.plan import bay_lines
 from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.world.placement import placed_robots
 
 FLOOR = "#f6f5f2"
 _SOLID = {"wall": "#3b4252", "block": "#5a6275", "pillar": "#767f92"}
@@ -119,7 +120,7 @@ def _draw_mission(axes: Axes, scenario: Scenario, unit_m: float) -> None:
 
 
 def _draw_robots(axes: Axes, scenario: Scenario) -> None:
-    robots = scenario.placed_robots()
+    robots = placed_robots(scenario)
     bodies = [_outline(robot) for robot in robots]
     axes.add_collection(PatchCollection(bodies, facecolor=ROBOT, edgecolor="white", linewidth=0.4, zorder=6))
     headings = []

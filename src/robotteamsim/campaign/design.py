@@ -16,6 +16,7 @@ from robotteamsim.control import make_controller
 from robotteamsim.errors import CampaignError, RobotTeamSimError, ScenarioError
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import shown
+from robotteamsim.world.placement import check_places
 
 _NUM_SEEDS = 2**53
 
@@ -150,7 +151,9 @@ def _cell(scenario_name: str, settings: Sequence[Factor], keys: Sequence[str]) -
 
 def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
     try:
-        return scenario.load(scenario_name, [f"{s.key}={json.dumps(s.values[0])}" for s in settings])
+        loaded = scenario.load(scenario_name, [f"{s.key}={json.dumps(s.values[0])}" for s in settings])
+        check_places(loaded)
+        return loaded
     except ScenarioError as error:
         message = str(error).removeprefix("--set: ")
         if message == str(error):

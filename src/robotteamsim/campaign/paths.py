@@ -10,6 +10,7 @@ import numpy as np
 from robotteamsim.errors import CampaignError
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
+from robotteamsim.world.placement import placed_robots
 
 PERIOD_S = 1.0
 """Between two positions that are kept; a whole number of steps, and at least one."""
@@ -27,7 +28,7 @@ class PathLog:
     def begin(self, scenario: Scenario) -> None:
         """Begin anew."""
         self._every = steps_between(scenario)
-        self._starts_m = [robot.start_pose[:2] for robot in scenario.placed_robots()]
+        self._starts_m = [robot.start_pose[:2] for robot in placed_robots(scenario)]
         self._positions_m: list[list[tuple[float, float]]] = []
 
     def step(self, record: StepRecord) -> None:

@@ -1,4 +1,4 @@
-"""`robotteamsim analyse`: what bags tell of missions, without ROS."""
+"""`robotteamsim analyse`: summarise recorded missions from bags, without ROS."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ if TYPE_CHECKING:
     from robotteamsim.analysis.runs.recorded_run import RecordedRun
 
 MAX_DRAWN = 6
-"""Bags beside each other in a picture."""
+"""Most bags drawn side by side in one picture."""
 
 _MIN_FILM_S, _MAX_FILM_S = 1.0, 600.0
 _GIF_WIDTH_PX, _GIF_FRAMES_PER_S, _GIF_SAMPLES = 960, 10, 8
 _MP4_WIDTH_PX, _MP4_FRAMES_PER_S = 1280, 25
 
 _DESCRIPTION = """\
-Tell what bags hold: how the mission went, what the robots drove, how the network held. Bags of
-ROS runs and of headless runs, of real robots or of another world with the same topics; compressed
-or not. What a bag does not tell is left out and named."""
+Summarise bags: the course of the mission, the distances driven, the state of the network. Bags may
+come from ROS runs, headless runs, real robots or another simulator with the same topics, compressed
+or not. Whatever cannot be computed from a bag is omitted, and listed with the missing topic."""
 
 _EPILOG = """\
 Topics: /mission/status, events, victims, areas; /network/state; of each robot odom or
-base_pose_ground_truth, contact, controller/status; /map, /tf. Paths come from the true poses,
-else from odometry with what /tf tells of it in map.
+base_pose_ground_truth, contact, controller/status; /map, /tf. Paths are drawn from the true poses
+if the bag has them, else from odometry, transformed to map by /tf.
 
 examples:
   robotteamsim analyse mission.bag
@@ -50,34 +50,36 @@ examples:
 def add_to(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser(
-        "analyse", help="figures, tables and pictures of bags", description=_DESCRIPTION, epilog=_EPILOG
+        "analyse", help="summarise bags as tables and pictures", description=_DESCRIPTION, epilog=_EPILOG
     )
-    parser.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="a bag; several are summarised in one table")
+    parser.add_argument(
+        "bags", nargs="+", type=Path, metavar="BAG", help="one or more bags; several are summarised in one table"
+    )
     parser.add_argument(
         "--join", action="store_true", help="the bags are parts of one recording (rosbag record --split)"
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures and events; - prints them instead")
-    parser.add_argument("--csv", type=Path, metavar="DIR", help="write figures, events and values over time as tables")
-    parser.add_argument("--png", type=Path, metavar="FILE", help=f"draw paths and curves, of up to {MAX_DRAWN} bags")
-    parser.add_argument("--gif", type=Path, metavar="FILE", help="film the mission, small, for web pages")
-    parser.add_argument("--mp4", type=Path, metavar="FILE", help="film the mission, large, for talks; by ffmpeg")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write totals and events; - prints them instead")
+    parser.add_argument("--csv", type=Path, metavar="DIR", help="write totals, events and time series as tables")
+    parser.add_argument("--png", type=Path, metavar="FILE", help=f"draw paths and curves of up to {MAX_DRAWN} bags")
+    parser.add_argument("--gif", type=Path, metavar="FILE", help="make a small film, for web pages")
+    parser.add_argument("--mp4", type=Path, metavar="FILE", help="make a large film, for talks; needs ffmpeg")
     parser.add_argument(
         "--seconds", type=positive_number, default=20.0, metavar="S", help="length of the film; default 20"
     )
-    parser.add_argument("--scenario", metavar="SCENARIO", help="draw its plan instead of the bag's /map")
+    parser.add_argument("--scenario", metavar="SCENARIO", help="draw its floor plan instead of the bag's /map")
     parser.set_defaults(command=analyse)
 
 
 def analyse(options: argparse.Namespace) -> None:
-    """Read all bags, then write what is asked for and print a table."""
-    # Imported late: not every command reads bags.
+    """Read all bags, then write the requested files and print a table."""
+    # Imported late, because rosbags slows down commands that read no bag.
     from robotteamsim.analysis.runs.derived import figures
     from robotteamsim.analysis.runs.recorded_run import read_run
 
     _check(options)
     plan = scenario.load(options.scenario).plan if options.scenario else None
     runs = [read_run(paths) for paths in ([options.bags] if options.join else [[bag] for bag in options.bags])]
-    if len({run.name for run in runs}) < len(runs):  # The folders tell bags of one name apart.
+    if len({run.name for run in runs}) < len(runs):  # Folders distinguish bags of the same name.
         runs = [replace(run, name=str(bag.with_suffix(""))) for run, bag in zip(runs, options.bags, strict=True)]
     all_figures = [figures(run) for run in runs]
     written = _write(options, runs, all_figures)
@@ -95,7 +97,7 @@ def analyse(options: argparse.Namespace) -> None:
 
 
 def _check(options: argparse.Namespace) -> None:
-    """Refuse what would fail after the bags are read. Raises: UsageError, RecordingError."""
+    """Reject options that would fail only after the bags are read. Raises: UsageError, RecordingError."""
     names = [bag.resolve() for bag in options.bags]
     twice = next((bag for bag, name in zip(options.bags, names, strict=True) if names.count(name) > 1), None)
     if twice:
@@ -103,9 +105,9 @@ def _check(options: argparse.Namespace) -> None:
     for path in _files(options):
         check_replaceable(path)
         if not path.parent.is_dir():
-            raise UsageError(f"{path}: cannot be written: {path.parent} is no folder")
+            raise UsageError(f"{path}: cannot be written: {path.parent} is not a folder")
     if options.png and not options.join and len(options.bags) > MAX_DRAWN:
-        raise UsageError(f"--png: {len(options.bags)} bags do not fit beside each other; wanted at most {MAX_DRAWN}")
+        raise UsageError(f"--png: {len(options.bags)} bags do not fit side by side; expected at most {MAX_DRAWN}")
     if options.gif or options.mp4:
         _check_film(options)
 
@@ -114,15 +116,15 @@ def _check_film(options: argparse.Namespace) -> None:
     from robotteamsim.recording.film_files import find_ffmpeg
 
     if len(options.bags) > 1 and not options.join:
-        raise UsageError(f"a film shows one bag, got {len(options.bags)}; --join is for the parts of one recording")
+        raise UsageError(f"a film shows one bag, got {len(options.bags)}; use --join for the parts of one recording")
     if not _MIN_FILM_S <= options.seconds <= _MAX_FILM_S:
-        raise UsageError(f"--seconds {options.seconds:g} is not within {_MIN_FILM_S:g} .. {_MAX_FILM_S:g}")
+        raise UsageError(f"--seconds {options.seconds:g} is outside {_MIN_FILM_S:g} to {_MAX_FILM_S:g} s")
     if options.mp4:
         find_ffmpeg()
 
 
 def _files(options: argparse.Namespace) -> list[Path]:
-    """Return the files to write."""
+    """Return the files to be written."""
     return [path for path in (options.json, options.png, options.gif, options.mp4) if path and path != Path("-")]
 
 
@@ -150,15 +152,15 @@ def _film(
 
     if options.gif:
         film, count = RunFilm(run, figures, plan, _GIF_WIDTH_PX), round(options.seconds * _GIF_FRAMES_PER_S)
-        write_gif(options.gif, _told(film.frames(count), count), film.frames(_GIF_SAMPLES), _GIF_FRAMES_PER_S)
+        write_gif(options.gif, _with_progress(film.frames(count), count), film.frames(_GIF_SAMPLES), _GIF_FRAMES_PER_S)
     if options.mp4:
         film, count = RunFilm(run, figures, plan, _MP4_WIDTH_PX), round(options.seconds * _MP4_FRAMES_PER_S)
-        write_mp4(options.mp4, _told(film.frames(count), count), _MP4_FRAMES_PER_S, find_ffmpeg())
+        write_mp4(options.mp4, _with_progress(film.frames(count), count), _MP4_FRAMES_PER_S, find_ffmpeg())
     return [path for path in (options.gif, options.mp4) if path]
 
 
-def _told(frames: Iterator[np.ndarray], count: int) -> Iterator[np.ndarray]:
-    """Yield the frames behind a progress bar; silent where there is no terminal."""
+def _with_progress(frames: Iterator[np.ndarray], count: int) -> Iterator[np.ndarray]:
+    """Yield the frames and show a progress bar on a terminal."""
     console = Console(stderr=True)
     return iter(track(frames, "film", count, console=console, disable=not console.is_terminal, transient=True))
 

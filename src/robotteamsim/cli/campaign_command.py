@@ -1,4 +1,4 @@
-"""`robotteamsim campaign`: many missions on many processes, and the tables of what they gave."""
+"""`robotteamsim campaign`: run many missions on many processes and print tables of their results."""
 
 from __future__ import annotations
 
@@ -31,17 +31,17 @@ from robotteamsim.cli.run_command import add_set_option
 DEFAULT_TRIALS = 30
 DEFAULT_SEED = 1
 EXIT_INCOMPLETE = 1
-_TOLD_FAILURES = 10
+_MAX_LISTED_FAILURES = 10
 
 _DESCRIPTION = """\
-Run many missions on all cores and tell what they gave. Results go into DIR as they
-come: stopped or killed at any moment, the same command goes on where it was. They
-do not depend on the number of workers."""
+Run many missions on all cores and print tables of their results. Each result is stored
+in DIR as soon as its mission ends. If a campaign is stopped or killed, the same command
+resumes it. The results do not depend on the number of workers."""
 
 _EPILOG = """\
-DIR gets campaign.sqlite, which holds everything, and trials.csv. The garage under
-various noises ends with Tables 6 to 9 of the dissertation, other campaigns with one
-line per cell. docs/experiments.md leads from here to a table in a paper.
+DIR receives campaign.sqlite, which contains everything, and trials.csv. A campaign of the
+garage with several noise levels ends with Tables 6 to 9 of the dissertation, any other with
+one line per cell. docs/experiments.md walks you from a campaign to a table in a paper.
 
 examples:
   robotteamsim campaign garage_sar --noise 10 --noise 20 --noise 30 --trials 30 --out DIR
@@ -54,34 +54,43 @@ def add_to(commands: Any) -> None:
     parser = commands.add_parser("campaign", help="run many missions", description=_DESCRIPTION, epilog=_EPILOG)
     parser.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped scenario: garage_sar")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the campaign")
-    parser.add_argument("--noise", type=number, action="append", metavar="DB", help="a background noise; repeatable")
+    parser.add_argument(
+        "--noise", type=number, action="append", metavar="DB", help="a background noise [dB]; repeatable"
+    )
     parser.add_argument(
         "--sweep",
         action="append",
         default=[],
         metavar="K=A,B,C",
-        help="values that a key of the scenario takes; repeatable: all combinations are tried",
+        help="values of a scenario key; repeatable: all combinations are run",
     )
     parser.add_argument("--design", type=Path, metavar="FILE", help="YAML with trials, seed, set, sweep, cells")
-    parser.add_argument("--trials", type=whole_number, metavar="N", help=f"of each cell; default {DEFAULT_TRIALS}")
+    parser.add_argument("--trials", type=whole_number, metavar="N", help=f"trials per cell; default {DEFAULT_TRIALS}")
     parser.add_argument(
-        "--seed", type=whole_number, metavar="N", help=f"from which all trials' seeds follow; default {DEFAULT_SEED}"
+        "--seed",
+        type=whole_number,
+        metavar="N",
+        help=f"seed of the campaign, which determines the seeds of all trials; default {DEFAULT_SEED}",
     )
     add_set_option(parser)
     places = parser.add_mutually_exclusive_group()
-    places.add_argument("--workers", type=positive_whole_number, metavar="N", help="processes; default one a core")
-    places.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, such as tcp://10.0.0.1:8786")
+    places.add_argument(
+        "--workers", type=positive_whole_number, metavar="N", help="number of processes; default one per core"
+    )
+    places.add_argument(
+        "--scheduler", metavar="ADDRESS", help="scheduler of a Dask cluster, such as tcp://10.0.0.1:8786"
+    )
     parser.add_argument("--json", action="store_true", help="print a summary as one JSON object instead of tables")
     parser.add_argument("--quiet", action="store_true", help="no progress, no tables")
     parser.set_defaults(command=run)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the campaign. Returns: 0; 1 when trials failed or were given up."""
+    """Run the campaign. Returns: 0, or 1 if trials failed or were given up."""
     design = _design(options)
     check_folder(options.out, design)
     with contextlib.ExitStack() as stack:
-        # A scheduler that does not answer must leave no store behind.
+        # Connect first, so that a scheduler that does not answer leaves no store behind.
         client = stack.enter_context(scheduler_at(options.scheduler)) if options.scheduler else None
         store = stack.enter_context(open_store(options.out, design))
         given_up = _run_missing(options, design, store, client)
@@ -92,13 +101,13 @@ def run(options: argparse.Namespace) -> int:
     elif not options.quiet:
         _print_tables(design, outcomes)
         print(f"\nwritten {csv_path}")
-    for outcome in failed[:_TOLD_FAILURES]:
+    for outcome in failed[:_MAX_LISTED_FAILURES]:
         error = textwrap.shorten(outcome.error, 200, placeholder=" ...")
-        _complain(f"trial {outcome.number} of cell {outcome.cell} (seed {outcome.seed}) failed: {error}")
-    if len(failed) > _TOLD_FAILURES:
-        _complain(f"{len(failed) - _TOLD_FAILURES} more trials failed; {csv_path} names them")
+        _warn(f"trial {outcome.number} of cell {outcome.cell} (seed {outcome.seed}) failed: {error}")
+    if len(failed) > _MAX_LISTED_FAILURES:
+        _warn(f"{len(failed) - _MAX_LISTED_FAILURES} more trials failed; {csv_path} lists them")
     for trial in given_up:
-        _complain(f"trial {trial.number} of cell {trial.cell} (seed {trial.seed}) killed its workers; not stored")
+        _warn(f"trial {trial.number} of cell {trial.cell} (seed {trial.seed}) killed its workers; not stored")
     return EXIT_INCOMPLETE if failed or given_up else 0
 
 
@@ -123,7 +132,7 @@ def _design(options: argparse.Namespace) -> Design:
 
 
 def _run_missing(options: argparse.Namespace, design: Design, store: Store, client: Any) -> tuple[Trial, ...]:
-    """Run what the store lacks, with progress. Returns: trials that were given up."""
+    """Run the missing trials and show progress. Returns: trials that were given up."""
     missing = store.missing()
     if not missing:
         return ()
@@ -134,7 +143,7 @@ def _run_missing(options: argparse.Namespace, design: Design, store: Store, clie
             progress = CampaignProgress(console, design.scenario.name, total, total - len(missing))
             stack.enter_context(progress)
             if client and not client.ncores():
-                progress.tell(f"{options.scheduler} has no workers yet; missions begin as they come")
+                progress.print_line(f"{options.scheduler} has no workers yet; missions start when workers connect")
             if client is None:
                 client = stack.enter_context(local_workers(options.workers))
                 prepare(client, design)
@@ -149,7 +158,7 @@ def _run_missing(options: argparse.Namespace, design: Design, store: Store, clie
             return given_up
     except KeyboardInterrupt:
         left = len(store.missing())
-        _complain(f"{total - left} of {total} trials are kept in {options.out}; the same command goes on")
+        _warn(f"{total - left} of {total} trials are stored in {options.out}; run the same command to resume")
         raise
 
 
@@ -185,5 +194,5 @@ def _first(*values: int | None) -> int:
     return next(value for value in values if value is not None)
 
 
-def _complain(line: str) -> None:
+def _warn(line: str) -> None:
     print(f"robotteamsim: {line}", file=sys.stderr)

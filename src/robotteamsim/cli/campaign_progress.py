@@ -1,4 +1,4 @@
-"""How far a campaign is, and how long it will still take."""
+"""Progress of a campaign, with the remaining time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _LINE_EVERY_S = 10.0
 
 
 class CampaignProgress:
-    """A bar on a terminal; elsewhere a line every 10 s. Use as a context."""
+    """A progress bar on a terminal, or a line every 10 s elsewhere; a context manager."""
 
     def __init__(self, console: Console, name: str, total: int, done: int) -> None:
         self._console, self._name, self._total, self._done, self._done_before = console, name, total, done, done
@@ -28,20 +28,20 @@ class CampaignProgress:
                 TimeElapsedColumn(),
                 TextColumn("left"),
                 TimeRemainingColumn(),
-                TextColumn("{task.fields[figures]}"),
+                TextColumn("{task.fields[note]}"),
                 console=console,
                 transient=True,
                 speed_estimate_period=600.0,
             )
-            self._task = self._bar.add_task(name, total=total, completed=done, figures="starting workers")
+            self._task = self._bar.add_task(name, total=total, completed=done, note="starting workers")
 
     def __enter__(self) -> CampaignProgress:
-        self._entered_s = self._start_s = self._told_s = time.monotonic()
+        self._entered_s = self._start_s = self._printed_s = time.monotonic()
         if self._bar:
             self._bar.start()
         else:
-            before = f", {self._done} of them done before" if self._done else ""
-            self.tell(f"{self._name}: {self._total} trials{before}")
+            before = f", {self._done} of them already done" if self._done else ""
+            self.print_line(f"{self._name}: {self._total} trials{before}")
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -49,35 +49,35 @@ class CampaignProgress:
             self._bar.stop()
 
     def begin(self) -> None:
-        """The workers are there."""
+        """Start timing: the workers have started."""
         self._start_s = time.monotonic()
         if self._bar:
-            self._bar.update(self._task, figures="")
+            self._bar.update(self._task, note="")
 
     def add(self, outcome: Outcome) -> None:
-        """One more trial is done."""
+        """Count one more finished trial."""
         self._done += 1
         self._failed += outcome.failed
         self._simulated_s += outcome.time_s or 0.0
         failures = f"{self._failed} failed" if self._failed else ""
         if self._bar:
-            self._bar.update(self._task, advance=1, figures=failures)
+            self._bar.update(self._task, advance=1, note=failures)
             return
         now_s = time.monotonic()
-        if now_s - self._told_s >= _LINE_EVERY_S or self._done == self._total:
-            self._told_s = now_s
+        if now_s - self._printed_s >= _LINE_EVERY_S or self._done == self._total:
+            self._printed_s = now_s
             left_s = (now_s - self._start_s) / (self._done - self._done_before) * (self._total - self._done)
-            self.tell(f"{self._done} of {self._total} trials, {left_s:.0f} s left{failures and ', ' + failures}")
+            self.print_line(f"{self._done} of {self._total} trials, {left_s:.0f} s left{failures and ', ' + failures}")
 
     def finish(self) -> None:
-        """All are done: tell how long it took."""
+        """Print how long the campaign took."""
         wall_s, start_up_s = time.monotonic() - self._start_s, self._start_s - self._entered_s
         count, simulated_min = self._done - self._done_before, self._simulated_s / 60.0
-        self.tell(
+        self.print_line(
             f"{count} trials, {simulated_min:,.1f} min of missions, in {wall_s:.1f} s: "
             f"{self._simulated_s / wall_s:,.0f} times real time; workers took {start_up_s:.1f} s to start"
         )
 
-    def tell(self, line: str) -> None:
-        """Print a line, above the bar where there is one."""
+    def print_line(self, line: str) -> None:
+        """Print a line, above the bar if there is one."""
         self._console.print(line, markup=False, highlight=False, soft_wrap=True)

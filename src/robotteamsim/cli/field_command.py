@@ -1,4 +1,4 @@
-"""`robotteamsim field`: pictures of radio and voice maps, and the maps as files."""
+"""`robotteamsim field`: draw radio and voice maps, and write them as files."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from robotteamsim.cli.pictures import save
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording.files import atomically, write_atomically
+from robotteamsim.world.placement import check_places
 
 if TYPE_CHECKING:
     from robotteamsim.analysis.fields.maps import VoiceRange
@@ -24,14 +25,14 @@ if TYPE_CHECKING:
 
 MAX_PANELS = 9
 SHOWN_KEYS = ("voice.noise_db", "radio.tx_power_dbm")
-"""The titles of the maps say these anyway."""
+"""Keys that the titles of the maps show anyway."""
 
 MAX_CELLS = 50_000_000
 
 _RADIO_TEXT = """\
-Draw how strong a radio is received everywhere: walls and closed doors fade it. Lines stand
-at -60 and -70 dBm, where a link is endangered (-80) and where it is lost (-94). Of several
-transmitters each cell shows the strongest."""
+Map the received signal strength of a radio; walls and closed doors attenuate it. Contour
+lines are at -60 and -70 dBm, where a link is endangered (-80) and where it is lost (-94).
+With several transmitters, each cell shows the strongest signal."""
 
 _RADIO_EPILOG = """\
 examples:
@@ -39,12 +40,12 @@ examples:
   robotteamsim field radio garage_sar --at 4,5 --at 30,36 --at 50,18 --png team.png
   robotteamsim field radio garage_sar --loss --compare at=4,5 --compare at=40,30 --png two.png
   robotteamsim field radio garage_sar --compare radio.pillars=true --compare radio.pillars=false --png pillars.png
-  robotteamsim field radio garage_sar --out radio.npz       the numbers, and radio.yaml for map_server"""
+  robotteamsim field radio garage_sar --out radio.npz       the values, and radio.yaml for map_server"""
 
 _VOICE_TEXT = """\
-Draw how loud the victims are heard everywhere. Lines stand at 10, 20 and 30 dB: within one,
-a victim is heard over so much noise. l_c and gamma are drawn per victim with the scenario's
-seed; --range takes the quiet or the loud ends of their ranges for all."""
+Map the level at which victims are heard. Contour lines are at 10, 20 and 30 dB: inside a
+line, a victim can be heard over that much noise. l_c and gamma are drawn per victim from the
+scenario's seed; --range uses the quiet or the loud ends of their ranges for all victims."""
 
 _VOICE_EPILOG = """\
 examples:
@@ -64,35 +65,42 @@ def add_to(commands: Any) -> None:
     kinds = parser.add_subparsers(title="maps", metavar="radio|voice", required=True)
 
     radio = kinds.add_parser(
-        "radio", help="what radios are received with, everywhere", description=_RADIO_TEXT, epilog=_RADIO_EPILOG
+        "radio", help="map the received signal strength", description=_RADIO_TEXT, epilog=_RADIO_EPILOG
     )
-    _add_at(radio, "a transmitter [m], repeatable; robot 0 at its start if none is given")
+    _add_at(radio, "position of a transmitter [m]; repeatable; default the start of robot 0")
     radio.add_argument("--loss", action="store_true", help="draw the path loss [dB] instead of the signal strength")
     radio.set_defaults(command=draw_radio, range="drawn")
 
     voice = kinds.add_parser(
-        "voice", help="what is heard of the victims, everywhere", description=_VOICE_TEXT, epilog=_VOICE_EPILOG
+        "voice", help="map the level of the victims' voices", description=_VOICE_TEXT, epilog=_VOICE_EPILOG
     )
-    _add_at(voice, "a victim [m] instead of the scenario's, repeatable")
+    _add_at(voice, "position of a victim [m] instead of the scenario's; repeatable")
     voice.add_argument(
-        "--range", choices=("drawn", "lowest", "highest"), default="drawn", help="l_c and gamma; default drawn"
+        "--range",
+        choices=("drawn", "lowest", "highest"),
+        default="drawn",
+        help="values of l_c and gamma; default drawn",
     )
     voice.set_defaults(command=draw_voice)
 
     for kind in (radio, voice):
         kind.add_argument("scenario", metavar="SCENARIO", help="a file or a shipped name")
         add_set_option(kind)
-        kind.add_argument("--resolution", type=number, metavar="M", help="cell [m]; default: 600 along the longer side")
-        kind.add_argument("--level", type=number, action="append", metavar="DB", help="a line here, repeatable")
+        kind.add_argument(
+            "--resolution", type=number, metavar="M", help="cell size [m]; default 600 cells along the longer side"
+        )
+        kind.add_argument(
+            "--level", type=number, action="append", metavar="DB", help="draw a contour line at this level; repeatable"
+        )
         kind.add_argument(
             "--compare",
             action="append",
             default=[],
             metavar="'K=V ...'",
-            help="one of several maps side by side on one scale: as --set, or at=X,Y, or range=...; repeatable",
+            help="settings of one of several maps drawn side by side: as in --set, or at=X,Y, or range=...; repeatable",
         )
         kind.add_argument("--png", type=Path, metavar="FILE", help="the picture to write")
-        kind.add_argument("--out", type=Path, metavar="FILE.npz", help="write numbers, and FILE.yaml for map_server")
+        kind.add_argument("--out", type=Path, metavar="FILE.npz", help="write the values, and FILE.yaml for map_server")
 
 
 def _add_at(parser: argparse.ArgumentParser, text: str) -> None:
@@ -101,7 +109,7 @@ def _add_at(parser: argparse.ArgumentParser, text: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Variant:
-    """One map to draw: what the command line says for all, and what one --compare says of its own."""
+    """One map to draw, with the settings of the command line and those of one --compare."""
 
     name: str
     overrides: list[str]
@@ -110,11 +118,12 @@ class _Variant:
     own_keys: tuple[str, ...] = ()
 
     def load(self, options: argparse.Namespace) -> scenario.Scenario:
-        """Load the scenario of this map. Raises: ScenarioError, UsageError: they name the option."""
+        """Load the scenario of this map. Raises: ScenarioError, UsageError: the message names the option."""
         try:
             loaded = scenario.load(options.scenario, self.overrides)
+            check_places(loaded)
         except ScenarioError as error:
-            error.args = (self._told_by_option(str(error)),)
+            error.args = (self._with_own_option(str(error)),)
             raise
         for x, y in self.at_m:
             if not loaded.plan.bounds.contains((x, y)):
@@ -122,17 +131,17 @@ class _Variant:
                 raise UsageError(f"{option}{x:g},{y:g} lies outside the plan, {loaded.plan.bounds}")
         return loaded
 
-    def _told_by_option(self, message: str) -> str:
-        """Return what scenario.load says of a --set, with --compare in its place where the key came by that."""
+    def _with_own_option(self, message: str) -> str:
+        """Return a message about --set, with --compare instead of --set if the key was given by --compare."""
         option, colon, rest = message.partition(": ")
-        told = re.split("[:=]", rest.lstrip("'"))[0] + "."
-        is_own = any(told.startswith(f"{key}.") or f"{key}.".startswith(told) for key in self.own_keys)
+        named = re.split("[:=]", rest.lstrip("'"))[0] + "."
+        is_own = any(named.startswith(f"{key}.") or f"{key}.".startswith(named) for key in self.own_keys)
         return f"--compare{colon}{rest}" if option == "--set" and is_own else message
 
 
 def draw_radio(options: argparse.Namespace) -> None:
     """Draw or write the radio maps."""
-    # Imported late: Matplotlib takes longer to start than a short mission.
+    # Imported late, because Matplotlib takes longer to load than a short mission takes to run.
     from robotteamsim.analysis.fields.maps import radio_panel, radio_style
 
     variants = _variants(options)
@@ -158,14 +167,14 @@ def draw_voice(options: argparse.Namespace) -> None:
 
 
 def _variants(options: argparse.Namespace) -> list[_Variant]:
-    """Return the maps that a command line asks for. Raises: UsageError."""
+    """Return the requested maps. Raises: UsageError."""
     if not (options.png or options.out):
-        raise UsageError("say where to write: --png FILE for a picture, --out FILE.npz for the numbers, or both")
+        raise UsageError("no output given; use --png FILE for a picture, --out FILE.npz for the values, or both")
     if options.out and options.out.suffix != ".npz":
-        raise UsageError(f"--out {options.out}: wanted a name that ends in .npz")
+        raise UsageError(f"--out {options.out}: expected a name that ends in .npz")
     if len(options.compare) == 1 or len(options.compare) > MAX_PANELS:
         count = "once" if len(options.compare) == 1 else f"{len(options.compare)} times"
-        raise UsageError(f"--compare is given {count}; wanted once per map, 2 to {MAX_PANELS} of them")
+        raise UsageError(f"--compare is given {count}; expected 2 to {MAX_PANELS}, one for each map")
     common = _Variant("", options.overrides, options.at, options.range)
     return [_variant(common, text) for text in options.compare] or [common]
 
@@ -176,7 +185,9 @@ def _variant(common: _Variant, text: str) -> _Variant:
     for part in text.split():
         key, equals, value = part.partition("=")
         if not equals:
-            raise UsageError(f"--compare: '{part}' is not of the form KEY=VALUE, such as voice.noise_db=20 or at=4,5")
+            raise UsageError(
+                f"--compare: '{part}' does not have the form KEY=VALUE, such as voice.noise_db=20 or at=4,5"
+            )
         keys.append(key)
         if key == "at":
             try:
@@ -185,7 +196,7 @@ def _variant(common: _Variant, text: str) -> _Variant:
                 raise UsageError(f"--compare: at: {error}") from None
         elif key == "range":
             if value not in ("drawn", "lowest", "highest"):
-                raise UsageError(f"--compare: range: '{value}' is not one of drawn, lowest, highest")
+                raise UsageError(f"--compare: range: '{value}' is not valid; expected one of drawn, lowest, highest")
             voice_range = cast("VoiceRange", value)
         else:
             overrides.append(part)
@@ -206,18 +217,18 @@ def _resolution_m(options: argparse.Namespace, loaded: scenario.Scenario) -> flo
     if options.resolution is None:
         return default_resolution_m(loaded.plan)
     if not 0.01 <= options.resolution <= 10.0:
-        raise UsageError(f"--resolution {options.resolution:g} is not within 0.01 .. 10 m")
+        raise UsageError(f"--resolution {options.resolution:g} is outside 0.01 to 10 m")
     (min_x, min_y), (max_x, max_y) = loaded.plan.bounds.min, loaded.plan.bounds.max
     cells = (max_x - min_x) * (max_y - min_y) / options.resolution**2
     if cells > MAX_CELLS:
-        raise UsageError(f"--resolution {options.resolution:g} makes {cells:.0f} cells; wanted at most {MAX_CELLS}")
+        raise UsageError(f"--resolution {options.resolution:g} gives {cells:.0f} cells; expected at most {MAX_CELLS}")
     return float(options.resolution)
 
 
 def _finish(
     options: argparse.Namespace, variants: Sequence[_Variant], panels: Sequence[Panel], style: FieldStyle
 ) -> None:
-    """Draw and write what was asked for; nothing where the maps do not fit into one file."""
+    """Draw and write the requested files, or none if the maps do not fit into one file."""
     from robotteamsim.analysis.fields.file import numbers
 
     panels = [
@@ -234,11 +245,11 @@ def _finish(
 
 
 def _write(path: Path, arrays: dict[str, np.ndarray], panels: Sequence[Panel], style: FieldStyle) -> None:
-    """Write the numbers, and per map an image with its yaml; tell their names."""
+    """Write the values, and an image with its yaml for each map; print their paths."""
     from robotteamsim.analysis.fields.file import grid_pgm, grid_yaml
 
     with atomically(path) as part, part.open("wb") as file:
-        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]  # NumPy's stub has no keywords but its own
+        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]  # NumPy's stub does not allow other keywords
     print(path)
     for i, panel in enumerate(panels, 1):
         stem = path.stem if len(panels) == 1 else f"{path.stem}_{i}"

@@ -10,27 +10,27 @@ from robotteamsim.simulation import Result, StepRecord
 
 
 class InterruptBetweenSteps:
-    """Lets Ctrl-C end a run after the step at hand, when all recorders have seen it whole; a second one ends it now."""
+    """Ends a run on Ctrl-C after the current step, when all recorders have it; a second Ctrl-C ends it at once."""
 
     def begin(self, scenario: Scenario) -> None:
-        """Take over Ctrl-C."""
-        self._wanted = False
-        self._former = signal.signal(signal.SIGINT, self._note)
+        """Install the handler."""
+        self._pressed = False
+        self._previous = signal.signal(signal.SIGINT, self._note)
 
     def step(self, record: StepRecord) -> None:
-        """End the run if that is wanted. Raises: KeyboardInterrupt."""
-        if self._wanted:
+        """End the run if Ctrl-C was pressed. Raises: KeyboardInterrupt."""
+        if self._pressed:
             raise KeyboardInterrupt
 
     def end(self, result: Result) -> None:
-        """Give Ctrl-C back."""
-        signal.signal(signal.SIGINT, self._former)
+        """Restore the previous handler."""
+        signal.signal(signal.SIGINT, self._previous)
 
     def abandon(self) -> None:
-        """Give Ctrl-C back."""
-        signal.signal(signal.SIGINT, self._former)
+        """Restore the previous handler."""
+        signal.signal(signal.SIGINT, self._previous)
 
     def _note(self, signal_number: int, frame: FrameType | None) -> None:
-        if self._wanted:
+        if self._pressed:
             raise KeyboardInterrupt
-        self._wanted = True
+        self._pressed = True

@@ -1,4 +1,4 @@
-"""Entry of the command line: finds the command, and turns every mistake into one line."""
+"""Entry point of the command line: runs a command and prints a user's mistake as one line."""
 
 from __future__ import annotations
 
@@ -30,18 +30,21 @@ examples:
   robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
   robotteamsim run my.yaml --set control.alpha=0.5 --json
   robotteamsim campaign garage_sar --noise 10 --noise 20 --trials 30 --out DIR
-  robotteamsim report DIR                            a campaign's figures, tests and verdicts as one page
-  robotteamsim analyse mission.bag                   what a bag tells, of a headless run or of ROS
-  robotteamsim scenario show garage_sar              every key with its value
+  robotteamsim report DIR                            figures, tests and verdicts of a campaign on one page
+  robotteamsim analyse mission.bag                   summary of any bag: headless, ROS or real robots
+  robotteamsim scenario show garage_sar              every key and its value
   robotteamsim field voice garage_sar --png voice.png
   robotteamsim plan import map.yaml --out plan.yaml  a map_server image as walls
   robotteamsim plan import-stage office.world        a Stage world as a scenario
 
-`robotteamsim COMMAND --help` says more about a command."""
+`robotteamsim COMMAND --help` describes a command in detail."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit status: 2 for a user's mistake, 130 when interrupted, else mostly 0."""
+    """Run one command and return its exit status.
+
+    Returns: 0; 1 for a campaign with failed trials; 2 for a user's mistake; 130 if interrupted; 141 for a broken pipe.
+    """
     try:
         options = _parser().parse_args(arguments)
         status = options.command(options)
@@ -53,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("robotteamsim: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except BrokenPipeError:
-        # The reader has gone. Python would complain once more when it flushes stdout at exit.
+        # The reader has closed the pipe. Without this, Python would print an error when it flushes stdout at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_BROKEN_PIPE
     return status or 0
@@ -62,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="robotteamsim",
-        description="Teams of mobile robots in search and rescue: run missions, look at what they depend on.",
+        description="Simulate teams of mobile robots in search and rescue missions, and analyse the results.",
         epilog=_EXAMPLES,
     )
     parser.add_argument("--version", action="version", version=f"robotteamsim {robotteamsim.__version__}")

@@ -1,4 +1,4 @@
-"""The argument parser of all commands, and the types of arguments that several share."""
+"""The argument parser of all commands, and argument types shared by several commands."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ class UsageError(RobotTeamSimError):
 
 
 class Parser(argparse.ArgumentParser):
-    """Takes no abbreviations, keeps the line breaks of its texts, and raises mistakes as a UsageError of one line."""
+    """Rejects abbreviations, keeps line breaks in help texts, and raises mistakes as a UsageError of one line."""
 
     def __init__(self, **settings: object) -> None:
         super().__init__(allow_abbrev=False, formatter_class=argparse.RawDescriptionHelpFormatter, **settings)  # type: ignore[arg-type]
-        # argparse takes -1 for a number, but -1,5 for an option; no option here starts with a digit.
+        # argparse recognises -1 as a number, but takes -1,5 for an option. No option here starts with a digit.
         self._negative_number_matcher = re.compile(r"-[\d.]")
 
     def error(self, message: str) -> NoReturn:
@@ -29,9 +29,11 @@ class Parser(argparse.ArgumentParser):
         if wrong:
             name, value, choices = wrong[1], wrong[2], [choice.strip("'") for choice in wrong[3].split(", ")]
             if name.startswith("-"):
-                raise UsageError(f"{name}: '{value}' is not one of {', '.join(choices)} (see `{self.prog} --help`)")
+                raise UsageError(
+                    f"{name}: '{value}' is not valid; expected one of {', '.join(choices)} (see `{self.prog} --help`)"
+                )
             near = difflib.get_close_matches(value, choices, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(choices)}"
+            hint = f"did you mean '{near[0]}'?" if near else f"expected one of {', '.join(choices)}"
             message = f"no such command '{value}'; {hint}"
         raise UsageError(f"{message} (see `{self.prog} --help`)")
 
@@ -41,7 +43,7 @@ def point(text: str) -> tuple[float, float]:
     try:
         x, y = (float(part) for part in text.split(","))
     except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is not of the form X,Y, such as 4.0,5.0 [m]") from None
+        raise argparse.ArgumentTypeError(f"'{text}' does not have the form X,Y, such as 4.0,5.0 [m]") from None
     if not (math.isfinite(x) and math.isfinite(y)):
         raise argparse.ArgumentTypeError(f"'{text}' is not finite")
     return x, y

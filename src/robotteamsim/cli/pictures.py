@@ -1,4 +1,4 @@
-"""What commands that write pictures share."""
+"""Shared parts of the commands that write pictures."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def add_png_option(parser: argparse.ArgumentParser) -> None:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a picture and tell where. Raises: RecordingError."""
+    """Write a picture and print its path. Raises: RecordingError."""
     with atomically(path) as part:
         figure.savefig(part, format="png")
     print(path)

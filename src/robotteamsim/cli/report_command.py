@@ -1,4 +1,4 @@
-"""`robotteamsim report`: one page with figures, tables and verdicts from a campaign's store."""
+"""`robotteamsim report`: make one page with figures, tables and verdicts from the store of a campaign."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from typing import Any
 from robotteamsim.campaign import read_store
 
 _DESCRIPTION = """\
-Make the report of a campaign: report.html, which needs no other file, and beside it
-the figures as PNG and the tables as CSV and LaTeX. The same store gives the same
-bytes. The garage under 10, 20 or 30 dB of noise is held against the dissertation."""
+Make the report of a campaign: report.html, which needs no other file, the figures as PNG,
+and the tables as CSV and LaTeX. The same store always gives the same bytes. Campaigns of
+the garage with 10, 20 or 30 dB of noise are compared with the dissertation."""
 
 _EPILOG = """\
 examples:
@@ -24,20 +24,18 @@ examples:
 def add_to(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser("report", help="make a campaign's report", description=_DESCRIPTION, epilog=_EPILOG)
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the campaign (--out of `campaign`)")
     parser.add_argument(
-        "folder", type=Path, metavar="DIR", help="folder of a campaign, as --out of `campaign` named it"
-    )
-    parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the report; that of the campaign if not given"
+        "--out", type=Path, metavar="DIR", help="folder for the report; default the folder of the campaign"
     )
     parser.add_argument("--json", action="store_true", help="print notes and claims as one JSON object")
     parser.set_defaults(command=run)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Make the report and tell its verdicts."""
+    """Make the report and print its verdicts."""
     stored = read_store(options.folder)
-    # Imported late: Matplotlib and statsmodels take longer to start than a short mission.
+    # Imported late, because Matplotlib and statsmodels take longer to load than a short mission takes to run.
     from robotteamsim.analysis.report import make_report
 
     report = make_report(stored, str(options.folder))

@@ -1,4 +1,4 @@
-"""`robotteamsim run`: one mission, as fast as the machine goes."""
+"""`robotteamsim run`: run one mission as fast as possible."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from robotteamsim.recording.table import EventList, print_result
 from robotteamsim.simulation import Observer, Simulation
 
 _DESCRIPTION = """\
-Run one mission and tell what happened. The same scenario and seed give the same
-trajectories to the bit, here and in ROS with lockstep:=true."""
+Run one mission and print what happened. The same scenario and seed give the same
+trajectories to the bit, headless and in ROS with lockstep:=true."""
 
 _EPILOG = """\
---out writes mission.json (result, every event, every setting, versions) and
-trajectories/robot_<id>.tum. --bag writes the topics of a ROS run; play it with
-`roslaunch robotteamsim replay.launch bag:=...`.
+--out writes mission.json (result, all events, all settings, versions) and
+trajectories/robot_<id>.tum. --bag writes the same topics as a ROS run; play it back
+with `roslaunch robotteamsim replay.launch bag:=...`.
 
 examples:
   robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
@@ -37,11 +37,11 @@ def add_to(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser("run", help="run one mission", description=_DESCRIPTION, epilog=_EPILOG)
     parser.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped scenario: garage_sar")
-    parser.add_argument("--seed", type=whole_number, metavar="N", help="of every random stream (run.seed)")
-    parser.add_argument("--noise", type=number, metavar="DB", help="background noise (voice.noise_db)")
-    parser.add_argument("--robots", type=whole_number, metavar="N", help="size of the team (robots.count)")
+    parser.add_argument("--seed", type=whole_number, metavar="N", help="seed of all random numbers (run.seed)")
+    parser.add_argument("--noise", type=number, metavar="DB", help="background noise [dB] (voice.noise_db)")
+    parser.add_argument("--robots", type=whole_number, metavar="N", help="number of robots (robots.count)")
     add_set_option(parser)
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write mission.json and trajectories into this folder")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="write mission.json and trajectories to this folder")
     parser.add_argument("--bag", type=Path, metavar="FILE", help="write a ROS bag of the run")
     parser.add_argument("--json", action="store_true", help="print the result as one JSON object instead of a table")
     parser.add_argument("--quiet", action="store_true", help="no progress bar, no table")
@@ -49,7 +49,7 @@ def add_to(commands: Any) -> None:
 
 
 def add_set_option(parser: argparse.ArgumentParser) -> None:
-    """Add --set, which may be given several times."""
+    """Add --set, which can be repeated."""
     parser.add_argument(
         "--set",
         action="append",
@@ -77,17 +77,17 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _load(options: argparse.Namespace) -> scenario.Scenario:
-    """Return the scenario with all overrides of the command line; options with a name come last and win.
+    """Return the scenario with all overrides of the command line; named options take precedence over --set.
 
-    Raises: ScenarioError: also where an option is wrong, under the name that was typed.
+    Raises: ScenarioError: names the option as the user typed it.
     """
     noise_db = None if options.noise is None else f"{options.noise:g}"
-    wanted = {
+    named = {
         "--seed": ("run.seed", options.seed),
         "--noise": ("voice.noise_db", noise_db),
         "--robots": ("robots.count", options.robots),
     }
-    given = {option: (key, value) for option, (key, value) in wanted.items() if value is not None}
+    given = {option: (key, value) for option, (key, value) in named.items() if value is not None}
     try:
         return scenario.load(
             options.scenario, [*options.overrides, *(f"{key}={value}" for key, value in given.values())]
@@ -102,6 +102,6 @@ def _load(options: argparse.Namespace) -> scenario.Scenario:
 def _recorders(options: argparse.Namespace) -> list[Observer]:
     recorders: list[Observer] = [BagWriter(options.bag)] if options.bag else []
     if options.out:
-        # mission.json comes last: where it is, the rest is complete.
+        # mission.json is written last: if it exists, the rest is complete.
         recorders += [TumWriter(options.out / "trajectories"), ResultWriter(options.out)]
     return recorders

@@ -1,4 +1,4 @@
-"""`robotteamsim scenario`: check, show, list; the JSON Schema for editors."""
+"""`robotteamsim scenario`: check, show, draw and list scenarios; print the JSON Schema for editors."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.recording.files import write_atomically
 from robotteamsim.simulation import Simulation
 from robotteamsim.wording import counted
+from robotteamsim.world.placement import check_places
 
 _SCHEMA_EPILOG = """\
-With the YAML extension of an editor, this first line gives completion and checks:
+With an editor's YAML extension, this first line enables completion and checks:
   # yaml-language-server: $schema=scenario.schema.json"""
 
 
@@ -27,7 +28,7 @@ def add_to(commands: Any) -> None:
     parser = commands.add_parser("scenario", help="check, show or list scenarios", description=__doc__)
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
 
-    check = actions.add_parser("check", help="tell every mistake in a scenario")
+    check = actions.add_parser("check", help="report all mistakes in scenarios")
     check.add_argument("scenarios", nargs="+", metavar="SCENARIO", help="files or shipped names")
     add_set_option(check)
     check.set_defaults(command=run_check)
@@ -37,14 +38,14 @@ def add_to(commands: Any) -> None:
     add_set_option(show)
     show.set_defaults(command=run_show)
 
-    render = actions.add_parser("render", help="draw plan, areas, victims and robots")
+    render = actions.add_parser("render", help="draw floor plan, areas, victims and robots")
     render.add_argument("scenario", metavar="SCENARIO", help="a file or a shipped name")
     add_set_option(render)
     add_png_option(render)
     render.set_defaults(command=run_render)
 
     schema = actions.add_parser("schema", help="print the JSON Schema of a scenario", epilog=_SCHEMA_EPILOG)
-    schema.add_argument("file", nargs="?", type=Path, metavar="FILE", help="write it here instead")
+    schema.add_argument("file", nargs="?", type=Path, metavar="FILE", help="write to this file instead")
     schema.set_defaults(command=run_schema)
 
     shipped = actions.add_parser("list", help="print the names of the shipped scenarios")
@@ -52,11 +53,12 @@ def add_to(commands: Any) -> None:
 
 
 def run_check(options: argparse.Namespace) -> None:
-    """Check scenarios; all mistakes of all of them are told."""
+    """Check scenarios and report all mistakes in all of them."""
     mistakes: list[str] = []
     for name in options.scenarios:
         try:
             loaded = scenario.load(name, options.overrides)
+            check_places(loaded)
         except ScenarioError as error:
             mistakes += [str(error), *getattr(error, "__notes__", [])]
             continue
@@ -65,7 +67,7 @@ def run_check(options: argparse.Namespace) -> None:
             continue
         mission, (width_m, height_m) = loaded.mission, _size_m(loaded)
         print(
-            f"{name}: good: {counted(len(loaded.placed_robots()), 'robot')}, {counted(len(mission.areas), 'area')}, "
+            f"{name}: valid: {counted(loaded.num_robots, 'robot')}, {counted(len(mission.areas), 'area')}, "
             f"{counted(len(mission.victims), 'victim')} in {loaded.plan.name} of {width_m:g} x {height_m:g} m"
         )
     if mistakes:
@@ -75,7 +77,7 @@ def run_check(options: argparse.Namespace) -> None:
 
 
 def _mistake_in_setting_up(loaded: scenario.Scenario) -> str:
-    """Return what no key tells by itself, a controller that there is not, say; "": nothing."""
+    """Return a mistake that appears only when the mission is set up, such as an unknown controller; "" if none."""
     try:
         controllers = Simulation(loaded).controllers
     except RobotTeamSimError as error:

@@ -1,4 +1,4 @@
-"""`robotteamsim plan import-stage` and `plan export-stage`: worlds of the Stage simulator."""
+"""`robotteamsim plan import-stage` and `plan export-stage`: convert worlds of the Stage simulator."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from robotteamsim.scenario.yaml_text import write
 from robotteamsim.wording import counted
 
 _IMPORT_TEXT = """\
-Turn a Stage world into a scenario and its floor plan: models with a bitmap, blocks or a
-boundary become walls and blocks, position models with a ranger become robots. What is
-taken differently is said line by line; docs/stage.md lists what is taken."""
+Convert a Stage world to a scenario and its floor plan: models with a bitmap, blocks or a
+boundary become walls and blocks, position models with a ranger become robots. A warning is
+printed for each setting that is converted differently; docs/stage.md lists what is supported."""
 
 _IMPORT_EXAMPLES = """\
 examples:
@@ -26,8 +26,8 @@ examples:
   robotteamsim plan import-stage office.world --out DIR && robotteamsim run DIR/office.yaml"""
 
 _EXPORT_TEXT = """\
-Write a scenario as a Stage world and the bitmap of its walls and closed doors, for
-stage_ros: the same controllers then drive the same robots there."""
+Write a scenario as a Stage world with a bitmap of its walls and closed doors, for stage_ros:
+the same controllers then drive the same robots in Stage."""
 
 _EXPORT_EXAMPLES = """\
 examples:
@@ -37,41 +37,49 @@ examples:
 
 def add_to(actions: Any) -> None:
     """Add the commands to the parser of `plan`."""
-    bring = actions.add_parser(
+    import_parser = actions.add_parser(
         "import-stage",
-        help="turn a Stage world into a scenario",
+        help="convert a Stage world to a scenario",
         description=_IMPORT_TEXT,
         epilog=_IMPORT_EXAMPLES,
     )
-    bring.add_argument("world", type=Path, metavar="FILE.world", help="the world file")
-    bring.add_argument("--out", type=Path, metavar="DIR", help="where to write; default a new folder named so")
-    bring.set_defaults(command=import_stage)
+    import_parser.add_argument("world", type=Path, metavar="FILE.world", help="the world file")
+    import_parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="where to write; default a new folder named after the world"
+    )
+    import_parser.set_defaults(command=import_stage)
 
-    send = actions.add_parser(
+    export_parser = actions.add_parser(
         "export-stage", help="write a scenario as a Stage world", description=_EXPORT_TEXT, epilog=_EXPORT_EXAMPLES
     )
-    send.add_argument("scenario", metavar="SCENARIO", help="a file, or a shipped scenario: garage_sar")
-    send.add_argument("--set", dest="settings", action="append", default=[], metavar="KEY=VALUE", help="change a value")
-    send.add_argument("--out", type=Path, required=True, metavar="DIR", help="where to write the world and its bitmap")
-    send.add_argument(
+    export_parser.add_argument(
+        "scenario", metavar="SCENARIO", help="a file, or the name of a shipped scenario: garage_sar"
+    )
+    export_parser.add_argument(
+        "--set", dest="settings", action="append", default=[], metavar="KEY=VALUE", help="change a value"
+    )
+    export_parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="where to write the world and its bitmap"
+    )
+    export_parser.add_argument(
         "--resolution",
         type=positive_number,
         default=RESOLUTION_M,
         metavar="M",
-        help="edge of a pixel [m]; default %(default)s",
+        help="size of a pixel [m]; default %(default)s",
     )
-    send.set_defaults(command=export_stage)
+    export_parser.set_defaults(command=export_stage)
 
 
 def import_stage(options: argparse.Namespace) -> None:
     """Import a Stage world."""
-    # Imported late: OpenCV takes longer to start than most commands to run.
-    from robotteamsim.scenario.stage import import_world
+    # Imported late, because OpenCV takes longer to load than most commands take to run.
+    from robotteamsim.stage import import_world
 
     name = options.world.stem
     folder = options.out or Path(name)
     if options.out is None and folder.exists():
-        raise UsageError(f"{folder} exists already; name the folder to write to with --out")
+        raise UsageError(f"{folder} already exists; choose a folder with --out")
     found = import_world(options.world)
     _warn(found.notes)
     plan_file, scenario_file = folder / "plan.yaml", folder / f"{name}.yaml"
@@ -82,7 +90,7 @@ def import_stage(options: argparse.Namespace) -> None:
     with atomically(plan_file) as plan_part, atomically(scenario_file) as scenario_part:
         scenario.write_floor_plan(found.plan, plan_part)
         scenario_part.write_text(write(keys), encoding="utf-8")
-    robots, walls, blocks = len(found.scenario.placed_robots()), len(found.plan.walls), len(found.plan.blocks)
+    robots, walls, blocks = found.scenario.num_robots, len(found.plan.walls), len(found.plan.blocks)
     print(
         f"{scenario_file}: {counted(robots, 'robot')}; "
         f"{plan_file}: {counted(walls, 'wall')}, {counted(blocks, 'block')}"
@@ -91,10 +99,10 @@ def import_stage(options: argparse.Namespace) -> None:
 
 def export_stage(options: argparse.Namespace) -> None:
     """Export a scenario to Stage."""
-    from robotteamsim.scenario.stage import export_world
+    from robotteamsim.stage import export_world
 
     model = scenario.load(options.scenario, options.settings)
-    # The scenario's own name may be no file name.
+    # The scenario's own name may not be a valid file name.
     name = Path(options.scenario).stem
     export = export_world(model, f"{name}.png", options.resolution)
     _warn(export.notes)
@@ -103,7 +111,7 @@ def export_stage(options: argparse.Namespace) -> None:
     with atomically(bitmap) as bitmap_part, atomically(world) as world_part:
         bitmap_part.write_bytes(export.bitmap)
         world_part.write_text(export.world, encoding="utf-8")
-    print(f"{world}: {counted(len(model.placed_robots()), 'robot')}; {bitmap}: walls and closed doors")
+    print(f"{world}: {counted(model.num_robots, 'robot')}; {bitmap}: walls and closed doors")
 
 
 def _warn(notes: Sequence[str]) -> None:

@@ -70,7 +70,7 @@ class Mission:
         self._endangered_links = 0
         self._endangered: np.ndarray | None = None
         self._team = TeamWatch(scenario.mission.base)
-        present = np.array([robot.present for robot in scenario.placed_robots()], dtype=bool)
+        present = np.array(scenario.present_at_start, dtype=bool)
         self._num_robots = len(present)
         self._present = None if present.all() else present
         """Whether each robot was there in the last step; None: all were."""

@@ -13,13 +13,14 @@ from typing import Any
 from rosbags.rosbag1 import Writer
 
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.files import cannot_write, check_replaceable
-from robotteamsim.recording.sensor_fields import sensor_topics
+from robotteamsim.recording.sensor_messages import sensor_topics
 from robotteamsim.scenario import occupancy_grid
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
+from robotteamsim.world.placement import placed_robots
 
 MAP_RESOLUTION_M = 0.05
 """Cell of `/map` [m]."""
@@ -116,7 +117,7 @@ class BagWriter:
     def begin(self, scenario: Scenario) -> None:
         """Open the bag. Raises: RecordingError: it cannot be written."""
         self._scenario = scenario
-        self._robots = scenario.placed_robots()
+        self._robots = placed_robots(scenario)
         self._sensors = [sensor_topics(robot) for robot in self._robots]
         self._step_ns = round(scenario.run.step_s * 1e9)
         self._steps, self._within_step = 0, False
@@ -195,7 +196,7 @@ class BagWriter:
         yield from TEAM_TOPICS
         for robot_id, sensors in enumerate(self._sensors):
             for topic in (*ROBOT_TOPICS, *(Topic(sensor.name, sensor.type_name) for sensor in sensors)):
-                yield Topic(f"/{fields.robot_name(robot_id)}/{topic.name}", topic.type_name, topic.latched)
+                yield Topic(f"/{ros_messages.robot_name(robot_id)}/{topic.name}", topic.type_name, topic.latched)
 
     def _connect(self, topic: Topic) -> Any:
         assert self._writer is not None
@@ -213,55 +214,58 @@ class BagWriter:
         ticks = self._scenario.run.physics_substeps
         for tick in range(1, ticks):
             tick_ns = time_ns - self._step_ns + tick * self._step_ns // ticks
-            yield tick_ns, "/clock", fields.clock(make, tick_ns)
+            yield tick_ns, "/clock", ros_messages.clock(make, tick_ns)
         for topic, message in self._team_messages(record):
             yield time_ns, topic, message
         for robot_id in range(len(self._robots)):
             if not record.is_there(robot_id):
                 continue
             for topic, message in self._robot_messages(record, robot_id):
-                yield time_ns, f"/{fields.robot_name(robot_id)}/{topic}", message
-        yield time_ns, "/clock", fields.clock(make, time_ns)
+                yield time_ns, f"/{ros_messages.robot_name(robot_id)}/{topic}", message
+        yield time_ns, "/clock", ros_messages.clock(make, time_ns)
 
     def _team_messages(self, record: StepRecord) -> Iterator[tuple[str, Any]]:
         make, time_ns, status, last = self._make, record.sim_time_ns, record.mission, self._last
         if last is None:
             grid = occupancy_grid(self._scenario.plan, MAP_RESOLUTION_M)
-            yield "/map", fields.occupancy_grid(make, time_ns, grid)
+            yield "/map", ros_messages.occupancy_grid(make, time_ns, grid)
         odometry = [
             reading.odometry if record.is_there(robot_id) else None for robot_id, reading in enumerate(record.readings)
         ]
-        yield "/tf", fields.transforms(make, time_ns, self._robots, odometry)
+        yield "/tf", ros_messages.transforms(make, time_ns, self._robots, odometry)
         if record.doors and (last is None or record.doors is not last.doors):
-            yield "/world/doors", fields.doors(make, time_ns, record.doors)
+            yield "/world/doors", ros_messages.doors(make, time_ns, record.doors)
         if last is None or record.present is not last.present or record.arrivals is not last.arrivals:
-            yield "/world/robots", fields.robots(make, time_ns, record.present, record.arrivals)
+            yield "/world/robots", ros_messages.robots(make, time_ns, record.present, record.arrivals)
         if record.voice_map is not None:
-            yield "/voice_map", fields.field_map_picture(make, time_ns, record.voice_map)
-            yield "/voice_map/values", fields.field_map(make, time_ns, record.voice_map, "voice_level", "dB")
-        yield "/network/state", fields.network_state(make, time_ns, record.network)
-        yield "/mission/status", fields.mission_status(make, time_ns, self._scenario.name, status, record.noise_db)
+            yield "/voice_map", ros_messages.field_map_picture(make, time_ns, record.voice_map)
+            yield "/voice_map/values", ros_messages.field_map(make, time_ns, record.voice_map, "voice_level", "dB")
+        yield "/network/state", ros_messages.network_state(make, time_ns, record.network)
+        yield (
+            "/mission/status",
+            ros_messages.mission_status(make, time_ns, self._scenario.name, status, record.noise_db),
+        )
         for event in record.events:
-            yield "/mission/events", fields.mission_event(make, time_ns, event)
+            yield "/mission/events", ros_messages.mission_event(make, time_ns, event)
         if last is None or (record.victims, status.victims) != (last.victims, last.mission.victims):
-            yield "/mission/victims", fields.victims(make, time_ns, record.victims, status.victims)
+            yield "/mission/victims", ros_messages.victims(make, time_ns, record.victims, status.victims)
         if last is None or status.explored != last.mission.explored:
-            yield "/mission/areas", fields.areas(make, time_ns, self._scenario.mission.areas, status)
+            yield "/mission/areas", ros_messages.areas(make, time_ns, self._scenario.mission.areas, status)
         self._last = record
 
     def _robot_messages(self, record: StepRecord, robot_id: int) -> Iterator[tuple[str, Any]]:
         make, time_ns = self._make, record.sim_time_ns
         robot, reading, decision = self._robots[robot_id], record.readings[robot_id], record.decisions[robot_id]
-        yield "odom", fields.odometry(make, time_ns, robot_id, reading.odometry)
-        yield "base_scan", fields.scan(make, time_ns, robot_id, robot.laser, reading.ranges_m)
-        yield "base_pose_ground_truth", fields.ground_truth(make, time_ns, robot_id, reading)
-        yield "contact", fields.contact(make, time_ns, robot_id, reading.in_contact, reading.contact_angles_rad)
+        yield "odom", ros_messages.odometry(make, time_ns, robot_id, reading.odometry)
+        yield "base_scan", ros_messages.scan(make, time_ns, robot_id, robot.laser, reading.ranges_m)
+        yield "base_pose_ground_truth", ros_messages.ground_truth(make, time_ns, robot_id, reading)
+        yield "contact", ros_messages.contact(make, time_ns, robot_id, reading.in_contact, reading.contact_angles_rad)
         for topic in self._sensors[robot_id]:
             message = topic.message(make, time_ns, robot_id, reading.further)
             if message is not None:
                 yield topic.name, message
-        yield "voice", fields.voice(make, time_ns, record.voices[robot_id])
-        yield "network/rx", fields.network_messages(make, time_ns, record.inboxes[robot_id])
-        yield "network/tx", fields.network_messages(make, time_ns, decision.outbox)
-        yield "cmd_vel", fields.twist(make, decision.twist)
-        yield "controller/status", fields.controller_status(make, time_ns, robot_id, decision)
+        yield "voice", ros_messages.voice(make, time_ns, record.voices[robot_id])
+        yield "network/rx", ros_messages.network_messages(make, time_ns, record.inboxes[robot_id])
+        yield "network/tx", ros_messages.network_messages(make, time_ns, decision.outbox)
+        yield "cmd_vel", ros_messages.twist(make, decision.twist)
+        yield "controller/status", ros_messages.controller_status(make, time_ns, robot_id, decision)

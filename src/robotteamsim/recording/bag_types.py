@@ -16,16 +16,16 @@ _TF_MESSAGE = "geometry_msgs/TransformStamped[] transforms\n"  # tf2_msgs is not
 
 
 class BagTypes:
-    """Builds messages of rosbags' classes; the `make` of `message_fields`."""
+    """Builds messages of rosbags' classes; the `make` of `ros_messages`."""
 
     def __init__(self) -> None:
         self.typestore = bag_typestore()
         self._classes = {name.replace("/msg/", "/"): cls for name, cls in self.typestore.types.items()}
         self._time = self._classes["builtin_interfaces/Time"]
 
-    def __call__(self, type_name: str, /, **fields: Any) -> Any:
+    def __call__(self, type_name: str, /, **attributes: Any) -> Any:
         """Return a message of a type such as "nav_msgs/Odometry"."""
-        return self._classes[type_name](**fields)
+        return self._classes[type_name](**attributes)
 
     def time(self, time_ns: int) -> Any:
         """Return the stamp of a time [ns]."""

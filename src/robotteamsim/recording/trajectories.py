@@ -7,7 +7,7 @@ from pathlib import Path
 
 from robotteamsim.geometry import PoseReading
 from robotteamsim.recording.files import prepare_folder, write_atomically
-from robotteamsim.recording.message_fields import robot_name
+from robotteamsim.recording.ros_messages import robot_name
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
 

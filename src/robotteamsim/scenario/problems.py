@@ -11,6 +11,7 @@ from pydantic import Tag, ValidationError
 from pydantic.fields import FieldInfo
 
 from robotteamsim.scenario.base import Model
+from robotteamsim.scenario.renamed_keys import renaming
 from robotteamsim.scenario.yaml_text import shown
 
 _Detail = dict[str, Any]
@@ -80,7 +81,7 @@ def _problem(detail: _Detail, root: type[Model], data: Any) -> Problem:
         path += [context["key"]] if context["key"] else []
         text = context["text"]
     elif kind == "extra_forbidden":
-        text = f"unknown key{_known_key(str(path[-1]), _model_at(root, place[:-1]), root)}"
+        text = renaming(path) or f"unknown key{_known_key(str(path[-1]), _model_at(root, place[:-1]), root)}"
     elif kind == "missing":
         text = f"missing{_meaning(_model_at(root, place[:-1]), str(path[-1]))}"
     elif kind in _TEXTS:

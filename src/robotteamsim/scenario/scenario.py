@@ -8,7 +8,7 @@ from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from robotteamsim.scenario.base import Many, Model, first_repeated, wrong
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
-from robotteamsim.scenario.placement import placed_robots
+from robotteamsim.scenario.origin import Origin
 from robotteamsim.scenario.schedule import ScheduledEvent, problem_of
 from robotteamsim.scenario.sections import Control, Mission, Network, PlacedRobot, Radio, Run, Team, Voice
 from robotteamsim.scenario.things import Thing
@@ -50,6 +50,7 @@ class Scenario(Model):
     run: Run = Run()
 
     _plan_file: tuple[FloorPlan, str] | None = PrivateAttr(default=None)
+    _origin: Origin = PrivateAttr(default=Origin())
 
     @model_validator(mode="after")
     def _check(self) -> Scenario:
@@ -61,7 +62,7 @@ class Scenario(Model):
                     "radio.materials",
                     f"has no '{element.material}', which '{element.name}' of the plan is made of; known: {known}",
                 )
-        num_robots = self.robots.count if isinstance(self.robots, Team) else len(self.robots)
+        num_robots = self.num_robots
         if self.control.swarms.initial > num_robots:
             raise wrong(
                 "control.swarms.initial", f"{self.control.swarms.initial} swarms need as many robots, not {num_robots}"
@@ -69,10 +70,9 @@ class Scenario(Model):
         repeated = first_repeated([thing.name for thing in self.things])
         if repeated:
             raise wrong(f"things.{repeated[0]}.name", f"'{repeated[1]}' is the name of another already")
-        present = self._present()
-        if not any(present):
+        if not any(self.present_at_start):
             raise wrong("robots", "none of them is there at the start")
-        problem = problem_of(self.schedule, present)
+        problem = problem_of(self.schedule, self.present_at_start)
         if problem:
             raise wrong(*problem)
         if self.mission.base is not None and self.mission.base >= num_robots:
@@ -81,11 +81,17 @@ class Scenario(Model):
             raise wrong("mission.base", "is the only robot; wanted another one that finds something")
         return self
 
-    def _present(self) -> list[bool]:
-        """Return who is there at the start, in id order."""
+    @property
+    def num_robots(self) -> int:
+        """Number of robots, present at the start or not."""
+        return self.robots.count if isinstance(self.robots, Team) else len(self.robots)
+
+    @property
+    def present_at_start(self) -> tuple[bool, ...]:
+        """Whether each robot is there at the start, in id order."""
         if not isinstance(self.robots, Team):
-            return [robot.present for robot in self.robots]
-        return [robot_id < self.robots.count - self.robots.reserve for robot_id in range(self.robots.count)]
+            return tuple(robot.present for robot in self.robots)
+        return tuple(robot_id < self.robots.count - self.robots.reserve for robot_id in range(self.robots.count))
 
     @property
     def plan_file(self) -> str | None:
@@ -98,9 +104,13 @@ class Scenario(Model):
         scenario._plan_file = (self.plan, file)
         return scenario
 
-    def placed_robots(self) -> tuple[PlacedRobot, ...]:
-        """Return every robot with its start pose, in id order; a team is set up by `placement.placed_robots`.
+    @property
+    def origin(self) -> Origin:
+        """Where it was read: errors that are found later name it."""
+        return self._origin
 
-        Raises: PlacementError: a start pose touches a solid or lies outside, or the formation finds no room.
-        """
-        return placed_robots(self.plan, self.robots)
+    def with_origin(self, origin: Origin) -> Scenario:
+        """Return this scenario with the place that it was read from."""
+        scenario = self.model_copy()
+        scenario._origin = origin
+        return scenario

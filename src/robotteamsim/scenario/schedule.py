@@ -6,11 +6,7 @@ from collections.abc import Sequence
 
 from pydantic import Field, model_validator
 
-from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.base import Model, PlanarPose, wrong
-from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import solids
-from robotteamsim.scenario.sections import PlacedRobot
 
 
 class ScheduledEvent(Model):
@@ -56,19 +52,3 @@ def problem_of(schedule: Sequence[ScheduledEvent], present: Sequence[bool]) -> t
             return key, f"robot {robot_id} is {'there already' if comes else 'not there'} at {happening.at_s:g} s"
         there[robot_id] = comes
     return None
-
-
-def check_schedule(plan: FloorPlan, schedule: Sequence[ScheduledEvent], robots: Sequence[PlacedRobot]) -> None:
-    """Raise PlacementError where a robot would come in a wall or outside; doors, things and robots come and go."""
-    standing = [solid for solid in solids(plan) if solid.kind != "door"] if schedule else []
-    for index, happening in enumerate(schedule):
-        if happening.pose is None:
-            continue
-        x_m, y_m, _ = happening.pose
-        place = f"schedule.{index}.pose: [{x_m:g}, {y_m:g}]: robot {happening.robot_id}"
-        if not plan.bounds.contains((x_m, y_m)):
-            raise PlacementError(f"{place} lies outside the plan, {plan.bounds}")
-        body = robots[happening.robot_id].body_at(happening.pose)
-        hit = next((solid for solid in standing if body.overlaps_shape(solid.polygon, 0.0)), None)
-        if hit is not None:
-            raise PlacementError(f"{place} stands in {hit.kind} '{hit.name}'")

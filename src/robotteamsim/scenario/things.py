@@ -3,20 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.base import Model, PlanarPose, Point, wrong
 from robotteamsim.scenario.body import MAX_REACH_M, MIN_WIDTH_M, Body, disc_at, polygon_at
-from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import Corners, solids
-from robotteamsim.scenario.sections import PlacedRobot
-
-TOUCH_M = 1e-6
-"""Bodies may be placed touching each other, up to rounding."""
+from robotteamsim.scenario.plan import Corners
 
 SizeM = Annotated[float, Field(ge=MIN_WIDTH_M, le=MAX_REACH_M)]
 
@@ -61,23 +54,3 @@ class Thing(Model):
     def body_at(self, pose: PlanarPose) -> Body:
         """Return its body at a pose."""
         return disc_at(self.radius_m, pose) if self.radius_m else polygon_at(self.corners_m, pose)
-
-
-def check_things(plan: FloorPlan, things: Sequence[Thing], robots: Sequence[PlacedRobot]) -> None:
-    """Raise PlacementError when a thing stands where it cannot: in a solid, a thing or a robot, or outside."""
-    footprints, placed = solids(plan) if things else (), [thing.body_at(thing.pose) for thing in things]
-    for i, (thing, body) in enumerate(zip(things, placed, strict=True)):
-        x_m, y_m, _ = thing.pose
-        place = f"things.{i}.pose: [{x_m:g}, {y_m:g}]: {thing.kind} '{thing.name}'"
-        if not plan.bounds.contains((x_m, y_m)):
-            raise PlacementError(f"{place} lies outside the plan, {plan.bounds}")
-        for solid in footprints:
-            if body.overlaps_shape(solid.polygon, TOUCH_M):
-                raise PlacementError(f"{place} stands in {solid.kind} '{solid.name}'")
-        for other, other_body in zip(things[:i], placed[:i], strict=True):
-            if body.overlaps(other_body, TOUCH_M):
-                raise PlacementError(f"{place} stands in {other.kind} '{other.name}'")
-        for robot_id, robot in enumerate(robots):
-            is_near = math.dist((x_m, y_m), robot.start_pose[:2]) < thing.reach_m + robot.reach_m
-            if robot.present and is_near and body.overlaps(robot.body_at(robot.start_pose), TOUCH_M):
-                raise PlacementError(f"{place} stands where robot {robot_id} starts")

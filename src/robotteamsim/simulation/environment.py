@@ -22,7 +22,7 @@ class Environment:
         self._radio = RadioField(scenario.plan, scenario.radio)
         self.voice = VoiceSensor(scenario.plan, scenario.voice, scenario.mission.victims, scenario.run.seed)
         """What robots hear by."""
-        num_robots, run = len(scenario.placed_robots()), scenario.run
+        num_robots, run = scenario.num_robots, scenario.run
         self._network = Network(self._radio, scenario.network, num_robots, seed=run.seed, step_ns=run.step_ns)
         self._closed = {door.name: door.closed for door in scenario.plan.doors}
         self._followed: Mapping[str, DoorState] = {}

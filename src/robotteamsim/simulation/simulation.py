@@ -21,6 +21,7 @@ from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.tally import Tally
 from robotteamsim.world import World
 from robotteamsim.world.doors import DoorState
+from robotteamsim.world.placement import check_places, placed_robots
 
 
 class Simulation:
@@ -32,8 +33,9 @@ class Simulation:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        """Build all stages. Raises: PlacementError: a robot starts where it cannot stand."""
-        robots, seed = scenario.placed_robots(), scenario.run.seed
+        """Build all stages. Raises: PlacementError: a robot, object, area or victim has no room where it is."""
+        check_places(scenario)
+        robots, seed = placed_robots(scenario), scenario.run.seed
         self.scenario = scenario
         things, schedule = scenario.things, scenario.schedule
         self.world = World(scenario.plan, robots, scenario.run, things=things, schedule=schedule, seed=seed)

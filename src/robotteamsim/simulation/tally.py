@@ -35,7 +35,7 @@ class Tally:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._hash = TrajectoryHash()
-        self._figures = TeamTotals(len(scenario.placed_robots()), scenario.run.step_s)
+        self._figures = TeamTotals(scenario.num_robots, scenario.run.step_s)
         self._wall_start_s = time.perf_counter()
         self._last: StepRecord | None = None
         self._pending: list[_Step] = []

@@ -17,9 +17,10 @@ from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import Solid, solids
 from robotteamsim.scenario.schedule import ScheduledEvent, in_order
 from robotteamsim.scenario.sections import PlacedRobot, Run
-from robotteamsim.scenario.things import Thing, check_things
+from robotteamsim.scenario.things import Thing
 from robotteamsim.world.doors import DoorState, core_door, door_at_start, door_state, leaf_outline
 from robotteamsim.world.pieces import convex_pieces
+from robotteamsim.world.placement import check_things
 
 _TOUCH_M = 1e-6
 """Robots may be placed touching a wall or each other, up to rounding."""

@@ -12,8 +12,7 @@ from rosbags.rosbag1 import Writer
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.mission.status import Event
-from robotteamsim.recording import BagWriter
-from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording import BagWriter, ros_messages
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.table import EventList
 from robotteamsim.scenario import load
@@ -81,7 +80,7 @@ def odometry() -> Callable[..., Any]:
 
     def message(time_ns: int, x_m: float, y_m: float, yaw_rad: float = 0.0, frame: str = "robot_0/odom") -> Any:
         reading = OdometryReading(PoseReading.from_pose(Pose(x_m, y_m, yaw_rad)), Twist())
-        built = fields.odometry(make, time_ns, 0, reading)
+        built = ros_messages.odometry(make, time_ns, 0, reading)
         built.header.frame_id = frame
         return built
 
@@ -94,7 +93,7 @@ def placed_at() -> Callable[..., Any]:
     make = BagTypes()
 
     def message(time_ns: int, x_m: float, y_m: float, yaw_rad: float) -> Any:
-        place = fields.localization(make, time_ns, 0, PoseReading.from_pose(Pose(x_m, y_m, yaw_rad)))
+        place = ros_messages.localization(make, time_ns, 0, PoseReading.from_pose(Pose(x_m, y_m, yaw_rad)))
         return make("tf2_msgs/TFMessage", transforms=[place])
 
     return message

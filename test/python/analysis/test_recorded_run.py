@@ -11,7 +11,7 @@ from rosbags.rosbag1 import Writer
 from robotteamsim.analysis.runs.derived import figures
 from robotteamsim.analysis.runs.recorded_run import read_run
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.scenario.plan import OccupancyGrid
 
@@ -119,7 +119,7 @@ def test_topic_of_a_version_without_the_needed_fields_is_named(odometry, tmp_pat
 
 def test_map_is_read_as_it_stands(write_bag, odometry, tmp_path):
     cells = np.array([[0, 100, -1], [0, 0, 100]], dtype=np.int8)
-    grid = fields.occupancy_grid(MAKE, 0, OccupancyGrid((-1.0, 2.0), 0.5, cells))
+    grid = ros_messages.occupancy_grid(MAKE, 0, OccupancyGrid((-1.0, 2.0), 0.5, cells))
     samples = [("/map", "nav_msgs/OccupancyGrid", 1, grid), *odometry_samples(odometry)]
     run = read_run([write_bag(tmp_path / "map.bag", samples)])
     assert (run.grid.origin_m, run.grid.resolution_m) == ((-1.0, 2.0), 0.5)
@@ -129,7 +129,8 @@ def test_map_is_read_as_it_stands(write_bag, odometry, tmp_path):
 def test_map_that_grows_is_read_as_it_is_in_the_end(write_bag, odometry, tmp_path):
     grids = [OccupancyGrid((0.0, 0.0), 0.5, np.full((2, size), 100, dtype=np.int8)) for size in (3, 5)]
     maps = [
-        ("/map", "nav_msgs/OccupancyGrid", t, fields.occupancy_grid(MAKE, t, grid)) for t, grid in enumerate(grids, 1)
+        ("/map", "nav_msgs/OccupancyGrid", t, ros_messages.occupancy_grid(MAKE, t, grid))
+        for t, grid in enumerate(grids, 1)
     ]
     run = read_run([write_bag(tmp_path / "slam.bag", [*maps, *odometry_samples(odometry)])])
     assert run.grid.cells.shape == (2, 5)
@@ -139,7 +140,7 @@ def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry,
     def status(time_ns, state):
         return MAKE(
             "robotteamsim/MissionStatus",
-            header=fields.header(MAKE, time_ns, "map"),
+            header=ros_messages.header(MAKE, time_ns, "map"),
             scenario="hall",
             state=state,
             end="aborted" if state == "ended" else "",
@@ -152,7 +153,7 @@ def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry,
             running=state == "running",
             epoch=0,
             has_area=False,
-            area_center=fields.point(MAKE, (0.0, 0.0)),
+            area_center=ros_messages.point(MAKE, (0.0, 0.0)),
             area_radius_m=0.0,
             has_base=True,
             finds_reported=3,
@@ -172,7 +173,7 @@ def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry,
 
 
 def test_bag_without_the_topics_is_refused(write_bag, tmp_path):
-    path = write_bag(tmp_path / "clock.bag", [("/clock", "rosgraph_msgs/Clock", 1, fields.clock(MAKE, 1))])
+    path = write_bag(tmp_path / "clock.bag", [("/clock", "rosgraph_msgs/Clock", 1, ros_messages.clock(MAKE, 1))])
     with pytest.raises(RecordingError) as refused:
         read_run([path])
     wanted = "wanted odom or base_pose_ground_truth of a robot, /mission/status or /network/state"

@@ -16,7 +16,7 @@ from robotteamsim.analysis.runs.derived import figures
 from robotteamsim.analysis.runs.files import document, write_tables
 from robotteamsim.analysis.runs.recorded_run import RecordedNetwork, read_run
 from robotteamsim.mission.status import Event
-from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_types import BagTypes
 
 
@@ -71,7 +71,7 @@ def test_odometry_that_begins_anew_is_no_way_back_to_its_origin(write_bag, odome
         for stamp_ns, x_m in zip(range(second_ns, 6 * second_ns, second_ns), places_m, strict=True)
     ]
     for stamp_ns, kind in ((4 * second_ns - 1, "robot_removed"), (4 * second_ns, "robot_spawned")):
-        event = fields.mission_event(make, stamp_ns, Event(0.0, kind, "", 0, ""))
+        event = ros_messages.mission_event(make, stamp_ns, Event(0.0, kind, "", 0, ""))
         samples.append(("/mission/events", "robotteamsim/MissionEvent", stamp_ns, event))
     (robot,) = read_run([write_bag(tmp_path / "odom.bag", samples)]).robots
     assert (robot.track.breaks, robot.track.driven_m.tolist()) == ([3], [0.0, 1.0, 2.0, 2.0, 3.0])

@@ -14,7 +14,7 @@ from robotteamsim.analysis.runs.derived import figures
 from robotteamsim.analysis.runs.picture import draw_runs, outcome
 from robotteamsim.analysis.runs.plan_panel import extent_m, robot_colour
 from robotteamsim.analysis.runs.recorded_run import read_run
-from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.scenario import load
@@ -35,7 +35,7 @@ def real(write_bag, odometry, tmp_path_factory):
     cells = np.full((400, 400), -1, dtype=np.int8)
     cells[180:220, 190:260] = 0
     cells[180, 190:260] = 100
-    grid = fields.occupancy_grid(MAKE, 0, OccupancyGrid((-10.0, -10.0), 0.05, cells))
+    grid = ros_messages.occupancy_grid(MAKE, 0, OccupancyGrid((-10.0, -10.0), 0.05, cells))
     samples = [("/map", "nav_msgs/OccupancyGrid", 1, grid)]
     for step in range(200):
         angle, time_ns = step / 30.0, 10**9 + step * 10**8

@@ -78,7 +78,7 @@ def test_a_cells_seeds_depend_neither_on_other_cells_nor_on_the_form_of_its_valu
         (["voice.noise_db=1,1.0"], "--sweep: voice.noise_db=1.0 stands there twice"),
         (["voice.noise_db=1", "voice.noise_db=2"], "--sweep: voice.noise_db: varies already by --sweep"),
         (["mission.time_limit_s=1,2"], "--set: mission.time_limit_s: varies already by --sweep"),
-        (["schedule.0.at_s=5,8"], "--sweep: schedule.0: the file has no list schedule; set the whole of it"),
+        (["schedule.0.at_s=5,8"], "--sweep: schedule.0: the file has no list schedule; set the whole list"),
         (["schedule=[{at_s: 1, remove: 7}]"], "--sweep: schedule.0.remove: there is no robot 7, only 0 to 0"),
         (
             ["schedule=[],[{at_s: 1, remove: 0}, {at_s: 2, spawn: 0, pose: [-9, 0, 0]}]"],

@@ -34,7 +34,7 @@ def refusal(capsys, *arguments: object) -> str:
     return captured.err.removeprefix("robotteamsim: ").rstrip("\n")
 
 
-def test_one_bag_is_told_in_detail(capsys, bags):
+def test_one_bag_is_summarised_in_detail(capsys, bags):
     assert main(["analyse", str(bags[0])]) == 0
     out = capsys.readouterr().out
     assert "one: garage_sar, 3 robots, 10 dB noise" in out
@@ -54,7 +54,7 @@ def test_several_bags_are_one_table_with_their_means(capsys, bags):
     assert ["mean", "0.00", "0.00", "2.0"] in [words[:4] for words in lines]
 
 
-def test_bags_of_one_name_are_told_apart_by_their_folders(capsys, bags, tmp_path):
+def test_bags_of_one_name_are_distinguished_by_their_folders(capsys, bags, tmp_path):
     for folder in "ab":
         (tmp_path / folder).mkdir()
         shutil.copy(bags[0], tmp_path / folder / "mission.bag")
@@ -87,7 +87,7 @@ def test_png_is_drawn_of_several_bags_too(capsys, bags, tmp_path):
 
 def test_more_bags_than_fit_into_a_picture_are_refused(capsys):
     names = [f"{number}.bag" for number in range(7)]
-    line = "--png: 7 bags do not fit beside each other; wanted at most 6"
+    line = "--png: 7 bags do not fit side by side; expected at most 6"
     assert refusal(capsys, *names, "--png", "a.png") == line
 
 
@@ -100,12 +100,12 @@ def test_gif_shows_the_mission(capsys, bags, tmp_path):
 
 
 def test_film_of_several_bags_is_refused(capsys):
-    line = "a film shows one bag, got 2; --join is for the parts of one recording"
+    line = "a film shows one bag, got 2; use --join for the parts of one recording"
     assert refusal(capsys, "a.bag", "b.bag", "--gif", "a.gif") == line
 
 
 def test_film_of_no_length_is_refused(capsys):
-    assert refusal(capsys, "a.bag", "--gif", "a.gif", "--seconds", "0.5") == "--seconds 0.5 is not within 1 .. 600"
+    assert refusal(capsys, "a.bag", "--gif", "a.gif", "--seconds", "0.5") == "--seconds 0.5 is outside 1 to 600 s"
 
 
 def test_mp4_without_ffmpeg_is_refused_before_the_bag_is_read(capsys, monkeypatch, tmp_path):
@@ -126,7 +126,7 @@ def test_wrong_bag_leaves_nothing_behind(capsys, bags, tmp_path):
 
 def test_output_that_cannot_be_written_is_refused_before_bags_are_read(capsys, tmp_path):
     path = tmp_path / "no" / "a.json"
-    assert refusal(capsys, "no.bag", "--json", path) == f"{path}: cannot be written: {path.parent} is no folder"
+    assert refusal(capsys, "no.bag", "--json", path) == f"{path}: cannot be written: {path.parent} is not a folder"
 
 
 def test_bag_given_twice_is_refused(capsys):

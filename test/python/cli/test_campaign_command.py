@@ -92,7 +92,7 @@ def test_design_file_and_options_make_one_design(capsys, tmp_path, on_two_worker
     ]
 
 
-def test_failed_trials_are_told_and_the_rest_goes_on(capsys, tmp_path, monkeypatch, failed_outcome_of, outcome_of):
+def test_failed_trials_are_reported_and_the_rest_runs(capsys, tmp_path, monkeypatch, failed_outcome_of, outcome_of):
     def run(client, design, trials, keep):
         for trial in trials[:-1]:
             keep(failed_outcome_of(trial) if trial.number == 1 else outcome_of(trial))
@@ -113,9 +113,9 @@ def test_failed_trials_are_told_and_the_rest_goes_on(capsys, tmp_path, monkeypat
 
 
 @pytest.mark.parametrize(
-    ("cores", "told"), [({}, ["tcp://x:1 has no workers yet; missions begin as they come"]), ({"a": 1}, [])]
+    ("cores", "messages"), [({}, ["tcp://x:1 has no workers yet; missions start when workers connect"]), ({"a": 1}, [])]
 )
-def test_cluster_without_workers_is_told(capsys, tmp_path, monkeypatch, outcome_of, cores, told):
+def test_cluster_without_workers_gives_a_message(capsys, tmp_path, monkeypatch, outcome_of, cores, messages):
     def run(client, design, trials, keep):
         for trial in trials:
             keep(outcome_of(trial))
@@ -126,7 +126,11 @@ def test_cluster_without_workers_is_told(capsys, tmp_path, monkeypatch, outcome_
     monkeypatch.setattr(campaign_command, "scheduler_at", lambda address: contextlib.nullcontext(client))
     command = ["campaign", "tutorial_arena", "--trials", "2", "--out", str(tmp_path), "--scheduler", "tcp://x:1"]
     assert main(command) == 0
-    assert capsys.readouterr().err.splitlines()[:-1] == ["tutorial_arena: 2 trials", *told, "2 of 2 trials, 0 s left"]
+    assert capsys.readouterr().err.splitlines()[:-1] == [
+        "tutorial_arena: 2 trials",
+        *messages,
+        "2 of 2 trials, 0 s left",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -195,7 +199,7 @@ def test_interrupted_campaign_completes_later(tmp_path):
     kept = len(read_store(tmp_path / "c").outcomes)
     assert (process.returncode, out) == (130, "")
     assert lines == [
-        f"robotteamsim: {kept} of 40 trials are kept in {tmp_path}/c; the same command goes on",
+        f"robotteamsim: {kept} of 40 trials are stored in {tmp_path}/c; run the same command to resume",
         "robotteamsim: interrupted",
     ]
     for folder in ("c", "undisturbed"):

@@ -153,7 +153,7 @@ def test_broken_pipe_is_silent():
     ("arguments", "line"),
     [
         (["rnu"], "no such command 'rnu'; did you mean 'run'? (see `robotteamsim --help`)"),
-        (["scenario", "zzz"], "no such command 'zzz'; known are check, show, render, schema, list"),
+        (["scenario", "zzz"], "no such command 'zzz'; expected one of check, show, render, schema, list"),
         ([], "the following arguments are required: COMMAND"),
         (["run"], "the following arguments are required: SCENARIO (see `robotteamsim run --help`)"),
         (["run", "garage_sar", "--seed", "x"], "argument --seed: 'x' is not a whole number"),
@@ -168,20 +168,26 @@ def test_broken_pipe_is_silent():
         (["run", "no/such.yaml"], "no/such.yaml: there is no such file"),
         (["run", "garage_sar", "--set", "control.algorithm=rdpos"], "control.algorithm: 'rdpos' is not"),
         (["plan", "import", "no.yaml", "--out", "x.yaml"], "no.yaml: there is no such file"),
-        (["field", "radio", "garage_sar"], "say where to write: --png FILE for a picture, --out FILE.npz for the"),
-        (["field", "radio", "garage_sar", "--out", "x.csv"], "--out x.csv: wanted a name that ends in .npz"),
+        (
+            ["field", "radio", "garage_sar"],
+            "no output given; use --png FILE for a picture, --out FILE.npz for the values, or both",
+        ),
+        (["field", "radio", "garage_sar", "--out", "x.csv"], "--out x.csv: expected a name that ends in .npz"),
         (
             ["field", "voice", "garage_sar", "--range", "wide", "--png", "x.png"],
-            "--range: 'wide' is not one of drawn",
+            "--range: 'wide' is not valid; expected one of drawn, lowest, highest",
         ),
-        (["field", "radio", "garage_sar", "--resolution", "0", "--png", "x.png"], "--resolution 0 is not within 0.01"),
+        (
+            ["field", "radio", "garage_sar", "--resolution", "0", "--png", "x.png"],
+            "--resolution 0 is outside 0.01 to 10 m",
+        ),
         (
             ["field", "radio", "garage_sar", "--compare", "at=4,5", "--png", "x.png"],
-            "--compare is given once; wanted once per map, 2 to 9 of them",
+            "--compare is given once; expected 2 to 9, one for each map",
         ),
         (
             ["field", "radio", "garage_sar", "--compare", "at=4,5", "--compare", "at=4", "--png", "x.png"],
-            "--compare: at: '4' is not of the form X,Y",
+            "--compare: at: '4' does not have the form X,Y",
         ),
         (
             ["field", "radio", "garage_sar", "--compare", "at=4,5", "--compare", "at=99,4", "--png", "x.png"],
@@ -189,11 +195,11 @@ def test_broken_pipe_is_silent():
         ),
         (
             ["field", "voice", "garage_sar", "--compare", "range=lowest", "--compare", "range=low", "--png", "x.png"],
-            "--compare: range: 'low' is not one of drawn, lowest, highest",
+            "--compare: range: 'low' is not valid; expected one of drawn, lowest, highest",
         ),
         (
             ["field", "voice", "garage_sar", "--compare", "lowest", "--compare", "highest", "--png", "x.png"],
-            "--compare: 'lowest' is not of the form KEY=VALUE, such as voice.noise_db=20 or at=4,5",
+            "--compare: 'lowest' does not have the form KEY=VALUE, such as voice.noise_db=20 or at=4,5",
         ),
         (
             [
@@ -209,17 +215,20 @@ def test_broken_pipe_is_silent():
             ],
             "--compare: voice.noise: unknown key; did you mean 'noise_db'?",
         ),
-        (["field", "radio", "garage_sar", "--at", "1", "--png", "x.png"], "argument --at: '1' is not of the form X,Y"),
+        (
+            ["field", "radio", "garage_sar", "--at", "1", "--png", "x.png"],
+            "argument --at: '1' does not have the form X,Y",
+        ),
         (["field", "voice", "garage_sar", "--at", "99,1", "--png", "x.png"], "--at 99,1 lies outside the plan"),
     ],
 )
-def test_mistake_is_told_in_one_line_with_exit_status_2(capsys, monkeypatch, tmp_path, arguments, line):
+def test_mistake_is_reported_in_one_line_with_exit_status_2(capsys, monkeypatch, tmp_path, arguments, line):
     monkeypatch.chdir(tmp_path)
     assert line in refusal(capsys, *arguments)
     assert os.listdir(tmp_path) == []
 
 
-def test_version_is_told(capsys):
+def test_version_is_printed(capsys):
     with pytest.raises(SystemExit) as left:
         main(["--version"])
     assert left.value.code == 0
@@ -255,39 +264,39 @@ def test_help_gives_examples(capsys):
     assert "robotteamsim run garage_sar --seed 7 --noise 20" in capsys.readouterr().out
 
 
-def test_scenario_check_tells_good_ones(capsys):
+def test_scenario_check_summarises_valid_scenarios(capsys):
     assert main(["scenario", "check", "garage_sar"]) == 0
-    assert capsys.readouterr().out == "garage_sar: good: 3 robots, 5 areas, 4 victims in garage of 60 x 40 m\n"
+    assert capsys.readouterr().out == "garage_sar: valid: 3 robots, 5 areas, 4 victims in garage of 60 x 40 m\n"
 
 
 def test_scenario_check_takes_overrides(capsys):
     assert main(["scenario", "check", "tutorial_arena", "--set", "robots.count=2"]) == 0
-    assert capsys.readouterr().out.startswith("tutorial_arena: good: 2 robots, 4 areas, 1 victim in ")
+    assert capsys.readouterr().out.startswith("tutorial_arena: valid: 2 robots, 4 areas, 1 victim in ")
     assert main(["scenario", "check", "tutorial_arena", "--set", "robots.count=none"]) == 2
     assert capsys.readouterr().err.startswith("robotteamsim: --set: robots.count: ")
 
 
 @pytest.mark.parametrize(
-    ("algorithm", "told"),
+    ("algorithm", "message"),
     [
         ("nope", "control.algorithm: 'nope' is not known; wanted one of: rdpso, "),
         ("fractions:Fraction", "control.algorithm: fractions:Fraction: TypeError: both arguments should be "),
     ],
 )
-def test_scenario_check_tells_of_controllers_that_cannot_be_made(capsys, algorithm, told):
+def test_scenario_check_reports_controllers_that_cannot_be_made(capsys, algorithm, message):
     assert main(["scenario", "check", "tutorial_arena", "--set", f"control.algorithm={algorithm}"]) == 2
     captured = capsys.readouterr()
-    assert captured.err.startswith(f"robotteamsim: tutorial_arena: {told}")
+    assert captured.err.startswith(f"robotteamsim: tutorial_arena: {message}")
     assert (captured.out, captured.err.count("\n")) == ("", 1)
 
 
-def test_scenario_check_tells_every_mistake_of_every_file(capsys, tmp_path):
+def test_scenario_check_reports_every_mistake_of_every_file(capsys, tmp_path):
     first, second = tmp_path / "first.yaml", tmp_path / "second.yaml"
     first.write_text("name: a\nplan: garage\nrobots: {count: 0, start: [4, 5, 0]}\nvoice: {noise_db: 99}\n")
     second.write_text("nonsense\n")
     assert main(["scenario", "check", "garage_sar", str(first), str(second)]) == 2
     captured = capsys.readouterr()
-    assert captured.out.startswith("garage_sar: good: ")
+    assert captured.out.startswith("garage_sar: valid: ")
     lines = captured.err.splitlines()
     assert len(lines) == 3
     assert all(line.startswith("robotteamsim: ") for line in lines)
@@ -328,7 +337,7 @@ def test_imported_map_is_a_plan_to_run_in(capsys, monkeypatch, tmp_path):
     assert main(["plan", "import", "room.yaml"]) == 0
     assert capsys.readouterr().out.startswith("plan.yaml: ")
     assert yaml.safe_load(Path("plan.yaml").read_text())["bounds"]["max"] == [6.0, 6.0]
-    assert "plan.yaml exists already" in refusal(capsys, "plan", "import", "room.yaml")
+    assert "plan.yaml already exists; choose a file with --out" in refusal(capsys, "plan", "import", "room.yaml")
     Path("trial.yaml").write_text("name: trial\nplan: plan.yaml\nrobots: {count: 2, start: [3, 3, 0]}\n")
     assert main(["run", "trial.yaml", "--quiet", "--set", "mission.time_limit_s=1"]) == 0
 

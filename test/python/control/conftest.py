@@ -14,6 +14,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
+from robotteamsim.world.placement import placed_robots
 
 
 def silence(position: tuple[float, float]) -> VoiceReading:
@@ -24,7 +25,7 @@ class Team:
     """Steps world, sensors, network without loss, and controllers of a scenario, as the simulation does."""
 
     def __init__(self, scenario: Scenario) -> None:
-        robots = scenario.placed_robots()
+        robots = placed_robots(scenario)
         self.world = World(scenario.plan, robots, scenario.run, seed=scenario.run.seed)
         self.controllers: list[Controller] = [make_controller(i, scenario) for i in range(len(robots))]
         self.decisions = [Decision() for _ in robots]

@@ -5,7 +5,7 @@ from io import BytesIO
 import numpy as np
 import pytest
 
-from robotteamsim.recording.sensor_fields import sensor_topics
+from robotteamsim.recording.sensor_messages import sensor_topics
 from robotteamsim.ros.nodes.further_inputs import FurtherInputs
 from robotteamsim.ros.transport.inbox import Step
 from robotteamsim.ros.transport.msg_conversion import RosTypes
@@ -13,6 +13,7 @@ from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import NOTHING_FURTHER
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
+from robotteamsim.world.placement import placed_robots
 
 EQUIPPED = (
     "robots.lasers=[{name: rear, yaw_rad: 3.1416, beams: 31, noise_m: 0.01, every_steps: 3}, {name: left, beams: 7}]",
@@ -32,7 +33,7 @@ def sent(message):
 def told():
     """Return what each step's readings are, headless, and what the topics of a robot tell of them."""
     scenario = load("tutorial_arena", EQUIPPED)
-    robots = scenario.placed_robots()
+    robots = placed_robots(scenario)
     world = World(scenario.plan, robots, scenario.run, seed=3)
     sensors = RobotSensors(world, robots, 3)
     steps = []
@@ -86,7 +87,7 @@ def test_sonar_that_is_late_has_said_what_it_said_before(told):
 
 
 def test_robot_without_further_sensors_needs_no_topics():
-    robot = load("tutorial_arena").placed_robots()[0]
+    robot = placed_robots(load("tutorial_arena"))[0]
     inputs = FurtherInputs(robot, "", 100_000_000)
     assert inputs.inputs == []
     assert inputs.reading(Step(100_000_000, False, {})) is NOTHING_FURTHER

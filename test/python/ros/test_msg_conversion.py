@@ -11,7 +11,7 @@ from robotteamsim.interface import Decision, Discovery, Task
 from robotteamsim.mission.status import Event, MissionStatus, Reports
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.propagation import FieldMap
-from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording import ros_messages
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
@@ -41,19 +41,19 @@ def sent(message: genpy.Message) -> genpy.Message:
 
 
 def test_stamps_are_whole_nanoseconds(make):
-    message = sent(fields.header(make, 1_000_000_001, "map"))
+    message = sent(ros_messages.header(make, 1_000_000_001, "map"))
     assert (message.stamp.secs, message.stamp.nsecs) == (1, 1)
-    assert conversion.stamp_ns(sent(fields.contact(make, 2**31 * 10**9 - 1, 0, True))) == 2**31 * 10**9 - 1
+    assert conversion.stamp_ns(sent(ros_messages.contact(make, 2**31 * 10**9 - 1, 0, True))) == 2**31 * 10**9 - 1
 
 
 def test_odometry_keeps_its_bits(make):
-    message = sent(fields.odometry(make, TIME_NS, 1, READING.odometry))
+    message = sent(ros_messages.odometry(make, TIME_NS, 1, READING.odometry))
     assert conversion.odometry_reading(message) == READING.odometry
     assert (message.header.frame_id, message.child_frame_id) == ("robot_1/odom", "robot_1/base_footprint")
 
 
 def test_covariances_stand_where_x_y_and_yaw_do(make):
-    message = sent(fields.odometry(make, TIME_NS, 1, READING.odometry))
+    message = sent(ros_messages.odometry(make, TIME_NS, 1, READING.odometry))
     pose, twist = (np.array(part.covariance).reshape(6, 6) for part in (message.pose, message.twist))
     xx, xy, x_yaw, yy, y_yaw, yaw_yaw = BELIEVED.pose_covariance
     in_plane = np.ix_([0, 1, 5], [0, 1, 5])
@@ -64,26 +64,26 @@ def test_covariances_stand_where_x_y_and_yaw_do(make):
 
 
 def test_ground_truth_keeps_its_bits(make):
-    message = sent(fields.ground_truth(make, TIME_NS, 1, READING))
+    message = sent(ros_messages.ground_truth(make, TIME_NS, 1, READING))
     assert conversion.odometry_reading(message) == OdometryReading(PLACE, MOTION)
     assert message.header.frame_id == "map"
 
 
 def test_contact_keeps_its_angles(make):
-    message = sent(fields.contact(make, TIME_NS, 1, True, (-0.1, 1.0 / 3.0)))
+    message = sent(ros_messages.contact(make, TIME_NS, 1, True, (-0.1, 1.0 / 3.0)))
     assert (message.in_contact, message.angles_rad) == (True, (-0.1, 1.0 / 3.0))
-    assert sent(fields.contact(make, TIME_NS, 1, False)).angles_rad == ()
+    assert sent(ros_messages.contact(make, TIME_NS, 1, False)).angles_rad == ()
 
 
 def test_command_keeps_its_bits_and_may_be_no_number(make):
-    assert conversion.twist(sent(fields.twist(make, MOTION))) == MOTION
-    assert not conversion.twist(sent(fields.twist(make, Twist(float("nan"), 0.0, 0.0)))).is_finite
-    message = sent(fields.twist_stamped(make, TIME_NS, 2, MOTION))
+    assert conversion.twist(sent(ros_messages.twist(make, MOTION))) == MOTION
+    assert not conversion.twist(sent(ros_messages.twist(make, Twist(float("nan"), 0.0, 0.0)))).is_finite
+    message = sent(ros_messages.twist_stamped(make, TIME_NS, 2, MOTION))
     assert (conversion.stamp_ns(message), conversion.twist(message.twist)) == (TIME_NS, MOTION)
 
 
 def test_scan_keeps_its_ranges(make):
-    ranges_m = conversion.ranges_m(sent(fields.scan(make, TIME_NS, 0, Laser(beams=3), RANGES_M)))
+    ranges_m = conversion.ranges_m(sent(ros_messages.scan(make, TIME_NS, 0, Laser(beams=3), RANGES_M)))
     assert ranges_m.dtype == np.float32
     np.testing.assert_array_equal(ranges_m, RANGES_M)
 
@@ -92,13 +92,13 @@ def test_scan_keeps_its_ranges(make):
     "reading", [VoiceReading(12.5, True, (1.25, 1.0 / 3.0), 0.1), VoiceReading(0.0, False, (0, 0), 0)]
 )
 def test_voice_keeps_its_bits(make, reading):
-    assert conversion.voice_reading(sent(fields.voice(make, TIME_NS, reading))) == reading
+    assert conversion.voice_reading(sent(ros_messages.voice(make, TIME_NS, reading))) == reading
 
 
 def test_messages_keep_order_and_text(make):
     messages = (Message(0, -1, '{"a": 0.1}'), Message(2, 1, "ü"), Message(1, 0, ""))
-    assert conversion.network_messages(sent(fields.network_messages(make, TIME_NS, messages))) == messages
-    assert conversion.network_messages(sent(fields.network_messages(make, TIME_NS, ()))) == ()
+    assert conversion.network_messages(sent(ros_messages.network_messages(make, TIME_NS, messages))) == messages
+    assert conversion.network_messages(sent(ros_messages.network_messages(make, TIME_NS, ()))) == ()
 
 
 def test_network_keeps_its_matrices(make):
@@ -107,7 +107,7 @@ def test_network_keeps_its_matrices(make):
     hops = np.array([[0, 1, 2], [1, 0, 1], [2, 1, 0]], dtype=np.int32)
     traffic = Traffic(5, 2, 1, 0.3, (Refusal(0, 70_000, 65_507), Refusal(2, 65_508, 65_507)))
     network = NetworkState(levels, levels, linked, hops, np.zeros((3, 3)), 1.0, linked & (levels < -80.0), traffic)
-    message = sent(fields.network_state(make, TIME_NS, network))
+    message = sent(ros_messages.network_state(make, TIME_NS, network))
     back = conversion.network_state(message)
     for name in ("rssi_dbm", "link", "adjacency", "hop_count", "break_matrix", "endangered"):
         expected, got = getattr(network, name), getattr(back, name)
@@ -115,14 +115,16 @@ def test_network_keeps_its_matrices(make):
         np.testing.assert_array_equal(got, expected, err_msg=name)
     assert (back.fiedler_value, message.num_endangered) == (1.0, 1)
     assert back.traffic == traffic
-    quiet = conversion.network_state(sent(fields.network_state(make, TIME_NS, network._replace(traffic=Traffic()))))
+    quiet = conversion.network_state(
+        sent(ros_messages.network_state(make, TIME_NS, network._replace(traffic=Traffic())))
+    )
     assert quiet.traffic == Traffic()
 
 
 @pytest.mark.parametrize("goal_m", [(1.0, 2.0), None])
 def test_decision_keeps_all_but_command_and_outbox(make, goal_m):
     decision = Decision(MOTION, (Message(0, 1, ""),), True, goal_m, 0.1, 7)
-    message = sent(fields.controller_status(make, TIME_NS, 3, decision))
+    message = sent(ros_messages.controller_status(make, TIME_NS, 3, decision))
     assert conversion.decision(message) == Decision(Twist(), (), True, goal_m, 0.1, 7)
     assert message.robot_id == 3
 
@@ -130,7 +132,7 @@ def test_decision_keeps_all_but_command_and_outbox(make, goal_m):
 @pytest.mark.parametrize("task", [Task(True, 4, (18.0, 0.1), 2.0), Task()])
 def test_mission_status_keeps_its_task(make, task):
     status = MissionStatus("running", "", 0.1 + 0.2, (True, False), ("waiting", "saved"), 1, 5, task)
-    message = sent(fields.mission_status(make, TIME_NS, "garage", status, 10.0))
+    message = sent(ros_messages.mission_status(make, TIME_NS, "garage", status, 10.0))
     assert conversion.mission_status(message) == status
     assert conversion.task(message) == task
 
@@ -139,30 +141,31 @@ def test_mission_status_keeps_what_the_base_has_heard_of_and_what_not(make):
     finds = (Discovery("victim", "ann", 1, (9.0, 0.1 + 0.2), 1.0 / 3.0), Discovery("area", "east", 0, (16.0, 5.0), 7.0))
     reports = Reports(2, 0.1 + 0.2, 1.0 / 3.0)
     status = MissionStatus("running", "", 8.0, (True,), ("saved",), -1, 0, Task(unreported=finds), reports)
-    assert conversion.mission_status(sent(fields.mission_status(make, TIME_NS, "hall", status, 10.0))) == status
+    assert conversion.mission_status(sent(ros_messages.mission_status(make, TIME_NS, "hall", status, 10.0))) == status
 
 
 def test_everything_else_that_is_published_can_be_sent(make):
     field = FieldMap((0.5, 1.0), 0.25, np.array([[0.0, 12.4], [99.6, 130.0]]))
     status = MissionStatus("ended", "aborted", 1.0, (False,), ("heard",), 0, 0, Task())
     grid = OccupancyGrid((0.0, 0.0), 0.05, np.array([[0, 100, -1]], dtype=np.int8))
-    picture = sent(fields.field_map_picture(make, TIME_NS, field))
+    picture = sent(ros_messages.field_map_picture(make, TIME_NS, field))
     assert list(picture.data) == [0, 12, 100, 100]
-    values = sent(fields.field_map(make, TIME_NS, field, "voice_level", "dB"))
+    values = sent(ros_messages.field_map(make, TIME_NS, field, "voice_level", "dB"))
     assert (values.width, values.height, values.data[1]) == (2, 2, pytest.approx(12.4))
-    assert list(sent(fields.occupancy_grid(make, TIME_NS, grid)).data) == [0, 100, -1]
-    assert sent(fields.clock(make, TIME_NS)).clock.to_nsec() == TIME_NS
-    assert sent(fields.mission_event(make, TIME_NS, Event(1.0, "end", "", -1, "over"))).robot_id == -1
+    assert list(sent(ros_messages.occupancy_grid(make, TIME_NS, grid)).data) == [0, 100, -1]
+    assert sent(ros_messages.clock(make, TIME_NS)).clock.to_nsec() == TIME_NS
+    assert sent(ros_messages.mission_event(make, TIME_NS, Event(1.0, "end", "", -1, "over"))).robot_id == -1
     assert (
-        sent(fields.victims(make, TIME_NS, [Victim(name="a", position=(1.0, 2.0))], ["heard"])).victims[0].name == "a"
+        sent(ros_messages.victims(make, TIME_NS, [Victim(name="a", position=(1.0, 2.0))], ["heard"])).victims[0].name
+        == "a"
     )
-    assert sent(fields.areas(make, TIME_NS, [Area(name="b", center=(1.0, 2.0))], status)).areas[0].target
-    assert sent(fields.contact(make, TIME_NS, 0, True)).in_contact
+    assert sent(ros_messages.areas(make, TIME_NS, [Area(name="b", center=(1.0, 2.0))], status)).areas[0].target
+    assert sent(ros_messages.contact(make, TIME_NS, 0, True)).in_contact
 
 
 def test_transforms_lead_from_odom_to_laser_without_leading_slashes(make):
-    message = sent(fields.transforms(make, TIME_NS, [Robot()], [READING.odometry]))
-    message.transforms.append(sent(fields.localization(make, TIME_NS, 0, PLACE)))
+    message = sent(ros_messages.transforms(make, TIME_NS, [Robot()], [READING.odometry]))
+    message.transforms.append(sent(ros_messages.localization(make, TIME_NS, 0, PLACE)))
     links = [(link.header.frame_id, link.child_frame_id) for link in message.transforms]
     assert links == [
         ("robot_0/odom", "robot_0/base_footprint"),

@@ -12,7 +12,7 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from robotteamsim.geometry import PoseReading
-from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes import team_outputs
 from robotteamsim.ros.transport.msg_conversion import RosTypes
 from robotteamsim.ros.transport.packed_messages import PackedRows, Serialized, layout
@@ -42,7 +42,7 @@ def on_the_wire(message: Any) -> bytes:
         LaserScan(header=Header(frame_id="robot_7/base_laser_link"), ranges=[1.0] * 5, intensities=[2.0] * 3),
         Odometry(child_frame_id="ä"),
         MissionStatus(scenario="x", explored=b"\x01\x00"),
-        TFMessage(transforms=[fields.localization(MAKE, 0, i, PoseReading(1.0, 2.0, 0.0, 1.0)) for i in (9, 10)]),
+        TFMessage(transforms=[ros_messages.localization(MAKE, 0, i, PoseReading(1.0, 2.0, 0.0, 1.0)) for i in (9, 10)]),
     ],
     ids=lambda message: type(message).__name__,
 )
@@ -132,10 +132,10 @@ def test_robots_topics_carry_the_bytes_that_rospy_makes_of_their_fields(wire, ro
     outputs.publish(TIME_NS, readings)
     for i, (robot, reading) in enumerate(zip(robots, readings, strict=True)):
         wanted = {
-            "odom": fields.odometry(MAKE, TIME_NS, i, reading.odometry),
-            "base_pose_ground_truth": fields.ground_truth(MAKE, TIME_NS, i, reading),
-            "base_scan": fields.scan(MAKE, TIME_NS, i, robot.laser, reading.ranges_m),
-            "contact": fields.contact(MAKE, TIME_NS, i, reading.in_contact, reading.contact_angles_rad),
+            "odom": ros_messages.odometry(MAKE, TIME_NS, i, reading.odometry),
+            "base_pose_ground_truth": ros_messages.ground_truth(MAKE, TIME_NS, i, reading),
+            "base_scan": ros_messages.scan(MAKE, TIME_NS, i, robot.laser, reading.ranges_m),
+            "contact": ros_messages.contact(MAKE, TIME_NS, i, reading.in_contact, reading.contact_angles_rad),
         }
         for name, message in wanted.items():
             assert wire.sent[f"/robot_{i}/{name}"] == on_the_wire(numbered(message)), (i, name)
@@ -144,10 +144,10 @@ def test_robots_topics_carry_the_bytes_that_rospy_makes_of_their_fields(wire, ro
 @pytest.mark.parametrize("localized", [False, True])
 def test_tf_carries_the_bytes_that_rospy_makes_of_its_fields(wire, robots, readings, localized):
     team_outputs.TeamOutputs(robots, latched=False, localized=localized).publish(TIME_NS, readings)
-    message = fields.transforms(MAKE, TIME_NS, robots, [reading.odometry for reading in readings])
+    message = ros_messages.transforms(MAKE, TIME_NS, robots, [reading.odometry for reading in readings])
     if localized:
         message.transforms += [
-            fields.localization(
+            ros_messages.localization(
                 MAKE, TIME_NS, i, PoseReading.from_pose(r.ground_truth.pose @ r.odometry.pose.pose.inverse())
             )
             for i, r in enumerate(readings)
@@ -167,7 +167,7 @@ def test_step_leaves_nothing_of_the_step_before(wire, robots, readings):
         in_contact=np.zeros(ROBOTS, bool),
     )
     outputs.publish(TIME_NS, still)
-    message = fields.odometry(MAKE, TIME_NS, 11, still[11].odometry)
+    message = ros_messages.odometry(MAKE, TIME_NS, 11, still[11].odometry)
     message.header.seq = 2
     assert wire.sent["/robot_11/odom"] == on_the_wire(message)
 

@@ -21,6 +21,7 @@ from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 from robotteamsim.world.doors import DoorState
+from robotteamsim.world.placement import placed_robots
 
 STEPS = 3
 STEP_NS = 100_000_000
@@ -167,7 +168,7 @@ def equipped(hall_scenario) -> Scenario:
 
 def headless_readings(scenario: Scenario) -> list[RobotReading]:
     """Return what robot 0 reads when the same steps are taken without ROS."""
-    robots = scenario.placed_robots()
+    robots = placed_robots(scenario)
     world = World(scenario.plan, robots, scenario.run)
     sensors = RobotSensors(world, robots, scenario.run.seed)
     record = []

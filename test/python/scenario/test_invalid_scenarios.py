@@ -8,6 +8,7 @@ import pytest
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario import load
+from robotteamsim.world import check_places
 
 INVALID = sorted((Path(__file__).parents[2] / "data" / "invalid").glob("*.yaml"))
 
@@ -23,5 +24,5 @@ def test_invalid_scenario_is_refused_with_its_exact_message(path: Path, monkeypa
     # A mistake of syntax is told with its line: "name.yaml:4: ...".
     place = f"{path.name}:{expected[5:]}" if expected.startswith("line ") else f"{path.name}: {expected}"
     with pytest.raises(ScenarioError) as raised:
-        load(path.name)
+        check_places(load(path.name))
     assert str(raised.value) == place

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from robotteamsim.errors import PlacementError, ScenarioError
+from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario import load, load_floor_plan, map_names, scenario_names
 
 SCENARIO = """\
@@ -102,12 +102,12 @@ def test_plan_given_as_override_is_relative_to_the_current_folder(room: str) -> 
         ("=3", "--set: '=3' is not of the form KEY=VALUE, such as voice.noise_db=20"),
         ("voice..noise_db=3", "--set: 'voice..noise_db=3' is not of the form KEY=VALUE, such as voice.noise_db=20"),
         ("run.seed=[1", "--set: run.seed: expected ',' or ']', but got '<stream end>'"),
-        ("mission.victims.2.name=eve", "--set: mission.victims.2: '2' is no index of a list of 2 items"),
-        ("mission.victims.x.name=eve", "--set: mission.victims.x: 'x' is no index of a list of 2 items"),
+        ("mission.victims.2.name=eve", "--set: mission.victims.2: index 2 out of range (list has 2 items)"),
+        ("mission.victims.x.name=eve", "--set: mission.victims.x: 'x' is not an index (list has 2 items)"),
         ("name.short=r", "--set: name.short: name is 'room', not a section"),
         (
             "voice.constant_db.0=-70",
-            "--set: voice.constant_db.0: the file has no list voice.constant_db; set the whole of it",
+            "--set: voice.constant_db.0: the file has no list voice.constant_db; set the whole list",
         ),
         ("plan.walls=3", "--set: plan.walls: 3 is not a list"),
         # The file has no control.swarms: what its defaults do not fit is what was set.
@@ -134,41 +134,6 @@ def test_further_mistakes_stand_in_the_notes(room: str) -> None:
         "room.yaml: voice.noise_db: 99 is above 80",
         "room.yaml: run.seed: -1 is below 0",
     ]
-
-
-@pytest.mark.parametrize(
-    ("override", "message"),
-    [
-        ("robots.start=[30, 3, 0]", "robots.start: [30, 3] lies outside the plan, [0, 0] .. [10, 8]"),
-        ("robots={start: [30, 3, 0]}", "robots.start: [30, 3] lies outside the plan, [0, 0] .. [10, 8]"),
-        ("robots.count=500", "robots.count: 500 robots 0.8 m apart find no room around [3, 3], only 108 of them"),
-        (
-            "mission.victims.1.position=[4, 9]",
-            "mission.victims.1.position: [4, 9] lies outside the plan, [0, 0] .. [10, 8]",
-        ),
-        (
-            "things=[{name: crate, kind: barrel, radius_m: 0.5, pose: [20, 2, 0]}]",
-            "things.0.pose: [20, 2]: barrel 'crate' lies outside the plan, [0, 0] .. [10, 8]",
-        ),
-        (
-            "schedule=[{at_s: 60, remove: 1}, {at_s: 90, spawn: 1, pose: [-5, 2, 0]}]",
-            "schedule.1.pose: [-5, 2]: robot 1 lies outside the plan, [0, 0] .. [10, 8]",
-        ),
-    ],
-)
-def test_bad_place_that_was_set_is_a_placement_error_of_set(room: str, override: str, message: str) -> None:
-    with pytest.raises(PlacementError) as raised:
-        load(room, [override])
-    assert str(raised.value) == f"--set: {message}"
-
-
-def test_bad_place_in_the_file_is_not_blamed_on_an_override(room: str) -> None:
-    schedule = "schedule: [{at_s: 60, remove: 1}, {at_s: 90, spawn: 1, pose: [-5, 2, 0]}]\n"
-    Path(room).write_text(SCENARIO + schedule, encoding="utf-8")
-    with pytest.raises(PlacementError, match=r"^room.yaml: schedule.1.pose: \[-5, 2\]: robot 1 lies outside the plan"):
-        load(room, ["schedule.0.at_s=50", "robots.count=3"])
-    with pytest.raises(PlacementError, match=r"^--set: schedule.1.pose: \[-6, 2\]: robot 1 lies outside the plan"):
-        load(room, ["schedule.1.pose=[-6, 2, 0]"])
 
 
 def test_mistake_in_a_plan_file_names_that_file(room: str) -> None:

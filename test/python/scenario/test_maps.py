@@ -14,6 +14,7 @@ from robotteamsim.scenario.plan import FREE
 from robotteamsim.scenario.plan_export import export_map
 from robotteamsim.scenario.plan_import import import_map
 from robotteamsim.scenario.shipped import shipped_plan
+from robotteamsim.world.placement import placed_robots
 
 BUILDINGS = sorted((Path(__file__).parents[2] / "data" / "scenarios").glob("*.yaml"))
 SCENARIOS = [*scenario_names(), *BUILDINGS]
@@ -63,7 +64,7 @@ def test_robots_can_reach_every_area_and_victim(scenario: str | Path) -> None:
     """By a flood fill from robot 0 where it keeps a margin from solids; all others start in that region too."""
     loaded = load(scenario)
     grid = occupancy_grid(loaded.plan, 0.05)
-    robots = loaded.placed_robots()
+    robots = placed_robots(loaded)
     clearance_m = 0.05 * ndimage.distance_transform_edt(grid.cells == FREE)
     labels, _ = ndimage.label(clearance_m > robots[0].radius_m + MARGIN_M)
     starts = {int(labels[grid.cell_at(*robot.start_pose[:2])]) for robot in robots}
@@ -87,4 +88,4 @@ def test_garage_keeps_the_route_and_the_victims_of_the_study() -> None:
         (29.0, 4.5), (56.5, 22.0), (35.0, 22.7), (20.5, 23.7),
     ]  # fmt: skip
     assert {area.radius_m for area in scenario.mission.areas} == {2.0}
-    assert len(scenario.placed_robots()) == 3
+    assert len(placed_robots(scenario)) == 3

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario import dump, load
 from robotteamsim.scenario.yaml_text import parse, write
+from robotteamsim.world import check_places
 
 ROOM = parse(
     """\
@@ -58,7 +59,7 @@ def _places(data: Any) -> list[tuple[Any, Any]]:
 def _told(path: Path, overrides: Sequence[str] = ()) -> list[str]:
     """Return what loading tells the user: nothing, or a line for each mistake."""
     try:
-        load(path, overrides)
+        check_places(load(path, overrides))
     except ScenarioError as error:
         return [str(error), *getattr(error, "__notes__", [])]
     return []

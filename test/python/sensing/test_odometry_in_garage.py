@@ -12,6 +12,7 @@ from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.sensing.odometry import TeamOdometry
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
+from robotteamsim.world.placement import placed_robots
 
 EXACT = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0)
 MODEL = OdometryModel(alpha1=0.004, alpha2=0.001, alpha3=0.002, alpha4=0.003)
@@ -49,7 +50,7 @@ def test_without_noise_it_is_the_true_way_to_a_nanometre_over_five_minutes_of_co
 
 def test_following_a_world_is_stepping_with_its_motions_and_twists():
     plan, generator = load("garage_sar").plan, np.random.default_rng(32)
-    robots = [PlacedRobot(start_pose=robot.start_pose) for robot in load("garage_sar").placed_robots()]
+    robots = [PlacedRobot(start_pose=robot.start_pose) for robot in placed_robots(load("garage_sar"))]
     world = World(plan, robots, Run())
     one, other = (
         TeamOdometry([MODEL] * len(robots), 0.1, [np.random.default_rng(seed) for seed in range(len(robots))])

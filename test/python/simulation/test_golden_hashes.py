@@ -35,8 +35,9 @@ import hashlib, numpy as np
 from robotteamsim.scenario import load
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
+from robotteamsim.world.placement import placed_robots
 loaded = load("garage_sar", ["robots.count=24", "robots.spacing_m=0.45"])
-robots = loaded.placed_robots()
+robots = placed_robots(loaded)
 world = World(loaded.plan, robots, loaded.run)
 sensors = RobotSensors(world, robots, 5)
 generator, digest, touched = np.random.default_rng(5), hashlib.sha256(), np.zeros(24, bool)

@@ -15,6 +15,7 @@ from robotteamsim.scenario.sensors import Laser as LaserModel
 from robotteamsim.scenario.things import Thing
 from robotteamsim.sensing.laser import Laser
 from robotteamsim.world import World
+from robotteamsim.world.placement import placed_robots
 
 PLAN = FloorPlan(
     name="two rooms",
@@ -227,7 +228,7 @@ def test_schedule_that_others_forestalled_changes_nothing():
 
 
 def test_reserve_of_a_team_is_its_last_robots_at_their_places():
-    robots = load("garage_sar", ["robots.count=5", "robots.reserve=2"]).placed_robots()
+    robots = placed_robots(load("garage_sar", ["robots.count=5", "robots.reserve=2"]))
     assert [robot.present for robot in robots] == [True, True, True, False, False]
-    everybody = load("garage_sar", ["robots.count=5"]).placed_robots()
+    everybody = placed_robots(load("garage_sar", ["robots.count=5"]))
     assert [robot.start_pose for robot in robots] == [robot.start_pose for robot in everybody]

@@ -105,9 +105,10 @@ import numpy as np
 from robotteamsim.geometry import Twist
 from robotteamsim.scenario import load
 from robotteamsim.world import World
+from robotteamsim.world.placement import placed_robots
 
 scenario = load("garage_sar", ["robots.count=12", "robots.spacing_m=0.41"])
-world = World(scenario.plan, scenario.placed_robots(), scenario.run)
+world = World(scenario.plan, placed_robots(scenario), scenario.run)
 generator = np.random.default_rng(8)
 for _ in range(40):
     twists = [Twist(v, 0.0, w) for v, w in generator.uniform(-1.0, 1.0, (12, 2)).tolist()]

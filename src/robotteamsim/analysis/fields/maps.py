@@ -12,6 +12,7 @@ from robotteamsim.propagation import FieldMap, RadioField, VoiceField, VoiceSour
 from robotteamsim.scenario import FloorPlan, Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.voice import VoiceSensor
+from robotteamsim.world.placement import placed_robots
 
 Point = tuple[float, float]
 VoiceRange = Literal["drawn", "lowest", "highest"]
@@ -44,7 +45,7 @@ def radio_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, 
 
     Args: at_m: the transmitters in `map` [m]; none: robot 0 at its start.
     """
-    places = list(at_m) or [scenario.placed_robots()[0].start_pose[:2]]
+    places = list(at_m) or [placed_robots(scenario)[0].start_pose[:2]]
     model = RadioField(scenario.plan, scenario.radio)
     maps = [model.rssi_map_dbm(place, resolution_m) for place in places]
     values = np.maximum.reduce([each.values for each in maps])

@@ -25,6 +25,7 @@ from robotteamsim.analysis.report.tables import Table, all_tables
 from robotteamsim.analysis.report.wording import listed, percents, unbroken
 from robotteamsim.campaign import StoredCampaign
 from robotteamsim.recording.files import atomically, prepare_folder
+from robotteamsim.world.placement import placed_robots
 
 PAGE_NAME = "report.html"
 _FIGURES, _TABLES = "figures", "tables"
@@ -180,7 +181,7 @@ def _map_pictures(campaign: Campaign) -> Iterator[_Picture]:
             yield _picture(f"fig{number}_voice_{voice_range}", title, caption, drawn)
     widest_m = maps.widest_moment_m(campaign)
     if widest_m is None:
-        places_m = np.array([robot.start_pose[:2] for robot in scenario.placed_robots()])
+        places_m = np.array([robot.start_pose[:2] for robot in placed_robots(scenario)])
         when = "where the robots start"
     else:
         places_m, when = widest_m, "in the moment in which a robot was farthest from its nearest other, of all missions"

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from robotteamsim.recording.message_fields import MAP_FRAME
+from robotteamsim.recording.ros_messages import MAP_FRAME
 
 Source = Literal["truth", "odom and tf", "odom"]
 PoseSample = tuple[str, float, float, float, float, float, float]

@@ -79,7 +79,7 @@ class SebsController(PathController):
         super().__init__(robot_id, scenario, arrival)
         self._patrol = scenario.control.patrol
         self._graph = patrol_graph(scenario, body_of(robot_id, scenario).reach_m)
-        self._team_size = len(scenario.placed_robots())
+        self._team_size = scenario.num_robots
         self._rng = robot_stream(scenario, "sebs", robot_id, arrival)
         self._visited_s = [0.0] * len(self._graph.places)
         self._intentions: dict[int, int] = {}

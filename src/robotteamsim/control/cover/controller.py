@@ -19,6 +19,7 @@ from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.swarm import Vector, limit_speed
+from robotteamsim.world.placement import placed_robots
 
 COVER_RADIUS_M = 2.5
 LONGEST_WAY_M = 200.0
@@ -57,7 +58,7 @@ class CoverController:
 
     def __init__(self, robot_id: int, scenario: Scenario) -> None:
         control, body = scenario.control, body_of(robot_id, scenario)
-        start = scenario.placed_robots()[robot_id].start_pose
+        start = placed_robots(scenario)[robot_id].start_pose
         self._robot_id = robot_id
         self._is_base = robot_id == scenario.mission.base
         self._control = control

@@ -7,6 +7,7 @@ from robotteamsim.geometry import Pose
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Robot, Team
 from robotteamsim.sensing.readings import RobotReading
+from robotteamsim.world.placement import placed_robots
 
 
 class Localiser:
@@ -15,7 +16,7 @@ class Localiser:
     def __init__(self, robot_id: int, scenario: Scenario) -> None:
         self._map_T_odom: Pose | None = None
         if scenario.control.localisation == "odometry":
-            self._map_T_odom = Pose(*scenario.placed_robots()[robot_id].start_pose)
+            self._map_T_odom = Pose(*placed_robots(scenario)[robot_id].start_pose)
 
     def map_T_base_link(self, reading: RobotReading) -> Pose:  # noqa: N802
         """Return the robot's pose in `map`."""

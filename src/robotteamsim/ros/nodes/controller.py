@@ -16,7 +16,7 @@ from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.msg import Contact, ControllerStatus, MissionStatus, NetworkMessages, Voice
 from robotteamsim.network.messages import Message
-from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.further_inputs import FurtherInputs
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.inbox import Channel, Step
@@ -60,7 +60,7 @@ def _serve_robot() -> None:
 def _serve_team() -> None:
     settings = read_settings()
     seats = [
-        ControllerSlot(settings, robot_id, f"/{fields.robot_name(robot_id)}/")
+        ControllerSlot(settings, robot_id, f"/{ros_messages.robot_name(robot_id)}/")
         for robot_id in range(settings.num_robots)
     ]
     ControllerNode(settings, seats).serve()
@@ -115,7 +115,7 @@ class ControllerSlot:
 
     def greet(self) -> None:
         """Answer no step yet: it says that the controller is there."""
-        self._answer.publish(fields.twist_stamped(self._make, 0, self._robot_id, Decision().twist))
+        self._answer.publish(ros_messages.twist_stamped(self._make, 0, self._robot_id, Decision().twist))
 
     def step(self, step: Step, task: Task) -> None:
         """Let the controller perceive and decide, and publish what it decided."""
@@ -146,13 +146,13 @@ class ControllerSlot:
 
     def _publish(self, time_ns: int, decision: Decision) -> None:
         make = self._make
-        self._answer.publish(fields.twist_stamped(make, time_ns, self._robot_id, decision.twist))
+        self._answer.publish(ros_messages.twist_stamped(make, time_ns, self._robot_id, decision.twist))
         if self._messages.wanted:
-            self._messages.publish(fields.network_messages(make, time_ns, decision.outbox))
+            self._messages.publish(ros_messages.network_messages(make, time_ns, decision.outbox))
         if self._status.wanted:
-            self._status.publish(fields.controller_status(make, time_ns, self._robot_id, decision))
+            self._status.publish(ros_messages.controller_status(make, time_ns, self._robot_id, decision))
         if self._command is not None and self._command.wanted:
-            self._command.publish(fields.twist(make, decision.twist))
+            self._command.publish(ros_messages.twist(make, decision.twist))
 
 
 class ControllerNode:

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from robotteamsim.errors import PlacementError
 from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkMessages, NetworkState, Voice
 from robotteamsim.propagation import FieldMap
-from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording import ros_messages
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.inbox import Channel, Step
 from robotteamsim.ros.transport.msg_conversion import RosTypes
@@ -31,7 +31,6 @@ from robotteamsim.ros.transport.node import (
     run,
 )
 from robotteamsim.ros.transport.quick_messages import PlanarOdometry
-from robotteamsim.scenario.placement import check_places
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.sections import Mission as MissionSection
 from robotteamsim.scenario.sections import Victim
@@ -52,6 +51,7 @@ from robotteamsim.srv import (
     SetVictimRequest,
     SetVictimResponse,
 )
+from robotteamsim.world.placement import check_mission
 
 STATUS = "/mission/status"
 DOORS = "/world/doors"
@@ -97,10 +97,10 @@ class RadioMaps:
         self._due_ns = 0
 
     def _picture_of(self, time_ns: int, radio_map: FieldMap) -> OccupancyGrid:
-        return fields.radio_map_picture(self._make, time_ns, radio_map)
+        return ros_messages.radio_map_picture(self._make, time_ns, radio_map)
 
     def _values_of(self, time_ns: int, radio_map: FieldMap) -> FloatMap:
-        return fields.field_map(self._make, time_ns, radio_map, "rssi", "dBm")
+        return ros_messages.field_map(self._make, time_ns, radio_map, "rssi", "dBm")
 
     def _greeting(self, message_of: Callable[[int, FieldMap], Any]) -> Any:
         now = self._now()
@@ -114,7 +114,7 @@ class EnvironmentNode:
         self._settings = settings
         self._make = RosTypes()
         self._environment_lock = threading.Lock()
-        names = [f"/{fields.robot_name(robot_id)}" for robot_id in range(settings.num_robots)]
+        names = [f"/{ros_messages.robot_name(robot_id)}" for robot_id in range(settings.num_robots)]
         self._places = [f"{name}/base_pose_ground_truth" for name in names]
         self._sent = [f"{name}/network/tx" for name in names]
         latched = settings.lockstep
@@ -126,7 +126,7 @@ class EnvironmentNode:
         self._attendance = Attendance()
         self._last_step: tuple[int, list[tuple[float, float]]] | None = None
         self._radio_maps = [
-            RadioMaps(fields.robot_name(robot_id), self._make, partial(self._radio_map_now, robot_id))
+            RadioMaps(ros_messages.robot_name(robot_id), self._make, partial(self._radio_map_now, robot_id))
             for robot_id in range(settings.num_robots)
         ]
         self._build()
@@ -195,12 +195,12 @@ class EnvironmentNode:
         make, time_ns = self._make, step.stamp_ns
         for robot_id, (output, voice) in enumerate(zip(self._voices, voices, strict=True)):
             if is_there(robot_id) and output.wanted:
-                output.publish(fields.voice(make, time_ns, voice))
+                output.publish(ros_messages.voice(make, time_ns, voice))
         for robot_id, (output, inbox) in enumerate(zip(self._received, inboxes, strict=True)):
             if is_there(robot_id) and output.wanted:
-                output.publish(fields.network_messages(make, time_ns, inbox))
+                output.publish(ros_messages.network_messages(make, time_ns, inbox))
         if self._network.wanted:
-            self._network.publish(fields.network_state(make, time_ns, network))
+            self._network.publish(ros_messages.network_state(make, time_ns, network))
         self._publish_voice_map(time_ns)
         with self._environment_lock:
             self._last_step = time_ns, [(place.x_m, place.y_m) for place in places]
@@ -216,8 +216,8 @@ class EnvironmentNode:
                 return
             self._published_changes = changes
             voice_map = self._environment.voice_map()
-        self._voice_picture.publish(fields.field_map_picture(self._make, time_ns, voice_map))
-        self._voice_map.publish(fields.field_map(self._make, time_ns, voice_map, "voice_level", "dB"))
+        self._voice_picture.publish(ros_messages.field_map_picture(self._make, time_ns, voice_map))
+        self._voice_map.publish(ros_messages.field_map(self._make, time_ns, voice_map, "voice_level", "dB"))
 
     def _radio_map_now(self, robot_id: int) -> tuple[int, FieldMap] | None:
         """Return stamp [ns] and radio map of a robot's last step; None: there was none, or it is not there."""
@@ -235,7 +235,9 @@ class EnvironmentNode:
                 return GetRadioMapResponse(success=False, message=problem)
             time_ns, positions_m = self._last_step
             radio_map = self._environment.radio_map(positions_m[request.robot_id], resolution_m)
-        return GetRadioMapResponse(success=True, map=fields.field_map(self._make, time_ns, radio_map, "rssi", "dBm"))
+        return GetRadioMapResponse(
+            success=True, map=ros_messages.field_map(self._make, time_ns, radio_map, "rssi", "dBm")
+        )
 
     def _problem_of(self, robot_id: int, resolution_m: float) -> str:
         """Return why there is no such radio map; empty: there is one."""
@@ -276,7 +278,7 @@ class EnvironmentNode:
         scenario = self._settings.scenario
         try:
             mission = MissionSection(victims=(Victim(name=request.name, position=position_m),))
-            check_places(scenario.plan, scenario.robots, mission)
+            check_mission(scenario.plan, mission)
         except ValidationError as error:
             return SetVictimResponse(success=False, message=str(problems(error, MissionSection)[0]))
         except PlacementError as error:

@@ -27,8 +27,7 @@ from robotteamsim.msg import (
     Victims,
     Voice,
 )
-from robotteamsim.recording import ResultWriter, TumWriter
-from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording import ResultWriter, TumWriter, ros_messages
 from robotteamsim.recording.table import print_result
 from robotteamsim.ros.nodes.trial import Trial
 from robotteamsim.ros.transport import msg_conversion as conversion
@@ -78,7 +77,7 @@ class RobotInputs:
     """What the mission is told of one robot."""
 
     def __init__(self, robot_id: int) -> None:
-        name = fields.robot_name(robot_id)
+        name = ros_messages.robot_name(robot_id)
         self._robot_id = robot_id
         self.ground_truth = f"/{name}/base_pose_ground_truth"
         self.contact = f"/{name}/contact"
@@ -125,7 +124,7 @@ class MissionNode:
         self._robots = [RobotInputs(robot_id) for robot_id in range(settings.num_robots)]
         base = settings.scenario.mission.base
         self._base = base
-        self._base_received = "" if base is None else f"/{fields.robot_name(base)}/network/rx"
+        self._base_received = "" if base is None else f"/{ros_messages.robot_name(base)}/network/rx"
         self._attendance = Attendance()
         self._trial_lock = threading.Lock()
         self._trial = self._begin_trial()
@@ -196,15 +195,15 @@ class MissionNode:
         with self._trial_lock:
             mission = self._trial.mission
             status, victims, noise_db = mission.status, mission.victims, mission.noise_db
-        self._status.publish(fields.mission_status(make, time_ns, scenario.name, status, noise_db))
+        self._status.publish(ros_messages.mission_status(make, time_ns, scenario.name, status, noise_db))
         for event in events:
-            self._events.publish(fields.mission_event(make, time_ns, event))
+            self._events.publish(ros_messages.mission_event(make, time_ns, event))
             rospy.loginfo(f"{event.time_s:.1f} s: {event.detail}")
         shown = (victims, status.victims, status.explored, status.target_area)
         if shown != self._published:
             self._published = shown
-            self._victims.publish(fields.victims(make, time_ns, victims, status.victims))
-            self._areas.publish(fields.areas(make, time_ns, scenario.mission.areas, status))
+            self._victims.publish(ros_messages.victims(make, time_ns, victims, status.victims))
+            self._areas.publish(ros_messages.areas(make, time_ns, scenario.mission.areas, status))
 
     def _report(self) -> None:
         result = self._trial.result

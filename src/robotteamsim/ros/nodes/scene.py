@@ -36,6 +36,7 @@ from robotteamsim.ros.transport.node import ROBOTS, Output, parameter, read_sett
 from robotteamsim.scenario import Bounds, Scenario, occupancy_grid
 from robotteamsim.scenario.plan import OCCUPIED
 from robotteamsim.scenario.sections import Robot
+from robotteamsim.world.placement import placed_robots
 
 DRAW_PERIOD_S = 0.1
 TRAIL_PERIOD_S = 0.5
@@ -102,7 +103,7 @@ class Scene:
     def __init__(self, scenario: Scenario, wall_height_m: float) -> None:
         self._scenario = scenario
         self._wall_height_m = wall_height_m
-        self._placed = scenario.placed_robots()
+        self._placed = placed_robots(scenario)
         layers = ("building", "doors", "voice", "areas", "victims", "trails", "links", "robots", "headline", *SENSORS)
         self._canvas = {layer: Canvas(f"/scene/{layer}") for layer in layers}
         self._laser = Output("/scene/laser", PointCloud2)

@@ -10,7 +10,7 @@ from geometry_msgs.msg import TwistStamped
 
 from robotteamsim.geometry import Twist
 from robotteamsim.msg import MissionStatus
-from robotteamsim.recording.message_fields import robot_name
+from robotteamsim.recording.ros_messages import robot_name
 from robotteamsim.ros.nodes.commands import STOP, Answers, Commands
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.inbox import Channel, LockstepInbox

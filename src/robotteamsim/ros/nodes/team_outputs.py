@@ -13,8 +13,8 @@ from tf2_msgs.msg import TFMessage
 
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.msg import Contact
-from robotteamsim.recording import message_fields as fields
-from robotteamsim.recording.sensor_fields import SensorTopic, sensor_topics
+from robotteamsim.recording import ros_messages
+from robotteamsim.recording.sensor_messages import SensorTopic, sensor_topics
 from robotteamsim.ros.transport.msg_conversion import RosTypes
 from robotteamsim.ros.transport.node import Output
 from robotteamsim.ros.transport.packed_messages import PackedRows, serialized
@@ -27,7 +27,7 @@ _NOWHERE = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
 class TeamOutputs:
     """The topics of all robots, and their tf.
 
-    Messages are made once, by `recording.message_fields`, and in each step filled with what has changed. The header's
+    Messages are made once, by `recording.ros_messages`, and in each step filled with what has changed. The header's
     `seq` counts the steps that were published.
     """
 
@@ -41,18 +41,18 @@ class TeamOutputs:
 
         def example_scan(robot_id: int) -> Any:
             laser = robots[robot_id].laser
-            return fields.scan(make, 0, robot_id, laser, np.zeros(laser.beams, np.float32))
+            return ros_messages.scan(make, 0, robot_id, laser, np.zeros(laser.beams, np.float32))
 
         still = RobotReading(_NOWHERE.pose, _NOWHERE.twist, _NOWHERE, np.zeros(0, np.float32), in_contact=False)
-        self._truth = topic("base_pose_ground_truth", Odometry, lambda i: fields.ground_truth(make, 0, i, still))
-        self._odom = topic("odom", Odometry, lambda i: fields.odometry(make, 0, i, _NOWHERE))
+        self._truth = topic("base_pose_ground_truth", Odometry, lambda i: ros_messages.ground_truth(make, 0, i, still))
+        self._odom = topic("odom", Odometry, lambda i: ros_messages.odometry(make, 0, i, _NOWHERE))
         self._scan = topic("base_scan", LaserScan, example_scan)
-        self._contact = topic("contact", Contact, lambda i: fields.contact(make, 0, i, in_contact=False))
+        self._contact = topic("contact", Contact, lambda i: ros_messages.contact(make, 0, i, in_contact=False))
         self._topics = (self._truth, self._odom, self._scan, self._contact)
         self._sensors: list[tuple[int, SensorTopic, Output]] = []
         for i, robot in enumerate(robots):
             for sensor in sensor_topics(robot):
-                name = f"/{fields.robot_name(i)}/{sensor.name}"
+                name = f"/{ros_messages.robot_name(i)}/{sensor.name}"
                 output = Output(name, make.message_class(sensor.type_name), latched=latched)
                 self._sensors.append((i, sensor, output))
         self._tf = _Tf(make, robots, localized)
@@ -76,8 +76,8 @@ class TeamOutputs:
             odometry, messages = readings.odometry, self._odom.messages
             _set_pose(messages, "0.pose.pose.position", "0.pose.pose.orientation", odometry)
             _set_twist(messages, odometry[:, 4:7])
-            messages.set("0.pose.covariance", fields.pose_covariances(odometry[:, 7:13]))
-            messages.set("0.twist.covariance", fields.twist_covariances(odometry[:, 13:16]))
+            messages.set("0.pose.covariance", ros_messages.pose_covariances(odometry[:, 7:13]))
+            messages.set("0.twist.covariance", ros_messages.twist_covariances(odometry[:, 13:16]))
         if self._scan.wanted:
             self._scan.messages.set("0.ranges.data", readings.ranges_m)
         if self._contact.wanted:
@@ -97,7 +97,7 @@ class TeamOutputs:
         messages = {}
         for robot_id in np.flatnonzero(readings.in_contact).tolist():
             angles_rad = readings.contact_angles_rad.get(robot_id, ())
-            message = fields.contact(self._make, time_ns, robot_id, True, angles_rad)
+            message = ros_messages.contact(self._make, time_ns, robot_id, True, angles_rad)
             message.header.seq = self._seq
             messages[robot_id] = memoryview(serialized([message], with_length=True))
         return messages
@@ -111,7 +111,7 @@ class _RobotTopic:
         self.instead: Mapping[int, memoryview] = {}
         """What some robots, by their ids, send in this step instead of their row."""
         self._outputs = [
-            Output(f"/{fields.robot_name(robot_id)}/{name}", message_class, latched=latched)
+            Output(f"/{ros_messages.robot_name(robot_id)}/{name}", message_class, latched=latched)
             for robot_id in range(len(examples))
         ]
 
@@ -140,12 +140,15 @@ class _Tf:
     def __init__(self, make: RosTypes, robots: Sequence[PlacedRobot], localized: bool) -> None:
         self._output = Output("/tf", TFMessage)
         self._robots = PackedRows(
-            [fields.robot_transforms(make, 0, robot_id, robot, _NOWHERE) for robot_id, robot in enumerate(robots)],
+            [
+                ros_messages.robot_transforms(make, 0, robot_id, robot, _NOWHERE)
+                for robot_id, robot in enumerate(robots)
+            ],
             with_length=False,
         )
         self._localization = (
             PackedRows(
-                [[fields.localization(make, 0, i, _NOWHERE.pose)] for i in range(len(robots))], with_length=False
+                [[ros_messages.localization(make, 0, i, _NOWHERE.pose)] for i in range(len(robots))], with_length=False
             )
             if localized
             else None

@@ -15,7 +15,7 @@ import rospy
 from geometry_msgs.msg import Twist as TwistMessage
 
 from robotteamsim.geometry import Twist
-from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.commands import STOP
 from robotteamsim.ros.transport.msg_conversion import RosTypes
 from robotteamsim.ros.transport.node import Output, ParameterError, parameter, run
@@ -101,7 +101,7 @@ def serve() -> None:
                 keys.press(key, time.monotonic())
             command = keys.twist(time.monotonic())
             if moving or command != STOP:
-                output.publish(fields.twist(make, command))
+                output.publish(ros_messages.twist(make, command))
             moving = command != STOP
 
 

@@ -15,7 +15,7 @@ from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerResponse
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose
 from robotteamsim.msg import Doors, Robots
-from robotteamsim.recording import message_fields as fields
+from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.commands import STOP
 from robotteamsim.ros.nodes.gate import Gate, Pacer
 from robotteamsim.ros.nodes.object_requests import set_thing
@@ -67,6 +67,7 @@ from robotteamsim.srv import (
 )
 from robotteamsim.world import World
 from robotteamsim.world.doors import DoorState
+from robotteamsim.world.placement import placed_robots
 
 MAP_RESOLUTION_M = 0.05
 SERVICE_PATIENCE_S = 5.0
@@ -98,7 +99,7 @@ class WorldNode:
         self._settings = settings
         self._scenario = scenario
         self._step_ns = settings.step_ns
-        self._robots = scenario.placed_robots()
+        self._robots = placed_robots(scenario)
         self._make = conversion.RosTypes()
         self._gate = Gate()
         self._pacer = _pacer()
@@ -189,9 +190,9 @@ class WorldNode:
         time_ns, (present, arrivals) = self._world.sim_time_ns, who
         here = (True,) * len(arrivals) if present is None else tuple(present.tolist())
         self._team.note_who(time_ns, here)
-        self._who.publish(fields.robots(self._make, time_ns, present, arrivals))
+        self._who.publish(ros_messages.robots(self._make, time_ns, present, arrivals))
         if self._scenario.plan.doors:
-            self._doors.publish(fields.doors(self._make, time_ns, doors))
+            self._doors.publish(ros_messages.doors(self._make, time_ns, doors))
         self._show_things()
         self._outputs.publish(time_ns, readings, present)
         self._publish_clock(time_ns)
@@ -201,10 +202,10 @@ class WorldNode:
             self._things.show(self._world)
 
     def _publish_clock(self, time_ns: int) -> None:
-        self._clock.publish(fields.clock(self._make, time_ns))
+        self._clock.publish(ros_messages.clock(self._make, time_ns))
 
     def _offer_map(self) -> None:
-        grid = fields.occupancy_grid(self._make, 0, occupancy_grid(self._scenario.plan, MAP_RESOLUTION_M))
+        grid = ros_messages.occupancy_grid(self._make, 0, occupancy_grid(self._scenario.plan, MAP_RESOLUTION_M))
         self._map = Output("/map", OccupancyGrid, latched=True)
         self._map.publish(grid)
         rospy.Service("/static_map", GetMap, lambda _: GetMapResponse(map=grid))

@@ -1,4 +1,4 @@
-"""Between ROS messages and our values. Our values become messages in `recording.message_fields`, for bags as well."""
+"""Between ROS messages and our values. Our values become messages in `recording.ros_messages`, for bags as well."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_
 
 
 class RosTypes:
-    """Builds messages of rospy's classes; the `make` of `recording.message_fields`."""
+    """Builds messages of rospy's classes; the `make` of `recording.ros_messages`."""
 
     def __init__(self) -> None:
         self._classes: dict[str, Any] = {}

@@ -23,6 +23,7 @@ from robotteamsim.ros.transport.shared_ear import hear_with_one_thread
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.sections import Run, Team
+from robotteamsim.world.placement import check_places
 
 PARAMETERS = "/robotteamsim"
 """Namespace of the parameters that all nodes read."""
@@ -243,6 +244,7 @@ def _read_settings() -> Settings:
     num_robots = parameter(f"{PARAMETERS}/robots", NOT_SET)
     if num_robots != NOT_SET and isinstance(scenario.robots, Team) and scenario.robots.count != num_robots:
         scenario = load(name, [*overrides, f"robots.count={num_robots}"])
+    check_places(scenario)
     settings = Settings(
         scenario,
         lockstep=parameter(f"{PARAMETERS}/lockstep", False),

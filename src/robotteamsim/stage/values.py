@@ -11,8 +11,8 @@ from pydantic import ValidationError
 from robotteamsim.geometry import normalise_angle
 from robotteamsim.scenario.base import Model
 from robotteamsim.scenario.problems import problems, suggestion
-from robotteamsim.scenario.stage.tokens import Place
-from robotteamsim.scenario.stage.world_file import Entity, Property
+from robotteamsim.stage.tokens import Place
+from robotteamsim.stage.world_file import Entity, Property
 
 M = TypeVar("M", bound=Model)
 

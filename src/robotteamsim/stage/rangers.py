@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 from robotteamsim.scenario.base import Model
 from robotteamsim.scenario.sections import Laser
 from robotteamsim.scenario.sensors import MountedLaser, Sonar, is_free_name
-from robotteamsim.scenario.stage.solids import DEFAULT_SIZE_M
-from robotteamsim.scenario.stage.values import ASIDE_M, Notes, Pose2, Values, checked, compose, tidy
-from robotteamsim.scenario.stage.world_file import Entity
+from robotteamsim.stage.solids import DEFAULT_SIZE_M
+from robotteamsim.stage.values import ASIDE_M, Notes, Pose2, Values, checked, compose, tidy
+from robotteamsim.stage.world_file import Entity
 
 M = TypeVar("M", bound=Model)
 

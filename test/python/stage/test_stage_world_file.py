@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.scenario.stage.tokens import read_tokens
-from robotteamsim.scenario.stage.world_file import Entity, read_world_file
+from robotteamsim.stage.tokens import read_tokens
+from robotteamsim.stage.world_file import Entity, read_world_file
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from robotteamsim.scenario.thickness import edge_thickness, piece_thickness
+from robotteamsim.map_import.thickness import edge_thickness, piece_thickness
 
 
 def _wall(length: float, width: float, angle_deg: float = 0.0) -> shapely.Polygon:

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from robotteamsim.scenario.straight_lines import best_runs, fitted_line, foot, meeting_point
+from robotteamsim.map_import.straight_lines import best_runs, fitted_line, foot, meeting_point
 
 
 def _staircase(rise_per_run: list[tuple[int, int]]) -> tuple[np.ndarray, np.ndarray]:

@@ -3,23 +3,48 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
 
 from robotteamsim.errors import PlacementError
-from robotteamsim.scenario import load
+from robotteamsim.scenario import Scenario, load
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
-from robotteamsim.scenario.placement import placed_robots
 from robotteamsim.scenario.plan import obstacles
-from robotteamsim.scenario.sections import Laser, Team
+from robotteamsim.scenario.sections import Laser, PlacedRobot, Team
+from robotteamsim.world import check_places, placed_robots
 
 HALL = FloorPlan(name="hall", bounds=Bounds(max=(20.0, 10.0)))
 
 
+ROOM = """\
+name: room
+plan:
+  name: room
+  bounds: {min: [0, 0], max: [10, 8]}
+robots: {count: 2, start: [3, 3, 0]}
+mission:
+  victims:
+    - {name: ann, position: [2, 2]}
+    - {name: bob, position: [4, 4]}
+"""
+
+
+@pytest.fixture
+def room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    monkeypatch.chdir(tmp_path)
+    Path("room.yaml").write_text(ROOM, encoding="utf-8")
+    return "room.yaml"
+
+
+def _placed(plan: FloorPlan, team: Team) -> tuple[PlacedRobot, ...]:
+    return placed_robots(Scenario(name="team", plan=plan, robots=team))
+
+
 def _positions(plan: FloorPlan, team: Team) -> np.ndarray:
-    return np.array([robot.start_pose[:2] for robot in placed_robots(plan, team)])
+    return np.array([robot.start_pose[:2] for robot in _placed(plan, team)])
 
 
 def test_four_robots_stand_in_a_square_around_the_start_front_row_first() -> None:
@@ -28,19 +53,19 @@ def test_four_robots_stand_in_a_square_around_the_start_front_row_first() -> Non
 
 
 def test_formation_turns_with_the_heading() -> None:
-    robots = placed_robots(HALL, Team(count=4, start=(5.0, 5.0, math.pi / 2), spacing_m=1.0))
+    robots = _placed(HALL, Team(count=4, start=(5.0, 5.0, math.pi / 2), spacing_m=1.0))
     expected = [[4.5, 5.5], [5.5, 5.5], [4.5, 4.5], [5.5, 4.5]]
     np.testing.assert_allclose([robot.start_pose[:2] for robot in robots], expected, atol=1e-12)
     assert {robot.start_pose[2] for robot in robots} == {math.pi / 2}
 
 
 def test_one_robot_stands_at_the_start() -> None:
-    assert placed_robots(HALL, Team(count=1, start=(5.0, 5.0, 0.3)))[0].start_pose == (5.0, 5.0, 0.3)
+    assert _placed(HALL, Team(count=1, start=(5.0, 5.0, 0.3)))[0].start_pose == (5.0, 5.0, 0.3)
 
 
 def test_robots_of_a_team_have_what_the_team_says() -> None:
     team = Team(count=2, start=(5.0, 5.0, 0.0), radius_m=0.3, laser=Laser(beams=9))
-    assert [(robot.radius_m, robot.laser.beams) for robot in placed_robots(HALL, team)] == [(0.3, 9)] * 2
+    assert [(robot.radius_m, robot.laser.beams) for robot in _placed(HALL, team)] == [(0.3, 9)] * 2
 
 
 def test_formation_leaves_out_places_in_walls() -> None:
@@ -66,7 +91,7 @@ def test_formation_does_not_reach_through_a_closed_door() -> None:
 
 def test_start_poses_come_first_and_the_rest_stands_in_formation() -> None:
     team = Team(count=3, start_poses=((5.0, 5.0, 0.0), (7.0, 5.0, 1.0)))
-    poses = [robot.start_pose for robot in placed_robots(HALL, team)]
+    poses = [robot.start_pose for robot in _placed(HALL, team)]
     assert poses[:2] == [(5.0, 5.0, 0.0), (7.0, 5.0, 1.0)]
     distances_m = [math.dist(poses[2][:2], pose[:2]) for pose in poses[:2]]
     assert min(distances_m) > 2 * team.radius_m
@@ -74,13 +99,13 @@ def test_start_poses_come_first_and_the_rest_stands_in_formation() -> None:
 
 def test_more_start_poses_than_robots_are_left_unused() -> None:
     team = Team(count=1, start_poses=((5.0, 5.0, 0.0), (7.0, 5.0, 1.0)))
-    assert [robot.start_pose for robot in placed_robots(HALL, team)] == [(5.0, 5.0, 0.0)]
+    assert [robot.start_pose for robot in _placed(HALL, team)] == [(5.0, 5.0, 0.0)]
 
 
 @pytest.mark.parametrize("count", [3, 30, 300, 1000])
 def test_large_team_fits_into_the_garage_clear_of_walls_and_each_other(count: int) -> None:
     scenario = load("garage_sar", [f"robots.count={count}"])
-    positions = np.array([robot.start_pose[:2] for robot in scenario.placed_robots()])
+    positions = np.array([robot.start_pose[:2] for robot in placed_robots(scenario)])
     assert np.min(shapely.distance(obstacles(scenario.plan), shapely.points(positions))) >= scenario.robots.radius_m
     apart = np.linalg.norm(positions[:, None] - positions[None], axis=2) + np.eye(count) * 1e3
     assert apart.min() >= scenario.robots.spacing_m - 1e-9
@@ -88,19 +113,19 @@ def test_large_team_fits_into_the_garage_clear_of_walls_and_each_other(count: in
 
 def test_formation_is_the_same_each_time() -> None:
     team = Team(count=40, start=(5.0, 5.0, 0.7))
-    assert placed_robots(HALL, team) == placed_robots(HALL, team)
+    assert _placed(HALL, team) == _placed(HALL, team)
 
 
 def test_team_without_room_is_refused_with_count_and_place() -> None:
     closet = FloorPlan(name="closet", bounds=Bounds(max=(2.0, 2.0)))
     with pytest.raises(PlacementError) as raised:
-        placed_robots(closet, Team(count=9, start=(1.0, 1.0, 0.0)))
-    assert str(raised.value) == "robots.count: 9 robots 0.8 m apart find no room around [1, 1], only 4 of them"
+        _placed(closet, Team(count=9, start=(1.0, 1.0, 0.0)))
+    assert str(raised.value) == "robots.count: 9 robots 0.8 m apart do not fit around [1, 1]; there is room for 4"
 
 
 def test_plan_of_the_largest_size_has_room() -> None:
     field = FloorPlan(name="field", bounds=Bounds(max=(1000.0, 1000.0)))
-    assert len(placed_robots(field, Team(count=100, start=(500.0, 500.0, 0.0)))) == 100
+    assert len(_placed(field, Team(count=100, start=(500.0, 500.0, 0.0)))) == 100
 
 
 def test_spiral_of_theodorus_puts_the_kth_robot_at_the_root_of_k_and_one_step_from_the_last() -> None:
@@ -128,5 +153,42 @@ def test_spiral_turns_with_the_heading_and_leaves_out_places_in_walls() -> None:
 def test_spiral_without_room_is_refused_with_count_and_place() -> None:
     team = Team(count=30, start=(1.0, 1.0, 0.0), spacing_m=1.0, formation="spiral")
     closet = FloorPlan(name="closet", bounds=Bounds(max=(2.0, 2.0)))
-    with pytest.raises(PlacementError, match=r"robots.count: 30 robots 1 m apart find no room around \[1, 1\], only"):
-        placed_robots(closet, team)
+    with pytest.raises(
+        PlacementError, match=r"robots.count: 30 robots 1 m apart do not fit around \[1, 1\]; there is room for"
+    ):
+        _placed(closet, team)
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("robots.start=[30, 3, 0]", "robots.start: [30, 3] lies outside the plan, [0, 0] .. [10, 8]"),
+        ("robots={start: [30, 3, 0]}", "robots.start: [30, 3] lies outside the plan, [0, 0] .. [10, 8]"),
+        ("robots.count=500", "robots.count: 500 robots 0.8 m apart do not fit around [3, 3]; there is room for 108"),
+        (
+            "mission.victims.1.position=[4, 9]",
+            "mission.victims.1.position: [4, 9] lies outside the plan, [0, 0] .. [10, 8]",
+        ),
+        (
+            "things=[{name: crate, kind: barrel, radius_m: 0.5, pose: [20, 2, 0]}]",
+            "things.0.pose: [20, 2]: barrel 'crate' lies outside the plan, [0, 0] .. [10, 8]",
+        ),
+        (
+            "schedule=[{at_s: 60, remove: 1}, {at_s: 90, spawn: 1, pose: [-5, 2, 0]}]",
+            "schedule.1.pose: [-5, 2]: robot 1 lies outside the plan, [0, 0] .. [10, 8]",
+        ),
+    ],
+)
+def test_bad_place_that_was_set_is_a_placement_error_of_set(room: str, override: str, message: str) -> None:
+    with pytest.raises(PlacementError) as raised:
+        check_places(load(room, [override]))
+    assert str(raised.value) == f"--set: {message}"
+
+
+def test_bad_place_in_the_file_is_not_blamed_on_an_override(room: str) -> None:
+    schedule = "schedule: [{at_s: 60, remove: 1}, {at_s: 90, spawn: 1, pose: [-5, 2, 0]}]\n"
+    Path(room).write_text(ROOM + schedule, encoding="utf-8")
+    with pytest.raises(PlacementError, match=r"^room.yaml: schedule.1.pose: \[-5, 2\]: robot 1 lies outside the plan"):
+        check_places(load(room, ["schedule.0.at_s=50", "robots.count=3"]))
+    with pytest.raises(PlacementError, match=r"^--set: schedule.1.pose: \[-6, 2\]: robot 1 lies outside the plan"):
+        check_places(load(room, ["schedule.1.pose=[-6, 2, 0]"]))

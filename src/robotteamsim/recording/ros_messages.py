@@ -1,11 +1,9 @@
-"""Our values as ROS messages, field by field: written once for bags without ROS and for the nodes.
+"""Conversion of our values to ROS messages, shared by bags written without ROS and by the nodes.
 
-Every function takes `make`, which builds a message of a named type from all of its fields: `BagTypes` of
-`recording.bag` makes those of rosbags, the nodes pass a factory of their own message classes. Numeric arrays are
-passed as NumPy arrays of the field's type; a factory converts them if its classes want something else.
+Every function takes `make`, which builds a message of a named type from all of its attributes: `BagTypes` builds those
+of rosbags, and the nodes pass a factory for their own message classes. Numeric arrays are passed as NumPy arrays of the
+attribute's type; a factory converts them if its classes need something else.
 """
-
-from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Protocol
@@ -35,8 +33,8 @@ _NO_REPORTS = Reports()
 class Make(Protocol):
     """Builds messages."""
 
-    def __call__(self, type_name: str, /, **fields: Any) -> Any:
-        """Return a message of a type such as "nav_msgs/Odometry"; every field is given."""
+    def __call__(self, type_name: str, /, **attributes: Any) -> Any:
+        """Return a message of a type such as "nav_msgs/Odometry"; every attribute is given."""
 
     def time(self, time_ns: int) -> Any:
         """Return the stamp of a time [ns]."""

@@ -9,10 +9,11 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.scenario.stage import import_world
-from robotteamsim.scenario.stage.tokens import read_tokens
+from robotteamsim.stage import import_world
+from robotteamsim.stage.tokens import read_tokens
+from robotteamsim.world.placement import placed_robots
 
-DATA = Path(__file__).parents[3] / "data" / "stage"
+DATA = Path(__file__).parents[2] / "data" / "stage"
 
 JUNK = ["(", ")", "[", "]", '"', '"x"', "0", "-1", "1e9", "999999999", "0.000001", "nan", "model", "position", "ranger"]
 JUNK += [
@@ -56,7 +57,7 @@ def test_changed_world_is_imported_or_refused_in_one_line(folder, words, changes
     path = folder / "a.world"
     path.write_text("\n".join(words), encoding="utf-8")
     try:
-        outcome = str(len(import_world(path).scenario.placed_robots()))
+        outcome = str(len(placed_robots(import_world(path).scenario)))
     except ScenarioError as error:
         outcome = str(error)
     assert outcome in ("1", "2") or outcome.startswith(str(path))

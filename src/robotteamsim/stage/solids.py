@@ -10,14 +10,16 @@ import numpy as np
 import shapely
 from pydantic import ValidationError
 
+from robotteamsim.map_import.cells import read_image, without_corner_contacts
+from robotteamsim.map_import.pieces import solid_pieces
 from robotteamsim.scenario.body import MAX_CORNERS
 from robotteamsim.scenario.floor_plan import Block, Wall
 from robotteamsim.scenario.plan import Corners, counter_clockwise, wall_corners
-from robotteamsim.scenario.plan_import import read_image, solid_pieces, without_corner_contacts
+from robotteamsim.scenario.plan_import import walls_and_blocks
 from robotteamsim.scenario.problems import problems
-from robotteamsim.scenario.stage.values import Notes, Pose2, Values, compose, tidy
-from robotteamsim.scenario.stage.world_file import Entity
 from robotteamsim.scenario.yaml_text import is_file, shown
+from robotteamsim.stage.values import Notes, Pose2, Values, compose, tidy
+from robotteamsim.stage.world_file import Entity
 
 DEFAULT_SIZE_M = (0.4, 0.4, 1.0)
 """Of a model that does not say its size (Stage 4)."""
@@ -136,7 +138,7 @@ class SolidReader:
         if not (min(cell) >= MIN_PIXEL_M and max(cell) <= MAX_PIXEL_M):
             text = f"its pixels would be {cell[0]:.3g} x {cell[1]:.3g} m; wanted {MIN_PIXEL_M:g} to {MAX_PIXEL_M:g} m"
             raise entity.place_of("size").wrong(f"size: {text}")
-        walls, blocks = solid_pieces(solid, (-0.5 * size[0], -0.5 * size[1]), cell)
+        walls, blocks = walls_and_blocks(solid_pieces(solid, (-0.5 * size[0], -0.5 * size[1]), cell))
         body = compose(pose, self._values.pose(entity, "origin")[0])
         height = _height(size[2])
         for wall in walls:

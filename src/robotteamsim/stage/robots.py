@@ -8,10 +8,10 @@ from typing import Any
 from robotteamsim.scenario.body import MAX_CORNERS
 from robotteamsim.scenario.drives import AnyDrive, Drive, OmniDrive
 from robotteamsim.scenario.sections import Odometry, PlacedRobot
-from robotteamsim.scenario.stage.rangers import RangerReader
-from robotteamsim.scenario.stage.solids import DEFAULT_SIZE_M, body_of, disc_radius_m, footprint_m, reach_m
-from robotteamsim.scenario.stage.values import ASIDE_M, Notes, Values, checked, tidy
-from robotteamsim.scenario.stage.world_file import Entity
+from robotteamsim.stage.rangers import RangerReader
+from robotteamsim.stage.solids import DEFAULT_SIZE_M, body_of, disc_radius_m, footprint_m, reach_m
+from robotteamsim.stage.values import ASIDE_M, Notes, Values, checked, tidy
+from robotteamsim.stage.world_file import Entity
 
 DEVICES = (
     *("camera", "fiducial", "fiducialfinder", "blobfinder", "bumper", "wifi", "speech", "blinkenlight"),

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from robotteamsim.scenario.stage.tokens import Place, Token, read_tokens
+from robotteamsim.stage.tokens import Place, Token, read_tokens
 
 MAX_DEPTH = 50
 MAX_ENTITIES = 100_000

@@ -14,15 +14,15 @@ from pydantic import ValidationError
 
 from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.placement import placed_robots
 from robotteamsim.scenario.plan import wall_corners
 from robotteamsim.scenario.problems import problems, suggestion
 from robotteamsim.scenario.scenario import MAX_ROBOTS, Scenario
 from robotteamsim.scenario.sections import Mission, PlacedRobot, Run, Team
-from robotteamsim.scenario.stage.robots import DEVICES, RobotReader
-from robotteamsim.scenario.stage.solids import SolidReader
-from robotteamsim.scenario.stage.values import Notes, Values, checked, tidy
-from robotteamsim.scenario.stage.world_file import Entity, read_world_file
+from robotteamsim.stage.robots import DEVICES, RobotReader
+from robotteamsim.stage.solids import SolidReader
+from robotteamsim.stage.values import Notes, Values, checked, tidy
+from robotteamsim.stage.world_file import Entity, read_world_file
+from robotteamsim.world.placement import placed_robots
 
 _PASSED_OVER = """
     alwayson blob_return color color_rgba confirm_on_quit debug event_queue fiducial_key fiducial_return friction
@@ -80,7 +80,6 @@ def import_world(world: str | os.PathLike[str]) -> StageImport:
     reader = RobotReader(values, notes, values.number(root, "interval_sim", "f", DEFAULT_STEP_MS))
     robots = tuple(reader.read(position) for position in positions)
     plan = _plan(root, path, max(robot.height_m for robot in robots), values, notes)
-    _check_poses(plan, robots, positions)
     keys: dict[str, Any] = {"name": values.text(root, "name", path.stem), "robots": _team_or_list(robots)}
     if root.get("interval_sim"):
         step = {"step_s": tidy(values.number(root, "interval_sim", "f", 0.0) / 1000.0)}
@@ -90,7 +89,9 @@ def import_world(world: str | os.PathLike[str]) -> StageImport:
         checked(Mission, limit, {"time_limit_s": (root, "quit_time")})
         keys["mission"] = limit
     _note_unread(root, values, notes)
-    return StageImport(plan, keys, Scenario.model_validate({**keys, "plan": plan}), tuple(notes.lines()))
+    scenario = Scenario.model_validate({**keys, "plan": plan})
+    _check_poses(scenario, robots, positions)
+    return StageImport(plan, keys, scenario, tuple(notes.lines()))
 
 
 def _check_kinds(root: Entity, notes: Notes) -> None:
@@ -130,12 +131,15 @@ def _plan(root: Entity, path: Path, tallest_m: float, values: Values, notes: Not
         raise models[0].place.wrong(f"{models[0].called}: {problems(error, FloorPlan)[0]}") from None
 
 
-def _check_poses(plan: FloorPlan, robots: tuple[PlacedRobot, ...], positions: list[Entity]) -> None:
+def _check_poses(scenario: Scenario, robots: tuple[PlacedRobot, ...], positions: list[Entity]) -> None:
+    """Raise PlacementError, with its line of the world file, for a robot that does not fit where it starts."""
     try:
-        placed_robots(plan, robots)
+        placed_robots(scenario.model_copy(update={"robots": robots}))
     except PlacementError as error:
-        index, text = re.fullmatch(r"robots\.(\d+)\.start_pose: (.*)", str(error)).groups()  # type: ignore[union-attr]
-        raise PlacementError(f"{positions[int(index)].place_of('pose')}: pose: {text}") from None
+        # Of a list of robots, the key is robots.<index>.start_pose.
+        index = int(error.key.split(".")[1])
+        text = str(error).removeprefix(f"{error.key}: ")
+        raise PlacementError(f"{positions[index].place_of('pose')}: pose: {text}") from None
 
 
 def _team_or_list(robots: tuple[PlacedRobot, ...]) -> Any:

@@ -6,7 +6,7 @@ import pytest
 import shapely
 from shapely.affinity import rotate
 
-from robotteamsim.scenario.inner_corners import cut_at_inner_corners
+from robotteamsim.map_import.inner_corners import cut_at_inner_corners
 
 
 def _areas(polygon: shapely.Polygon, longest: float = 10.0) -> list[float]:

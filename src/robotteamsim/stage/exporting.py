@@ -17,6 +17,7 @@ from robotteamsim.scenario.plan_export import RESOLUTION_M
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot
 from robotteamsim.scenario.things import Thing
+from robotteamsim.world.placement import check_places, placed_robots
 
 MAX_PIXELS = 100_000_000
 """Of a bitmap: what Stage, which looks at every pixel of it, still loads in minutes."""
@@ -47,7 +48,8 @@ def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTI
     Args:   bitmap: the name of the PNG, relative to the world file. resolution_m: edge of a pixel.
     Raises: ScenarioError: the plan has no solid, or a robot is a car. PlacementError: a robot stands badly.
     """
-    robots = scenario.placed_robots()
+    check_places(scenario)
+    robots = placed_robots(scenario)
     if any(robot.drive.kind == "car" for robot in robots):
         text = "robots.drive.kind: a car of Stage takes a steering angle for a turn: wanted another drive"
         raise ScenarioError(f"{scenario.name}: {text}")

@@ -11,9 +11,10 @@ import pytest
 
 from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.scenario import occupancy_grid, solids
-from robotteamsim.scenario.stage import StageImport, import_world
+from robotteamsim.stage import StageImport, import_world
+from robotteamsim.world.placement import placed_robots
 
-DATA = Path(__file__).parents[3] / "data" / "stage"
+DATA = Path(__file__).parents[2] / "data" / "stage"
 
 ROOM = "model( size [ 10 8 1 ] pose [ 5 4 0 0 ] noblocks 1 boundary 1 )\n"
 ROBOT = "position( pose [ 2 2 0 0 ] size [ 0.4 0.4 0.25 ] ranger( sensor( range [ 0 5 ] fov 180 samples 181 ) ) )\n"
@@ -39,7 +40,7 @@ def _robot(text: str) -> str:
 def test_world_in_one_file_becomes_a_scenario():
     found = import_world(DATA / "hall.world")
     assert (found.plan.bounds.min, found.plan.bounds.max) == ((-8.0, 0.0), (0.0, 12.0))
-    robot = found.scenario.placed_robots()[0]
+    robot = placed_robots(found.scenario)[0]
     assert robot.start_pose == (-3.0, 4.5, math.pi)
     assert (robot.laser.beams, robot.laser.range_max_m, robot.laser.forward_m) == (1081, 20.0, 0.1)
     assert robot.laser.angle_max_rad == -robot.laser.angle_min_rad == pytest.approx(math.radians(270.25 / 2))
@@ -61,7 +62,7 @@ def test_turned_bitmap_is_solid_where_its_picture_is():
 def test_world_of_included_parts_becomes_a_scenario():
     found = import_world(DATA / "patrol" / "patrol.world")
     assert (found.plan.bounds.min, found.plan.bounds.max) == ((0.0, 0.0), (12.0, 8.0))
-    one, other = found.scenario.placed_robots()
+    one, other = placed_robots(found.scenario)
     assert one.start_pose == (2.0, 2.0, pytest.approx(math.pi / 2))
     assert other.start_pose == (10.0, 6.0, pytest.approx(-math.pi / 2))
     assert one.radius_m == pytest.approx(0.18, abs=2e-4)
@@ -131,7 +132,7 @@ def test_model_on_a_model_stands_in_its_frame(world_of):
 def test_units_of_the_world_are_taken(world_of):
     text = (ROOM + ROBOT).replace("10 8 1", "1000 800 100").replace("5 4 0 0", "500 400 0 0")
     text = text.replace("2 2 0 0", "200 300 0 1.5").replace("0.4 0.4 0.25", "40 40 25").replace("[ 0 5 ]", "[ 0 500 ]")
-    robot = world_of('unit_length "cm"\nunit_angle "radians"\n' + text.replace("180", "3.14")).scenario.placed_robots()[
+    robot = placed_robots(world_of('unit_length "cm"\nunit_angle "radians"\n' + text.replace("180", "3.14")).scenario)[
         0
     ]
     assert robot.start_pose == (2.0, 3.0, 1.5)
@@ -140,19 +141,19 @@ def test_units_of_the_world_are_taken(world_of):
 
 def test_old_laser_model_is_a_ranger(world_of):
     text = "position( pose [2 2 0 0] laser( range_max 8 fov 90 samples 46 pose [0.1 0 0 90] ) )"
-    laser = world_of(ROOM + text).scenario.placed_robots()[0].laser
+    laser = placed_robots(world_of(ROOM + text).scenario)[0].laser
     assert (laser.beams, laser.range_max_m, laser.forward_m) == (46, 8.0, 0.1)
     assert (laser.angle_min_rad, laser.angle_max_rad) == pytest.approx((math.pi / 4, 3 * math.pi / 4))
 
 
 def test_gps_is_exact_odometry(world_of):
-    odometry = world_of(ROOM + _robot('localization "gps"')).scenario.placed_robots()[0].odometry
+    odometry = placed_robots(world_of(ROOM + _robot('localization "gps"')).scenario)[0].odometry
     assert (odometry.alpha1, odometry.alpha2, odometry.alpha3, odometry.alpha4) == (0.0, 0.0, 0.0, 0.0)
 
 
 def test_box_is_a_body_with_corners(world_of):
     found = world_of(ROOM + ROBOT.replace("size [ 0.4 0.4", "origin [ 0.1 0 0 0 ] size [ 0.4 0.2"))
-    corners_m = found.scenario.placed_robots()[0].corners_m
+    corners_m = placed_robots(found.scenario)[0].corners_m
     expected = [(-0.1, -0.1), (-0.1, 0.1), (0.3, -0.1), (0.3, 0.1)]
     np.testing.assert_allclose(sorted(corners_m), expected, atol=1e-9)
     assert found.notes == ()
@@ -162,7 +163,7 @@ def test_body_that_is_not_convex_becomes_the_disc_around_it(world_of):
     corners = ["[ 0 0 ]", "[ 2 0 ]", "[ 2 2 ]", "[ 1 0.5 ]", "[ 0 2 ]"]
     points = " ".join(f"point[{i}] {corner}" for i, corner in enumerate(corners))
     found = world_of(ROOM + _robot(f"block( points 5 {points} )"))
-    assert found.scenario.placed_robots()[0].radius_m == pytest.approx(0.2 * math.sqrt(2.0))
+    assert placed_robots(found.scenario)[0].radius_m == pytest.approx(0.2 * math.sqrt(2.0))
     assert found.notes == (
         "a.world:2: size: 'position' has no body of 3 to 8 corners around its origin, convex: it becomes the disc "
         "around it, of 0.283 m",
@@ -175,7 +176,7 @@ def test_further_rangers_are_lasers_and_those_called_sonar_are_sonars(world_of):
         " ranger( pose [ -0.2 0 0 180 ] update_interval 300 sensor( range [ 0 4 ] fov 90 samples 91 ) )"
         ' ranger( name "fix" sensor( range [ 0 4 ] fov 90 samples 91 ) )'
     )
-    robot = world_of(ROOM + _robot(more)).scenario.placed_robots()[0]
+    robot = placed_robots(world_of(ROOM + _robot(more)).scenario)[0]
     assert [(laser.name, laser.beams, laser.every_steps) for laser in robot.lasers] == [
         ("ranger_fix", 91, 1),
         ("ranger_2", 181, 1),
@@ -189,9 +190,9 @@ def test_further_rangers_are_lasers_and_those_called_sonar_are_sonars(world_of):
 def test_sonar_of_one_ray_becomes_a_cone_and_a_lone_one_the_laser(world_of):
     sonar = 'ranger( name "sonar" sensor( range [ 0 3 ] fov 20 samples 1 ) )'
     found = world_of(ROOM + _robot(sonar))
-    assert found.scenario.placed_robots()[0].sonars[0].rays == 15
+    assert placed_robots(found.scenario)[0].sonars[0].rays == 15
     assert found.notes == ("a.world:2: samples: one ray along the middle in Stage; a sonar here is a cone of rays",)
-    lone = world_of(ROOM + f"position( pose [ 2 2 0 0 ] {sonar} )").scenario.placed_robots()[0]
+    lone = placed_robots(world_of(ROOM + f"position( pose [ 2 2 0 0 ] {sonar} )").scenario)[0]
     assert (lone.laser.beams, lone.sonars) == (1, ())
 
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from robotteamsim.recording import message_fields as fields
-from robotteamsim.recording.message_fields import Make
+from robotteamsim.recording import ros_messages
+from robotteamsim.recording.ros_messages import Make
 from robotteamsim.scenario.sections import Robot
 from robotteamsim.scenario.sensors import MountedLaser, Sonar
 from robotteamsim.sensing.readings import FurtherReadings
@@ -52,13 +52,15 @@ def _scan(
     index: int, laser: MountedLaser, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings
 ) -> Any | None:
     ranges_m = readings.scans_m[index]
-    return None if ranges_m is None else fields.scan(make, time_ns, robot_id, laser, ranges_m, f"{laser.name}_link")
+    return (
+        None if ranges_m is None else ros_messages.scan(make, time_ns, robot_id, laser, ranges_m, f"{laser.name}_link")
+    )
 
 
 def _range(index: int, sonar: Sonar, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings) -> Any:
     return make(
         "sensor_msgs/Range",
-        header=fields.header(make, time_ns, fields.robot_frame(robot_id, f"{sonar.name}_link")),
+        header=ros_messages.header(make, time_ns, ros_messages.robot_frame(robot_id, f"{sonar.name}_link")),
         radiation_type=_ULTRASOUND,
         field_of_view=sonar.opening_rad,
         min_range=sonar.range_min_m,
@@ -72,7 +74,7 @@ def _fix(make: Make, time_ns: int, robot_id: int, readings: FurtherReadings) -> 
         return None
     return make(
         "sensor_msgs/NavSatFix",
-        header=fields.header(make, time_ns, fields.robot_frame(robot_id, "base_link")),
+        header=ros_messages.header(make, time_ns, ros_messages.robot_frame(robot_id, "base_link")),
         status=make("sensor_msgs/NavSatStatus", status=_STATUS_FIX, service=_SERVICE_GPS),
         latitude=readings.fix.latitude_deg,
         longitude=readings.fix.longitude_deg,

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from robotteamsim.scenario.straight_lines import best_runs, fitted_line, foot, meeting_point
-from robotteamsim.scenario.thickness import edge_thickness
+from robotteamsim.map_import.straight_lines import best_runs, fitted_line, foot, meeting_point
+from robotteamsim.map_import.thickness import edge_thickness
 
 LONG_EDGE_CELLS = 16.0
 """An edge along an axis of this length is a wall's face and stays where it is; shorter ones may be a staircase."""

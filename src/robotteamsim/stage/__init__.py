@@ -1,6 +1,6 @@
 """Worlds of the Stage simulator [vaughan2008]: read into scenarios, and written from them."""
 
-from robotteamsim.scenario.stage.exporting import StageExport, export_world
-from robotteamsim.scenario.stage.importing import StageImport, import_world
+from robotteamsim.stage.exporting import StageExport, export_world
+from robotteamsim.stage.importing import StageImport, import_world
 
 __all__ = ["StageExport", "StageImport", "export_world", "import_world"]

@@ -15,8 +15,9 @@ import shapely
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario import Scenario, load, occupancy_grid
 from robotteamsim.scenario.body import corners_at
-from robotteamsim.scenario.stage import StageExport, StageImport, export_world, import_world
 from robotteamsim.scenario.yaml_text import parse
+from robotteamsim.stage import StageExport, StageImport, export_world, import_world
+from robotteamsim.world.placement import placed_robots
 
 SHIPPED = ("garage_sar", "tutorial_arena")
 
@@ -33,7 +34,7 @@ def test_shipped_scenario_comes_back_as_it_was(name, tmp_path):
     scenario = load(name, ["robots.laser.noise_m=0.01", "robots.laser.angle_max_rad=1.0"])
     _, back = _round_trip(scenario, tmp_path)
     assert back.plan.bounds == scenario.plan.bounds
-    before, after = scenario.placed_robots(), back.scenario.placed_robots()
+    before, after = placed_robots(scenario), placed_robots(back.scenario)
     assert len(after) == len(before)
     for one, other in zip(before, after, strict=True):
         assert _flat(other.model_dump(exclude={"odometry"})) == pytest.approx(
@@ -107,8 +108,8 @@ def test_robots_of_two_kinds_keep_their_order(tmp_path):
     scenario = load("tutorial_arena", [f"robots={text}"])
     export, back = _round_trip(scenario, tmp_path)
     assert export.world.count("define ") == 2
-    assert [robot.radius_m for robot in back.scenario.placed_robots()] == pytest.approx([0.2, 0.3, 0.2])
-    headings = [robot.start_pose[2] for robot in back.scenario.placed_robots()]
+    assert [robot.radius_m for robot in placed_robots(back.scenario)] == pytest.approx([0.2, 0.3, 0.2])
+    headings = [robot.start_pose[2] for robot in placed_robots(back.scenario)]
     assert headings == pytest.approx([0.0, 1.0, 2.0])
 
 
@@ -144,7 +145,7 @@ def test_omnidirectional_robots_come_back_as_they_were(tmp_path):
     drive = {"kind": "omni", "max_speed_mps": 0.5}
     scenario = load("garage_sar", [f"robots.drive={drive}"])
     _, imported = _round_trip(scenario, tmp_path)
-    assert imported.scenario.placed_robots()[0].drive == scenario.placed_robots()[0].drive
+    assert placed_robots(imported.scenario)[0].drive == placed_robots(scenario)[0].drive
 
 
 def test_car_is_refused():
@@ -166,7 +167,7 @@ EQUIPPED = [
 def test_bodies_lasers_and_sonars_come_back_as_they_were(tmp_path):
     scenario = load("tutorial_arena", EQUIPPED)
     _, back = _round_trip(scenario, tmp_path)
-    (before,), (after,) = scenario.placed_robots(), back.scenario.placed_robots()
+    (before,), (after,) = placed_robots(scenario), placed_robots(back.scenario)
     one, other = (robot.model_dump(exclude={"odometry", "footprint_m", "radius_m"}) for robot in (before, after))
     assert _flat(other) == pytest.approx(_flat(one), abs=1e-8)
     np.testing.assert_allclose(sorted(after.corners_m), sorted(before.corners_m), atol=1e-8)
@@ -175,7 +176,7 @@ def test_bodies_lasers_and_sonars_come_back_as_they_were(tmp_path):
 def test_laser_whose_beams_lie_to_one_side_keeps_where_they_point(tmp_path):
     laser = "{name: side, yaw_rad: 0.3, angle_min_rad: 0.2, angle_max_rad: 1.4, beams: 7}"
     _, back = _round_trip(load("tutorial_arena", [f"robots.lasers=[{laser}]"]), tmp_path)
-    (after,) = back.scenario.placed_robots()[0].lasers
+    (after,) = placed_robots(back.scenario)[0].lasers
     ends = (after.yaw_rad + after.angle_min_rad, after.yaw_rad + after.angle_max_rad)
     assert ends == pytest.approx((0.5, 1.7))
 

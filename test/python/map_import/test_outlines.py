@@ -7,8 +7,8 @@ import pytest
 import shapely
 from shapely.affinity import rotate
 
+from robotteamsim.map_import.outlines import outlines
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan
-from robotteamsim.scenario.outlines import outlines
 from robotteamsim.scenario.plan import OCCUPIED, occupancy_grid
 
 

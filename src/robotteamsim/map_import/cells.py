@@ -1,0 +1,77 @@
+"""From an image to cells: which are occupied, which are free, which count as solid."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+WIDE_UNKNOWN_M = 1.0
+"""An unknown region this wide in both directions counts as a void behind a wall, not as a wall."""
+
+SPECK_CELLS = 3
+"""Smaller groups of occupied cells are noise of the image."""
+
+POCKET_M2 = 0.1
+"""Smaller areas enclosed by solid cells are filled: no robot fits in."""
+
+
+def read_image(path: Path) -> np.ndarray | None:
+    """Return the pixels of an image; None: it cannot be read. OpenCV's own messages about that are suppressed."""
+    level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    try:
+        return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    except cv2.error:  # a header that promises billions of pixels
+        return None
+    finally:
+        cv2.utils.logging.setLogLevel(level)
+
+
+def darkness(image: np.ndarray, negate: bool) -> np.ndarray:
+    """Return how dark each pixel is, 0 white .. 1 black; float64, shape (rows, cols), row 0 at the lowest y.
+
+    Args: image: uint8 or uint16, grey or with channels, of which the first three count equally.
+          negate: white counts as black.
+    """
+    lightness = image.astype(np.float64) / (255.0 if image.dtype == np.uint8 else 65535.0)
+    if lightness.ndim == 3:
+        lightness = lightness[:, :, :3].mean(axis=2)
+    dark: np.ndarray = np.flipud(lightness if negate else 1.0 - lightness)
+    return dark
+
+
+def solid_cells(occupied: np.ndarray, free: np.ndarray, resolution_m: float) -> np.ndarray:
+    """Return which cells are solid; no two touch by a corner alone.
+
+    - Occupied cells are solid; groups of fewer than three cells are dropped as noise, and enclosed pockets below
+      0.1 m^2 filled.
+    - Unknown cells are solid where their region is narrower than 1 m; a wider one is a void behind a wall one cell
+      thick wherever it meets free cells.
+    - The outermost cells are solid, so that no robot leaves the map.
+
+    Args: occupied, free: bool, shape (rows, cols); a cell that is neither is unknown.
+    """
+    unknown = ~(occupied | free)
+    window = np.ones((max(1, round(WIDE_UNKNOWN_M / resolution_m)),) * 2, np.uint8)
+    void = cv2.morphologyEx(unknown.astype(np.uint8), cv2.MORPH_OPEN, window).astype(bool)
+    beside_free = cv2.dilate(free.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)
+    solid = occupied | (unknown & ~void) | (void & beside_free)
+    solid[[0, -1]] = solid[:, [0, -1]] = True
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(solid.astype(np.uint8), connectivity=8)
+    solid &= statistics[labels, cv2.CC_STAT_AREA] >= SPECK_CELLS
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats((~solid).astype(np.uint8), connectivity=4)
+    solid |= statistics[labels, cv2.CC_STAT_AREA] * resolution_m**2 < POCKET_M2
+    return without_corner_contacts(solid)
+
+
+def without_corner_contacts(solid: np.ndarray) -> np.ndarray:
+    """Return the cells with one more wherever two touch by a corner alone, which would be a gap in a thin wall."""
+    solid = solid.copy()
+    while True:
+        a, b, c, d = solid[:-1, :-1], solid[:-1, 1:], solid[1:, :-1], solid[1:, 1:]
+        rising, falling = ~a & b & c & ~d, a & ~b & ~c & d
+        if not (rising.any() or falling.any()):
+            return solid
+        a |= rising
+        b |= falling

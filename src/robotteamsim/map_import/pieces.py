@@ -1,0 +1,101 @@
+"""From solid cells to pieces: straight walls where a piece is a thin upright rectangle, polygons elsewhere."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from robotteamsim.map_import.convex_pieces import convex_pieces
+from robotteamsim.map_import.inner_corners import cut_at_inner_corners
+from robotteamsim.map_import.outlines import outlines
+from robotteamsim.map_import.thickness import piece_thickness
+
+MAX_WALL_THICKNESS_M = 0.8
+"""The loss table ends here: a thicker rectangle is a polygon."""
+
+THICKEST_M = 1.0
+"""Whatever is thicker counts as this: the loss table makes no difference."""
+
+MIN_PIECE_M2 = 1e-6
+"""Smaller pieces are left out."""
+
+PointM = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class StraightPiece:
+    """An upright rectangle as a wall along the middle of its longer side [m]."""
+
+    start: PointM
+    end: PointM
+    thickness_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class PolygonPiece:
+    """A convex polygon [m].
+
+    thickness_m: of the wall that it is part of, which decides the loss; None: it has no outer face to measure it at.
+    """
+
+    corners: tuple[PointM, ...]
+    thickness_m: float | None
+
+
+Piece = StraightPiece | PolygonPiece
+
+
+def solid_pieces(solid: np.ndarray, low_m: PointM, cell_m: PointM) -> list[Piece]:
+    """Return pieces that together are the solid cells.
+
+    Edges along the axes stay on the cells' borders; staircases become the straight lines that would be drawn so. The
+    solid area is cut where walls meet, then into convex pieces: upright rectangles up to 0.8 m thick are straight
+    pieces, all others polygons. The loss of a piece is decided by the thickness of the wall that it is part of, in
+    whole cells.
+
+    Args:   solid: bool, shape (rows, cols), row 0 at the lowest y; no two cells touch by a corner alone.
+            low_m: lower left corner of cell (0, 0). cell_m: width and height of a cell, about equal.
+    """
+    edge_m = math.sqrt(cell_m[0] * cell_m[1])
+    found: list[Piece] = []
+    for polygon in outlines(solid):
+        parts = cut_at_inner_corners(polygon, MAX_WALL_THICKNESS_M / edge_m)
+        pieces = [piece for part in parts for piece in convex_pieces(part)]
+        cells = np.maximum(piece_thickness(polygon, pieces, THICKEST_M / edge_m).round(), 1.0)
+        for piece, thickness_m in zip(pieces, (cells * edge_m).round(6).tolist(), strict=True):
+            corners = tuple((float(x), float(y)) for x, y in in_metres(low_m, cell_m, piece).tolist())
+            straight = _as_straight(corners)
+            if straight and (math.isnan(thickness_m) or straight.thickness_m == thickness_m):
+                found.append(straight)
+            elif _is_sound(corners):
+                found.append(PolygonPiece(corners, None if math.isnan(thickness_m) else thickness_m))
+    return found
+
+
+def in_metres(low_m: PointM, cell_m: PointM, cells: np.ndarray) -> np.ndarray:
+    """Return points in cells as points in `map` [m], in whole micrometres: no digits from rounding in the plan file."""
+    return np.round(np.array(low_m) + cells * np.array(cell_m), 6)
+
+
+def _is_sound(corners: tuple[PointM, ...]) -> bool:
+    """Whether a piece is more than a sliver that rounding has left."""
+    polygon = shapely.Polygon(corners)
+    return bool(polygon.is_valid and polygon.area > MIN_PIECE_M2)
+
+
+def _as_straight(corners: tuple[PointM, ...]) -> StraightPiece | None:
+    """Return an upright rectangle of wall thickness as a straight piece; none: the polygon is not one."""
+    (min_x, min_y), (max_x, max_y) = np.min(corners, axis=0).tolist(), np.max(corners, axis=0).tolist()
+    width, depth = max_x - min_x, max_y - min_y
+    thickness = round(min(width, depth), 6)
+    upright = len(corners) == 4 and abs(shapely.Polygon(corners).area - width * depth) < 1e-9
+    if not upright or thickness > MAX_WALL_THICKNESS_M:
+        return None
+    if width >= depth:
+        y = round((min_y + max_y) / 2.0, 6)
+        return StraightPiece((min_x, y), (max_x, y), thickness)
+    x = round((min_x + max_x) / 2.0, 6)
+    return StraightPiece((x, min_y), (x, max_y), thickness)

@@ -1,0 +1,28 @@
+"""Where a scenario was read, so that errors found later still name the file or the --set."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+Key = tuple[str | int, ...]
+"""A dotted key as a path into the YAML data: ("mission", "victims", 0, "position")."""
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """The file of a scenario and the keys that overrides set.
+
+    All origins are equal: where a scenario was read does not make it another one.
+
+    place:    what messages call the file; empty for a scenario that was made in Python.
+    set_keys: the keys that `--set` gave.
+    """
+
+    place: str = field(default="", compare=False)
+    set_keys: tuple[Key, ...] = field(default=(), compare=False)
+
+    def line(self, text: str, key: str) -> str:
+        """Return a message about a dotted key with the place that the key came from before it."""
+        from_set = any(f"{key}.".startswith(f"{'.'.join(map(str, set_key))}.") for set_key in self.set_keys)
+        place = "--set" if from_set else self.place
+        return f"{place}: {text}" if place else text

@@ -1,0 +1,55 @@
+"""Overrides of a scenario's keys: `--set KEY=VALUE`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.origin import Key
+from robotteamsim.scenario.renamed_keys import renaming
+from robotteamsim.scenario.yaml_text import parse, shown
+
+
+@dataclass(frozen=True, slots=True)
+class Override:
+    """One `--set`: `key` as a path into the YAML data."""
+
+    key: Key
+    value: Any
+
+    @classmethod
+    def of(cls, text: str) -> Override:
+        """Return the override of "key=value". Raises: ScenarioError: it is not of that form, or the key was renamed."""
+        key, equals, value = text.partition("=")
+        parts = [part.strip() for part in key.split(".")]
+        if not equals or not all(parts):
+            raise ScenarioError(f"--set: '{text}' is not of the form KEY=VALUE, such as voice.noise_db=20")
+        path = tuple(int(part) if part.isdecimal() else part for part in parts)
+        for length in range(1, len(path) + 1):
+            if replaced := renaming(path[:length]):
+                raise ScenarioError(f"--set: {'.'.join(parts[:length])}: {replaced}")
+        return cls(path, parse(value, f"--set: {key}"))
+
+    def apply(self, data: Any) -> None:
+        """Put the value into the YAML data; sections that the file leaves out are created. Raises: ScenarioError."""
+        for position, part in enumerate(self.key):
+            here = ".".join(map(str, self.key[:position]))
+            key = ".".join(map(str, self.key[: position + 1]))
+            last = position + 1 == len(self.key)
+            if isinstance(data, list):
+                if not isinstance(part, int):
+                    raise ScenarioError(f"--set: {key}: '{part}' is not an index (list has {len(data)} items)")
+                if part >= len(data):
+                    raise ScenarioError(f"--set: {key}: index {part} out of range (list has {len(data)} items)")
+            elif isinstance(data, dict):
+                if isinstance(part, int) and part not in data:
+                    raise ScenarioError(f"--set: {key}: the file has no list {here}; set the whole list")
+                if not last and data.get(part) is None:
+                    data[part] = {}
+            else:
+                raise ScenarioError(f"--set: {key}: {here} is {shown(data)}, not a section")
+            if last:
+                data[part] = self.value
+            else:
+                data = data[part]

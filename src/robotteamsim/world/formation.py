@@ -1,0 +1,136 @@
+"""Start poses of a team's formation: free places around the start that robots can drive to."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import shapely
+
+from robotteamsim.errors import PlacementError
+from robotteamsim.scenario.base import PlanarPose
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.plan import FREE, obstacles, occupancy_grid
+from robotteamsim.scenario.sections import Team
+from robotteamsim.world.clearance import Solids, check_inside, point_text, stands_in
+
+CLEARANCE_M = 0.05
+"""Between a formation's robots and solids, beyond their radius."""
+
+_REACH_RESOLUTION_M = 0.1
+_MAX_REACH_CELLS = 2000
+"""Along a side; the cells of larger plans are larger."""
+
+
+def formation(plan: FloorPlan, team: Team, taken: list[PlanarPose]) -> list[PlanarPose]:
+    """Return poses for the robots of a team that have none, all heading as the start does.
+
+    A square grid of `spacing_m` in the frame of `start` (without one: the first start pose), centred on it; or, with
+    `formation: spiral`, the spiral of Theodorus around it. Places that touch a solid, lie outside, are taken or cannot
+    be reached from the start are left out, and the next nearest places are used. The front row comes first.
+
+    Args:   taken: poses of the team's other robots.
+    Raises: PlacementError: the start itself is not free, or there is not enough room.
+    """
+    start = team.start or team.start_poses[0]
+    wanted = team.count - len(taken)
+    room = _Room(plan, start, team, taken)
+    return (_spiral if team.formation == "spiral" else _square)(plan, team, room, start, wanted)
+
+
+def _square(plan: FloorPlan, team: Team, room: _Room, start: PlanarPose, wanted: int) -> list[PlanarPose]:
+    """Return the free places of a square grid that are nearest to the start, front row first."""
+    side, free = math.ceil(math.sqrt(wanted)), 0
+    while (side - 1) * team.spacing_m <= 2.0 * math.dist(plan.bounds.min, plan.bounds.max):
+        rows, columns = np.divmod(np.arange(side * side), side)
+        # Twice the steps from the middle, as whole numbers: ties in distance stay ties on every machine.
+        ahead, left = side - 1 - 2 * rows, side - 1 - 2 * columns
+        points = _in_map_frame(start, 0.5 * team.spacing_m * ahead, 0.5 * team.spacing_m * left)
+        places = np.flatnonzero(room.has_place(points))
+        if len(places) >= wanted:
+            nearest = places[np.argsort((ahead**2 + left**2)[places], kind="stable")[:wanted]]
+            return [(float(x), float(y), start[2]) for x, y in points[np.sort(nearest)]]
+        free = max(free, len(places))
+        side = max(side + 1, side * 9 // 8)
+    raise _no_room(team, start, free + team.count - wanted)
+
+
+def _spiral(plan: FloorPlan, team: Team, room: _Room, start: PlanarPose, wanted: int) -> list[PlanarPose]:
+    """Return the first free places on the spiral of Theodorus around the start, from the middle outwards.
+
+    The k-th place is sqrt(k) * spacing_m from the middle, and spacing_m from the one before [davis1993]: with the reach
+    of a link for spacing_m, the team covers the largest area in which it is still connected.
+    """
+    farthest = math.ceil((2.0 * math.dist(plan.bounds.min, plan.bounds.max) / team.spacing_m) ** 2)
+    count = 4 * wanted
+    poses: list[PlanarPose] = []
+    while not poses or (len(poses) < wanted and count < 4 * farthest):
+        k = np.arange(min(count, farthest))
+        angle_rad = np.concatenate(([0.0, 0.0], np.cumsum(np.arctan(1.0 / np.sqrt(k[1:])))))[: len(k)]
+        radius_m = team.spacing_m * np.sqrt(k)
+        points = _in_map_frame(start, radius_m * np.cos(angle_rad), radius_m * np.sin(angle_rad))
+        poses = [(float(x), float(y), start[2]) for x, y in points[room.has_place(points)]]
+        count *= 4
+    if len(poses) < wanted:
+        raise _no_room(team, start, len(poses) + team.count - wanted)
+    return poses[:wanted]
+
+
+def _no_room(team: Team, start: PlanarPose, found: int) -> PlacementError:
+    key = "robots.count"
+    text = f"{team.count} robots {team.spacing_m:g} m apart do not fit around {point_text(start[:2])}"
+    return PlacementError(f"{key}: {text}; there is room for {found}", key)
+
+
+def _in_map_frame(start: PlanarPose, ahead_m: np.ndarray, left_m: np.ndarray) -> np.ndarray:
+    """Return points given in the frame of `start` in the map frame, shape (n, 2)."""
+    cos, sin = math.cos(start[2]), math.sin(start[2])
+    return np.stack([start[0] + cos * ahead_m - sin * left_m, start[1] + sin * ahead_m + cos * left_m], axis=1)
+
+
+class _Room:
+    """The places where a team's robot fits and that it can reach from the start."""
+
+    def __init__(self, plan: FloorPlan, start: PlanarPose, team: Team, taken: list[PlanarPose]) -> None:
+        key = "robots.start" if team.start else "robots.start_poses.0"
+        check_inside(plan, key, start[:2])
+        hit = Solids(plan).under_robot(team, start)
+        if hit:
+            radius = "" if team.footprint_m else f"of radius {team.radius_m:g} m "
+            raise PlacementError(f"{key}: {point_text(start[:2])}: a robot {radius}{stands_in(hit)}", key)
+        self._obstacles = obstacles(plan)
+        self._radius_m = team.reach_m
+        self._taken = shapely.MultiPoint([pose[:2] for pose in taken])
+        self._bounds = plan.bounds
+        longest_m = max(high - low for low, high in zip(plan.bounds.min, plan.bounds.max, strict=True))
+        self._grid = occupancy_grid(plan, max(_REACH_RESOLUTION_M, longest_m / _MAX_REACH_CELLS))
+        self._reached = self._reached_from(start)
+
+    def has_place(self, points: np.ndarray) -> np.ndarray:
+        """Return for each point, shape (n, 2), whether a robot fits there; bool, shape (n,)."""
+        keep_m = self._radius_m + CLEARANCE_M
+        inside = np.all(
+            (points >= np.array(self._bounds.min) + keep_m) & (points <= np.array(self._bounds.max) - keep_m), axis=1
+        )
+        free: np.ndarray = inside.copy()
+        candidates = shapely.points(points[inside])
+        clear = shapely.is_empty(self._obstacles) | (shapely.distance(self._obstacles, candidates) >= keep_m)
+        alone = shapely.is_empty(self._taken) | (shapely.distance(self._taken, candidates) >= keep_m + self._radius_m)
+        cells = [self._grid.cell_at(x, y) for x, y in points[inside]]
+        reached = np.array([self._reached[cell] for cell in cells], dtype=bool)
+        free[inside] = clear & alone & reached
+        return free
+
+    def _reached_from(self, start: PlanarPose) -> np.ndarray:
+        """Return the cells that a robot reaches from the start, and two cells around them; bool, shape (rows, cols)."""
+        from scipy import ndimage  # Takes longer to import than most scenarios, whose poses are given, take to load.
+
+        free = self._grid.cells == FREE
+        if not free.all():
+            free = ndimage.distance_transform_edt(free) * self._grid.resolution_m > self._radius_m
+        # The grid is conservative: the start's own cell may count as too near to a wall.
+        labels, _ = ndimage.label(free)
+        row, column = self._grid.cell_at(start[0], start[1])
+        near = labels[max(row - 2, 0) : row + 3, max(column - 2, 0) : column + 3]
+        reached: np.ndarray = ndimage.binary_dilation(np.isin(labels, near[near > 0]), iterations=2)
+        return reached
