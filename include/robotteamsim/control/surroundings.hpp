@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "robotteamsim/control/clearance.hpp"
 #include "robotteamsim/base/geometry.hpp"
+#include "robotteamsim/control/clearance.hpp"
 
 namespace robotteamsim {
 
