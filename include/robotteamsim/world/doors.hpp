@@ -61,7 +61,7 @@ class Doors {
 
   /// All doors as of the last UpdateStates.
   const std::vector<DoorState>& states() const { return states_; }
-  /// Grows whenever a state changes: equal versions mean equal states.
+  /// 0 at the start, and grows whenever a state changes: equal versions mean equal states.
   std::int64_t version() const { return version_; }
   /// Takes over what the doors did, once per step.
   void UpdateStates();
@@ -83,7 +83,7 @@ class Doors {
   std::vector<MovingLeaf> leaves_;
   std::vector<b2Body*> bodies_;
   std::vector<DoorState> states_;
-  std::int64_t version_ = 0;
+  std::int64_t version_ = -1;
 };
 
 }  // namespace robotteamsim

@@ -22,7 +22,7 @@ _BAY = "#c9c6bd"
 _DOOR = {"normal": "#b07a2a", "fireproof": "#c0392b"}
 _AREA = "#2a7f62"
 VICTIM = "#d1495b"
-_THING = "#a9793f"
+_OBJECT = "#a9793f"
 ROBOT = "#1f6feb"
 _PLAN_INCHES = 11.0
 
@@ -48,7 +48,7 @@ def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
     draw_doors(axes, plan)
     if scenario is not None:
         _draw_mission(axes, scenario, unit_m=max(width_m, height_m) / 60.0)
-        _draw_things(axes, scenario)
+        _draw_objects(axes, scenario)
         _draw_robots(axes, scenario)
         figure.legend(loc="outside lower center", ncols=5, frameon=False, fontsize=9)
     margin_m = 0.01 * max(width_m, height_m)
@@ -133,15 +133,15 @@ def _draw_robots(axes: Axes, scenario: Scenario) -> None:
     axes.plot([], [], "o", color=ROBOT, markersize=6, label=f"{count} at the start")
 
 
-def _draw_things(axes: Axes, scenario: Scenario) -> None:
-    """Draw things to scale where they stand at the start."""
+def _draw_objects(axes: Axes, scenario: Scenario) -> None:
+    """Draw objects to scale where they stand at the start."""
     shapes: list[Patch] = [
-        Circle(thing.pose[:2], thing.radius_m) if thing.radius_m else Polygon(corners_at(thing.corners_m, thing.pose))
-        for thing in scenario.things
+        Circle(obj.pose[:2], obj.radius_m) if obj.radius_m else Polygon(corners_at(obj.corners_m, obj.pose))
+        for obj in scenario.objects
     ]
     if shapes:
-        axes.add_collection(PatchCollection(shapes, facecolor=_THING, edgecolor="white", linewidth=0.4, zorder=5))
-        axes.plot([], [], "s", color=_THING, markersize=6, label="thing that robots push")
+        axes.add_collection(PatchCollection(shapes, facecolor=_OBJECT, edgecolor="white", linewidth=0.4, zorder=5))
+        axes.plot([], [], "s", color=_OBJECT, markersize=6, label="object that robots push")
 
 
 def _outline(robot: PlacedRobot) -> Patch:

@@ -1,4 +1,4 @@
-"""Sonars: how far the nearest thing within a cone is."""
+"""Sonars: how far the nearest object within a cone is."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -20,7 +20,6 @@ from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.tally import Tally
 from robotteamsim.world import World
-from robotteamsim.world.doors import DoorState
 from robotteamsim.world.placement import check_places, placed_robots
 
 
@@ -37,8 +36,8 @@ class Simulation:
         check_places(scenario)
         robots, seed = placed_robots(scenario), scenario.run.seed
         self.scenario = scenario
-        things, schedule = scenario.things, scenario.schedule
-        self.world = World(scenario.plan, robots, scenario.run, things=things, schedule=schedule, seed=seed)
+        objects, schedule = scenario.objects, scenario.schedule
+        self.world = World(scenario.plan, robots, scenario.run, objects=objects, schedule=schedule)
         self.sensors = RobotSensors(self.world, robots, seed)
         self.environment = Environment(scenario)
         self._arrivals = self.world.arrivals
@@ -49,7 +48,6 @@ class Simulation:
         self._task = Task()
         self._saved: tuple[str, ...] = ()
         self._voice_map_changes = -1
-        self._doors: Mapping[str, DoorState] | None = None
 
     def step(self) -> StepRecord:
         """Advance by one step and return all that happened in it."""
@@ -58,10 +56,8 @@ class Simulation:
         twists, outboxes, *_ = zip(*self._decisions)  # noqa: B905
         world.step(twists)
         sim_time_ns, doors, present = world.sim_time_ns, world.door_states(), world.present
-        if doors is not self._doors:
-            environment.follow_doors(doors)
-            mission.follow_doors(doors)
-            self._doors = doors
+        environment.follow_doors(doors)
+        mission.follow_doors(doors)
         # The robots sense; the network delivers.
         readings = self.sensors.read()
         positions_m, of_robots = readings.positions_m, readings.one_by_one()

@@ -13,7 +13,7 @@ from robotteamsim.network.messages import NetworkState, Refusal, Traffic
 from robotteamsim.scenario import sections
 from robotteamsim.scenario.floor_plan import Door
 from robotteamsim.sensing.readings import VoiceReading
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.doors import DoorState, DoorStates
 
 STEP_NS = 100_000_000
 FAR_M = (1.0, 1.0)
@@ -191,7 +191,7 @@ def test_leaf_of_a_door_is_told_when_it_sets_off_is_held_up_and_stands(hall_scen
         DoorState(False, 0.1, "opens"),
         DoorState(False, 1.0),
     ):
-        mission.follow_doors({"gate": state})
+        mission.follow_doors(DoorStates({"gate": state}))
         epochs.append(mission.status.task.epoch)
     events = mission.step(STEP_NS, np.array([FAR_M, FAR_M]), (SILENCE,) * 2, network(2), (Decision(),) * 2)
     told = [event.detail for event in events]

@@ -35,7 +35,7 @@ def told():
     """Return what each step's readings are, headless, and what the topics of a robot tell of them."""
     scenario = load("tutorial_arena", EQUIPPED)
     robots = placed_robots(scenario)
-    world = World(scenario.plan, robots, scenario.run, seed=3)
+    world = World(scenario.plan, robots, scenario.run)
     sensors = RobotSensors(world, robots, 3)
     steps = []
     for _ in range(24):

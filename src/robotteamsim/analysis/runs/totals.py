@@ -1,4 +1,4 @@
-"""The figures of a recorded run: mission, robots, network; and what the bag does not tell."""
+"""Totals of a recorded run, of its mission, robots and network, and a list of what the bag lacks."""
 
 from __future__ import annotations
 
@@ -6,17 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robotteamsim.analysis.runs.recorded_run import TRUTH, Flags, RecordedNetwork, RecordedRobot, RecordedRun
+from robotteamsim.analysis.runs.reading import TRUTH
+from robotteamsim.analysis.runs.recorded_run import Flags, RecordedNetwork, RecordedRobot, RecordedRun
 from robotteamsim.geometry import PoseReading
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
 
 SPEED_WINDOW_S = 1.0
-"""Speeds are means over this long: shorter ones of a real robot are mostly the noise of its odometry."""
+"""Speeds are means over this time: over shorter times, a real robot's odometry is mostly noise."""
 
 
 @dataclass(frozen=True, slots=True)
-class MissionFigures:
-    """How the mission went; the same figures as `simulation.Result`. end: "" where the bag ends before the mission."""
+class MissionTotals:
+    """The result of the mission, with the values of `simulation.Result`. end: "" if the bag ends before the mission."""
 
     scenario: str
     noise_db: float
@@ -27,18 +28,18 @@ class MissionFigures:
     victims_saved: int
     num_victims: int
     endangered_links: int
-    finds_reported: int | None = None
-    mean_report_delay_s: float | None = None
-    max_report_delay_s: float | None = None
+    discoveries_delivered: int | None = None
+    mean_delivery_delay_s: float | None = None
+    max_delivery_delay_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class RobotTotals:
-    """What one robot did; None where the bag does not tell.
+    """The totals of one robot; None where the bag lacks the topic.
 
-    source:         what its path is known by.
-    max_speed_mps:  the fastest second.
-    collisions:     times at which it began to touch something.  contact_s: time in which it did.
+    source:         where its path comes from.
+    max_speed_mps:  mean speed in the fastest second.
+    collisions:     number of times it began to touch something.  contact_s: time in contact.
     excluded_s:     time as an excluded robot.
     """
 
@@ -53,13 +54,13 @@ class RobotTotals:
 
 
 @dataclass(frozen=True, slots=True)
-class NetworkFigures:
+class NetworkTotals:
     """The network over the whole run.
 
-    mean_links:       direct links, of num_robots (num_robots - 1) / 2.
-    max_hops:         of the longest of the shortest paths; 0 where nobody ever had a link.
-    split_s:          time in which some robot could not reach another.
-    endangered_links: times a link became endangered.  endangered_s: time in which at least one was.
+    mean_links:       direct links, of at most num_robots (num_robots - 1) / 2.
+    max_hops:         length of the longest shortest path; 0 if there never was a link.
+    split_s:          time during which the team was disconnected.
+    endangered_links: number of times a link became endangered.  endangered_s: time with at least one endangered link.
     """
 
     num_robots: int
@@ -73,25 +74,26 @@ class NetworkFigures:
 
 
 @dataclass(frozen=True, slots=True)
-class RunFigures:
-    """All figures of one bag; None where it does not tell.
+class RunTotals:
+    """All totals of one bag; None where it lacks the topic.
 
-    duration_s:      from the run's first message to its last.
-    trajectory_hash: of true poses, where a mission has all robots at the same stamps; equal to `Result`'s.
-    left_out:        what could not be computed, and what is missing for it.
+    duration_s:      from the first message of the run to the last.
+    trajectory_hash: hash of the true poses, equal to that of `Result`; only for missions in which all robots have poses
+                     at the same stamps.
+    omitted:         what could not be computed, and the missing topic.
     """
 
     bag: str
     duration_s: float
-    mission: MissionFigures | None
+    mission: MissionTotals | None
     robots: tuple[RobotTotals, ...]
-    network: NetworkFigures | None
+    network: NetworkTotals | None
     trajectory_hash: str | None
-    left_out: tuple[str, ...]
+    omitted: tuple[str, ...]
 
     @property
     def title(self) -> str:
-        """The bag, and what it holds, in one line."""
+        """The bag, its scenario and its team in one line."""
         count = len(self.robots) or (self.network.num_robots if self.network else 0)
         team = {0: "", 1: "1 robot"}.get(count, f"{count} robots")
         parts = (self.mission.scenario, team, f"{self.mission.noise_db:g} dB noise") if self.mission else (team,)
@@ -99,33 +101,33 @@ class RunFigures:
 
     @property
     def distance_m(self) -> float | None:
-        """Length of all paths together [m]."""
+        """Total length of all paths [m]."""
         return sum(robot.distance_m for robot in self.robots) if self.robots else None
 
     @property
     def collisions(self) -> int | None:
-        """Of all robots together; None where some robot's are not known."""
+        """Collisions of all robots; None if those of some robot are unknown."""
         counts = [robot.collisions for robot in self.robots]
         known = [count for count in counts if count is not None]
         return sum(known) if known and len(known) == len(counts) else None
 
 
-def figures(run: RecordedRun) -> RunFigures:
-    """Return the figures of a run."""
+def run_totals(run: RecordedRun) -> RunTotals:
+    """Return the totals of a run."""
     first_ns = min((robot.track.stamps_ns[0] for robot in run.robots), default=run.start_ns)
-    return RunFigures(
+    return RunTotals(
         bag=run.name,
         duration_s=float(run.end_ns - min(first_ns, run.start_ns)) / 1e9,
         mission=_mission(run),
         robots=tuple(_robot(robot) for robot in run.robots),
         network=None if run.network is None else _network(run.network),
         trajectory_hash=_trajectory_hash(run),
-        left_out=left_out(run),
+        omitted=_omitted(run),
     )
 
 
 def onsets(values: np.ndarray) -> np.ndarray:
-    """Return where something begins to be so: bool, of the shape of `values`, along its first axis."""
+    """Return where values become True along the first axis: bool, same shape. The first value counts if it is True."""
     begun = values.copy()
     begun[1:] &= ~values[:-1]
     return begun
@@ -137,14 +139,14 @@ def links(network: RecordedNetwork) -> np.ndarray:
 
 
 def max_hops(network: RecordedNetwork) -> np.ndarray:
-    """Return the length of the longest of the shortest paths over time, int, shape (n,)."""
+    """Return the length of the longest shortest path over time [hops], int, shape (n,)."""
     return np.asarray(network.hop_count.max(axis=(1, 2), initial=0))
 
 
 def is_split(network: RecordedNetwork) -> np.ndarray:
-    """Return whether some robot cannot reach another, over time: bool, shape (n,). Those not there reach nobody."""
-    there = network.hop_count.diagonal(axis1=1, axis2=2) == 0
-    pairs = there[:, :, np.newaxis] & there[:, np.newaxis, :]
+    """Return whether the present robots are disconnected over time: bool, shape (n,)."""
+    present = network.hop_count.diagonal(axis1=1, axis2=2) == 0
+    pairs = present[:, :, np.newaxis] & present[:, np.newaxis, :]
     return np.asarray(((network.hop_count < 0) & pairs).any(axis=(1, 2)))
 
 
@@ -154,19 +156,19 @@ def endangered_links(network: RecordedNetwork) -> np.ndarray:
 
 
 def speeds_mps(robot: RecordedRobot) -> tuple[np.ndarray, np.ndarray]:
-    """Return the middles [ns] of the seconds of a robot's track, and its mean speed in each [m/s], both shape (n,)."""
+    """Return the middle of each second of a robot's track [ns] and its mean speed there [m/s], both of shape (n,)."""
     track, window_ns = robot.track, round(SPEED_WINDOW_S * 1e9)
     edges_ns = np.arange(track.stamps_ns[0], track.stamps_ns[-1] + 1, window_ns)
     driven_m = np.interp(edges_ns, track.stamps_ns, track.driven_m)
     return edges_ns[:-1] + window_ns // 2, np.diff(driven_m) / SPEED_WINDOW_S
 
 
-def _mission(run: RecordedRun) -> MissionFigures | None:
+def _mission(run: RecordedRun) -> MissionTotals | None:
     if not run.statuses:
         return None
     last = run.statuses[-1]
-    reports = last.reports
-    return MissionFigures(
+    delivered = last.delivered
+    return MissionTotals(
         scenario=last.scenario,
         noise_db=last.noise_db,
         end=last.end,
@@ -176,49 +178,49 @@ def _mission(run: RecordedRun) -> MissionFigures | None:
         victims_saved=last.victims.count("saved"),
         num_victims=len(last.victims),
         endangered_links=last.endangered_links,
-        finds_reported=reports.reported if reports else None,
-        mean_report_delay_s=reports.mean_delay_s if reports and reports.reported else None,
-        max_report_delay_s=reports.max_delay_s if reports and reports.reported else None,
+        discoveries_delivered=delivered.reported if delivered else None,
+        mean_delivery_delay_s=delivered.mean_delay_s if delivered and delivered.reported else None,
+        max_delivery_delay_s=delivered.max_delay_s if delivered and delivered.reported else None,
     )
 
 
 def _robot(robot: RecordedRobot) -> RobotTotals:
     track = robot.track
-    lasted_s = float(track.stamps_ns[-1] - track.stamps_ns[0]) / 1e9
+    duration_s = float(track.stamps_ns[-1] - track.stamps_ns[0]) / 1e9
     _, speeds = speeds_mps(robot)
     contact = robot.contact
     return RobotTotals(
         name=robot.name,
         source=track.source,
         distance_m=float(track.driven_m[-1]),
-        mean_speed_mps=float(track.driven_m[-1] - track.driven_m[0]) / lasted_s if lasted_s > 0.0 else None,
+        mean_speed_mps=float(track.driven_m[-1] - track.driven_m[0]) / duration_s if duration_s > 0.0 else None,
         max_speed_mps=float(speeds.max()) if len(speeds) else None,
         collisions=None if contact is None else int(onsets(contact.values).sum()),
-        contact_s=_lasted_s(contact),
-        excluded_s=_lasted_s(robot.excluded),
+        contact_s=_duration_s(contact),
+        excluded_s=_duration_s(robot.excluded),
     )
 
 
-def _network(network: RecordedNetwork) -> NetworkFigures:
-    fresh = onsets(network.endangered)
-    return NetworkFigures(
+def _network(network: RecordedNetwork) -> NetworkTotals:
+    newly_endangered = onsets(network.endangered)
+    return NetworkTotals(
         num_robots=network.adjacency.shape[1],
         mean_links=float(links(network).mean()),
         max_hops=int(max_hops(network).max()),
         mean_fiedler_value=float(network.fiedler_value.mean()),
         min_fiedler_value=float(network.fiedler_value.min()),
         split_s=_time_s(network.stamps_ns, is_split(network)),
-        endangered_links=int(fresh.sum()) // 2,
+        endangered_links=int(newly_endangered.sum()) // 2,
         endangered_s=_time_s(network.stamps_ns, endangered_links(network) > 0),
     )
 
 
-def _lasted_s(flags: Flags | None) -> float | None:
+def _duration_s(flags: Flags | None) -> float | None:
     return None if flags is None else _time_s(flags.stamps_ns, flags.values)
 
 
 def _time_s(stamps_ns: np.ndarray, values: np.ndarray) -> float:
-    """Return how long something was so: the samples in which it was, times the step between samples [s]."""
+    """Return for how long values were True: the number of such samples times the median step between samples [s]."""
     step_s = float(np.median(np.diff(stamps_ns))) / 1e9 if len(stamps_ns) > 1 else 0.0
     return int(values.sum()) * step_s
 
@@ -237,9 +239,9 @@ def _trajectory_hash(run: RecordedRun) -> str | None:
     return computed.hexdigest()
 
 
-def left_out(run: RecordedRun) -> tuple[str, ...]:
-    """Return one line for each thing that the bag does not tell, with what is missing for it."""
-    lines = [f"{topic}: its type, or this version of it, is not known" for topic in run.unread]
+def _omitted(run: RecordedRun) -> tuple[str, ...]:
+    """Return one line for each value that cannot be computed, with the missing topic."""
+    lines = [f"{topic}: unknown type, or unknown version of the type" for topic in run.unread]
     if not run.statuses:
         lines.append("mission, areas and victims over time: no /mission/status")
     if not run.events:
@@ -249,13 +251,13 @@ def left_out(run: RecordedRun) -> tuple[str, ...]:
     if not run.robots:
         lines.append(f"paths, distances, speeds: no {TRUTH} and no odom of any robot")
     if lost := [robot.track.frame for robot in run.robots if not robot.track.is_on_map]:
-        lines.append(f"paths on the plan: nothing on /tf places {', '.join(lost)} in map")
+        lines.append(f"paths on the floor plan: no transform from map to {', '.join(lost)} on /tf")
     lines += _missing("collisions", "contact", [r.name for r in run.robots if r.contact is None], len(run.robots))
     lines += _missing(
         "time excluded", "controller/status", [r.name for r in run.robots if r.excluded is None], len(run.robots)
     )
     if run.grid is None:
-        lines.append("plan under the paths: no /map")
+        lines.append("floor plan: no /map")
     return tuple(lines)
 
 

@@ -1,4 +1,4 @@
-"""Things that robots push: boxes and barrels."""
+"""Objects that robots push: boxes and barrels."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from robotteamsim.scenario.plan import Corners
 SizeM = Annotated[float, Field(ge=MIN_WIDTH_M, le=MAX_REACH_M)]
 
 
-class Thing(Model):
+class MovableObject(Model):
     """A box or a barrel: it slides and turns when pushed, until the friction of the ground has stopped it."""
 
-    name: str = Field(description="a name, unique among things")
+    name: str = Field(description="a name, unique among objects")
     kind: Literal["box", "barrel"] = Field(default="box", description="box or barrel")
     size_m: Point | None = Field(default=None, description="length and width of a box [m]")
     radius_m: SizeM | None = Field(default=None, description="of a barrel [m]")
@@ -27,7 +27,7 @@ class Thing(Model):
     friction: float = Field(default=0.5, gt=0.0, le=10.0, description="of the ground, as a share of the weight")
 
     @model_validator(mode="after")
-    def _check(self) -> Thing:
+    def _check(self) -> MovableObject:
         wanted, other = ("size_m", "radius_m") if self.kind == "box" else ("radius_m", "size_m")
         if getattr(self, wanted) is None:
             raise wrong(wanted, f"missing; wanted {type(self).model_fields[wanted].description}")

@@ -5,11 +5,11 @@ import pytest
 from visualization_msgs.msg import Marker
 
 from robotteamsim.geometry import Pose
-from robotteamsim.ros.scene.objects import RIM_M, thing_markers
-from robotteamsim.scenario.things import Thing
+from robotteamsim.ros.scene.objects import RIM_M, object_markers
+from robotteamsim.scenario.objects import MovableObject
 
-CRATE = Thing(name="crate", size_m=(0.6, 0.4), height_m=0.5, pose=(0.0, 0.0, 0.0))
-DRUM = Thing(name="drum", kind="barrel", radius_m=0.3, height_m=0.9, pose=(0.0, 2.0, 0.0))
+CRATE = MovableObject(name="crate", size_m=(0.6, 0.4), height_m=0.5, pose=(0.0, 0.0, 0.0))
+DRUM = MovableObject(name="drum", kind="barrel", radius_m=0.3, height_m=0.9, pose=(0.0, 2.0, 0.0))
 
 
 def above_ground(item):
@@ -17,8 +17,8 @@ def above_ground(item):
     return points[points[:, 2] > 0.1]
 
 
-def test_things_are_drawn_to_scale_where_they_are():
-    box, barrel = thing_markers([CRATE, DRUM], [Pose(1.0, 2.0, math.pi / 2), Pose(3.0, 4.0, 0.0)]).markers
+def test_objects_are_drawn_to_scale_where_they_are():
+    box, barrel = object_markers([CRATE, DRUM], [Pose(1.0, 2.0, math.pi / 2), Pose(3.0, 4.0, 0.0)]).markers
     assert (box.id, barrel.id, box.header.frame_id) == (0, 1, "map")
     assert above_ground(box).max(axis=0) == pytest.approx((0.3, 0.2, 0.5), abs=RIM_M + 1e-9)
     assert above_ground(box).min(axis=0)[:2] == pytest.approx((-0.3, -0.2))
@@ -29,17 +29,17 @@ def test_things_are_drawn_to_scale_where_they_are():
 
 
 def test_each_corner_has_a_colour_and_nothing_is_see_through():
-    for item in thing_markers([CRATE, DRUM], [Pose(0.0, 0.0, 0.0)] * 2).markers:
+    for item in object_markers([CRATE, DRUM], [Pose(0.0, 0.0, 0.0)] * 2).markers:
         assert len(item.points) == len(item.colors) > 0
         assert {tint.a for tint in item.colors} == {1.0}
 
 
-def test_equal_things_stand_at_places_of_their_own():
-    first, second = thing_markers([CRATE, CRATE], [Pose(1.0, 0.0, 0.0), Pose(2.0, 0.0, 0.0)]).markers
+def test_equal_objects_stand_at_places_of_their_own():
+    first, second = object_markers([CRATE, CRATE], [Pose(1.0, 0.0, 0.0), Pose(2.0, 0.0, 0.0)]).markers
     assert (first.pose.position.x, second.pose.position.x) == (1.0, 2.0)
 
 
-def test_things_that_are_gone_are_cleared_away():
-    (clearing,) = thing_markers((), (), anew=True).markers
+def test_objects_that_are_gone_are_cleared_away():
+    (clearing,) = object_markers((), (), anew=True).markers
     assert clearing.action == Marker.DELETEALL
-    assert thing_markers((), ()).markers == []
+    assert object_markers((), ()).markers == []
