@@ -119,7 +119,9 @@ class RdpsoController:
         self._membership = Membership(robot_id, scenario)
         self._momentum = Momentum(self.memory(control))
         self._numbers = uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
-        self._wander = Wander(robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps)
+        self._wander = Wander(
+            control.wander, robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps
+        )
 
         # Python keeps up to 29 attributes in the object itself; of one with more, it looks each up in a dictionary.
         self._observation: Observation | None = None
