@@ -34,7 +34,7 @@ class KnownMap:
 
     def __init__(self, plan: FloorPlan, robot_radius_m: float, closed_doors: tuple[tuple[str, bool], ...]) -> None:
         occupancy = occupancy_grid(plan, GRID_RESOLUTION_M, dict(closed_doors))
-        self.grid = _core.PlanningGrid(
+        self.grid = _core.plan.PlanningGrid(
             occupancy.cells != FREE, occupancy.origin_m, GRID_RESOLUTION_M, robot_radius_m + MARGIN_M
         )
         self._distance_maps: dict[Vector, np.ndarray | None] = {}
@@ -43,7 +43,7 @@ class KnownMap:
         """Return a goal as the path to it from a start begins: at the path's length, in the direction of its first
         stretch. A goal without a path of at most `max_length_m` [m] is returned as it is.
         """
-        return self.grid.along_way(start, goal, max_length_m)
+        return self.grid.along_path(start, goal, max_length_m)
 
     def reachable_towards(self, start: Vector, goal: Vector) -> Vector:
         """Return the goal if the straight line to it from a start is free; else the reachable place nearest to it."""
@@ -89,7 +89,7 @@ class KnownMap:
             while len(self._distance_maps) >= _KEPT_DISTANCE_MAPS:
                 del self._distance_maps[next(iter(self._distance_maps))]
             free_goal = self.grid.nearest_free(goal, 5.0)
-            distances = self._distance_maps[goal] = None if free_goal is None else self.grid.distance_field(free_goal)
+            distances = self._distance_maps[goal] = None if free_goal is None else self.grid.distance_map(free_goal)
         return distances
 
 

@@ -17,7 +17,7 @@ class Navigator:
     """Drives one robot to a goal that may change in any step. `src/cpp/control/navigator.cpp` describes how."""
 
     def __init__(self, body: Robot, robot_id: int, mode: Literal["path", "straight"]) -> None:
-        self._core = _core.Navigator(
+        self._core = _core.control.Navigator(
             robot_id=robot_id,
             radius_m=body.reach_m,
             laser=laser_layout(body.laser),
@@ -25,12 +25,11 @@ class Navigator:
             max_turn_radps=body.drive.max_turn_radps,
             is_car=body.drive.kind == "car",
             by_path=mode == "path",
-            twist=Twist,
         )
 
     def drive(
         self,
-        grid: _core.PlanningGrid,
+        grid: _core.plan.PlanningGrid,
         pose: Pose,
         ranges_m: np.ndarray,
         goal: Vector,
@@ -45,12 +44,12 @@ class Navigator:
               speed_mps: not to be exceeded.  sim_time_ns: the observation's stamp.
               teammates: returns where other robots were last heard to be, in `map` [m]; called when the robot is stuck.
         """
-        return self._core.drive(grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates)
+        return Twist(*self._core.drive(grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates))
 
 
-def laser_layout(laser: Laser) -> _core.LaserLayout:
+def laser_layout(laser: Laser) -> _core.control.LaserLayout:
     """Return the layout of a laser's beams, as the library reads its scans."""
-    return _core.LaserLayout(
+    return _core.control.LaserLayout(
         beams=laser.beams,
         angle_min_rad=laser.angle_min_rad,
         angle_max_rad=laser.angle_max_rad,

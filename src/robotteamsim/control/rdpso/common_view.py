@@ -24,7 +24,7 @@ class Bests(NamedTuple):
 class Comparable(NamedTuple):
     """What robots of one task that agree on doors hear, and their bests by swarm."""
 
-    heard: _core.HeardNotes
+    heard: _core.control.HeardNotes
     bests: dict[int, Bests]
 
 
@@ -64,7 +64,7 @@ class CommonView:
         basis = own.epoch, own.doors
         if basis not in self._comparable:
             updates = self._by_basis[basis]
-            heard = _core.HeardNotes([(update.position, update.loudest) for update in updates])
+            heard = _core.control.HeardNotes([(update.position, update.loudest) for update in updates])
             swarm_ids = {update.swarm_id for update in updates}
             self._comparable[basis] = Comparable(heard, {i: _bests_of(i, updates) for i in swarm_ids})
         return self._comparable[basis]

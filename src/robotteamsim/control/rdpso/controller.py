@@ -38,18 +38,6 @@ from robotteamsim.swarm import (
     uniform_numbers,
 )
 
-LONGEST_DETOUR_M = 60.0
-"""Best places farther than this along the path draw as the crow flies."""
-
-SEARCHED_FOR_S = 30.0
-"""A member that was not heard for longer no longer draws the robot to where it was."""
-
-TIMEOUT = 0.5
-"""Longest wait, as a share of an iteration, for the updates of those that were heard in the last iteration."""
-
-HURRY = 1.25
-"""A robot drives this much faster than its swarm velocity, so that it arrives before the next iteration begins."""
-
 
 class RdpsoController:
     """One robot of the swarm.
@@ -68,10 +56,10 @@ class RdpsoController:
         self._weights = Weights(control.c1, control.c2, control.c3, 0.0)
         """Of the terms of eq. (22); that of communication is 0 while no link is in danger."""
         self._iteration_ns = round(control.iteration_s * 1e9)
-        self._timeout_ns = round(TIMEOUT * control.iteration_s * 1e9)
+        self._timeout_ns = round(control.update_timeout_share * control.iteration_s * 1e9)
         self._plan, self._reach_m = scenario.plan, body.reach_m
         self._localiser = Localiser(robot_id, scenario)
-        self._doors = DoorBeliefs(scenario.plan, body.laser)
+        self._doors = DoorBeliefs(scenario.plan, body.laser, control.doors)
         self._map = known_map(scenario.plan, body.reach_m)
         self._map_doors = self._doors.changed
         self._navigator = Navigator(body, robot_id, control.navigation)
@@ -82,7 +70,9 @@ class RdpsoController:
         self._membership = Membership(robot_id, scenario)
         self._momentum = Momentum(self.memory(control))
         self._numbers = uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
-        self._wander = Wander(robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps)
+        self._wander = Wander(
+            control.wander, robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps
+        )
 
         self._observation: Observation | None = None
         self._task = Task()
@@ -196,7 +186,7 @@ class RdpsoController:
         if self._control.navigation == "path":
             # A step ends at a wall; it does not lead around it. The path around it is in the attractors.
             self._goal = self._map.reachable_towards(position, self._goal)
-        self._speed_mps = max(0.1, HURRY * math.hypot(*velocity) / self._control.iteration_s)
+        self._speed_mps = max(0.1, self._control.speed_factor * math.hypot(*velocity) / self._control.iteration_s)
 
     def _share_bests(self, own: RdpsoUpdate, view: CommonView) -> tuple[dict[int, Best | None], list[int]]:
         """Return the global best of each swarm, and the swarms that improved theirs in this iteration."""
@@ -249,7 +239,7 @@ class RdpsoController:
         if len(view.updates) == len(team.updates):
             return {}
         swarm_id = self._membership.swarm_id
-        oldest = view.iteration - round(SEARCHED_FOR_S / self._control.iteration_s)
+        oldest = view.iteration - round(self._control.member_timeout_s / self._control.iteration_s)
         return {
             update.robot_id: update.position
             for update in team.updates
@@ -260,7 +250,7 @@ class RdpsoController:
         """Return a place as the path to it begins: at the path's length, in the direction of its first stretch."""
         if self._control.navigation != "path":
             return place
-        return self._map.along_path(position, place, LONGEST_DETOUR_M)
+        return self._map.along_path(position, place, self._control.longest_detour_m)
 
     def _update_map(self) -> None:
         """Take the map with the doors as believed now; bests along other paths are forgotten."""

@@ -8,24 +8,17 @@ import numpy as np
 
 from robotteamsim.control.rdpso.update import Sighting
 from robotteamsim.geometry import Pose
+from robotteamsim.scenario.control_tuning import DoorTuning
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.sections import Laser
 from robotteamsim.swarm import Vector
-
-LEAF_TOLERANCE_M = 0.12
-"""A beam ends at a leaf where its range is this near to the leaf's: half a thickness, and noise."""
-
-FEWEST_BEAMS = 5
-"""Fewer beams could be noise, or hit a robot in the doorway."""
-
-CLEAR_MAJORITY = 0.8
-"""The share of beams that must agree: a robot in the doorway hides part of it."""
 
 
 class DoorBeliefs:
     """Which doors a robot believes to be closed. Newer sightings replace older ones, by the same rule on all robots."""
 
-    def __init__(self, plan: FloorPlan, laser: Laser) -> None:
+    def __init__(self, plan: FloorPlan, laser: Laser, tuning: DoorTuning) -> None:
+        self._tuning = tuning
         self._doors = [(door, _middle(door)) for door in plan.doors]
         self._planned = {door.name: door.closed for door in plan.doors}
         self._sightings: dict[str, Sighting] = {}
@@ -78,11 +71,11 @@ class DoorBeliefs:
         across = np.where(steep, across, 1.0)
         range_m = (to_x * leaf_y - to_y * leaf_x) / across
         place = (to_x * beam_y - to_y * beam_x) / across
-        meets = steep & (range_m > 0.0) & (range_m < self._laser.range_max_m - 2.0 * LEAF_TOLERANCE_M)
+        meets = steep & (range_m > 0.0) & (range_m < self._laser.range_max_m - 2.0 * self._tuning.leaf_tolerance_m)
         meets &= (place > 0.1) & (place < 0.9)
-        num_ends = int(np.count_nonzero(meets & (np.abs(ranges_m - range_m) < LEAF_TOLERANCE_M)))
-        num_passes = int(np.count_nonzero(meets & (ranges_m >= range_m + LEAF_TOLERANCE_M)))
-        fewest = max(FEWEST_BEAMS, CLEAR_MAJORITY * (num_ends + num_passes))
+        num_ends = int(np.count_nonzero(meets & (np.abs(ranges_m - range_m) < self._tuning.leaf_tolerance_m)))
+        num_passes = int(np.count_nonzero(meets & (ranges_m >= range_m + self._tuning.leaf_tolerance_m)))
+        fewest = max(self._tuning.fewest_beams, self._tuning.clear_majority * (num_ends + num_passes))
         if num_ends >= fewest:
             return True
         return False if num_passes >= fewest else None

@@ -20,7 +20,8 @@ class RuledOut:
         # A victim may be anywhere in their cell of the voice map.
         save_m = scenario.mission.save_distance_m
         next_to_m = max(0.5 * save_m, save_m - cell_m)
-        self._core = _core.RuledOut(radius_m=scenario.voice.local_best_radius_m, cell_m=cell_m, next_to_m=next_to_m)
+        radius_m = scenario.voice.local_best_radius_m
+        self._core = _core.control.RuledOut(radius_m=radius_m, cell_m=cell_m, next_to_m=next_to_m)
 
     def clear(self) -> None:
         """Forget everything: the voice map has changed."""
@@ -33,7 +34,7 @@ class RuledOut:
         """
         self._core.add(position, loudest)
 
-    def add_all(self, heard: _core.HeardNotes) -> None:
+    def add_all(self, heard: _core.control.HeardNotes) -> None:
         """Note what several robots hear, in their order."""
         self._core.add_all(heard)
 
