@@ -143,7 +143,7 @@ class World:
         Raises: PlacementError: it cannot stand there. ValueError: no such robot, or the pose is not finite.
         """
         if not self._is_there(robot_id):
-            raise ValueError(f"robot_{robot_id} is not there; wanted one that is")
+            raise ValueError(f"robot_{robot_id} is not there; expected one that is")
         self._check_free(robot_id, pose)
         self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
 
@@ -295,7 +295,7 @@ class World:
         body = robot.body_at((pose.x_m, pose.y_m, pose.yaw_rad))
         hit = self._solid_in(body)
         if hit is not None:
-            wanted = "" if robot.footprint_m else f"; wanted {robot.radius_m:g} m of clearance"
+            wanted = "" if robot.footprint_m else f"; expected {robot.radius_m:g} m of clearance"
             raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'{wanted}")
         self._check_others(robot_id, pose, body, others, place)
 
@@ -309,7 +309,7 @@ class World:
                     continue
                 wanted = ""
             else:
-                wanted = f"; wanted {robot.radius_m + other.radius_m:g} m between them"
+                wanted = f"; expected {robot.radius_m + other.radius_m:g} m between them"
             raise PlacementError(f"{place} is inside robot_{other_id} at ({x_m:.2f}, {y_m:.2f}){wanted}")
 
     def _object_index(self, name: str) -> int:

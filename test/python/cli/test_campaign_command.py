@@ -176,7 +176,7 @@ def test_wrong_value_in_a_design_file_is_named_with_the_file(capsys, tmp_path):
 def test_folder_of_something_else_is_refused(capsys, tmp_path):
     (tmp_path / "file").touch()
     line = refusal(capsys, "garage_sar", "--out", str(tmp_path))
-    assert line == f"{tmp_path}: holds 'file' and no campaign; wanted a new or an empty folder"
+    assert line == f"{tmp_path}: holds 'file' and no campaign; expected a new or an empty folder"
     line = refusal(capsys, "garage_sar", "--out", str(tmp_path / "file" / "c"))
     assert line == f"{tmp_path}/file/c: cannot be made: {tmp_path}/file is no folder"
 

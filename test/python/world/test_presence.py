@@ -187,7 +187,7 @@ def test_robots_that_are_unknown_there_or_not_there_are_refused():
     world.remove_robot(1)
     with pytest.raises(ValueError, match="robot_1 is not there; it cannot be removed"):
         world.remove_robot(1)
-    with pytest.raises(ValueError, match="robot_1 is not there; wanted one that is"):
+    with pytest.raises(ValueError, match="robot_1 is not there; expected one that is"):
         world.set_pose(1, Pose(8.0, 4.0, 0.0))
 
 
