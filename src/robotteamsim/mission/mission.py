@@ -207,7 +207,7 @@ class Mission:
     def _judge_places(self, positions_m: np.ndarray) -> None:
         num_victims = len(self.victims)
         area = num_victims + self._num_explored
-        for place, robot_id in _core.reached(positions_m, self._places_m, self._reaches_m):
+        for place, robot_id in _core.base.reached_places(positions_m, self._places_m, self._reaches_m):
             if place == area:
                 self._explore(robot_id)
             elif place < num_victims and self._victim_states[place] != "saved":

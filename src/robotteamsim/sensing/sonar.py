@@ -23,7 +23,7 @@ class Sonar:
     def __init__(self, model: SonarModel, world: World) -> None:
         self._model = model
         self._world = world
-        self._core = _core.Laser(
+        self._core = _core.sensing.Laser(
             *core_solids(world.plan),
             beams=model.rays,
             angle_min_rad=model.yaw_rad - 0.5 * model.opening_rad,

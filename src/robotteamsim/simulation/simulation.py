@@ -7,7 +7,6 @@ from functools import partial
 
 import numpy as np
 
-from robotteamsim import _core
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface import Decision, Observation, Task
@@ -68,8 +67,8 @@ class Simulation:
         controllers = self.controllers if are_same else self._present_controllers(present)
         task = self._task
         for robot_id, controller in enumerate(controllers):
-            told = (robot_id, sim_time_ns, of_robots[robot_id], voices[robot_id])
-            controller.observe(_core.as_tuple(Observation, told), inboxes[robot_id], task)
+            observation = Observation(robot_id, sim_time_ns, of_robots[robot_id], voices[robot_id])
+            controller.observe(observation, inboxes[robot_id], task)
         decided = []
         for controller in controllers:
             decided.append(controller.decide())
@@ -78,7 +77,7 @@ class Simulation:
         base_inbox = () if self._base is None else inboxes[self._base]
         events = mission.step(sim_time_ns, positions_m, voices, network, decisions, base_inbox, present)
         self._task, self._saved = mission.task, mission.saved_victims
-        happened = (
+        return StepRecord(
             world.step_index,
             sim_time_ns,
             readings,
@@ -95,8 +94,6 @@ class Simulation:
             present,
             world.arrivals,
         )
-        record: StepRecord = _core.as_tuple(StepRecord, happened)
-        return record
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:
         """Run until the mission has ended, with observers looking on; a mission that waits is started.

@@ -72,10 +72,6 @@ class DoorStates(Mapping[str, DoorState]):
         """Return whether each door is closed, by name, in the plan's order."""
         return {name: state.closed for name, state in self._states.items()}
 
-    def updated(self, states: Mapping[str, DoorState]) -> DoorStates:
-        """Return these doors in other states, with the next version if any differs."""
-        return self if states == self._states else DoorStates(states, self.version + 1)
-
     def with_door(self, name: str, closed: bool) -> DoorStates:
         """Return these doors with one that is wholly closed or wholly open; its version is of no world."""
         return DoorStates(self._states | {name: DoorState(closed, 0.0 if closed else 1.0)})
@@ -88,11 +84,11 @@ class DoorStates(Mapping[str, DoorState]):
         return [change for change in pairs if change.now != change.before]
 
 
-def core_door(door: Door) -> _core.Door:
+def core_door(door: Door) -> _core.world.Door:
     """Return a door of the C++ world."""
     leaf = door_corners(door)
-    return _core.Door(
-        _core.Solid(leaf, convex_pieces(leaf)),
+    return _core.world.Door(
+        _core.world.Solid(leaf, convex_pieces(leaf)),
         door.closed,
         time_s=door.leaf_time_s,
         angle_rad=door.leaf_angle_rad,
@@ -101,19 +97,9 @@ def core_door(door: Door) -> _core.Door:
     )
 
 
-def door_state(core: _core.World, index: int) -> DoorState:
-    """Return the state of a door by its index in the plan."""
-    closed: bool = core.door_closed(index)
-    leaf = core.leaves().get(index)
-    if leaf is None:
-        return DoorState(closed, 0.0 if closed else 1.0)
-    opening, shall_close, is_held = leaf
-    motion: LeafMotion = "closes" if shall_close else "opens"
-    if opening == (0.0 if shall_close else 1.0):
-        motion = "still"
-    elif is_held:
-        motion = "held"
-    return DoorState(closed, opening, motion)
+def door_state(state: _core.world.DoorState) -> DoorState:
+    """Return the state of a door of the C++ world."""
+    return DoorState(state.closed, state.opening, state.motion)
 
 
 def leaf_outline(door: Door, state: DoorState) -> Corners | None:

@@ -127,11 +127,11 @@ class World:
 
         Angles in `base_link`, ascending in (-pi, pi], from the robot's middle; contacts within 0.05 rad are one.
         """
-        return self.core.contact_angles()
+        return {robot_id: tuple(angles) for robot_id, angles in self.core.contact_angles().items()}
 
     def objects(self) -> dict[str, Pose]:
         """Return where the middle of each object is in `map`, by name, in the scenario's order."""
-        return {obj.name: Pose(*row) for obj, row in zip(self._objects, self.core.thing_poses().tolist(), strict=True)}
+        return {obj.name: Pose(*row) for obj, row in zip(self._objects, self.core.object_poses().tolist(), strict=True)}
 
     def door_states(self) -> DoorStates:
         """Return the state of all doors, by name, in the plan's order; its version grows with each change."""
@@ -145,7 +145,7 @@ class World:
         if not self._is_there(robot_id):
             raise ValueError(f"robot_{robot_id} is not there; expected one that is")
         self._check_free(robot_id, pose)
-        self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
+        self.core.set_pose(robot_id, pose)
 
     def remove_robot(self, robot_id: int) -> None:
         """Take a robot off the floor. Raises: ValueError: no such robot, or it is not there."""
@@ -164,7 +164,7 @@ class World:
             raise ValueError(f"robot_{robot_id} is there already; it cannot be spawned")
         place = self._start_poses[robot_id] if pose is None else pose
         self._check_free(robot_id, place)
-        self.core.spawn_robot(robot_id, (place.x_m, place.y_m, place.yaw_rad))
+        self.core.spawn_robot(robot_id, place)
         self._look_who_is_there()
 
     def object_models(self) -> tuple[MovableObject, ...]:
@@ -180,7 +180,7 @@ class World:
         if known is not None:
             raise ValueError(f"there is a {known.kind} '{obj.name}' already")
         self._check_object(obj, Pose(*obj.pose))
-        self.core.add_thing(_object(obj))
+        self.core.add_object(_object(obj))
         self._objects = (*self._objects, obj)
 
     def move_object(self, name: str, pose: Pose) -> None:
@@ -190,12 +190,12 @@ class World:
         """
         index = self._object_index(name)
         self._check_object(self._objects[index], pose)
-        self.core.set_thing_pose(index, (pose.x_m, pose.y_m, pose.yaw_rad))
+        self.core.set_object_pose(index, pose)
 
     def remove_object(self, name: str) -> None:
         """Take an object out of the world. Raises: ValueError: no such object."""
         index = self._object_index(name)
-        self.core.remove_thing(index)
+        self.core.remove_object(index)
         self._objects = (*self._objects[:index], *self._objects[index + 1 :])
 
     def set_door(self, name: str, closed: bool) -> None:
@@ -215,12 +215,12 @@ class World:
         """Put all robots back to their start poses, standing still; time, objects and doors stay as they are."""
         for robot_id, pose in enumerate(self._start_poses):
             if self._is_there(robot_id):
-                self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
+                self.core.set_pose(robot_id, pose)
 
     def reset(self) -> None:
         """Begin again as new: time, poses, who is there, objects and doors as at the start."""
         self.core.reset()
-        self._doors = self._doors.updated(DoorStates.at_start(self.plan))
+        self._look_at_doors()
         self._objects = self._first_objects
         self._begin()
 
@@ -260,10 +260,10 @@ class World:
                     waiting.append(happening)
         self._to_come = waiting + self._to_come
 
-    def _build(self, run: Run) -> _core.World:
+    def _build(self, run: Run) -> _core.world.World:
         still, leaves = core_solids(self.plan)
         bodies, objects = [_body(robot) for robot in self._robots], [_object(obj) for obj in self._objects]
-        return _core.World(still, leaves, bodies, run.step_s, run.physics_substeps, objects)
+        return _core.world.World(still, leaves, bodies, run.step_s, run.physics_substeps, objects)
 
     def _check_start_poses(self) -> None:
         placed = np.full((self.num_robots, 3), math.nan)
@@ -279,7 +279,7 @@ class World:
         others[robot_id] = math.nan
         self._check_pose(robot_id, pose, others, "pose")
         body = self._robots[robot_id].body_at((pose.x_m, pose.y_m, pose.yaw_rad))
-        for obj, row in zip(self._objects, self.core.thing_poses().tolist(), strict=True):
+        for obj, row in zip(self._objects, self.core.object_poses().tolist(), strict=True):
             if body.overlaps(obj.body_at(tuple(row)), _TOUCH_M):
                 place = f"robot_{robot_id}: pose ({pose.x_m:.2f}, {pose.y_m:.2f})"
                 raise PlacementError(f"{place} is inside {obj.kind} '{obj.name}'")
@@ -329,7 +329,7 @@ class World:
         hit = self._solid_in(body)
         if hit is not None:
             raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'")
-        for other, row in zip(self._objects, self.core.thing_poses().tolist(), strict=True):
+        for other, row in zip(self._objects, self.core.object_poses().tolist(), strict=True):
             if other.name != obj.name and body.overlaps(other.body_at(tuple(row)), _TOUCH_M):
                 raise PlacementError(f"{place} is inside {other.kind} '{other.name}'")
         for robot_id, row in enumerate(self.core.poses().tolist()):
@@ -351,9 +351,11 @@ class World:
                 yield Solid(door.name, "door", corners, door)
 
     def _look_at_doors(self) -> None:
-        self._doors = self._doors.updated(
-            {name: door_state(self.core, index) for name, index in self._door_ids.items()}
-        )
+        if self.core.doors_version != self._doors.version:
+            states = {
+                name: door_state(state) for name, state in zip(self._door_ids, self.core.door_states(), strict=True)
+            }
+            self._doors = DoorStates(states, self.core.doors_version)
 
 
 @functools.lru_cache(maxsize=16)
@@ -364,29 +366,29 @@ def _still_solids(plan: FloorPlan) -> tuple[tuple[Solid, ...], shapely.STRtree]:
 
 
 @functools.lru_cache(maxsize=16)
-def core_solids(plan: FloorPlan) -> tuple[list[_core.Solid], list[_core.Door]]:
+def core_solids(plan: FloorPlan) -> tuple[list[_core.world.Solid], list[_core.world.Door]]:
     """Return the solids and the doors of the C++ world on a plan, not to be changed; worlds on one plan share them."""
     still, _ = _still_solids(plan)
-    pieces = [_core.Solid(solid.corners, convex_pieces(solid.corners)) for solid in still]
+    pieces = [_core.world.Solid(solid.corners, convex_pieces(solid.corners)) for solid in still]
     return pieces, [core_door(door) for door in plan.doors]
 
 
-def _body(robot: PlacedRobot) -> _core.Robot:
-    return _core.Robot(
+def _body(robot: PlacedRobot) -> _core.world.Robot:
+    return _core.world.Robot(
         radius_m=robot.radius_m,
         mass_kg=robot.mass_kg,
-        drive=_core.Drive(**robot.drive.model_dump()),
-        start=robot.start_pose,
+        drive=_core.world.Drive(**robot.drive.model_dump()),
+        start=Pose(*robot.start_pose),
         footprint_m=robot.corners_m,
         present=robot.present,
     )
 
 
-def _object(obj: MovableObject) -> _core.Thing:
-    return _core.Thing(
+def _object(obj: MovableObject) -> _core.world.MovableObject:
+    return _core.world.MovableObject(
         radius_m=obj.reach_m,
         mass_kg=obj.mass_kg,
         friction=obj.friction,
-        start=obj.pose,
+        start=Pose(*obj.pose),
         corners_m=obj.corners_m,
     )

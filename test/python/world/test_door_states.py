@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan
+from robotteamsim.scenario.sections import Run
+from robotteamsim.world import World
 from robotteamsim.world.doors import UNVERSIONED, DoorChange, DoorState, DoorStates
 
 CLOSED, OPEN = DoorState(closed=True, opening=0.0), DoorState(closed=False, opening=1.0)
@@ -22,17 +24,24 @@ def test_doors_at_the_start_are_as_the_plan_says_in_its_order() -> None:
     assert (doors.version, doors.closed()) == (0, {"front": True, "back": False})
 
 
-def test_version_grows_with_each_change_and_with_nothing_else() -> None:
-    start = DoorStates.at_start(PLAN)
-    assert start.updated(dict(start)) is start
-    changed = start.updated({"front": OPEN, "back": OPEN})
-    assert (changed.version, start.version) == (1, 0)
-    assert start["front"] == CLOSED
+def test_version_of_a_world_grows_with_each_change_and_with_nothing_else() -> None:
+    world = World(PLAN, [], Run())
+    start = world.door_states()
+    assert start == DoorStates.at_start(PLAN)
+    assert start.version == 0
+    world.set_door("front", True)
+    world.step([])
+    assert world.door_states() is start
+    world.set_door("front", False)
+    changed = world.door_states()
+    assert (changed.version, dict(changed)) == (1, {"front": OPEN, "back": OPEN})
+    world.reset()
+    assert (world.door_states().version, world.door_states()["front"]) == (2, CLOSED)
 
 
 def test_changes_are_the_doors_that_differ() -> None:
     start = DoorStates.at_start(PLAN)
-    later = start.updated({"front": OPEN, "back": OPEN})
+    later = DoorStates({"front": OPEN, "back": OPEN}, version=1)
     assert later.changes_since(start) == [DoorChange("front", CLOSED, OPEN)]
     assert later.changes_since(later) == []
 

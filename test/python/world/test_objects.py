@@ -106,7 +106,7 @@ def test_reset_brings_back_the_objects_of_the_scenario_and_the_rerun_is_equal_to
             if index == 40:
                 world.remove_object("crate")
             world.step([Twist(0.7, 0.0, 0.05)])
-            rows.append(world.core.poses().tobytes() + world.core.thing_poses().tobytes())
+            rows.append(world.core.poses().tobytes() + world.core.object_poses().tobytes())
         return rows
 
     first = run()

@@ -40,7 +40,7 @@ def present(world: World) -> list[bool]:
 
 
 def bits(world: World) -> bytes:
-    return world.core.pose_readings().tobytes()
+    return world.core.poses().tobytes()
 
 
 def test_all_are_there_unless_the_scenario_says_otherwise():
@@ -55,7 +55,7 @@ def test_robot_that_is_removed_is_nowhere_and_stays_so():
     for _ in range(5):
         world.step([FORWARD, FORWARD])
     assert present(world) == [True, False]
-    assert all(map(math.isnan, world.core.pose_readings()[1]))
+    assert all(map(math.isnan, world.core.poses()[1]))
     assert (world.twists()[1], world.motions()[1], world.in_contact()[1]) == (Twist(), Pose(0.0, 0.0, 0.0), False)
     assert np.isfinite(world.positions_m()[0]).all()
 

@@ -263,7 +263,7 @@ def test_unknown_doors_and_robots_are_refused():
 
 def test_a_command_that_is_no_twist_is_refused_and_nothing_moves():
     world, untouched = world_of((2.0, 2.0, 0.0)), world_of((2.0, 2.0, 0.0))
-    for wrong, error in ((0.5, ValueError), ((0.5, 0.0), ValueError), (("fast", 0.0, 0.0), TypeError)):
-        with pytest.raises(error, match=r"a twist must be a tuple of three numbers|must be real number"):
+    for wrong in (0.5, (0.5, 0.0), Twist("fast", 0.0, 0.0)):
+        with pytest.raises(TypeError, match="incompatible function arguments"):
             world.step([wrong])
     assert bits(world) == bits(untouched)

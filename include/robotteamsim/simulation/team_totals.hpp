@@ -3,12 +3,12 @@
 #include <limits>
 #include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 
 namespace robotteamsim {
 
 /// What one robot did in a trial.
-struct RobotFigures {
+struct RobotTotals {
   double distance = 0.0;   ///< length of its true path [m]
   int contact_steps = 0;   ///< in which it touched something
   int excluded_steps = 0;  ///< as an excluded robot
@@ -16,9 +16,9 @@ struct RobotFigures {
 };
 
 /// Adds up what each robot of a team does.
-class TeamFigures {
+class TeamTotals {
  public:
-  explicit TeamFigures(int num_robots) : logs_(num_robots) {}
+  explicit TeamTotals(int num_robots) : logs_(num_robots) {}
 
   /// Takes in what a robot did in one more step. Staying counts only while the mission runs.
   /// Args: at: where it truly is, in `map` [m]; NaN where it is not there, and then nothing of it counts.
@@ -26,13 +26,13 @@ class TeamFigures {
 
   int num_robots() const { return static_cast<int>(logs_.size()); }
   /// The sums so far.
-  const RobotFigures& of(int robot) const { return logs_[robot].sums; }
+  const RobotTotals& of(int robot) const { return logs_[robot].sums; }
 
  private:
   static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
   struct Log {
-    RobotFigures sums;
+    RobotTotals sums;
     Point last{kNaN, kNaN};    // NaN: it was not there
     Point anchor{kNaN, kNaN};  // where it stays
     int stay = 0;              // steps that it has

@@ -1,4 +1,4 @@
-#include "robotteamsim/geometry/hypot.hpp"
+#include "robotteamsim/base/hypot.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "robotteamsim/simulation/team_figures.hpp"
+#include "robotteamsim/simulation/team_totals.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "robotteamsim/geometry/hypot.hpp"
+#include "robotteamsim/base/hypot.hpp"
 
 namespace robotteamsim {
 namespace {
@@ -14,7 +14,7 @@ double Distance(const Point& a, const Point& b) { return Hypot(a.x - b.x, a.y - 
 
 }  // namespace
 
-void TeamFigures::Add(int robot, const Point& at, bool in_contact, bool is_excluded, bool is_running) {
+void TeamTotals::Add(int robot, const Point& at, bool in_contact, bool is_excluded, bool is_running) {
   Log& log = logs_[robot];
   const Point before = log.last;
   log.last = at;
