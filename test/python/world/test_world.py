@@ -253,7 +253,7 @@ def test_twist_that_is_not_finite_is_refused_and_nothing_moves():
 
 def test_unknown_doors_and_robots_are_refused():
     world = world_of((2.0, 2.0, 0.0))
-    with pytest.raises(ValueError, match="there is no door 'gat', only gate"):
+    with pytest.raises(ValueError, match="unknown door 'gat'; known: gate"):
         world.set_door("gat", True)
     with pytest.raises(ValueError, match=r"robot_id must be in 0..0, got 1"):
         world.set_pose(1, Pose(2.0, 2.0, 0.0))
