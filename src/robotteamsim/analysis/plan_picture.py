@@ -1,4 +1,4 @@
-"""A picture of a floor plan, and of what a scenario puts into it."""
+"""Draws a floor plan, and the areas, victims, objects and robots of a scenario."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ _PLAN_INCHES = 11.0
 
 
 def render_plan(plan: FloorPlan, path_png: str | os.PathLike[str], scenario: Scenario | None = None) -> None:
-    """Draw a plan to scale, with its size and doors, and the scenario's areas, victims and starts where one is given.
+    """Draw a floor plan to scale, with the areas, victims, objects and robots of a scenario if one is given.
 
-    The suffix of the file decides the format; png, pdf and svg are known. Raises: OSError: it cannot be written.
+    The suffix of the file selects the format: png, pdf or svg. Raises: OSError: the file cannot be written.
     """
     draw_plan(plan, scenario).savefig(path_png)
 
 
 def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
-    """Return the picture of `render_plan` as a figure."""
+    """Return the figure that `render_plan` writes."""
     (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
     width_m, height_m = max_x - min_x, max_y - min_y
     scale = _PLAN_INCHES / max(width_m, height_m)
@@ -72,12 +72,12 @@ def draw_solids(axes: Axes, plan: FloorPlan) -> None:
     """Draw walls, blocks and pillars."""
     for solid in solids(plan.model_copy(update={"doors": ()})):
         colour = _SOLID[solid.kind]
-        # The thin edge closes the hairlines that anti-aliasing leaves between neighbours.
+        # The thin edge hides the gaps that anti-aliasing leaves between adjacent polygons.
         axes.add_patch(Polygon(solid.corners, facecolor=colour, edgecolor=colour, linewidth=0.4, zorder=3))
 
 
 def draw_doors(axes: Axes, plan: FloorPlan) -> None:
-    """Draw closed leaves across their gaps, open ones swung out with the arc that they sweep, or slid aside."""
+    """Draw closed leaves in their gaps, and open ones swung out, with their arc, or slid aside."""
     for door in plan.doors:
         _draw_door(axes, door)
 
@@ -93,7 +93,7 @@ def _draw_door(axes: Axes, door: Door) -> None:
         axes.plot([x0, x1], [y0, y1], color=colour, linewidth=0.7, linestyle=":", zorder=4)
         return
     length_m, heading_deg = math.dist(door.start, door.end), math.degrees(math.atan2(y1 - y0, x1 - x0))
-    # An instant door's open leaf is nowhere, but drawn as doors are.
+    # An instant door has no leaf when open, but is drawn like other doors.
     turn_rad = door.leaf_angle_rad or 0.5 * math.pi
     cos, sin = math.cos(turn_rad), math.sin(turn_rad)
     leaf_x, leaf_y = cos * (x1 - x0) - sin * (y1 - y0), sin * (x1 - x0) + cos * (y1 - y0)
@@ -105,7 +105,7 @@ def _draw_door(axes: Axes, door: Door) -> None:
 
 
 def _draw_mission(axes: Axes, scenario: Scenario, unit_m: float) -> None:
-    """Draw areas as numbered circles in their order, victims as named crosses."""
+    """Draw areas as circles numbered in their order, victims as named crosses."""
     areas, victims = scenario.mission.areas, scenario.mission.victims
     for number, area in enumerate(areas, 1):
         circle = Circle(area.center, area.radius_m, facecolor=_AREA, edgecolor=_AREA, alpha=0.25, zorder=2)

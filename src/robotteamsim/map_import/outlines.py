@@ -243,4 +243,5 @@ def _are_faces(edges: np.ndarray) -> np.ndarray:
     inner = climbs & step_before & step_after & alike
     first = np.roll(inner, -2) & step_after & (lengths <= np.roll(limit, -2))
     last = np.roll(inner, 2) & step_before & (lengths <= np.roll(limit, 2))
-    return (lengths >= LONG_EDGE_CELLS) & ~(inner | first | last)
+    faces: np.ndarray = (lengths >= LONG_EDGE_CELLS) & ~(inner | first | last)
+    return faces

@@ -13,7 +13,8 @@ from robotteamsim.scenario.control_tuning import CoverTuning, DoorTuning, LinkTu
 from robotteamsim.scenario.drives import AnyDrive, Drive
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
-from robotteamsim.scenario.sensors import Gps, Laser, Mount, MountedLaser, Sonar, check_names
+from robotteamsim.scenario.sensors import Gps, Mount, MountedLaser, Sonar, check_names
+from robotteamsim.scenario.sensors import Laser as Laser
 
 
 class Radio(Model):

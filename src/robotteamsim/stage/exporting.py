@@ -16,7 +16,8 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import OCCUPIED, Corners, grid_shape, occupancy_grid
 from robotteamsim.scenario.plan_export import RESOLUTION_M
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot
+from robotteamsim.scenario.sections import Odometry, PlacedRobot
+from robotteamsim.scenario.sensors import Laser
 from robotteamsim.world.placement import check_places, placed_robots
 
 MAX_PIXELS = 100_000_000
