@@ -69,7 +69,7 @@ def test_campaign_without_missions_is_refused_and_nothing_is_written(capsys, cam
 
 
 def test_folders_without_a_campaign_are_refused(capsys, tmp_path):
-    wanted = "holds no campaign: there is no campaign.sqlite"
+    wanted = "contains no campaign: there is no campaign.sqlite"
     assert refusal(capsys, tmp_path) == f"{tmp_path}: {wanted}"
     assert refusal(capsys, tmp_path / "nowhere") == f"{tmp_path / 'nowhere'}: {wanted}"
     (tmp_path / "campaign.sqlite").write_text("no database" * 100)
