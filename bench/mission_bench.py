@@ -23,8 +23,8 @@ from pathlib import Path
 
 import numpy as np
 
-from robotteamsim.analysis.runs.derived import figures
-from robotteamsim.analysis.runs.recorded_run import read_run
+from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.campaign import read_store
 from robotteamsim.recording import BagWriter
 from robotteamsim.scenario import load
@@ -72,7 +72,7 @@ def bag_of_mission(path: Path) -> Callable[[], float]:
     Simulation(load("garage_sar", ["run.seed=1"])).run([BagWriter(path)])
 
     def told() -> float:
-        return figures(read_run([path])).duration_s
+        return run_totals(read_run([path])).duration_s
 
     return told
 

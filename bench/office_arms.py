@@ -19,7 +19,6 @@ import matplotlib as mpl
 import numpy as np
 from scipy.stats import bootstrap, wilcoxon
 
-from robotteamsim.control.cover.controller import COVER_RADIUS_M
 from robotteamsim.control.cover.floor_cover import FloorCover
 from robotteamsim.scenario import load
 from robotteamsim.scenario.scenario import Scenario
@@ -49,7 +48,9 @@ class Watcher:
 
     def __init__(self, scenario: Scenario) -> None:
         robots = placed_robots(scenario)
-        self._cover = FloorCover(scenario.plan, robots[0].reach_m, robots[0].start_pose[:2], COVER_RADIUS_M)
+        self._cover = FloorCover(
+            scenario.plan, robots[0].reach_m, robots[0].start_pose[:2], scenario.control.cover.radius_m
+        )
         self._base = scenario.mission.base or 0
         self._step_s = scenario.run.step_s
         self._steps = self._split_steps = self._lost = self._cut_off = 0

@@ -1,110 +1,85 @@
-// Floor 1: planning on the known map.
-#include <pybind11/numpy.h>
-#include <pybind11/stl.h>
+// Floor 1: path planning on the known map.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/vector.h>
 
-#include <cmath>
-#include <limits>
-#include <memory>
+#include <algorithm>
+#include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "fast_calls.hpp"
-#include "points.hpp"
+#include "geometry.hpp"
 #include "robotteamsim/plan/grid.hpp"
 
-namespace py = pybind11;
+namespace nb = nanobind;
+using namespace nb::literals;
 
 namespace robotteamsim::bindings {
 namespace {
 
-using Cells = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>;
-using Field = py::array_t<float, py::array::c_style>;
+using DistanceMap = Array<const float, -1, -1>;
+using Valued = std::pair<Point, double>;
 
-PlanningGrid MakeGrid(const Cells& occupied, const Point& origin_m, double resolution_m, double inflation_m) {
-  if (occupied.ndim() != 2) throw std::invalid_argument("occupied must have shape (rows, cols)");
+void InitGrid(PlanningGrid* self, const Array<const bool, -1, -1>& occupied, const Point& origin_m, double resolution_m,
+              double inflation_m) {
   const GridShape shape{origin_m, resolution_m, static_cast<int>(occupied.shape(0)),
                         static_cast<int>(occupied.shape(1))};
-  return PlanningGrid(shape, {occupied.data(), occupied.data() + occupied.size()}, inflation_m);
+  new (self) PlanningGrid(shape, {occupied.data(), occupied.data() + occupied.size()}, inflation_m);
 }
-
-std::pair<Point, double> ToPair(const PlanningGrid::Valued& valued) { return {valued.place, valued.value}; }
 
 template <typename Value>
-py::array_t<Value> ToArray(const std::vector<Value>& values, const GridShape& shape) {
-  py::array_t<Value> array({shape.rows, shape.cols});
-  std::copy(values.begin(), values.end(), array.mutable_data());
-  return array;
+Array<Value, -1, -1> CellsOf(const std::vector<Value>& values, const GridShape& shape) {
+  auto cells = NewArray<Value, -1, -1>({static_cast<std::size_t>(shape.rows), static_cast<std::size_t>(shape.cols)});
+  std::copy(values.begin(), values.end(), cells.data());
+  return cells;
 }
 
-float ValueAt(const PlanningGrid& grid, const Field& field, const Point& point) {
-  return grid.ValueAt(field.data(), field.size(), point);
+Valued FirstStretch(const PlanningGrid& grid, const Point& start, const Point& goal, double max_length_m) {
+  const PlanningGrid::Valued bend = grid.FirstStretch(start, goal, max_length_m);
+  return {bend.place, bend.value};
 }
 
-std::pair<Point, double> FirstStretch(const PlanningGrid& grid, const Point& start, const Point& goal,
-                                      double max_length_m) {
-  return ToPair(grid.FirstStretch(start, goal, max_length_m));
-}
-
-std::optional<std::pair<Point, double>> LeastReachable(const PlanningGrid& grid, const Field& field, const Point& start,
-                                                       double radius_m) {
-  const auto best = grid.LeastReachable(field.data(), field.size(), start, radius_m);
-  return best ? std::optional(ToPair(*best)) : std::nullopt;
-}
-
-// Which places, shape (m, 2), have one of the points, shape (n, 2), no farther than their reach, shape (m,): pairs of a
-// place and the point that is nearest to it, the first of equals; places ascending.
-std::vector<std::pair<int, int>> Reached(const Doubles& points_m, const Doubles& places_m, const Doubles& reaches_m) {
-  for (const Doubles* rows : {&points_m, &places_m}) {
-    if (rows->ndim() != 2 || rows->shape(1) != 2) throw std::invalid_argument("points must have shape (n, 2)");
-  }
-  if (reaches_m.size() != places_m.shape(0)) throw std::invalid_argument("places must have one reach each");
-  std::vector<std::pair<int, int>> reached;
-  for (int k = 0; k < static_cast<int>(places_m.shape(0)); ++k) {
-    const double *const place = places_m.data() + 2 * k, reach = reaches_m.data()[k];
-    double best = std::nextafter(reach, std::numeric_limits<double>::infinity());
-    int nearest = -1;
-    for (int i = 0; i < static_cast<int>(points_m.shape(0)); ++i) {
-      const double dx = points_m.data()[2 * i] - place[0], dy = points_m.data()[2 * i + 1] - place[1];
-      if (std::abs(dx) > reach || std::abs(dy) > reach) continue;
-      const double distance = std::hypot(dx, dy);
-      if (distance < best) {
-        best = distance;
-        nearest = i;
-      }
-    }
-    if (nearest >= 0) reached.emplace_back(k, nearest);
-  }
-  return reached;
+std::optional<Valued> LeastReachable(const PlanningGrid& grid, const DistanceMap& distances, const Point& start,
+                                     double radius_m) {
+  const auto best = grid.LeastReachable(distances.data(), distances.size(), start, radius_m);
+  return best ? std::optional<Valued>({best->place, best->value}) : std::nullopt;
 }
 
 }  // namespace
 
-void BindPlan(py::module_& m) {
-  DefFast<&Reached>(m, "reached");
-  py::class_<PlanningGrid, std::shared_ptr<PlanningGrid>> grid(m, "PlanningGrid");
-  grid.def(py::init(&MakeGrid), py::arg("occupied"), py::arg("origin_m"), py::arg("resolution_m"),
-           py::arg("inflation_m"))
-      .def("blocked", [](const PlanningGrid& grid) { return ToArray(grid.blocked(), grid.shape()); })
-      .def("is_free", &PlanningGrid::IsFree)
-      .def("distance_field",
-           [](const PlanningGrid& grid, const Point& goal) { return ToArray(grid.DistanceField(goal), grid.shape()); })
-      .def("shortest_path", &PlanningGrid::ShortestPath)
-      .def("waypoints", [](const PlanningGrid& grid, const Point& start, const Point& goal, double max_length_m) {
-        return grid.Shortcut(grid.ShortestPath(start, goal, max_length_m));
-      });
-  DefFast<&PlanningGrid::NearestFree>(grid, "nearest_free");
-  DefFast<&PlanningGrid::IsLineFree>(grid, "is_line_free");
-  DefFast<&ValueAt>(grid, "value_at");
-  DefFast<&FirstStretch>(grid, "first_stretch");
-  DefFast<&PlanningGrid::AlongWay>(grid, "along_way");
-  DefFast<&LeastReachable>(grid, "least_reachable");
-  DefFast<&PlanningGrid::NearestReachable>(grid, "nearest_reachable");
-  DefFast<&PlanningGrid::ReachableTowards>(grid, "reachable_towards");
-  DefFast<&PlanningGrid::NearestInDisc>(grid, "nearest_in_disc");
+void BindPlan(nb::module_& m) {
+  nb::class_<PlanningGrid>(m, "PlanningGrid")
+      .def("__init__", &InitGrid, "occupied"_a, "origin_m"_a, "resolution_m"_a, "inflation_m"_a)
+      .def("blocked", [](const PlanningGrid& grid) { return CellsOf(grid.blocked(), grid.shape()); })
+      .def("is_free", &PlanningGrid::IsFree, "point_m"_a)
+      .def("nearest_free", &PlanningGrid::NearestFree, "point_m"_a, "max_distance_m"_a)
+      .def("is_line_free", &PlanningGrid::IsLineFree, "start_m"_a, "end_m"_a)
+      .def(
+          "distance_map",
+          [](const PlanningGrid& grid, const Point& goal) { return CellsOf(grid.DistanceField(goal), grid.shape()); },
+          "goal_m"_a)
+      .def(
+          "value_at",
+          [](const PlanningGrid& grid, const DistanceMap& distances, const Point& point) {
+            return grid.ValueAt(distances.data(), distances.size(), point);
+          },
+          "distances_m"_a, "point_m"_a)
+      .def("shortest_path", &PlanningGrid::ShortestPath, "start_m"_a, "goal_m"_a, "max_length_m"_a)
+      .def(
+          "waypoints",
+          [](const PlanningGrid& grid, const Point& start, const Point& goal, double max_length_m) {
+            return grid.Shortcut(grid.ShortestPath(start, goal, max_length_m));
+          },
+          "start_m"_a, "goal_m"_a, "max_length_m"_a)
+      .def("first_stretch", &FirstStretch, "start_m"_a, "goal_m"_a, "max_length_m"_a)
+      .def("along_path", &PlanningGrid::AlongWay, "start_m"_a, "goal_m"_a, "max_length_m"_a)
+      .def("least_reachable", &LeastReachable, "distances_m"_a, "start_m"_a, "radius_m"_a)
+      .def("nearest_reachable", &PlanningGrid::NearestReachable, "start_m"_a, "goal_m"_a, "radius_m"_a)
+      .def("reachable_towards", &PlanningGrid::ReachableTowards, "start_m"_a, "goal_m"_a)
+      .def("nearest_in_disc", &PlanningGrid::NearestInDisc, "center_m"_a, "goal_m"_a, "radius_m"_a);
 }
 
 }  // namespace robotteamsim::bindings

@@ -1,51 +1,55 @@
-// Floor 7: what is added up over a trial.
-#include <pybind11/numpy.h>
+// Floor 7: totals over a trial.
+#include <nanobind/stl/vector.h>
 
 #include <stdexcept>
+#include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "fast_calls.hpp"
-#include "robotteamsim/simulation/team_figures.hpp"
+#include "robotteamsim/simulation/team_totals.hpp"
 
-namespace py = pybind11;
+namespace nb = nanobind;
+using namespace nb::literals;
 
 namespace robotteamsim::bindings {
 namespace {
 
-// Steps one by one: positions of shape (steps, robots, 2), flags of (steps, robots), running of (steps,).
-void AddSteps(TeamFigures& figures, const Doubles& positions_m, const Flags& in_contact, const Flags& excluded,
-              const Flags& running) {
-  const py::ssize_t steps = running.size(), robots = figures.num_robots();
+using FlagRows = Array<const bool, -1, -1>;
+
+void AddSteps(TeamTotals& totals, const Array<const double, -1, -1, 2>& positions_m, const FlagRows& in_contact,
+              const FlagRows& excluded, const Array<const bool, -1>& running) {
+  const std::size_t steps = running.size(), robots = static_cast<std::size_t>(totals.num_robots());
   if (positions_m.size() != 2 * steps * robots || in_contact.size() != steps * robots ||
       excluded.size() != steps * robots) {
     throw std::invalid_argument("positions and flags must have one row per robot in each step");
   }
-  const double* position = positions_m.data();
+  const auto* position = reinterpret_cast<const Point*>(positions_m.data());
   const bool *contact = in_contact.data(), *is_excluded = excluded.data();
-  for (py::ssize_t step = 0; step < steps; ++step) {
-    for (int robot = 0; robot < robots; ++robot, position += 2) {
-      figures.Add(robot, {position[0], position[1]}, *contact++, *is_excluded++, running.data()[step]);
+  for (std::size_t step = 0; step < steps; ++step) {
+    for (int robot = 0; robot < totals.num_robots(); ++robot) {
+      totals.Add(robot, *position++, *contact++, *is_excluded++, running.data()[step]);
     }
   }
 }
 
-// Of each robot: distance [m], steps in contact, steps excluded, longest stay [steps].
-py::list Sums(const TeamFigures& figures) {
-  py::list sums;
-  for (int robot = 0; robot < figures.num_robots(); ++robot) {
-    const RobotFigures& of = figures.of(robot);
-    sums.append(py::make_tuple(of.distance, of.contact_steps, of.excluded_steps, of.longest_stay));
-  }
-  return sums;
+std::vector<RobotTotals> Totals(const TeamTotals& totals) {
+  std::vector<RobotTotals> of_robots;
+  for (int robot = 0; robot < totals.num_robots(); ++robot) of_robots.push_back(totals.of(robot));
+  return of_robots;
 }
 
 }  // namespace
 
-void BindSimulation(py::module_& m) {
-  py::class_<TeamFigures> figures(m, "TeamFigures");
-  figures.def(py::init<int>(), py::arg("num_robots")).def("sums", &Sums);
-  DefFast<&AddSteps>(figures, "add_steps");
+void BindSimulation(nb::module_& m) {
+  nb::class_<RobotTotals>(m, "RobotTotals")
+      .def_ro("distance_m", &RobotTotals::distance)
+      .def_ro("contact_steps", &RobotTotals::contact_steps)
+      .def_ro("excluded_steps", &RobotTotals::excluded_steps)
+      .def_ro("longest_stay_steps", &RobotTotals::longest_stay);
+  nb::class_<TeamTotals>(m, "TeamTotals")
+      .def(nb::init<int>(), "num_robots"_a)
+      .def("add_steps", &AddSteps, "positions_m"_a, "in_contact"_a, "excluded"_a, "running"_a)
+      .def("totals", &Totals);
 }
 
 }  // namespace robotteamsim::bindings

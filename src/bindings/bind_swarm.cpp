@@ -1,75 +1,41 @@
 // Floor 4: how the robots of a swarm move.
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/vector.h>
+
 #include <array>
 #include <cstddef>
-#include <stdexcept>
 
+#include "arrays.hpp"
 #include "bindings.hpp"
-#include "fast_calls.hpp"
-#include "points.hpp"
+#include "geometry.hpp"
+#include "robotteamsim/swarm/attractors.hpp"
 #include "robotteamsim/swarm/velocity.hpp"
 
-namespace py = pybind11;
+namespace nb = nanobind;
+using namespace nb::literals;
 
 namespace robotteamsim::bindings {
 namespace {
 
-// The next item of an iterator; nothing at its end.
-py::object Next(const py::object& iterator) {
-  PyObject* const item = PyIter_Next(iterator.ptr());
-  if (item == nullptr && PyErr_Occurred() != nullptr) throw py::error_already_set();
-  return py::reinterpret_steal<py::object>(item);
-}
-
-// The next of the random numbers.
-double NextNumber(const py::object& numbers) {
-  const py::object number = Next(numbers);
-  if (!number) throw std::invalid_argument("there must be a random number for each attractor");
-  const double value = PyFloat_AsDouble(number.ptr());
-  if (value == -1.0 && PyErr_Occurred() != nullptr) throw py::error_already_set();
-  return value;
-}
-
-// v[t+1] of four attractors, their weights, and the next four of an iterator of random numbers.
-Point VelocityOf(const Point& position, const Point& inertia, const py::tuple& attractors, const py::tuple& weights,
-                 const py::object& numbers) {
+// v[t+1] for the four attractors of eq. (22), their weights, and one random number in [0, 1) for each.
+Point VelocityOf(const Point& position, const Point& inertia, const std::array<Point, 4>& attractors,
+                 const std::array<double, 4>& weights, const std::array<double, 4>& numbers) {
   std::array<Pull, 4> pulls;
-  std::array<double, 4> weight;
-  if (attractors.size() != pulls.size() || !ReadNumbers(weights, &weight)) {
-    throw py::type_error("wanted four attractors, and a weight of each");
-  }
-  if (PyIter_Check(numbers.ptr()) == 0) throw py::type_error("wanted an iterator of random numbers");
-  for (std::size_t i = 0; i < pulls.size(); ++i) {
-    std::array<double, 2> place;
-    if (!ReadNumbers(PyTuple_GET_ITEM(attractors.ptr(), static_cast<Py_ssize_t>(i)), &place)) {
-      throw py::type_error("an attractor must be (x, y)");
-    }
-    pulls[i] = {weight[i], NextNumber(numbers), {place[0], place[1]}};
-  }
+  for (std::size_t i = 0; i < pulls.size(); ++i) pulls[i] = {weights[i], numbers[i], attractors[i]};
   return NextVelocity(position, inertia, pulls);
-}
-
-// Past velocities, newest first, by their weights; missing ones count as zero.
-Point MemoryTerm(const py::tuple& coefficients, const py::object& velocities) {
-  const auto rest = py::reinterpret_steal<py::object>(PyObject_GetIter(velocities.ptr()));
-  if (!rest) throw py::error_already_set();
-  Point sum{0.0, 0.0};
-  for (const py::handle coefficient : coefficients) {
-    const py::object velocity = Next(rest);
-    if (!velocity) break;
-    std::array<double, 2> parts;
-    if (!ReadNumbers(velocity, &parts)) throw py::type_error("a velocity must be (x, y)");
-    const auto weight = coefficient.cast<double>();
-    sum.x += weight * parts[0];
-    sum.y += weight * parts[1];
-  }
-  return sum;
 }
 
 }  // namespace
 
-void BindSwarm(py::module_& m) {
-  DefFast<&VelocityOf>(m, "next_velocity");
-  DefFast<&MemoryTerm>(m, "memory_term");
+void BindSwarm(nb::module_& m) {
+  m.def("next_velocity", &VelocityOf, "position"_a, "inertia"_a, "attractors"_a, "weights"_a, "numbers"_a);
+  m.def("memory_term", &MemoryTerm, "coefficients"_a, "velocities"_a);
+  m.def(
+      "farthest_from",
+      [](const Points& points_m, const Point& place_m, const Points& candidates_m) {
+        return FarthestFrom(PointsOf(points_m), place_m, PointsOf(candidates_m));
+      },
+      "points_m"_a, "place_m"_a, "candidates_m"_a);
 }
 
 }  // namespace robotteamsim::bindings

@@ -1,10 +1,9 @@
-// Floor 2: what is true of robots, walls and doors.
-#include <pybind11/numpy.h>
-#include <pybind11/stl.h>
+// Floor 2: robots, walls, doors and objects.
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
-#include <algorithm>
-#include <array>
-#include <cstring>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -12,168 +11,137 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "fast_calls.hpp"
+#include "geometry.hpp"
 #include "robotteamsim/world/world.hpp"
-#include "world_arrays.hpp"
 
-namespace py = pybind11;
+namespace nb = nanobind;
+using namespace nb::literals;
 
 namespace robotteamsim::bindings {
 namespace {
-
-using Corners = std::vector<std::pair<double, double>>;
-using Triple = std::array<double, 3>;
-
-Polygon ToPolygon(const Corners& corners) {
-  Polygon polygon;
-  for (const auto& [x, y] : corners) polygon.push_back({x, y});
-  return polygon;
-}
-
-Solid ToSolid(const Corners& outline, const std::vector<Corners>& pieces) {
-  Solid solid{ToPolygon(outline), {}};
-  for (const Corners& piece : pieces) solid.pieces.push_back(ToPolygon(piece));
-  return solid;
-}
-
-Robot ToRobot(double radius_m, double mass_kg, const DriveLimits& drive, const Triple& start,
-              const Corners& footprint_m, bool present) {
-  return {radius_m, mass_kg, drive, {start[0], start[1], start[2]}, ToPolygon(footprint_m), present};
-}
-
-Thing ToThing(double radius_m, double mass_kg, double friction, const Triple& start, const Corners& corners_m) {
-  return {radius_m, mass_kg, friction, {start[0], start[1], start[2]}, ToPolygon(corners_m)};
-}
-
-using Pair = std::pair<double, double>;
-
-Door ToDoor(const Solid& leaf, bool closed, double time_s, double angle_rad, const Pair& shift_m, const Pair& hinge_m) {
-  return {leaf, closed, {time_s, angle_rad, {shift_m.first, shift_m.second}, {hinge_m.first, hinge_m.second}}};
-}
-
-// By the indices of doors that swing or slide: opening, whether it shall close, whether it is held.
-py::dict Leaves(const World& world) {
-  py::dict leaves;
-  for (const MovingLeaf& leaf : world.leaves()) {
-    leaves[py::int_(leaf.door)] = py::make_tuple(leaf.opening, leaf.shall_close, leaf.is_held);
-  }
-  return leaves;
-}
-
-int CheckedThing(const World& world, int thing) {
-  if (thing < 0 || thing >= static_cast<int>(world.things().size())) throw py::index_error("there is no such thing");
-  return thing;
-}
 
 DriveKind ToKind(const std::string& name) {
   if (name == "differential") return DriveKind::kDifferential;
   if (name == "omni") return DriveKind::kOmni;
   if (name == "car") return DriveKind::kCar;
-  throw std::invalid_argument("a drive is differential, omni or car, not " + name);
+  throw std::invalid_argument("a drive must be differential, omni or car, got " + name);
 }
 
-DriveLimits ToDrive(const std::string& kind, double max_speed, double max_acceleration, double max_turn,
-                    double max_turn_acceleration, double wheelbase, double max_steering, double max_steering_rate) {
-  return {max_speed,    max_turn,  max_acceleration, max_turn_acceleration,
-          ToKind(kind), wheelbase, max_steering,     max_steering_rate};
-}
-
-std::vector<Twist> RowsOf(const Doubles& twists) {
-  if (twists.ndim() != 2 || twists.shape(1) != 3) throw std::invalid_argument("twists must be three numbers per robot");
-  std::vector<Twist> commands(static_cast<std::size_t>(twists.shape(0)));
-  for (std::size_t i = 0; i < commands.size(); ++i) {
-    const double* const row = twists.data() + 3 * i;
-    commands[i] = {row[0], row[1], row[2]};
+const char* NameOf(LeafActivity activity) {
+  switch (activity) {
+    case LeafActivity::kOpens:
+      return "opens";
+    case LeafActivity::kCloses:
+      return "closes";
+    case LeafActivity::kHeld:
+      return "held";
+    case LeafActivity::kStill:
+      break;
   }
-  return commands;
+  return "still";
 }
 
-double NumberAt(PyObject* tuple, py::ssize_t index) {
-  const double number = PyFloat_AsDouble(PyTuple_GET_ITEM(tuple, index));
-  if (number == -1.0 && PyErr_Occurred() != nullptr) throw py::error_already_set();
-  return number;
+int CheckedObject(const World& world, int object) {
+  if (object < 0 || object >= static_cast<int>(world.things().size())) throw std::out_of_range("no such object");
+  return object;
 }
 
-std::vector<Twist> TuplesOf(const py::object& twists) {
-  const auto items = py::reinterpret_steal<py::object>(PySequence_Fast(twists.ptr(), "twists must be a sequence"));
-  if (!items) throw py::error_already_set();
-  std::vector<Twist> commands;
-  commands.reserve(static_cast<std::size_t>(PySequence_Fast_GET_SIZE(items.ptr())));
-  for (py::ssize_t i = 0; i < PySequence_Fast_GET_SIZE(items.ptr()); ++i) {
-    PyObject* const twist = PySequence_Fast_GET_ITEM(items.ptr(), i);
-    if (!PyTuple_Check(twist) || PyTuple_GET_SIZE(twist) != 3) {
-      throw std::invalid_argument("a twist must be a tuple of three numbers");
-    }
-    commands.push_back({NumberAt(twist, 0), NumberAt(twist, 1), NumberAt(twist, 2)});
+// The angles of contact of those robots that touch something, by their ids.
+std::map<int, std::vector<double>> ContactAngles(const World& world) {
+  std::map<int, std::vector<double>> angles;
+  for (int i = 0; i < static_cast<int>(world.in_contact().size()); ++i) {
+    if (world.in_contact()[i]) angles[i] = world.contact_angles(i);
   }
-  return commands;
+  return angles;
 }
 
-// A twist per robot: each a tuple of three, for few robots faster than an array, or a row of an array.
-void Step(World& world, const py::object& twists) {
-  world.Step(py::isinstance<py::array>(twists) ? RowsOf(twists.cast<Doubles>()) : TuplesOf(twists));
+void StepByRows(World& world, const Triples& twists) {
+  const auto* const rows = reinterpret_cast<const Twist*>(twists.data());
+  world.Step({rows, rows + twists.shape(0)});
+}
+
+void BindParts(nb::module_& m) {
+  nb::class_<Solid>(m, "Solid")
+      .def(
+          "__init__",
+          [](Solid* self, const Polygon& outline_m, const std::vector<Polygon>& pieces_m) {
+            new (self) Solid{outline_m, pieces_m};
+          },
+          "outline_m"_a, "pieces_m"_a);
+  nb::class_<Door>(m, "Door").def(
+      "__init__",
+      [](Door* self, const Solid& leaf, bool closed, double time_s, double angle_rad, const Point& shift_m,
+         const Point& hinge_m) {
+        new (self) Door{leaf, closed, {time_s, angle_rad, shift_m, hinge_m}};
+      },
+      "leaf"_a, "closed"_a, nb::kw_only(), "time_s"_a = 0.0, "angle_rad"_a = 0.0, "shift_m"_a = Point(),
+      "hinge_m"_a = Point());
+  nb::class_<DoorState>(m, "DoorState")
+      .def_ro("closed", &DoorState::closed)
+      .def_ro("opening", &DoorState::opening)
+      .def_prop_ro(
+          "motion", [](const DoorState& state) { return NameOf(state.activity); },
+          nb::for_getter(nb::sig("def motion(self) -> typing.Literal['still', 'opens', 'closes', 'held']")));
+  nb::class_<DriveLimits>(m, "Drive")
+      .def(
+          "__init__",
+          [](DriveLimits* self, const std::string& kind, double max_speed, double max_acceleration, double max_turn,
+             double max_turn_acceleration, double wheelbase, double max_steering, double max_steering_rate) {
+            new (self) DriveLimits{max_speed,    max_turn,  max_acceleration, max_turn_acceleration,
+                                   ToKind(kind), wheelbase, max_steering,     max_steering_rate};
+          },
+          nb::kw_only(), "kind"_a, "max_speed_mps"_a, "max_acceleration_mps2"_a, "max_turn_radps"_a = 0.0,
+          "max_turn_acceleration_radps2"_a = 0.0, "wheelbase_m"_a = 0.0, "max_steering_rad"_a = 0.0,
+          "max_steering_rate_radps"_a = 0.0);
+  nb::class_<Robot>(m, "Robot")
+      .def(
+          "__init__",
+          [](Robot* self, double radius_m, double mass_kg, const DriveLimits& drive, const Pose& start,
+             const Polygon& footprint_m,
+             bool present) { new (self) Robot{radius_m, mass_kg, drive, start, footprint_m, present}; },
+          nb::kw_only(), "radius_m"_a, "mass_kg"_a, "drive"_a, "start"_a, "footprint_m"_a = Polygon(),
+          "present"_a = true);
+  nb::class_<Thing>(m, "MovableObject")
+      .def(
+          "__init__",
+          [](Thing* self, double radius_m, double mass_kg, double friction, const Pose& start,
+             const Polygon& corners_m) {
+            new (self) Thing{radius_m, mass_kg, friction, start, corners_m};
+          },
+          nb::kw_only(), "radius_m"_a, "mass_kg"_a, "friction"_a, "start"_a, "corners_m"_a);
 }
 
 }  // namespace
 
-void BindWorld(py::module_& m) {
-  py::class_<Solid>(m, "Solid").def(py::init(&ToSolid), py::arg("outline_m"), py::arg("pieces_m"));
-  py::class_<Door>(m, "Door").def(py::init(&ToDoor), py::arg("leaf"), py::arg("closed"), py::kw_only(),
-                                  py::arg("time_s") = 0.0, py::arg("angle_rad") = 0.0, py::arg("shift_m") = Pair(),
-                                  py::arg("hinge_m") = Pair());
-  py::class_<DriveLimits>(m, "Drive")
-      .def(py::init(&ToDrive), py::kw_only(), py::arg("kind"), py::arg("max_speed_mps"),
-           py::arg("max_acceleration_mps2"), py::arg("max_turn_radps") = 0.0,
-           py::arg("max_turn_acceleration_radps2") = 0.0, py::arg("wheelbase_m") = 0.0,
-           py::arg("max_steering_rad") = 0.0, py::arg("max_steering_rate_radps") = 0.0);
-  py::class_<Robot>(m, "Robot")
-      .def(py::init(&ToRobot), py::arg("radius_m"), py::arg("mass_kg"), py::arg("drive"), py::arg("start"),
-           py::arg("footprint_m") = Corners(), py::arg("present") = true);
-  py::class_<Thing>(m, "Thing")
-      .def(py::init(&ToThing), py::kw_only(), py::arg("radius_m"), py::arg("mass_kg"), py::arg("friction"),
-           py::arg("start"), py::arg("corners_m"));
-  py::class_<World> world(m, "World");
-  world
-      .def(py::init<std::vector<Solid>, std::vector<Door>, std::vector<Robot>, double, int, std::vector<Thing>>(),
-           py::arg("solids"), py::arg("doors"), py::arg("robots"), py::arg("step_s"), py::arg("substeps"),
-           py::arg("things") = std::vector<Thing>())
-      .def("thing_poses", [](const World& world) { return ToArray(world.thing_poses()); })
-      .def("poses", [](const World& world) { return ToArray(world.poses()); })
-      .def("pose_readings", &PoseReadings)
-      .def("twists", [](const World& world) { return ToArray(world.twists()); })
-      .def("motions", [](const World& world) { return ToArray(world.motions()); })
-      .def("in_contact", [](const World& world) { return ToFlags(world.in_contact()); })
+void BindWorld(nb::module_& m) {
+  BindParts(m);
+  nb::class_<World>(m, "World")
+      .def(nb::init<std::vector<Solid>, std::vector<Door>, std::vector<Robot>, double, int, std::vector<Thing>>(),
+           "solids"_a, "doors"_a, "robots"_a, "step_s"_a, "substeps"_a, "objects"_a = std::vector<Thing>())
+      .def("step", &StepByRows, "twists"_a)
+      .def("step", &World::Step, "twists"_a)
+      .def("object_poses", [](const World& world) { return RowsOf<3>(world.thing_poses()); })
+      .def("poses", [](const World& world) { return RowsOf<3>(world.poses()); })
+      .def("twists", [](const World& world) { return RowsOf<3>(world.twists()); })
+      .def("motions", [](const World& world) { return RowsOf<3>(world.motions()); })
+      .def("in_contact", [](const World& world) { return FlagsOf(world.in_contact()); })
       .def("contact_angles", &ContactAngles)
-      .def(
-          "set_pose",
-          [](World& world, int robot_id, const Triple& pose) {
-            world.SetPose(robot_id, {pose[0], pose[1], pose[2]});
-          },
-          py::arg("robot_id"), py::arg("pose"))
-      .def("remove_robot", &World::RemoveRobot, py::arg("robot_id"))
-      .def(
-          "spawn_robot",
-          [](World& world, int robot_id, const Triple& pose) {
-            world.SpawnRobot(robot_id, {pose[0], pose[1], pose[2]});
-          },
-          py::arg("robot_id"), py::arg("pose"))
-      .def("present", [](const World& world) { return ToFlags(world.present()); })
+      .def("set_pose", &World::SetPose, "robot_id"_a, "pose"_a)
+      .def("remove_robot", &World::RemoveRobot, "robot_id"_a)
+      .def("spawn_robot", &World::SpawnRobot, "robot_id"_a, "pose"_a)
+      .def("present", [](const World& world) { return FlagsOf(world.present()); })
       .def("arrivals", &World::arrivals)
-      .def("set_door", &World::SetDoorClosed, py::arg("door"), py::arg("closed"))
-      .def("door_closed", [](const World& world, int door) { return world.doors().at(door).closed; })
-      .def("leaves", &Leaves)
-      .def("add_thing", &World::AddThing, py::arg("thing"))
+      .def("set_door", &World::SetDoorClosed, "door"_a, "closed"_a)
+      .def_prop_ro("doors_version", &World::doors_version)
+      .def("door_states", &World::door_states)
+      .def("add_object", &World::AddThing, "added"_a)
       .def(
-          "remove_thing", [](World& world, int thing) { world.RemoveThing(CheckedThing(world, thing)); },
-          py::arg("thing"))
+          "remove_object", [](World& world, int object) { world.RemoveThing(CheckedObject(world, object)); }, "index"_a)
       .def(
-          "set_thing_pose",
-          [](World& world, int thing, const Triple& pose) {
-            world.SetThingPose(CheckedThing(world, thing), {pose[0], pose[1], pose[2]});
-          },
-          py::arg("thing"), py::arg("pose"))
+          "set_object_pose",
+          [](World& world, int object, const Pose& pose) { world.SetThingPose(CheckedObject(world, object), pose); },
+          "index"_a, "pose"_a)
       .def("reset", &World::Reset);
-  DefFast<&Step>(world, "step");
 }
 
 }  // namespace robotteamsim::bindings

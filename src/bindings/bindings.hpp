@@ -1,16 +1,18 @@
 #pragma once
 
-#include <pybind11/pybind11.h>
+#include <nanobind/nanobind.h>
 
 namespace robotteamsim::bindings {
-void BindGeometry(pybind11::module_& m);
-void BindTupleCalls(pybind11::module_& m);
-void BindPlan(pybind11::module_& m);
-void BindSwarm(pybind11::module_& m);
-void BindControl(pybind11::module_& m);
-void BindPropagation(pybind11::module_& m);
-void BindNetwork(pybind11::module_& m);
-void BindWorld(pybind11::module_& m);
-void BindSensing(pybind11::module_& m);
-void BindSimulation(pybind11::module_& m);
+
+// Each binds one floor of the library as a submodule of `robotteamsim._core`.
+void BindBase(nanobind::module_& m);
+void BindPlan(nanobind::module_& m);
+void BindWorld(nanobind::module_& m);
+void BindPropagation(nanobind::module_& m);
+void BindSensing(nanobind::module_& m);
+void BindNetwork(nanobind::module_& m);
+void BindSwarm(nanobind::module_& m);
+void BindControl(nanobind::module_& m);
+void BindSimulation(nanobind::module_& m);
+
 }  // namespace robotteamsim::bindings

@@ -1,16 +1,34 @@
-// The private module robotteamsim._core: one bind function per floor of the C++ library.
+// The private module robotteamsim._core: one submodule per floor of the C++ library.
 #include "bindings.hpp"
 
-PYBIND11_MODULE(_core, m) {
+namespace {
+
+struct Floor {
+  const char *name, *doc;
+  void (*bind)(nanobind::module_&);
+};
+
+// In the order of floors: a submodule uses the classes of those before it.
+constexpr Floor kFloors[] = {
+    {"base", "Lengths and nearest points.", &robotteamsim::bindings::BindBase},
+    {"plan", "Path planning on a known map.", &robotteamsim::bindings::BindPlan},
+    {"world", "Robots, walls, doors and objects.", &robotteamsim::bindings::BindWorld},
+    {"propagation", "Fading of radio and voice.", &robotteamsim::bindings::BindPropagation},
+    {"sensing", "Lasers, odometry and hearing.", &robotteamsim::bindings::BindSensing},
+    {"network", "Links between robots.", &robotteamsim::bindings::BindNetwork},
+    {"swarm", "Velocities of a robotic swarm.", &robotteamsim::bindings::BindSwarm},
+    {"control", "Driving, and what a robot remembers.", &robotteamsim::bindings::BindControl},
+    {"simulation", "Totals over a trial.", &robotteamsim::bindings::BindSimulation},
+};
+
+}  // namespace
+
+NB_MODULE(_core, m) {
+  // Caches of floor plans and messages live until the process ends; Python does not clear them then.
+  nanobind::set_leak_warnings(false);
   m.doc() = "C++ core of robotteamsim; use the typed Python packages instead.";
-  robotteamsim::bindings::BindGeometry(m);
-  robotteamsim::bindings::BindTupleCalls(m);
-  robotteamsim::bindings::BindPlan(m);
-  robotteamsim::bindings::BindSwarm(m);
-  robotteamsim::bindings::BindControl(m);
-  robotteamsim::bindings::BindPropagation(m);
-  robotteamsim::bindings::BindNetwork(m);
-  robotteamsim::bindings::BindWorld(m);
-  robotteamsim::bindings::BindSensing(m);
-  robotteamsim::bindings::BindSimulation(m);
+  for (const Floor& floor : kFloors) {
+    nanobind::module_ submodule = m.def_submodule(floor.name, floor.doc);
+    floor.bind(submodule);
+  }
 }

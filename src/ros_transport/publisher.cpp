@@ -1,7 +1,9 @@
 #include "publisher.hpp"
 
 #include <ros/node_handle.h>
+#include <ros/poll_manager.h>
 #include <ros/single_subscriber_publisher.h>
+#include <ros/topic_manager.h>
 
 #include <atomic>
 #include <mutex>
@@ -43,12 +45,21 @@ Publisher::Publisher(const std::string& topic, const MessageType& type, bool lat
   options.latch = latched;
   options.has_header = type.has_header;
   publisher_ = ros::NodeHandle().advertise(options);
+  if (!latched) publication_ = ros::TopicManager::instance()->lookupPublication(publisher_.getTopic());
 }
 
 void Publisher::Publish(const RawMessage& message) const {
+  Enqueue(message);
+  SendEnqueued();
+}
+
+void Publisher::SendEnqueued() { ros::PollManager::instance()->getPollSet().signal(); }
+
+void Publisher::Enqueue(const RawMessage& message) const {
   if (!IsWanted()) return;
-  if (!latched_) {
-    publisher_.publish(message);
+  if (publication_) {
+    ros::SerializedMessage serialized = ros::serialization::serializeMessage(message);
+    publication_->publish(serialized);
     return;
   }
   const auto set_under_way = [this](const RawMessage* under_way) {

@@ -1,6 +1,7 @@
 // Publishes serialized messages on one topic.
 #pragma once
 
+#include <ros/publication.h>
 #include <ros/publisher.h>
 
 #include <functional>
@@ -22,6 +23,9 @@ class Publisher {
 
   // Returns at once; messages reach a subscriber in order. Does nothing where nobody gets the message.
   void Publish(const RawMessage& message) const;
+  // As Publish, but roscpp may wait with the message until SendEnqueued: for the many messages of one step.
+  void Enqueue(const RawMessage& message) const;
+  static void SendEnqueued();
   // Whether somebody gets the next message, now or (latched) later.
   bool IsWanted() const;
   int num_subscribers() const;
@@ -32,6 +36,9 @@ class Publisher {
   bool latched_;
   std::shared_ptr<Subscribers> subscribers_;
   ros::Publisher publisher_;
+  // roscpp looks a publisher's topic up by name among all topics of the node for each message, so a world of 300 robots
+  // would be busier with that than with its physics (bench/ros_bench.py). It keeps latched messages with the publisher.
+  ros::PublicationPtr publication_;  // none: latched
 };
 
 }  // namespace robotteamsim::ros_transport

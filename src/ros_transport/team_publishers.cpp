@@ -61,8 +61,9 @@ void TeamTopic<Message>::Publish(std::int64_t time_ns, const Present& present) {
   for (std::size_t i = 0; i < size(); ++i) {
     if (!IsPresent(present, i) || !publishers_[i].IsWanted()) continue;
     messages_[i].header.stamp = stamp;
-    publishers_[i].Publish(Serialized(messages_[i]));
+    publishers_[i].Enqueue(Serialized(messages_[i]));
   }
+  Publisher::SendEnqueued();
 }
 
 template class TeamTopic<nav_msgs::Odometry>;

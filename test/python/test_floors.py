@@ -9,13 +9,11 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "robotteamsim"
 
 FLOORS = (
-    ("errors", "geometry", "rng", "wording", "_core"),
+    ("errors", "geometry", "rng", "wording", "base"),  # base is C++
     ("map_import",),
     ("scenario", "plan"),  # C++ calls it plan
     ("world", "propagation"),
@@ -34,6 +32,7 @@ FLOOR_OF = {part: floor for floor, parts in enumerate(FLOORS) for part in parts}
 
 ROS = re.compile(r"(rospy|roslib|roslaunch|rosgraph|rospkg|rosbag|genpy|tf|tf2_ros|\w+_(msgs|srvs))(\.|$)")
 ROS_MESSAGES = re.compile(r"robotteamsim\.(msg|srv)(\.|$)")
+NOT_OF_THE_LIBRARY = re.compile(r"(ros/|pybind11|nanobind|Python\.h|numpy/|\w+_msgs/)")
 
 OTHER_CHANCE = re.compile(
     r"random_device|mt19937|minstd_rand|\bs?rand\(|default_rng|RandomState|np\.random\.(?!Generator\b)"
@@ -42,66 +41,122 @@ OTHER_CHANCE = re.compile(
 
 PYTHON_FILES = sorted(PACKAGE.rglob("*.py"))
 CPP_FILES = sorted(path for top in ("include", "src/cpp") for path in (ROOT / top).rglob("*.[ch]pp"))
+BINDINGS = sorted((ROOT / "src" / "bindings").glob("*.[ch]pp"))
 
 
-def part_of(path: Path, top: Path) -> str:
+def part_of(path: Path) -> str:
     """Return the package, or the module of the ground floor, that a file belongs to."""
-    first = path.relative_to(top).parts[0]
-    return first.removesuffix(".py")
+    tops = PACKAGE, ROOT / "include" / "robotteamsim", ROOT / "src" / "cpp"
+    top = next(top for top in tops if path.is_relative_to(top))
+    return path.relative_to(top).parts[0].removesuffix(".py")
+
+
+def nodes(path: Path) -> Iterator[ast.AST]:
+    return ast.walk(ast.parse(path.read_text(encoding="utf-8")))
 
 
 def imports(path: Path) -> Iterator[str]:
     """Yield every imported module, with `from robotteamsim import x` as robotteamsim.x."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes(path):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}:{node.lineno}: imports are absolute"
-            if node.module == "robotteamsim":
-                yield from (f"robotteamsim.{alias.name}" for alias in node.names)
+            if node.module in ("robotteamsim", "robotteamsim._core"):
+                yield from (f"{node.module}.{alias.name}" for alias in node.names)
             else:
                 yield str(node.module)
+
+
+def core_floors(path: Path) -> Iterator[str]:
+    """Yield the floors of the C++ library that a module uses: x of `_core.x` and of `robotteamsim._core.x`."""
+    for node in nodes(path):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "_core":
+            yield node.attr
+    yield from (name.split(".")[2] for name in imports(path) if name.startswith("robotteamsim._core."))
+
+
+def used_floors(path: Path) -> set[str]:
+    ours = {name.split(".")[1] for name in imports(path) if name.startswith("robotteamsim.")}
+    core = {name for name in core_floors(path) if not name.startswith("__")}
+    return (ours - {"_core", "msg", "srv"}) | core
+
+
+def included(path: Path) -> list[str]:
+    text = path.read_text(encoding="utf-8")
+    return re.findall(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', text, re.MULTILINE)
 
 
 def may_use(own: str, other: str) -> bool:
     return other == own or FLOOR_OF[other] < FLOOR_OF[own]
 
 
-@pytest.mark.parametrize("path", PYTHON_FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_python_module_imports_only_from_lower_floors(path):
-    own = part_of(path, PACKAGE)
-    if own == "__init__":
-        assert not [name for name in imports(path) if name.startswith("robotteamsim")]
-        return
-    used = {name.split(".")[1] for name in imports(path) if name.startswith("robotteamsim.")} - {"msg", "srv"}
-    assert {other for other in used if not may_use(own, other)} == set()
+def test_python_modules_import_only_from_lower_floors_the_library_included():
+    offenders = [
+        f"{path.relative_to(ROOT)} uses {other}"
+        for path in PYTHON_FILES
+        for other in sorted(used_floors(path))
+        if path != PACKAGE / "__init__.py" and not may_use(part_of(path), other)
+    ]
+    offenders += [name for name in imports(PACKAGE / "__init__.py") if name.startswith("robotteamsim")]
+    assert offenders == []
 
 
-@pytest.mark.parametrize("path", CPP_FILES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_cpp_file_includes_only_from_lower_floors_and_neither_ros_nor_python(path):
-    top = ROOT / "include" / "robotteamsim" if path.is_relative_to(ROOT / "include") else ROOT / "src" / "cpp"
-    own = part_of(path, top)
-    included = re.findall(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', path.read_text(encoding="utf-8"), re.MULTILINE)
-    ours = {name.split("/")[1] for name in included if name.startswith("robotteamsim/")}
-    assert {other for other in ours if not may_use(own, other)} == set()
-    assert [name for name in included if re.match(r"(ros/|pybind11|Python\.h|\w+_msgs/)", name)] == []
+def test_cpp_files_include_only_from_lower_floors():
+    offenders = [
+        f"{path.relative_to(ROOT)} includes {name}"
+        for path in CPP_FILES
+        for name in included(path)
+        if name.startswith("robotteamsim/") and not may_use(part_of(path), name.split("/")[1])
+    ]
+    assert offenders == []
 
 
-@pytest.mark.parametrize("path", PYTHON_FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_ros_is_imported_only_in_the_ros_shell(path):
-    if part_of(path, PACKAGE) != "ros":
-        assert [name for name in imports(path) if ROS.match(name) or ROS_MESSAGES.match(name)] == []
+def test_bindings_of_a_floor_include_only_it_and_lower_floors():
+    offenders = [
+        f"{path.relative_to(ROOT)} includes {name}"
+        for path in BINDINGS
+        for name in included(path)
+        if path.stem.startswith("bind_")
+        and name.startswith("robotteamsim/")
+        and not may_use(path.stem.removeprefix("bind_"), name.split("/")[1])
+    ]
+    assert offenders == []
 
 
-@pytest.mark.parametrize("path", PYTHON_FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_only_programs_for_a_terminal_print(path):
-    calls = [node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.Call)]
-    prints = [call.lineno for call in calls if isinstance(call.func, ast.Name) and call.func.id == "print"]
-    assert prints == [] or part_of(path, PACKAGE) == "cli" or path.name == "teleop.py"
+def test_cpp_library_knows_neither_ros_nor_python():
+    offenders = [
+        f"{path.relative_to(ROOT)} includes {name}"
+        for path in CPP_FILES
+        for name in included(path)
+        if NOT_OF_THE_LIBRARY.match(name)
+    ]
+    assert offenders == []
+
+
+def test_ros_is_imported_only_in_the_ros_shell():
+    offenders = [
+        f"{path.relative_to(ROOT)} imports {name}"
+        for path in PYTHON_FILES
+        for name in imports(path)
+        if part_of(path) != "ros" and (ROS.match(name) or ROS_MESSAGES.match(name))
+    ]
+    assert offenders == []
+
+
+def test_only_programs_for_a_terminal_print():
+    offenders = [
+        f"{path.relative_to(ROOT)}:{node.lineno}"
+        for path in PYTHON_FILES
+        for node in nodes(path)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print"
+        if part_of(path) != "cli" and path.name != "teleop.py"
+    ]
+    assert offenders == []
 
 
 def test_nothing_is_random_but_by_the_named_streams_of_a_seed():
-    files = [*PYTHON_FILES, *CPP_FILES, *(ROOT / "src" / "bindings").glob("*.[ch]pp")]
+    files = [*PYTHON_FILES, *CPP_FILES, *BINDINGS]
     found = {str(path): OTHER_CHANCE.findall(path.read_text(encoding="utf-8")) for path in files}
     assert [path for path, matches in found.items() if matches] == [str(PACKAGE / "rng.py")]
 
@@ -110,7 +165,7 @@ def test_every_module_below_the_ros_shell_imports_without_ros():
     names = [
         ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
         for path in PYTHON_FILES
-        if part_of(path, PACKAGE) != "ros" and path.name != "__main__.py"
+        if part_of(path) != "ros" and path.name != "__main__.py"
     ]
     code = (
         "import importlib, sys; sys.modules['rospy'] = None; [importlib.import_module(name) for name in sys.argv[1:]]"

@@ -14,7 +14,7 @@ from geometry_msgs.msg import Pose2D, Twist, Vector3
 from listening import PATIENCE_S, Topic, call, drive, place_m, speed_mps
 from nav_msgs.msg import OccupancyGrid, Odometry
 from robotteamsim.msg import Areas, Doors, FloatMap, MissionStatus, Victims
-from robotteamsim.srv import RemoveThing, ResetSeed, SetPose, SetSpeed, SetThing
+from robotteamsim.srv import RemoveObject, ResetSeed, SetObject, SetPose, SetSpeed
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker, MarkerArray
@@ -49,7 +49,7 @@ def latched_time() -> rospy.Time:
 
 
 def places_m(message: MarkerArray) -> list[tuple[float, float]]:
-    """Return where the things are that a message shows."""
+    """Return where the objects are that a message shows."""
     return [(m.pose.position.x, m.pose.position.y) for m in message.markers if m.action == Marker.ADD]
 
 
@@ -119,21 +119,21 @@ class ControlsTest(unittest.TestCase):
             self.assertNotIn("\n", refused.message)
         self.assertEqual(place_m(self.truths[0].next()), self.starts[0])
 
-    def test_things_are_added_moved_and_removed_and_a_reset_takes_them_away(self) -> None:
-        things = Topic("/world/things", MarkerArray)
-        self.assertTrue(things.is_connected(PATIENCE_S))
+    def test_objects_are_added_moved_and_removed_and_a_reset_takes_them_away(self) -> None:
+        objects = Topic("/world/objects", MarkerArray)
+        self.assertTrue(objects.is_connected(PATIENCE_S))
         crate = {"name": "crate", "kind": "box", "length_m": 0.6, "width_m": 0.4}
-        self.assertTrue(call("/set_thing", SetThing, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
-        things.wait_for_after(0, lambda message: places_m(message) == [(12.0, 3.0)], "the crate")
-        self.assertTrue(call("/set_thing", SetThing, name="crate", pose=Pose2D(13.0, 3.5, 0.0)).success)
-        things.wait_for_after(0, lambda message: places_m(message) == [(13.0, 3.5)], "the crate elsewhere")
+        self.assertTrue(call("/set_object", SetObject, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
+        objects.wait_for_after(0, lambda message: places_m(message) == [(12.0, 3.0)], "the crate")
+        self.assertTrue(call("/set_object", SetObject, name="crate", pose=Pose2D(13.0, 3.5, 0.0)).success)
+        objects.wait_for_after(0, lambda message: places_m(message) == [(13.0, 3.5)], "the crate elsewhere")
         drum = {"name": "drum", "kind": "barrel", "radius_m": 0.3, "mass_kg": 20.0}
-        self.assertTrue(call("/set_thing", SetThing, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
-        self.assertTrue(call("/remove_thing", RemoveThing, name="crate").success)
-        left = things.wait_for_after(0, lambda message: places_m(message) == [(14.0, 4.5)], "the drum alone")
+        self.assertTrue(call("/set_object", SetObject, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
+        self.assertTrue(call("/remove_object", RemoveObject, name="crate").success)
+        left = objects.wait_for_after(0, lambda message: places_m(message) == [(14.0, 4.5)], "the drum alone")
         self.assertTrue(call("/reset", Trigger).success)
-        self.assertFalse(call("/remove_thing", RemoveThing, name="drum").success)
-        self.assertEqual({marker.ns for marker in left.markers if marker.action == Marker.ADD}, {"things"})
+        self.assertFalse(call("/remove_object", RemoveObject, name="drum").success)
+        self.assertEqual({marker.ns for marker in left.markers if marker.action == Marker.ADD}, {"objects"})
 
     def test_subscriber_that_comes_late_to_a_paused_world_gets_all_that_changes_rarely(self) -> None:
         self.assertTrue(call("/pause", Trigger).success)
@@ -141,20 +141,20 @@ class ControlsTest(unittest.TestCase):
             self.assertIsNotNone(rospy.wait_for_message(name, kind, PATIENCE_S), name)
         self.assertTrue(call("/resume", Trigger).success)
 
-    def test_subscriber_that_comes_late_to_a_paused_world_gets_things_where_they_are(self) -> None:
+    def test_subscriber_that_comes_late_to_a_paused_world_gets_objects_where_they_are(self) -> None:
         self.assertTrue(call("/pause", Trigger).success)
         crate = {"name": "crate", "kind": "box", "length_m": 0.6, "width_m": 0.4}
-        self.assertTrue(call("/set_thing", SetThing, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
+        self.assertTrue(call("/set_object", SetObject, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
         for place in ((12.0, 3.0), (13.0, 3.5)):
-            self.assertTrue(call("/set_thing", SetThing, name="crate", pose=Pose2D(*place, 0.0)).success)
-            self.assertEqual(places_m(rospy.wait_for_message("/world/things", MarkerArray, PATIENCE_S)), [place])
-        self.assertTrue(call("/remove_thing", RemoveThing, name="crate").success)
-        self.assertEqual(places_m(rospy.wait_for_message("/world/things", MarkerArray, PATIENCE_S)), [])
+            self.assertTrue(call("/set_object", SetObject, name="crate", pose=Pose2D(*place, 0.0)).success)
+            self.assertEqual(places_m(rospy.wait_for_message("/world/objects", MarkerArray, PATIENCE_S)), [place])
+        self.assertTrue(call("/remove_object", RemoveObject, name="crate").success)
+        self.assertEqual(places_m(rospy.wait_for_message("/world/objects", MarkerArray, PATIENCE_S)), [])
         self.assertTrue(call("/resume", Trigger).success)
 
-    def test_thing_that_cannot_be_is_refused_with_the_reason(self) -> None:
+    def test_object_that_cannot_be_is_refused_with_the_reason(self) -> None:
         drum = {"name": "drum", "kind": "barrel", "radius_m": 0.3}
-        self.assertTrue(call("/set_thing", SetThing, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
+        self.assertTrue(call("/set_object", SetObject, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
         box = {"name": "box", "kind": "box", "length_m": 0.6, "width_m": 0.4}
         for fields, pose, reason in (
             (box, (10.0, 0.2, 0.0), "box 'box': pose (10.00, 0.20) is inside wall 'south'"),
@@ -162,19 +162,19 @@ class ControlsTest(unittest.TestCase):
             (box, (14.2, 4.5, 0.0), "box 'box': pose (14.20, 4.50) is inside barrel 'drum'"),
             (box, (-5.0, 4.5, 0.0), "box 'box': pose (-5.00, 4.50) is outside the plan"),
             (drum, (12.0, 3.0, 0.0), "there is a barrel 'drum' already"),
-            ({"name": "box"}, (12.0, 3.0, 0.0), "there is no thing 'box', only drum"),
+            ({"name": "box"}, (12.0, 3.0, 0.0), "there is no object 'box', only drum"),
             ({"name": "drum"}, (math.nan, 3.0, 0.0), "barrel 'drum': pose must be finite"),
             ({**box, "kind": "bo"}, (12.0, 3.0, 0.0), "kind: 'bo' is not one of box, barrel"),
             ({**box, "width_m": 0.001}, (12.0, 3.0, 0.0), "size_m: 0.001 is not within 0.02 to 5"),
             ({**box, "mass_kg": -1.0}, (12.0, 3.0, 0.0), "mass_kg: -1.0 is not above 0"),
             ({**box, "friction": math.inf}, (12.0, 3.0, 0.0), "friction: "),
         ):
-            refused = call("/set_thing", SetThing, pose=Pose2D(*pose), **fields)
+            refused = call("/set_object", SetObject, pose=Pose2D(*pose), **fields)
             self.assertFalse(refused.success)
             self.assertIn(reason, refused.message)
             self.assertNotIn("\n", refused.message)
-        refused = call("/remove_thing", RemoveThing, name="crate")
-        self.assertEqual((refused.success, refused.message), (False, "there is no thing 'crate', only drum"))
+        refused = call("/remove_object", RemoveObject, name="crate")
+        self.assertEqual((refused.success, refused.message), (False, "there is no object 'crate', only drum"))
 
     def test_speed_is_obeyed_from_now_on(self) -> None:
         self.addCleanup(call, "/set_speed", SetSpeed, speed=SPEED)

@@ -74,7 +74,7 @@ def test_faulty_controller_stops_its_robot_and_the_mission_tells_why(hosted, fol
         assert program.wait() == 0, program.output
     told = "robot 1 is stopped: decide returned Twist(linear_x_mps=nan"
     assert len([line for line in program.lines if told in line and "INFO" in line]) == 1, program.output
-    assert "the time was up" in program.output
+    assert "time limit reached" in program.output
     assert "Traceback" not in program.output
     driven_m = [robot["distance_m"] for robot in result_of(folder)["robots"]]
     assert driven_m[1] < 1.0 < min(driven_m[0], driven_m[2])

@@ -19,8 +19,8 @@ import roslaunch.rlutil
 from rosbags.rosbag1 import Reader
 from running import ROSLAUNCH, running
 
-from robotteamsim.analysis.runs.derived import figures
-from robotteamsim.analysis.runs.recorded_run import read_run
+from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter, TrajectoryHash, ros_messages
 from robotteamsim.recording.bag import ROBOT_TOPICS, TEAM_TOPICS
@@ -107,7 +107,7 @@ def test_mapping_starts_gmapping_in_the_namespace_of_its_robot(tmp_path: Path, m
 def test_launch_ends_with_the_mission_and_a_table_of_what_happened(run: Run, headless_hash: str) -> None:
     assert run.status == 0
     assert "mission-4] has died!\nprocess has finished cleanly" in run.output
-    assert "the time was up" in run.output
+    assert "time limit reached" in run.output
     assert f"trajectories {headless_hash}" in run.output
     assert (run.result["trajectory_hash"], run.result["noise_db"]) == (headless_hash, 12.0)
     assert "Traceback" not in run.output
@@ -130,8 +130,8 @@ def test_recorded_bag_is_one_that_rosbag_info_can_read(run: Run) -> None:
     assert re.search(r"/mission/events +\d+ msgs +: robotteamsim/MissionEvent", rosbag("info", str(run.bag)))
 
 
-def test_recorded_bag_is_analysed_to_the_figures_of_the_run(run: Run) -> None:
-    analysed, result = figures(read_run([run.bag])), run.result
+def test_recorded_bag_is_analysed_to_the_totals_of_the_run(run: Run) -> None:
+    analysed, result = run_totals(read_run([run.bag])), run.result
     assert analysed.mission is not None
     mission = dataclasses.asdict(analysed.mission)
     assert mission == {name: result[name] for name in mission}
@@ -144,7 +144,7 @@ def test_recorded_bag_is_analysed_as_the_headless_bag_of_the_same_seed(run: Run,
     overrides = ["mission.time_limit_s=20", "voice.noise_db=12", "run.seed=7"]
     Simulation(load("garage_sar", overrides)).run([BagWriter(tmp_path / "run.bag")])
     in_ros, headless = read_run([run.bag]), read_run([tmp_path / "run.bag"])
-    assert figures(in_ros) == figures(headless)
+    assert run_totals(in_ros) == run_totals(headless)
     assert [event for _, event in in_ros.events] == [event for _, event in headless.events]
     # In ROS the mission tells that it waits, before the first step comes.
     assert [status for status in in_ros.statuses if status.state != "waiting"] == list(headless.statuses)
@@ -160,14 +160,14 @@ def test_bag_that_rosbag_compresses_is_analysed_alike(run: Run, tmp_path: Path, 
     packed = shutil.copy(run.bag, tmp_path / "run.bag")
     rosbag("compress", "--quiet", compression, str(packed))
     assert packed.stat().st_size < 0.7 * run.bag.stat().st_size
-    assert figures(read_run([packed])) == figures(read_run([run.bag]))
+    assert run_totals(read_run([packed])) == run_totals(read_run([run.bag]))
 
 
 def test_parts_that_rosbag_makes_are_analysed_as_one(run: Run, tmp_path: Path) -> None:
     parts = tmp_path / "run.bag", tmp_path / "later.bag"
     rosbag("filter", str(run.bag), str(parts[0]), "t.to_sec() < 8")
     rosbag("filter", str(run.bag), str(parts[1]), "t.to_sec() >= 8")
-    assert figures(read_run(parts)) == figures(read_run([run.bag]))
+    assert run_totals(read_run(parts)) == run_totals(read_run([run.bag]))
 
 
 def test_truncated_bag_is_refused_and_analysed_after_rosbag_reindex(run: Run, tmp_path: Path) -> None:
@@ -176,7 +176,7 @@ def test_truncated_bag_is_refused_and_analysed_after_rosbag_reindex(run: Run, tm
     with pytest.raises(RecordingError, match="`rosbag reindex "):
         read_run([part])
     rosbag("reindex", "--quiet", "--force", str(part))
-    saved = figures(read_run([part]))
+    saved = run_totals(read_run([part]))
     assert saved.mission is not None
     assert (saved.mission.end, saved.mission.scenario) == ("", "garage_sar")
     assert 5.0 < saved.mission.time_s < 20.0

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/propagation/simd.hpp"
 
 namespace robotteamsim {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/control/clearance.hpp"
 #include "robotteamsim/plan/grid.hpp"
-#include "robotteamsim/plan/types.hpp"
 #include "robotteamsim/world/drive.hpp"
 
 namespace robotteamsim {

@@ -3,14 +3,10 @@
 #include <optional>
 #include <vector>
 
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/control/clearance.hpp"
-#include "robotteamsim/plan/types.hpp"
 
 namespace robotteamsim {
-
-/// The index of the candidate that is farther from all points than `place` and than the candidates before it; -1 where
-/// none is farther than `place`.
-int FarthestFrom(const std::vector<Point>& points, const Point& place, const std::vector<Point>& candidates);
 
 /// Finds where there is room around a robot, among what some of its beams see.
 class Surroundings {

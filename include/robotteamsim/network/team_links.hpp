@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <memory>
+#include <utility>
+
 #include "robotteamsim/network/hop_count.hpp"
 #include "robotteamsim/network/link_bits.hpp"
 #include "robotteamsim/propagation/cells.hpp"
@@ -19,16 +23,20 @@ struct LinkRule {
 /// The radio links of a team, step by step. Hops and the Fiedler value are found anew only when a link comes or goes.
 class TeamLinks {
  public:
-  explicit TeamLinks(const LinkRule& rule) : rule_(rule) {}
+  /// Args: faces: the walls, and the doors as they are in each step.
+  TeamLinks(std::shared_ptr<const FaceSet> faces, const RadioModel& model, const LinkRule& rule)
+      : faces_(std::move(faces)), model_(model), rule_(rule) {}
 
-  /// Looks at robots at these positions [m]. Returns whether a link came or went since the last step: at first, yes.
-  /// Args: rssi: room for the signals between all pairs of robots [dBm], 0 on the diagonal;
-  ///       link: room for L of eq. (16), 0 on the diagonal; for links by signal it is the same room.
+  /// Takes over the positions of the robots [m].
+  /// Args: rssi: where to write the signals between all pairs of robots [dBm], 0 on the diagonal;
+  ///       link: where to write L of eq. (16), 0 on the diagonal; for links by signal it is the same matrix.
   /// Throws std::invalid_argument, naming the robot, where a position is not finite.
-  bool Step(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
-            Eigen::Ref<CellValues> rssi, Eigen::Ref<CellValues> link);
+  void Step(const Eigen::Ref<const Positions>& positions, Eigen::Ref<CellValues> rssi, Eigen::Ref<CellValues> link);
 
-  const LinkRule& rule() const { return rule_; }
+  /// Grows whenever a link comes or goes: equal versions mean equal links, hops and Fiedler values.
+  std::int64_t version() const { return version_; }
+  /// Grows whenever a link begins or ceases to be endangered.
+  std::int64_t endangered_version() const { return endangered_version_; }
   const Adjacency& adjacency() const { return adjacency_; }
   /// The links that exist, but with a signal below the limit.
   const Adjacency& endangered() const { return endangered_; }
@@ -36,9 +44,13 @@ class TeamLinks {
   double fiedler_value() const { return fiedler_value_; }
 
  private:
-  bool FindLinks(const Eigen::Ref<const CellValues>& rssi, const Eigen::Ref<const CellValues>& link);
+  void FindLinks(const Eigen::Ref<const CellValues>& rssi, const Eigen::Ref<const CellValues>& link);
 
+  std::shared_ptr<const FaceSet> faces_;
+  RadioModel model_;
   LinkRule rule_;
+  std::int64_t version_ = 0;
+  std::int64_t endangered_version_ = 0;
   Adjacency adjacency_, endangered_;
   HopCount hops_;
   double fiedler_value_ = 0.0;

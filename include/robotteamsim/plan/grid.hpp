@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/plan/disc_fill.hpp"
-#include "robotteamsim/plan/types.hpp"
 
 namespace robotteamsim {
 

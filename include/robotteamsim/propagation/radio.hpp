@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/propagation/cells.hpp"
 #include "robotteamsim/propagation/face_set.hpp"
 #include "robotteamsim/propagation/field_maps.hpp"

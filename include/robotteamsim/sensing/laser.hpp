@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/sensing/beam_fan.hpp"
 #include "robotteamsim/world/nearby_edges.hpp"
 #include "robotteamsim/world/world.hpp"

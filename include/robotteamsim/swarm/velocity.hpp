@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 
 namespace robotteamsim {
 
@@ -21,6 +24,17 @@ inline Point NextVelocity(const Point& position, const Point& inertia, const std
     velocity.y += pull.weight * pull.random * (pull.attractor.y - position.y);
   }
   return velocity;
+}
+
+/// The memory term of eq. (25): the sum of past velocities, newest first, times their weights; missing velocities count
+/// as zero.
+inline Point MemoryTerm(const std::vector<double>& coefficients, const std::vector<Point>& velocities) {
+  Point sum{0.0, 0.0};
+  for (std::size_t i = 0; i < std::min(coefficients.size(), velocities.size()); ++i) {
+    sum.x += coefficients[i] * velocities[i].x;
+    sum.y += coefficients[i] * velocities[i].y;
+  }
+  return sum;
 }
 
 }  // namespace robotteamsim

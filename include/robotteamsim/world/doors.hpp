@@ -1,9 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/world/solid.hpp"
 
 class b2Body;
@@ -21,6 +22,20 @@ struct MovingLeaf {
   double reach = 0.0;        ///< how far from the hinge it is at most, wherever it is [m]
 
   bool IsThere() const { return opening == (shall_close ? 0.0 : 1.0); }
+};
+
+/// What the leaf of a door does.
+enum class LeafActivity { kStill, kOpens, kCloses, kHeld };
+
+/// A door after a step.
+struct DoorState {
+  bool closed = true;                            ///< whether the leaf is all across its gap
+  double opening = 0.0;                          ///< 0: closed, 1: open; a door without a moving leaf has one of both
+  LeafActivity activity = LeafActivity::kStill;  ///< kHeld: something is in its way
+
+  bool operator==(const DoorState& other) const {
+    return closed == other.closed && opening == other.opening && activity == other.activity;
+  }
 };
 
 /// The doors of a world, in their order.
@@ -44,6 +59,13 @@ class Doors {
   const std::vector<Door>& all() const { return doors_; }
   const std::vector<MovingLeaf>& leaves() const { return leaves_; }
 
+  /// All doors as of the last UpdateStates.
+  const std::vector<DoorState>& states() const { return states_; }
+  /// 0 at the start, and grows whenever a state changes: equal versions mean equal states.
+  std::int64_t version() const { return version_; }
+  /// Takes over what the doors did, once per step.
+  void UpdateStates();
+
   /// How far any leaf that is on its way moves at most in a time [m].
   double Travel(double time) const;
   /// Whether a leaf that swings or slides is within a distance of a point.
@@ -60,6 +82,8 @@ class Doors {
   std::vector<Door> doors_;
   std::vector<MovingLeaf> leaves_;
   std::vector<b2Body*> bodies_;
+  std::vector<DoorState> states_;
+  std::int64_t version_ = -1;
 };
 
 }  // namespace robotteamsim

@@ -1,20 +1,8 @@
 #pragma once
 
+#include "robotteamsim/base/geometry.hpp"
+
 namespace robotteamsim {
-
-/// A rigid transform of the plane: base_link in the map frame, or a robot's way within one step [m, m, rad].
-struct Pose {
-  double x = 0.0;
-  double y = 0.0;
-  double yaw = 0.0;  ///< in (-pi, pi]
-};
-
-/// A velocity in base_link: forward and left [m/s], counter-clockwise [rad/s].
-struct Twist {
-  double linear_x = 0.0;
-  double linear_y = 0.0;
-  double angular_z = 0.0;
-};
 
 /// How a robot moves.
 enum class DriveKind {
@@ -43,12 +31,6 @@ struct DriveSpeed {
   double left = 0.0;      ///< of kOmni [m/s]
   double steering = 0.0;  ///< of kCar: of the front wheel, counter-clockwise [rad]
 };
-
-/// Returns the same direction as an angle in (-pi, pi].
-double NormaliseAngle(double angle);
-
-/// Returns the way from `from` to `to`, seen from `from`.
-Pose RelativePose(const Pose& from, const Pose& to);
 
 /// Throws std::invalid_argument unless a drive of its kind can have these limits.
 void CheckDrive(const DriveLimits& limits);

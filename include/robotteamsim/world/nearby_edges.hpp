@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/world/solid.hpp"
 
 namespace robotteamsim {

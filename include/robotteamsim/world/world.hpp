@@ -1,9 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
-#include "robotteamsim/plan/types.hpp"
+#include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/world/disc_grid.hpp"
 #include "robotteamsim/world/doors.hpp"
 #include "robotteamsim/world/drive.hpp"
@@ -51,6 +52,9 @@ class World {
   const std::vector<Door>& doors() const { return doors_.all(); }
   /// The leaves that swing or slide, in the order of their doors.
   const std::vector<MovingLeaf>& leaves() const { return doors_.leaves(); }
+  /// All doors as they are, in their order; equal versions mean equal states.
+  const std::vector<DoorState>& door_states() const { return doors_.states(); }
+  std::int64_t doors_version() const { return doors_.version(); }
   const std::vector<Robot>& robots() const { return robots_; }
   const std::vector<Thing>& things() const { return things_.all(); }
 

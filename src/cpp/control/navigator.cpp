@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "robotteamsim/geometry/hypot.hpp"
+#include "robotteamsim/base/hypot.hpp"
 
 namespace robotteamsim {
 namespace {

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
+
+#include "robotteamsim/swarm/attractors.hpp"
 
 namespace robotteamsim {
 namespace {
@@ -12,29 +13,7 @@ namespace {
 /// A place counts as seen free when a disc of this radius could go there [m].
 constexpr double kBeamWidth = 0.05;
 
-double SquaredDistanceToNearest(const std::vector<Point>& points, const Point& place) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Point& point : points) {
-    const double dx = place.x - point.x, dy = place.y - point.y;
-    nearest = std::min(nearest, dx * dx + dy * dy);
-  }
-  return nearest;
-}
-
 }  // namespace
-
-int FarthestFrom(const std::vector<Point>& points, const Point& place, const std::vector<Point>& candidates) {
-  int best = -1;
-  double farthest = SquaredDistanceToNearest(points, place);
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const double distance = SquaredDistanceToNearest(points, candidates[i]);
-    if (distance > farthest) {
-      farthest = distance;
-      best = static_cast<int>(i);
-    }
-  }
-  return best;
-}
 
 Surroundings::Surroundings(ScanClearance clearance, int stride, double sensing_radius,
                            const std::vector<double>& headings)

@@ -18,32 +18,37 @@ void WriteDistances(const Eigen::Ref<const Positions>& positions, Eigen::Ref<Cel
 
 }  // namespace
 
-bool TeamLinks::Step(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
-                     Eigen::Ref<CellValues> rssi, Eigen::Ref<CellValues> link) {
-  WriteRssiMatrixDbm(faces, model, positions, rssi);
+void TeamLinks::Step(const Eigen::Ref<const Positions>& positions, Eigen::Ref<CellValues> rssi,
+                     Eigen::Ref<CellValues> link) {
+  WriteRssiMatrixDbm(*faces_, model_, positions, rssi);
   if (rule_.by_distance) WriteDistances(positions, link);
-  if (!FindLinks(rssi, link)) return false;
+  const std::int64_t before = version_;
+  FindLinks(rssi, link);
+  if (version_ == before) return;
   hops_ = CountHops(adjacency_);
   fiedler_value_ = FiedlerValue(adjacency_);
-  return true;
 }
 
-// Returns whether a link came or went.
-bool TeamLinks::FindLinks(const Eigen::Ref<const CellValues>& rssi, const Eigen::Ref<const CellValues>& link) {
+void TeamLinks::FindLinks(const Eigen::Ref<const CellValues>& rssi, const Eigen::Ref<const CellValues>& link) {
   const Eigen::Index n = link.rows();
-  bool has_changed = adjacency_.rows() != n;
-  if (has_changed) adjacency_.setConstant(n, n, false);
-  endangered_.resize(n, n);
+  bool has_changed = adjacency_.rows() != n, endangered_has_changed = has_changed;
+  if (has_changed) {
+    adjacency_.setConstant(n, n, false);
+    endangered_.setConstant(n, n, false);
+  }
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < n; ++j) {
       const bool is_near = rule_.by_distance ? link(i, j) <= rule_.max_distance : link(i, j) >= rule_.lost_below;
       const bool is_link = is_near && i != j;
       has_changed |= adjacency_(i, j) != is_link;
       adjacency_(i, j) = is_link;
-      endangered_(i, j) = is_link && rssi(i, j) < rule_.endangered_below;
+      const bool is_endangered = is_link && rssi(i, j) < rule_.endangered_below;
+      endangered_has_changed |= endangered_(i, j) != is_endangered;
+      endangered_(i, j) = is_endangered;
     }
   }
-  return has_changed;
+  version_ += has_changed ? 1 : 0;
+  endangered_version_ += endangered_has_changed ? 1 : 0;
 }
 
 }  // namespace robotteamsim

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "robotteamsim/geometry/hypot.hpp"
+#include "robotteamsim/base/hypot.hpp"
 
 namespace robotteamsim {
 namespace {

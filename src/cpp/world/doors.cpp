@@ -62,6 +62,23 @@ void Doors::Place(b2World& box, const Point& origin) {
     leaves_.push_back(leaf);
     PutBody(leaf);
   }
+  UpdateStates();
+}
+
+void Doors::UpdateStates() {
+  std::vector<DoorState> states;
+  for (const Door& door : doors_) states.push_back({door.closed, door.closed ? 0.0 : 1.0});
+  for (const MovingLeaf& leaf : leaves_) {
+    DoorState& state = states[leaf.door];
+    state.opening = leaf.opening;
+    if (leaf.IsThere()) continue;
+    state.activity = leaf.is_held       ? LeafActivity::kHeld
+                     : leaf.shall_close ? LeafActivity::kCloses
+                                        : LeafActivity::kOpens;
+  }
+  if (states == states_) return;
+  states_ = std::move(states);
+  ++version_;
 }
 
 Polygon Doors::OutlineAt(const MovingLeaf& leaf, double opening) const {
@@ -83,13 +100,13 @@ void Doors::SetClosed(int door, bool closed) {
   if (stored.motion.time == 0.0) {
     stored.closed = closed;
     bodies_[door]->SetEnabled(closed);
-    return;
   }
   for (MovingLeaf& leaf : leaves_) {
     if (leaf.door != door) continue;
     leaf.shall_close = closed;
     leaf.is_held = false;
   }
+  UpdateStates();
 }
 
 // How fast the fastest corner of a leaf is on its way [m/s].

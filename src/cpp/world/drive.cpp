@@ -45,17 +45,6 @@ bool IsPositive(double value) { return value > 0.0 && std::isfinite(value); }
 
 }  // namespace
 
-double NormaliseAngle(double angle) {
-  const double wrapped = std::remainder(angle, 2.0 * kPi);
-  return wrapped == -kPi ? kPi : wrapped;
-}
-
-Pose RelativePose(const Pose& from, const Pose& to) {
-  const double cos = std::cos(from.yaw), sin = std::sin(from.yaw);
-  const double dx = to.x - from.x, dy = to.y - from.y;
-  return {cos * dx + sin * dy, cos * dy - sin * dx, NormaliseAngle(to.yaw - from.yaw)};
-}
-
 void CheckDrive(const DriveLimits& limits) {
   const bool is_car = limits.kind == DriveKind::kCar;
   const double shared[] = {limits.max_speed, limits.max_acceleration};

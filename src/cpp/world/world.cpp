@@ -205,6 +205,7 @@ void World::Step(const std::vector<Twist>& commands) {
   for (int i = 0; i < num_robots; ++i) {
     if (present_[i]) motions_[i] = RelativePose(before[i], poses_[i]);
   }
+  if (!doors_.leaves().empty()) doors_.UpdateStates();
   grid_.Rebuild(poses_);
 }
 

@@ -1,4 +1,4 @@
-"""A picture of a floor plan, and of what a scenario puts into it."""
+"""Draws a floor plan, and the areas, victims, objects and robots of a scenario."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ _BAY = "#c9c6bd"
 _DOOR = {"normal": "#b07a2a", "fireproof": "#c0392b"}
 _AREA = "#2a7f62"
 VICTIM = "#d1495b"
-_THING = "#a9793f"
+_OBJECT = "#a9793f"
 ROBOT = "#1f6feb"
 _PLAN_INCHES = 11.0
 
 
 def render_plan(plan: FloorPlan, path_png: str | os.PathLike[str], scenario: Scenario | None = None) -> None:
-    """Draw a plan to scale, with its size and doors, and the scenario's areas, victims and starts where one is given.
+    """Draw a floor plan to scale, with the areas, victims, objects and robots of a scenario if one is given.
 
-    The suffix of the file decides the format; png, pdf and svg are known. Raises: OSError: it cannot be written.
+    The suffix of the file selects the format: png, pdf or svg. Raises: OSError: the file cannot be written.
     """
     draw_plan(plan, scenario).savefig(path_png)
 
 
 def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
-    """Return the picture of `render_plan` as a figure."""
+    """Return the figure that `render_plan` writes."""
     (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
     width_m, height_m = max_x - min_x, max_y - min_y
     scale = _PLAN_INCHES / max(width_m, height_m)
@@ -48,7 +48,7 @@ def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
     draw_doors(axes, plan)
     if scenario is not None:
         _draw_mission(axes, scenario, unit_m=max(width_m, height_m) / 60.0)
-        _draw_things(axes, scenario)
+        _draw_objects(axes, scenario)
         _draw_robots(axes, scenario)
         figure.legend(loc="outside lower center", ncols=5, frameon=False, fontsize=9)
     margin_m = 0.01 * max(width_m, height_m)
@@ -72,12 +72,12 @@ def draw_solids(axes: Axes, plan: FloorPlan) -> None:
     """Draw walls, blocks and pillars."""
     for solid in solids(plan.model_copy(update={"doors": ()})):
         colour = _SOLID[solid.kind]
-        # The thin edge closes the hairlines that anti-aliasing leaves between neighbours.
+        # The thin edge hides the gaps that anti-aliasing leaves between adjacent polygons.
         axes.add_patch(Polygon(solid.corners, facecolor=colour, edgecolor=colour, linewidth=0.4, zorder=3))
 
 
 def draw_doors(axes: Axes, plan: FloorPlan) -> None:
-    """Draw closed leaves across their gaps, open ones swung out with the arc that they sweep, or slid aside."""
+    """Draw closed leaves in their gaps, and open ones swung out, with their arc, or slid aside."""
     for door in plan.doors:
         _draw_door(axes, door)
 
@@ -93,7 +93,7 @@ def _draw_door(axes: Axes, door: Door) -> None:
         axes.plot([x0, x1], [y0, y1], color=colour, linewidth=0.7, linestyle=":", zorder=4)
         return
     length_m, heading_deg = math.dist(door.start, door.end), math.degrees(math.atan2(y1 - y0, x1 - x0))
-    # An instant door's open leaf is nowhere, but drawn as doors are.
+    # An instant door has no leaf when open, but is drawn like other doors.
     turn_rad = door.leaf_angle_rad or 0.5 * math.pi
     cos, sin = math.cos(turn_rad), math.sin(turn_rad)
     leaf_x, leaf_y = cos * (x1 - x0) - sin * (y1 - y0), sin * (x1 - x0) + cos * (y1 - y0)
@@ -105,7 +105,7 @@ def _draw_door(axes: Axes, door: Door) -> None:
 
 
 def _draw_mission(axes: Axes, scenario: Scenario, unit_m: float) -> None:
-    """Draw areas as numbered circles in their order, victims as named crosses."""
+    """Draw areas as circles numbered in their order, victims as named crosses."""
     areas, victims = scenario.mission.areas, scenario.mission.victims
     for number, area in enumerate(areas, 1):
         circle = Circle(area.center, area.radius_m, facecolor=_AREA, edgecolor=_AREA, alpha=0.25, zorder=2)
@@ -133,15 +133,15 @@ def _draw_robots(axes: Axes, scenario: Scenario) -> None:
     axes.plot([], [], "o", color=ROBOT, markersize=6, label=f"{count} at the start")
 
 
-def _draw_things(axes: Axes, scenario: Scenario) -> None:
-    """Draw things to scale where they stand at the start."""
+def _draw_objects(axes: Axes, scenario: Scenario) -> None:
+    """Draw objects to scale where they stand at the start."""
     shapes: list[Patch] = [
-        Circle(thing.pose[:2], thing.radius_m) if thing.radius_m else Polygon(corners_at(thing.corners_m, thing.pose))
-        for thing in scenario.things
+        Circle(obj.pose[:2], obj.radius_m) if obj.radius_m else Polygon(corners_at(obj.corners_m, obj.pose))
+        for obj in scenario.objects
     ]
     if shapes:
-        axes.add_collection(PatchCollection(shapes, facecolor=_THING, edgecolor="white", linewidth=0.4, zorder=5))
-        axes.plot([], [], "s", color=_THING, markersize=6, label="thing that robots push")
+        axes.add_collection(PatchCollection(shapes, facecolor=_OBJECT, edgecolor="white", linewidth=0.4, zorder=5))
+        axes.plot([], [], "s", color=_OBJECT, markersize=6, label="object that robots push")
 
 
 def _outline(robot: PlacedRobot) -> Patch:

@@ -159,7 +159,7 @@ def scheduler_at(address: str) -> Iterator[Client]:
 
 
 async def _shake_hands(address: str) -> None:
-    from distributed.comm import connect
+    from distributed.comm.core import connect
 
     comm = await connect(address, timeout=CONNECT_TIMEOUT_S)
     await comm.close()
@@ -176,7 +176,7 @@ def run_trials(
     from distributed import as_completed
 
     waiting = iter(trials)
-    running: dict[Future, Trial] = {}
+    running: dict[Future[Outcome], Trial] = {}
     given_up: list[Trial] = []
     pending = as_completed(loop=client.loop)  # Else that of the newest client.
 
@@ -204,12 +204,14 @@ def run_trials(
     return tuple(given_up)
 
 
-def _outcome(future: Future) -> Outcome | None:
+def _outcome(future: Future[Outcome]) -> Outcome | None:
     """Return the outcome of a trial that ended; none: its workers died. Raises: CampaignError, as `run_trials`."""
     from distributed import KilledWorker
 
     try:
-        return future.result()  # Waits anew where a worker died with a result in its hands.
+        # Waits again where a worker died before it handed over the result.
+        outcome: Outcome = future.result()
+        return outcome
     except KilledWorker:
         return None
     except CampaignError:

@@ -19,8 +19,8 @@ from robotteamsim.recording.files import atomically, check_replaceable, write_at
 if TYPE_CHECKING:
     import numpy as np
 
-    from robotteamsim.analysis.runs.derived import RunFigures
     from robotteamsim.analysis.runs.recorded_run import RecordedRun
+    from robotteamsim.analysis.runs.totals import RunTotals
 
 MAX_DRAWN = 6
 """Most bags drawn side by side in one picture."""
@@ -73,25 +73,25 @@ def add_to(commands: Any) -> None:
 def analyse(options: argparse.Namespace) -> None:
     """Read all bags, then write the requested files and print a table."""
     # Imported late, because rosbags slows down commands that read no bag.
-    from robotteamsim.analysis.runs.derived import figures
-    from robotteamsim.analysis.runs.recorded_run import read_run
+    from robotteamsim.analysis.runs.reading import read_run
+    from robotteamsim.analysis.runs.totals import run_totals
 
     _check(options)
     plan = scenario.load(options.scenario).plan if options.scenario else None
     runs = [read_run(paths) for paths in ([options.bags] if options.join else [[bag] for bag in options.bags])]
     if len({run.name for run in runs}) < len(runs):  # Folders distinguish bags of the same name.
         runs = [replace(run, name=str(bag.with_suffix(""))) for run, bag in zip(runs, options.bags, strict=True)]
-    all_figures = [figures(run) for run in runs]
-    written = _write(options, runs, all_figures)
+    all_totals = [run_totals(run) for run in runs]
+    written = _write(options, runs, all_totals)
     if options.png:
         from robotteamsim.analysis.runs.picture import draw_runs
 
         with atomically(options.png) as part:
-            draw_runs(runs, all_figures, plan).savefig(part, format="png")
+            draw_runs(runs, all_totals, plan).savefig(part, format="png")
         written.append(options.png)
-    written += _film(options, runs[0], all_figures[0], plan)
+    written += _film(options, runs[0], all_totals[0], plan)
     if options.json != Path("-"):
-        _print(runs, all_figures)
+        _print(runs, all_totals)
         for path in written:
             print(path)
 
@@ -128,12 +128,12 @@ def _files(options: argparse.Namespace) -> list[Path]:
     return [path for path in (options.json, options.png, options.gif, options.mp4) if path and path != Path("-")]
 
 
-def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], figures: Sequence[RunFigures]) -> list[Path]:
+def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> list[Path]:
     from robotteamsim.analysis.runs.files import document, write_tables
 
-    written = write_tables(options.csv, runs, figures) if options.csv else []
+    written = write_tables(options.csv, runs, all_totals) if options.csv else []
     if options.json:
-        text = json.dumps(document(runs, figures), indent=1, ensure_ascii=False)
+        text = json.dumps(document(runs, all_totals), indent=1, ensure_ascii=False)
         if options.json == Path("-"):
             print(text)
         else:
@@ -143,7 +143,7 @@ def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], figures: Se
 
 
 def _film(
-    options: argparse.Namespace, run: RecordedRun, figures: RunFigures, plan: scenario.FloorPlan | None
+    options: argparse.Namespace, run: RecordedRun, totals: RunTotals, plan: scenario.FloorPlan | None
 ) -> list[Path]:
     if not (options.gif or options.mp4):
         return []
@@ -151,10 +151,10 @@ def _film(
     from robotteamsim.recording.film_files import find_ffmpeg, write_gif, write_mp4
 
     if options.gif:
-        film, count = RunFilm(run, figures, plan, _GIF_WIDTH_PX), round(options.seconds * _GIF_FRAMES_PER_S)
+        film, count = RunFilm(run, totals, plan, _GIF_WIDTH_PX), round(options.seconds * _GIF_FRAMES_PER_S)
         write_gif(options.gif, _with_progress(film.frames(count), count), film.frames(_GIF_SAMPLES), _GIF_FRAMES_PER_S)
     if options.mp4:
-        film, count = RunFilm(run, figures, plan, _MP4_WIDTH_PX), round(options.seconds * _MP4_FRAMES_PER_S)
+        film, count = RunFilm(run, totals, plan, _MP4_WIDTH_PX), round(options.seconds * _MP4_FRAMES_PER_S)
         write_mp4(options.mp4, _with_progress(film.frames(count), count), _MP4_FRAMES_PER_S, find_ffmpeg())
     return [path for path in (options.gif, options.mp4) if path]
 
@@ -165,10 +165,10 @@ def _with_progress(frames: Iterator[np.ndarray], count: int) -> Iterator[np.ndar
     return iter(track(frames, "film", count, console=console, disable=not console.is_terminal, transient=True))
 
 
-def _print(runs: Sequence[RecordedRun], figures: Sequence[RunFigures]) -> None:
+def _print(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> None:
     from robotteamsim.analysis.runs.tables import print_run, print_runs
 
     if len(runs) == 1:
-        print_run(Console(), runs[0], figures[0])
+        print_run(Console(), runs[0], all_totals[0])
     else:
-        print_runs(Console(), figures)
+        print_runs(Console(), all_totals)

@@ -229,13 +229,13 @@ def _finish(
     options: argparse.Namespace, variants: Sequence[_Variant], panels: Sequence[Panel], style: FieldStyle
 ) -> None:
     """Draw and write the requested files, or none if the maps do not fit into one file."""
-    from robotteamsim.analysis.fields.file import numbers
+    from robotteamsim.analysis.fields.file import map_arrays
 
     panels = [
         replace(panel, title=f"{variant.name}: {panel.title}") if variant.name else panel
         for panel, variant in zip(panels, variants, strict=True)
     ]
-    arrays = numbers(panels, style) if options.out else {}
+    arrays = map_arrays(panels, style) if options.out else {}
     if options.png:
         from robotteamsim.analysis.fields.picture import draw_fields
 

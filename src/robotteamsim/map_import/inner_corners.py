@@ -102,7 +102,8 @@ class _Outline:
         for edge, start in enumerate(self._corners):
             inner = sorted(feet.get(edge, []), key=lambda foot: float((foot - start) @ self._directions[edge]))
             lines += itertools.pairwise([start, *inner, self._corners[self._following[edge]]])
-        return shapely.linestrings(np.array(lines))
+        segments: np.ndarray = shapely.linestrings(np.array(lines))
+        return segments
 
     def _shortest(self, corner: int, longest: float) -> _Cut | None:
         here = self._corners[corner]

@@ -19,7 +19,7 @@ SMALL_RING_CELLS = 16.0
 
 _LINE_PRICE = 3.0
 """What one more straight line must save in squared distances along the border [cells^3]; more where steps are long, as
-a step of n cells has n / 12, and less in short chains, so that small things keep their sides."""
+a step of n cells has n / 12, and less in short chains, so that small details keep their sides."""
 
 _CHAMFER_CELLS = 3.0
 """A side as short as this is left out where its neighbours meet."""
@@ -243,4 +243,5 @@ def _are_faces(edges: np.ndarray) -> np.ndarray:
     inner = climbs & step_before & step_after & alike
     first = np.roll(inner, -2) & step_after & (lengths <= np.roll(limit, -2))
     last = np.roll(inner, 2) & step_before & (lengths <= np.roll(limit, 2))
-    return (lengths >= LONG_EDGE_CELLS) & ~(inner | first | last)
+    faces: np.ndarray = (lengths >= LONG_EDGE_CELLS) & ~(inner | first | last)
+    return faces

@@ -77,7 +77,8 @@ def solid_pieces(solid: np.ndarray, low_m: PointM, cell_m: PointM) -> list[Piece
 
 def in_metres(low_m: PointM, cell_m: PointM, cells: np.ndarray) -> np.ndarray:
     """Return points in cells as points in `map` [m], in whole micrometres: no digits from rounding in the plan file."""
-    return np.round(np.array(low_m) + cells * np.array(cell_m), 6)
+    points_m: np.ndarray = np.round(np.array(low_m) + cells * np.array(cell_m), 6)
+    return points_m
 
 
 def _is_sound(corners: tuple[PointM, ...]) -> bool:

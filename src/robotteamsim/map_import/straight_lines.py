@@ -58,13 +58,15 @@ def meeting_point(one: Line, other: Line) -> np.ndarray | None:
     sine = d[0] * e[1] - d[1] * e[0]
     if abs(sine) < _MIN_SINE:
         return None
-    return p + ((q[0] - p[0]) * e[1] - (q[1] - p[1]) * e[0]) / sine * d
+    meeting: np.ndarray = p + ((q[0] - p[0]) * e[1] - (q[1] - p[1]) * e[0]) / sine * d
+    return meeting
 
 
 def foot(point: np.ndarray, line: Line) -> np.ndarray:
     """Return the point of a line that is nearest to another point."""
     middle, direction = line
-    return middle + ((point - middle) @ direction) * direction
+    nearest: np.ndarray = middle + ((point - middle) @ direction) * direction
+    return nearest
 
 
 def _moments(starts: np.ndarray, edges: np.ndarray) -> np.ndarray:
@@ -72,7 +74,8 @@ def _moments(starts: np.ndarray, edges: np.ndarray) -> np.ndarray:
     x, y = (starts + 0.5 * edges).T
     dx, dy = edges.T
     xx, xy, yy = x * x + dx * dx / 12.0, x * y + dx * dy / 12.0, y * y + dy * dy / 12.0
-    return np.stack([np.ones(len(x)), x, y, xx, xy, yy], axis=1) * np.hypot(dx, dy)[:, None]
+    moments: np.ndarray = np.stack([np.ones(len(x)), x, y, xx, xy, yy], axis=1) * np.hypot(dx, dy)[:, None]
+    return moments
 
 
 def _scatter(moments: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -84,4 +87,5 @@ def _scatter(moments: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _squared_distance(moments: np.ndarray) -> np.ndarray:
     """Return the integral of the squared distance from the best line."""
     xx, xy, yy = _scatter(moments)
-    return np.maximum(0.5 * (xx + yy - np.sqrt((xx - yy) ** 2 + 4.0 * xy * xy)), 0.0)
+    distances: np.ndarray = np.maximum(0.5 * (xx + yy - np.sqrt((xx - yy) ** 2 + 4.0 * xy * xy)), 0.0)
+    return distances

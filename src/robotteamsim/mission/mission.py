@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import repeat
 
 import numpy as np
@@ -18,7 +18,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.wording import counted
-from robotteamsim.world.doors import DoorState, LeafMotion, door_at_start
+from robotteamsim.world.doors import DoorStates, LeafMotion
 
 NOBODY = -1
 """robot_id of an event that no robot caused."""
@@ -53,7 +53,7 @@ class Mission:
         self.noise_db = scenario.voice.noise_db
         """Background noise as last told [dB]."""
 
-        self._doors: Mapping[str, DoorState] = {door.name: door_at_start(door) for door in scenario.plan.doors}
+        self._doors = DoorStates.at_start(scenario.plan)
 
         self._state: MissionState = "waiting"
         self._end: MissionEnd = ""
@@ -121,16 +121,13 @@ class Mission:
         self._tell("door", name, NOBODY, f"door {name} is {'closed' if closed else 'opened'}")
         self._change_task()
 
-    def follow_doors(self, doors: Mapping[str, DoorState]) -> None:
+    def follow_doors(self, doors: DoorStates) -> None:
         """Take note of what the doors of the world do now; one that was opened or closed changes the voice map."""
-        if doors is self._doors:
-            return
-        for name, door in doors.items():
-            before = self._doors[name]
-            if door.closed != before.closed:
-                self.set_door(name, door.closed)
-            elif door.motion != before.motion:
-                self._tell("door_moves", name, NOBODY, f"door {name} {_MOTION[door.motion]}, {door.opening:.0%} open")
+        for name, before, now in doors.changes_since(self._doors):
+            if now.closed != before.closed:
+                self.set_door(name, now.closed)
+            elif now.motion != before.motion:
+                self._tell("door_moves", name, NOBODY, f"door {name} {_MOTION[now.motion]}, {now.opening:.0%} open")
         self._doors = doors
 
     def set_noise_db(self, noise_db: float) -> None:
@@ -210,7 +207,7 @@ class Mission:
     def _judge_places(self, positions_m: np.ndarray) -> None:
         num_victims = len(self.victims)
         area = num_victims + self._num_explored
-        for place, robot_id in _core.reached(positions_m, self._places_m, self._reaches_m):
+        for place, robot_id in _core.base.reached_places(positions_m, self._places_m, self._reaches_m):
             if place == area:
                 self._explore(robot_id)
             elif place < num_victims and self._victim_states[place] != "saved":

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from robotteamsim import _core
 from robotteamsim.interface import Task
 
 MissionState = Literal["waiting", "running", "paused", "ended"]
@@ -73,8 +72,7 @@ class MissionStatus(NamedTuple):
 
     def at(self, time_s: float) -> MissionStatus:
         """Return the same at another time of the mission's clock [s]."""
-        at: MissionStatus = _core.with_items(self, _TIME, time_s)  # `_replace`, at once
-        return at
+        return self._replace(time_s=time_s)
 
     @property
     def areas_explored(self) -> int:
@@ -85,6 +83,3 @@ class MissionStatus(NamedTuple):
     def victims_saved(self) -> int:
         """Number of saved victims."""
         return sum(state == "saved" for state in self.victims)
-
-
-_TIME = MissionStatus._fields.index("time_s")

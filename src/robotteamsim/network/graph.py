@@ -15,7 +15,7 @@ def hop_count(adjacency: np.ndarray) -> np.ndarray:
     Returns: int32, shape (n, n); 0 on the diagonal, -1 where no path exists.
     Raises:  ValueError: not square, not symmetric, or not zero on the diagonal.
     """
-    return _core.hop_count(_matrix(adjacency))
+    return _core.network.hop_count(_matrix(adjacency))
 
 
 def connectivity_matrix(adjacency: np.ndarray) -> np.ndarray:
@@ -51,7 +51,7 @@ def break_matrix(link: np.ndarray, hops: np.ndarray) -> np.ndarray:
 
     Args: link: float64, shape (n, n), zero diagonal: L of eq. (16). hops: int32, shape (n, n), from `hop_count`.
     """
-    return _core.break_matrix(link, hops)
+    return _core.network.break_matrix(link, hops)
 
 
 def fiedler_value(adjacency: np.ndarray) -> float:
@@ -64,7 +64,7 @@ def fiedler_value(adjacency: np.ndarray) -> float:
              complete graph is its number of robots.
     Raises:  ValueError: not square, not symmetric, not zero on the diagonal, or no robot.
     """
-    return _core.fiedler_value(_matrix(adjacency))
+    return _core.network.fiedler_value(_matrix(adjacency))
 
 
 def _matrix(adjacency: np.ndarray) -> np.ndarray:

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robotteamsim import _core
 from robotteamsim.network.delivery import Delivery
+from robotteamsim.network.links import TeamLinks
 from robotteamsim.network.messages import EVERYBODY, NO_TRAFFIC, Message, NetworkState, Refusal
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.sections import Network as NetworkSection
@@ -59,7 +59,7 @@ class Network:
         self._section = network
         self._num_robots = num_robots
         self._delivery = Delivery(network, num_robots, seed, step_ns)
-        self._links = self._new_links()
+        self._links = TeamLinks(self._radio_field, self._section)
         self._present: np.ndarray | None = None
 
     def step(
@@ -90,8 +90,7 @@ class Network:
             outboxes = [[message for message in outbox if message.num_bytes <= limit] for outbox in outboxes]
         if present is not self._present:
             # What is kept from step to step is of the same robots.
-            self._links, self._present = self._new_links(), present
-        state: NetworkState
+            self._links, self._present = TeamLinks(self._radio_field, self._section), present
         if present is None:
             state = self._links.step(positions_m)
         else:
@@ -101,20 +100,8 @@ class Network:
 
     def reset(self) -> None:
         """Forget the last links and messages on their way, as a new network."""
-        self._links = self._new_links()
+        self._links = TeamLinks(self._radio_field, self._section)
         self._delivery.reset()
-
-    def _new_links(self) -> _core.TeamLinks:
-        return _core.TeamLinks(
-            self._radio_field.core_faces,
-            self._radio_field.core_model,
-            NetworkState,
-            NO_TRAFFIC,
-            by_distance=self._section.link == "distance",
-            lost_below_dbm=self._section.lost_below_dbm,
-            max_distance_m=self._section.max_distance_m,
-            endangered_below_dbm=self._section.endangered_below_dbm,
-        )
 
     def _check(self, outboxes: Sequence[Sequence[Message]]) -> tuple[Refusal, ...]:
         """Return the messages that are too large. Raises: ValueError: as `step`."""

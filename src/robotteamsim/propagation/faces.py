@@ -42,9 +42,9 @@ class Faces:
     weights: np.ndarray
     doors: dict[str, bool]
 
-    def core(self) -> _core.FaceSet:
+    def core(self) -> _core.propagation.FaceSet:
         """Return these faces for the C++ core, with the doors as they are at the start."""
-        face_set = _core.FaceSet(self.ends_mm.tolist(), self.weights.tolist())
+        face_set = _core.propagation.FaceSet(self.ends_mm.tolist(), self.weights.tolist())
         for name, closed in self.doors.items():
             face_set.set_active(self.door_face(name), closed)
         return face_set

@@ -43,7 +43,7 @@ class RadioField:
         self._faces = radio_faces(plan, radio)
         self.core_faces = self._faces.core()
         """The faces and the model in C++, for the network that looks at them."""
-        self.core_model = _core.RadioModel(
+        self.core_model = _core.propagation.RadioModel(
             tx_power_dbm=radio.tx_power_dbm,
             constant_loss_db=radio.constant_loss_db,
             slope_db=radio.slope_db,
@@ -58,7 +58,7 @@ class RadioField:
         Args:   floors_crossed: k_f of eq. (4), the ceilings on the way; the walls are always those of this plan.
         Raises: ValueError: a coordinate is not finite, or floors_crossed negative.
         """
-        return _core.path_loss_db(self.core_faces, self.core_model, a_m, b_m, floors_crossed)
+        return _core.propagation.path_loss_db(self.core_faces, self.core_model, a_m, b_m, floors_crossed)
 
     def rssi_matrix_dbm(self, positions_m: np.ndarray, *, out: np.ndarray | None = None) -> np.ndarray:
         """Return the signal strength between all pairs of robots [dBm].
@@ -73,9 +73,9 @@ class RadioField:
         if positions_m.ndim != 2 or positions_m.shape[1] != 2:
             raise ValueError(f"positions_m must have shape (n, 2), got {positions_m.shape}")
         if out is None:
-            return _core.rssi_matrix_dbm(self.core_faces, self.core_model, positions_m)
+            return _core.propagation.rssi_matrix_dbm(self.core_faces, self.core_model, positions_m)
         rssi_dbm = map_array((len(positions_m), len(positions_m)), out, np.float64)
-        _core.write_rssi_matrix_dbm(self.core_faces, self.core_model, positions_m, rssi_dbm)
+        _core.propagation.write_rssi_matrix_dbm(self.core_faces, self.core_model, positions_m, rssi_dbm)
         return rssi_dbm
 
     def rssi_map_dbm(
@@ -113,7 +113,7 @@ class RadioField:
         """
         values = map_array(grid_shape(self._plan, resolution_m), out)
         origin_m = self._plan.bounds.min
-        _core.write_best_rssi_map_dbm(
+        _core.propagation.write_best_rssi_map_dbm(
             self.core_faces, self.core_model, transmitters_m, floors_crossed, origin_m, resolution_m, values, threads
         )
         return FieldMap(origin_m, resolution_m, values)
@@ -135,7 +135,7 @@ class RadioField:
         rows, columns = grid_shape(self._plan, resolution_m)
         values = map_array((len(transmitters_m), rows, columns), out)
         origin_m = self._plan.bounds.min
-        _core.write_rssi_maps_dbm(
+        _core.propagation.write_rssi_maps_dbm(
             self.core_faces,
             self.core_model,
             transmitters_m,
@@ -154,7 +154,7 @@ class RadioField:
         """
         shape = grid_shape(self._plan, resolution_m)
         origin_m = self._plan.bounds.min
-        weights = _core.WeightMap(self.core_faces, tx_m, origin_m, resolution_m, *shape)
+        weights = _core.propagation.WeightMap(self.core_faces, tx_m, origin_m, resolution_m, *shape)
 
         def write(floors_crossed: int, out: np.ndarray | None) -> FieldMap:
             values = map_array(shape, out)

@@ -40,9 +40,9 @@ class VoiceSource:
         if not (self.exponent > 0.0 and math.isfinite(self.exponent)):
             raise ValueError(f"exponent must be finite and > 0, got {self.exponent}")
 
-    def core(self) -> _core.VoiceSource:
+    def core(self) -> _core.propagation.VoiceSource:
         """Return this source for the C++ core."""
-        return _core.VoiceSource(self.position_m, self.constant_db, self.exponent)
+        return _core.propagation.VoiceSource(self.position_m, self.constant_db, self.exponent)
 
 
 @functools.lru_cache(maxsize=16)
@@ -77,7 +77,7 @@ class VoiceField:
 
         Raises: ValueError: a coordinate is not finite.
         """
-        return _core.voice_level_db(self._core_faces, self._model, source.core(), at_m)
+        return _core.propagation.voice_level_db(self._core_faces, self._model, source.core(), at_m)
 
     def map_db(self, sources: Sequence[VoiceSource], *, out: np.ndarray | None = None, threads: int = 1) -> FieldMap:
         """Return the highest level of all sources in each cell [dB]; 0 below the noise and in the cells of walls.
@@ -88,7 +88,7 @@ class VoiceField:
         Raises: ValueError: a source's position is not finite, or `out` is of another shape or type.
         """
         values = map_array(self._solid.shape, out)
-        _core.write_voice_map_db(
+        _core.propagation.write_voice_map_db(
             self._core_faces,
             self._model,
             [source.core() for source in sources],
@@ -108,6 +108,6 @@ class VoiceField:
         """Set the background noise [dB]; weaker voices are not heard. Raises: ValueError: negative or not finite."""
         if not 0.0 <= noise_db < float("inf"):
             raise ValueError(f"noise_db must be finite and >= 0, got {noise_db}")
-        self._model = _core.VoiceModel(
+        self._model = _core.propagation.VoiceModel(
             noise_db=noise_db, unit_db=self._unit_db, min_distance_m=self._voice.min_distance_m
         )

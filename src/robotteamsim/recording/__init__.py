@@ -1,4 +1,4 @@
-"""Recorders that look on while a trial runs, and the files that they write."""
+"""Recorders: observers that write a trial to files."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ __all__ = ["BagWriter", "ResultWriter", "TrajectoryHash", "TumWriter", "result_s
 
 
 def __getattr__(name: str) -> Any:
-    """Import what brings rosbags along only when it is asked for: not every process writes a bag."""
+    """Import `BagWriter` on first use, because rosbags is slow to load and few processes write a bag."""
     if name != "BagWriter":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from robotteamsim.recording.bag import BagWriter

@@ -1,4 +1,4 @@
-"""A bag of a headless run, with the topics and types of a ROS run."""
+"""Writes a bag of a headless run, with the topics and types of a ROS run."""
 
 from __future__ import annotations
 
@@ -23,11 +23,10 @@ from robotteamsim.simulation import Result, StepRecord
 from robotteamsim.world.placement import placed_robots
 
 MAP_RESOLUTION_M = 0.05
-"""Cell of `/map` [m]."""
+"""Cell size of `/map` [m]."""
 
 CHUNK_BYTES = 256 * 1024
-"""What a kill can lose at most. The bag of three robots fills a chunk in about 4 s of simulated time."""
-
+"""Most data that a killed process can lose. Three robots fill a chunk in about 4 s of simulated time."""
 
 _MAGIC = b"#ROSBAG V2.0\n"
 _FILE_HEADER_BYTES = 4096
@@ -68,14 +67,14 @@ ROBOT_TOPICS = (
     Topic("cmd_vel", "geometry_msgs/Twist"),
     Topic("controller/status", "robotteamsim/ControllerStatus"),
 )
-"""In the namespace of each robot."""
+"""Topics in the namespace of each robot."""
 
 
 class _Writer(Writer):
-    """A bag file with a file header as long as ROS's own tools make it.
+    """A bag file whose file header has the length that ROS's own tools use.
 
-    rosbags pads it to 8 bytes less: `rosbag reindex`, which writes the header anew in its own length, would then
-    destroy the first chunk.
+    rosbags pads it to 8 bytes less. `rosbag reindex` rewrites the header in its own length and would then overwrite the
+    start of the first chunk.
     """
 
     def open(self) -> None:
@@ -103,8 +102,8 @@ class _Writer(Writer):
 class BagWriter:
     """Writes a ROS 1 bag while the trial runs.
 
-    Like `rosbag record` it writes to `path`.active and renames that at the end, or when the run is broken off. After a
-    kill or a full disk the .active file holds all complete chunks; `rosbag reindex` makes it readable.
+    Like `rosbag record`, it writes to `path`.active and renames that file when the run ends or is interrupted. After a
+    kill or a full disk, the .active file contains all complete chunks; `rosbag reindex` makes it readable.
     """
 
     def __init__(self, path: Path) -> None:
@@ -136,7 +135,7 @@ class BagWriter:
             raise cannot_write(self._path, error) from error
 
     def step(self, record: StepRecord) -> None:
-        """Write the messages of one step. Raises: RecordingError: the disk is full, for instance."""
+        """Write the messages of one step. Raises: RecordingError: the bag cannot be written, such as on a full disk."""
         assert self._writer is not None
         self._within_step = True
         try:
@@ -149,22 +148,25 @@ class BagWriter:
             self._steps += 1
             self._within_step = False
         except OSError as error:
-            raise self._broken(error) from error
+            raise self._write_error(error) from error
 
     def end(self, result: Result) -> None:
-        """Close the bag and give it its name. Raises: RecordingError."""
+        """Close the bag and rename it to `path`. Raises: RecordingError."""
         self._close()
 
     def abandon(self) -> None:
-        """Close the bag as it is: without a step it vanishes, with half a step it is left to `rosbag reindex`."""
+        """Close the bag of an interrupted run.
+
+        An empty bag is deleted. After an incomplete step the .active file stays, for `rosbag reindex`.
+        """
         if self._writer is None:
             return
         if self._steps == 0:
-            self._let_go()
+            self._close_file()
             self._active.unlink(missing_ok=True)
             return
         if self._within_step:
-            self._let_go()
+            self._close_file()
             return
         with contextlib.suppress(RecordingError):
             self._close()
@@ -176,18 +178,18 @@ class BagWriter:
             self._writer = None
             self._active.replace(self._path)
         except OSError as error:
-            raise self._broken(error) from error
+            raise self._write_error(error) from error
 
-    def _broken(self, error: OSError) -> RecordingError:
-        """Let go of the file as it is, and return what the user is told."""
-        self._let_go()
+    def _write_error(self, error: OSError) -> RecordingError:
+        """Close the file without an index, and return the error for the user."""
+        self._close_file()
         why = error.strerror or error
-        rescue = f"`rosbag reindex {self._active}` saves what was recorded"
+        rescue = f"`rosbag reindex {self._active}` recovers what was recorded"
         return RecordingError(f"{self._active}: cannot be written: {why}; {rescue}")
 
-    def _let_go(self) -> None:
+    def _close_file(self) -> None:
         if self._writer is not None and self._writer.bio is not None:
-            # Closing flushes, which fails once more on a full disk.
+            # Closing flushes, which fails again on a full disk.
             with contextlib.suppress(OSError):
                 self._writer.bio.close()
         self._writer = None
@@ -209,7 +211,7 @@ class BagWriter:
         )
 
     def _messages(self, record: StepRecord) -> Iterator[tuple[int, str, Any]]:
-        """Yield time [ns], topic and message in the order in which the nodes publish: the step's clock comes last."""
+        """Yield time [ns], topic and message in the order in which the nodes publish; the clock of the step is last."""
         make, time_ns = self._make, record.sim_time_ns
         ticks = self._scenario.run.physics_substeps
         for tick in range(1, ticks):
@@ -233,7 +235,7 @@ class BagWriter:
             reading.odometry if record.is_there(robot_id) else None for robot_id, reading in enumerate(record.readings)
         ]
         yield "/tf", ros_messages.transforms(make, time_ns, self._robots, odometry)
-        if record.doors and (last is None or record.doors is not last.doors):
+        if record.doors and (last is None or record.doors.version != last.doors.version):
             yield "/world/doors", ros_messages.doors(make, time_ns, record.doors)
         if last is None or record.present is not last.present or record.arrivals is not last.arrivals:
             yield "/world/robots", ros_messages.robots(make, time_ns, record.present, record.arrivals)

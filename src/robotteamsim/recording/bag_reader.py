@@ -1,4 +1,4 @@
-"""Bags as they are read without ROS: one recording, whole or in parts, from any world or robot."""
+"""Reads bags without ROS: one recording in one or several files, from any simulator or robot."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MAGIC = b"#ROSBAG V"
 
 
 class BagReader:
-    """Reads messages of ROS 1 bags, compressed or not; a context manager.
+    """Reads the messages of ROS 1 bags, compressed or not; a context manager.
 
     Several paths are the parts of one recording (`rosbag record --split`), in any order.
     """
@@ -33,16 +33,16 @@ class BagReader:
         self._types: dict[tuple[str, str], Typestore | None] = {}
 
     def __enter__(self) -> BagReader:
-        """Open the files. Raises: RecordingError: no bag, without an index, or parts that are none of one recording."""
+        """Open the files. Raises: RecordingError: not a bag, no index, or files that are not parts of one recording."""
         with contextlib.ExitStack() as stack:
-            readers = [stack.enter_context(_opened(path)) for path in self._paths]
+            readers = [stack.enter_context(_open(path)) for path in self._paths]
             self._readers = sorted(
                 (reader for reader in readers if reader.message_count), key=lambda reader: reader.start_time
             )
             for before, after in itertools.pairwise(self._readers):
                 if after.start_time < before.end_time - 1:  # rosbags counts to the nanosecond after the last message
                     raise RecordingError(
-                        f"{before.path}, {after.path}: overlap in time, so are no parts of a recording"
+                        f"{before.path}, {after.path}: overlap in time, so they are not parts of one recording"
                     )
             self._stack = stack.pop_all()
         return self
@@ -53,7 +53,7 @@ class BagReader:
 
     @property
     def topics(self) -> dict[str, str]:
-        """Types such as "nav_msgs/Odometry" by topic, of all topics with messages, by name."""
+        """Type of each topic that has messages, such as "nav_msgs/Odometry", sorted by topic."""
         types = {
             connection.topic: connection.msgtype.replace("/msg/", "/")
             for reader in self._readers
@@ -63,7 +63,7 @@ class BagReader:
         return dict(sorted(types.items()))
 
     def is_known(self, topic: str) -> bool:
-        """Whether the messages of a topic can be read: all types but ROS's own are those that the bag defines."""
+        """Whether the messages of a topic can be read; types other than ROS's are read as the bag defines them."""
         return all(
             self._types_of(connection) is not None
             for reader in self._readers
@@ -74,13 +74,14 @@ class BagReader:
     def messages(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
         """Yield topic, stamp [ns] and message of these topics, in the order of recording.
 
-        The stamp is the header's; that of recording where a message has none. Raises: RecordingError: damaged data.
+        The stamp is that of the header, or the time of recording for a message without one.
+        Raises: RecordingError: the data are damaged.
         """
         for reader in self._readers:
             chosen = [connection for connection in reader.connections if connection.topic in topics]
             if not chosen:
-                continue  # rosbags takes no choice for all
-            with _damage_told(reader):
+                continue  # rosbags reads all connections if none is chosen
+            with _damage_reported(reader):
                 for connection, time_ns, data in reader.messages(chosen):
                     types = self._types_of(connection)
                     assert types is not None, f"{connection.topic} is not known"
@@ -88,7 +89,7 @@ class BagReader:
                     yield connection.topic, _stamp_ns(message) or time_ns, message
 
     def _types_of(self, connection: Any) -> Typestore | None:
-        """Return the types with which the messages of a connection are read; None where that is not possible."""
+        """Return the types for the messages of a connection, or None if they cannot be read."""
         key = connection.msgtype, connection.digest
         if key not in self._types:
             self._types[key] = self._typestore if self._is_ours(connection) else _own_types(connection)
@@ -102,10 +103,10 @@ class BagReader:
 
 
 def _own_types(connection: Any) -> Typestore | None:
-    """Return ROS's types and those that a bag defines beside them, such as older versions of this package's."""
+    """Return ROS's types and those that the bag defines itself, such as older versions of this package's types."""
     types = get_typestore(Stores.ROS1_NOETIC)
     if connection.msgtype in types.types:
-        return None  # ROS's own types never change; this is something else under their name.
+        return None  # ROS's own types never change, so this is a different type of the same name.
     try:
         defined = get_types_from_msg(connection.msgdef.data, connection.msgtype)
         types.register({name: kind for name, kind in defined.items() if name not in types.types})
@@ -115,17 +116,17 @@ def _own_types(connection: Any) -> Typestore | None:
 
 
 @contextlib.contextmanager
-def _opened(path: Path) -> Iterator[Reader]:
+def _open(path: Path) -> Iterator[Reader]:
     """Open one bag. Raises: RecordingError."""
     try:
         with path.open("rb") as file:
             begin = file.read(len(_MAGIC))
     except OSError as error:
-        raise RecordingError(f"{path}: cannot be read: {error.strerror or error}; wanted a bag") from None
+        raise RecordingError(f"{path}: cannot be read: {error.strerror or error}; expected a bag") from None
     if begin != _MAGIC:
-        raise RecordingError(f"{path}: {'is no ROS 1 bag' if begin else 'is empty, wanted a bag'}")
+        raise RecordingError(f"{path}: {'is not a ROS 1 bag' if begin else 'is empty, expected a bag'}")
     reader = Reader(path)
-    with _damage_told(reader):
+    with _damage_reported(reader):
         reader.open()
     try:
         yield reader
@@ -134,24 +135,24 @@ def _opened(path: Path) -> Iterator[Reader]:
 
 
 @contextlib.contextmanager
-def _damage_told(reader: Reader) -> Iterator[None]:
-    """Turn what rosbags and decompressors raise on damaged files into one line that names the cure."""
+def _damage_reported(reader: Reader) -> Iterator[None]:
+    """Convert the exceptions of rosbags and decompressors on damaged files to one line that names the remedy."""
     try:
         yield
     except (GeneratorExit, MemoryError, RecordingError):
         raise
-    except Exception as error:  # Of bytes at random: AssertionError, IndexError, KeyError, struct.error, and so on.
+    except Exception as error:  # Damaged bytes cause AssertionError, IndexError, KeyError, struct.error and others.
         path = str(reader.path)
         why = "is damaged"
         if isinstance(error, ReaderError):
             if "not indexed" in str(error):
-                why = "has no index, because its recording was broken off"
+                why = "has no index, because its recording was interrupted"
             elif "not supported" in str(error):
                 raise RecordingError(f"{path}: {str(error).rstrip('.')}") from error
-        raise RecordingError(f"{path}: {why}; `rosbag reindex {path}` saves what can be read") from error
+        raise RecordingError(f"{path}: {why}; `rosbag reindex {path}` recovers what can be read") from error
 
 
 def _stamp_ns(message: Any) -> int:
-    """Return the stamp of a message's header [ns]; 0 where it has none."""
+    """Return the stamp of a message's header [ns], or 0 if it has none."""
     header = getattr(message, "header", None)
     return header.stamp.sec * 10**9 + header.stamp.nanosec if header else 0

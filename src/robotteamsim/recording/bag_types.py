@@ -12,7 +12,7 @@ from rosbags.typesys.store import Typestore
 from robotteamsim.errors import RecordingError
 from robotteamsim.scenario.shipped import share_roots
 
-_TF_MESSAGE = "geometry_msgs/TransformStamped[] transforms\n"  # tf2_msgs is not among the types of rosbags
+_TF_MESSAGE = "geometry_msgs/TransformStamped[] transforms\n"  # rosbags does not include tf2_msgs
 
 
 class BagTypes:
@@ -35,7 +35,7 @@ class BagTypes:
 def bag_typestore() -> Typestore:
     """Return the types of ROS 1 and of this package, for reading and writing bags.
 
-    Raises: RecordingError: the package's message definitions are not where they are installed.
+    Raises: RecordingError: the message definitions of the package are not installed.
     """
     typestore = get_typestore(Stores.ROS1_NOETIC)
     types = get_types_from_msg(_TF_MESSAGE, "tf2_msgs/msg/TFMessage")
@@ -51,4 +51,4 @@ def _message_files() -> tuple[Path, ...]:
         if files := sorted((root / "msg").glob("*.msg")):
             return tuple(files)
     places = ", ".join(str(root / "msg") for root in share_roots())
-    raise RecordingError(f"{places}: no message definitions; is robotteamsim installed as a whole?")
+    raise RecordingError(f"{places}: no message definitions found; is robotteamsim installed completely?")

@@ -1,4 +1,4 @@
-"""Writing files so that nothing half-written is ever left behind under a result's name."""
+"""Writes files atomically: an incomplete file never has the name of a result."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robotteamsim.errors import RecordingError
 
 
 def prepare_folder(folder: Path) -> None:
-    """Make a folder, with its parents, in which files can be written. Raises: RecordingError: that is not possible."""
+    """Create a folder and its parents, and check that it is writable. Raises: RecordingError: it is not."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -22,18 +22,18 @@ def prepare_folder(folder: Path) -> None:
 
 
 def check_replaceable(path: Path) -> None:
-    """Make sure that a path names a file, or nothing yet. Raises: RecordingError: a folder, a device."""
+    """Check that a path is a file or does not exist. Raises: RecordingError: it is a folder or a device."""
     if path.is_dir():
-        raise RecordingError(f"{path}: cannot be written: is a folder, wanted a file name")
+        raise RecordingError(f"{path}: cannot be written: is a folder, expected a file name")
     if path.exists() and not path.is_file():
-        raise RecordingError(f"{path}: cannot be written: is a device, wanted a file name")
+        raise RecordingError(f"{path}: cannot be written: is a device, expected a file name")
 
 
 @contextlib.contextmanager
 def atomically(path: Path) -> Iterator[Path]:
-    """Give a name to write to; when the block is left, the file takes the name `path`, or vanishes after an error.
+    """Yield a temporary path to write to; it is renamed to `path` after the block, or deleted after an error.
 
-    Others see the old file or the whole new one. Raises: RecordingError: an OSError in the block, or at the renaming.
+    Other processes see either the old file or the complete new one. Raises: RecordingError: writing or renaming fails.
     """
     check_replaceable(path)
     part = path.with_name(f".part-{path.name}")
@@ -51,11 +51,11 @@ def atomically(path: Path) -> Iterator[Path]:
 
 
 def write_atomically(path: Path, text: str) -> None:
-    """Write a text file in one go. Raises: RecordingError."""
+    """Write a text file atomically. Raises: RecordingError."""
     with atomically(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
 def cannot_write(path: Path, error: OSError) -> RecordingError:
-    """Return the error that tells a user which file could not be written, and why."""
+    """Return the error that names the file that cannot be written, and the reason."""
     return RecordingError(f"{path}: cannot be written: {error.strerror or error}")

@@ -1,4 +1,4 @@
-"""Writing films: GIF by Pillow, MP4 by ffmpeg."""
+"""Writes films: GIF with Pillow, MP4 with ffmpeg."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from robotteamsim.recording.files import atomically
 
 
 def find_ffmpeg() -> str:
-    """Return the ffmpeg that is installed, or that of the package imageio-ffmpeg. Raises: RecordingError: neither."""
+    """Return the path of the installed ffmpeg, or of that of imageio-ffmpeg. Raises: RecordingError: neither exists."""
     if found := shutil.which("ffmpeg"):
         return found
     try:
@@ -25,14 +25,14 @@ def find_ffmpeg() -> str:
 
         return str(imageio_ffmpeg.get_ffmpeg_exe())
     except (ImportError, RuntimeError):
-        cure = "`apt install ffmpeg` or `pip install imageio-ffmpeg`"
-        raise RecordingError(f"an MP4 needs ffmpeg, which is not installed: {cure}; a GIF needs neither") from None
+        remedy = "`apt install ffmpeg` or `pip install imageio-ffmpeg`"
+        raise RecordingError(f"an MP4 needs ffmpeg, which is not installed: {remedy}; a GIF needs neither") from None
 
 
 def write_gif(path: Path, frames: Iterable[np.ndarray], samples: Iterable[np.ndarray], frames_per_s: int) -> None:
     """Write frames, uint8, shape (height, width, 3), as a GIF that repeats. Raises: RecordingError.
 
-    Args: samples: some frames, spread over the film, out of which the 256 colours of all are chosen.
+    Args: samples: frames spread over the film, from which its 256 colours are chosen.
     """
     palette = Image.fromarray(np.concatenate(list(samples))).quantize(256, Image.Quantize.MEDIANCUT)
     images = (Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
@@ -56,7 +56,7 @@ def write_mp4(path: Path, frames: Iterable[np.ndarray], frames_per_s: int, ffmpe
                     process.stdin.write(np.ascontiguousarray(frame).tobytes())
                 process.stdin.close()
             except BrokenPipeError:
-                pass  # It has ended by itself; its log says why.
+                pass  # ffmpeg has ended; its log contains the reason.
             except BaseException:
                 process.kill()
                 raise

@@ -1,4 +1,4 @@
-"""mission.json: how a trial went, every event, and all that is needed to repeat it."""
+"""mission.json: the result of a trial, every event, and everything needed to repeat it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _LIBRARIES = ("numpy", "scipy", "shapely", "pydantic", "rosbags")
 
 
 class ResultWriter:
-    """Writes `folder`/mission.json when the mission has ended, whole or not at all."""
+    """Writes `folder`/mission.json when the mission has ended, completely or not at all."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -44,7 +44,7 @@ class ResultWriter:
         write_atomically(self._folder / FILE_NAME, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
 
     def abandon(self) -> None:
-        """Forget the events so far."""
+        """Discard the events so far."""
         self._events = []
 
 
@@ -70,5 +70,5 @@ def versions() -> dict[str, str]:
         try:
             found[library] = metadata.version(library)
         except metadata.PackageNotFoundError:
-            continue  # Recording without it is possible: only bags need rosbags.
+            continue  # Not every library is required: only bags need rosbags.
     return found

@@ -5,7 +5,7 @@ of rosbags, and the nodes pass a factory for their own message classes. Numeric 
 attribute's type; a factory converts them if its classes need something else.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,12 +18,12 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.doors import DoorStates
 
 MAP_FRAME = "map"
 
-# Where the nine covariances of x, y and yaw stand among the 36 of (x, y, z, roll, pitch, yaw), and which of a triangle
-# each is. All others are 0: the floor is level, so z, roll and pitch are known.
+# Indices of the nine covariances of x, y and yaw among the 36 of (x, y, z, roll, pitch, yaw), and the element of the
+# triangle that each one is. All others are 0: the floor is level, so z, roll and pitch are known.
 _PLANE_OF_36 = np.array([0, 1, 5, 6, 7, 11, 30, 31, 35])
 _OF_TRIANGLE = np.array([0, 1, 2, 1, 3, 4, 2, 4, 5])
 _IDENTITY = PoseReading(0.0, 0.0, 0.0, 1.0)
@@ -91,19 +91,19 @@ def twist_stamped(make: Make, time_ns: int, robot_id: int, command: Twist) -> An
 
 
 def odometry(make: Make, time_ns: int, robot_id: int, reading: OdometryReading) -> Any:
-    """nav_msgs/Odometry, of `odom`."""
+    """nav_msgs/Odometry for `odom`."""
     return _odometry(make, time_ns, robot_frame(robot_id, "odom"), robot_id, reading)
 
 
 def pose_covariances(triangles: np.ndarray) -> np.ndarray:
-    """Return `OdometryReading.pose_covariance`, shape (..., 6), as ROS has it, shape (..., 36)."""
+    """Return `OdometryReading.pose_covariance`, shape (..., 6), in the layout of ROS, shape (..., 36)."""
     covariances = np.zeros((*triangles.shape[:-1], 36))
     covariances[..., _PLANE_OF_36] = triangles[..., _OF_TRIANGLE]
     return covariances
 
 
 def twist_covariances(variances: np.ndarray) -> np.ndarray:
-    """Return `OdometryReading.twist_variances`, shape (..., 3), as ROS has it, shape (..., 36)."""
+    """Return `OdometryReading.twist_variances`, shape (..., 3), in the layout of ROS, shape (..., 36)."""
     covariances = np.zeros((*variances.shape[:-1], 36))
     covariances[..., [0, 7, 35]] = variances
     return covariances
@@ -144,7 +144,7 @@ def contact(make: Make, time_ns: int, robot_id: int, in_contact: bool, angles_ra
 
 
 def transforms(make: Make, time_ns: int, robots: Sequence[Robot], odometry: Iterable[OdometryReading | None]) -> Any:
-    """tf2_msgs/TFMessage: the `robot_transforms` of all robots, in id order; None stands for one that is not there."""
+    """tf2_msgs/TFMessage: the `robot_transforms` of all robots, in id order; None for an absent robot."""
     return make(
         "tf2_msgs/TFMessage",
         transforms=[
@@ -190,13 +190,13 @@ def occupancy_grid(make: Make, time_ns: int, grid: OccupancyGrid) -> Any:
 
 
 def field_map_picture(make: Make, time_ns: int, field: FieldMap) -> Any:
-    """nav_msgs/OccupancyGrid of a map of levels, for rviz: whole dB in 0..100."""
+    """nav_msgs/OccupancyGrid of a map of levels, for rviz: integer dB from 0 to 100."""
     levels = np.clip(np.round(field.values), 0, 100).astype(np.int8)
     return _grid(make, time_ns, field.origin_m, field.resolution_m, levels)
 
 
 def radio_map_picture(make: Make, time_ns: int, field: FieldMap) -> Any:
-    """nav_msgs/OccupancyGrid of a map of signals, for rviz: 0 at -100 dBm and below, 100 at 0 dBm."""
+    """nav_msgs/OccupancyGrid of a map of signal strengths, for rviz: 0 at -100 dBm and below, 100 at 0 dBm."""
     return field_map_picture(make, time_ns, FieldMap(field.origin_m, field.resolution_m, field.values + 100.0))
 
 
@@ -334,19 +334,19 @@ def mission_event(make: Make, time_ns: int, event: Event) -> Any:
     )
 
 
-def victims(make: Make, time_ns: int, everybody: Sequence[Victim], states: Sequence[VictimState]) -> Any:
+def victims(make: Make, time_ns: int, all_victims: Sequence[Victim], states: Sequence[VictimState]) -> Any:
     """robotteamsim/Victims."""
     return make(
         "robotteamsim/Victims",
         header=header(make, time_ns, MAP_FRAME),
         victims=[
             make("robotteamsim/Victim", name=victim.name, position=point(make, victim.position), state=state)
-            for victim, state in zip(everybody, states, strict=True)
+            for victim, state in zip(all_victims, states, strict=True)
         ],
     )
 
 
-def doors(make: Make, time_ns: int, states: Mapping[str, DoorState]) -> Any:
+def doors(make: Make, time_ns: int, states: DoorStates) -> Any:
     """robotteamsim/Doors."""
     return make(
         "robotteamsim/Doors",
@@ -359,7 +359,7 @@ def doors(make: Make, time_ns: int, states: Mapping[str, DoorState]) -> Any:
 
 
 def robots(make: Make, time_ns: int, present: np.ndarray | None, arrivals: Sequence[int]) -> Any:
-    """robotteamsim/Robots; present: bool, shape (n,); None: all are there."""
+    """robotteamsim/Robots. Args: present: bool, shape (n,); None if all robots are present."""
     return make(
         "robotteamsim/Robots",
         header=header(make, time_ns, MAP_FRAME),

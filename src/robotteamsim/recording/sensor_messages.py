@@ -1,4 +1,4 @@
-"""The further sensors of a robot as ROS messages: topics, types and fields, for bags without ROS and for the nodes."""
+"""Topics and messages of a robot's further sensors, for bags written without ROS and for the nodes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _COVARIANCE_TYPE_DIAGONAL_KNOWN = 2
 class SensorTopic:
     """The topic of one sensor, in the namespace of its robot.
 
-    message: makes its message from the stamp [ns], the robot's id and its readings; None in a step without a reading.
+    message: makes the message from the stamp [ns], the robot's id and its readings; None in a step without a reading.
     """
 
     name: str

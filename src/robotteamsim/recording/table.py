@@ -1,4 +1,4 @@
-"""What happened in a mission, for people."""
+"""Prints the events and the result of a mission."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from robotteamsim.simulation import Result, StepRecord
 from robotteamsim.wording import counted
 
 MAX_EVENTS = 60
-"""Beyond this many, endangered links are left to mission.json."""
+"""Above this number of events, endangered links are only counted; mission.json lists them."""
 
 END_WORDS: dict[MissionEnd, str] = {
-    "areas_explored": "all areas are explored",
-    "time_limit": "the time was up",
+    "areas_explored": "all areas explored",
+    "time_limit": "time limit reached",
     "all_excluded": "all robots were excluded",
-    "none_left": "no robot was left",
+    "none_left": "no robots left",
     "aborted": "aborted",
 }
 
@@ -42,13 +42,13 @@ _STYLES = {
 
 
 class EventList:
-    """Keeps the events of a run."""
+    """Collects the events of a run."""
 
     def __init__(self) -> None:
         self.events: list[Event] = []
 
     def begin(self, scenario: Scenario) -> None:
-        """Start anew."""
+        """Discard the events of an earlier run."""
         self.events = []
 
     def step(self, record: StepRecord) -> None:
@@ -56,27 +56,27 @@ class EventList:
         self.events.extend(record.events)
 
     def end(self, result: Result) -> None:
-        """Nothing is left to do."""
+        """Do nothing."""
 
     def abandon(self) -> None:
-        """Nothing is left to do."""
+        """Do nothing."""
 
 
 def print_result(
     console: Console, scenario: Scenario, result: Result, events: Sequence[Event], written: Sequence[Path | None]
 ) -> None:
-    """Print the events in order and the figures of a mission."""
+    """Print the events in order and the totals of a mission."""
     robots = counted(len(result.robots), "robot")
     title = f"{result.scenario}: {robots}, {result.noise_db:g} dB noise, seed {result.seed}"
     console.print(event_table(title, events))
-    console.print(_figure_table(result))
+    console.print(_totals_table(result))
     console.print(Text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)
     for path in filter(None, written):
         console.print(Text(f"  written      {path}"), soft_wrap=True)
 
 
 def event_table(title: str, events: Sequence[Event]) -> Table:
-    """Return the events in order; where there are many, endangered links are only counted."""
+    """Return the events in order; if there are many, endangered links are only counted."""
     table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, caption_justify="left")
     table.add_column("time", justify="right", no_wrap=True)
     table.add_column("what happened")
@@ -89,15 +89,16 @@ def event_table(title: str, events: Sequence[Event]) -> Table:
     return table
 
 
-def report_rows(reported: int | None, mean_s: float | None, max_s: float | None) -> list[tuple[str, str]]:
-    """Return what a table says of the finds that the base heard of; nothing where there is no base."""
-    if reported is None:
+def delivery_rows(delivered: int | None, mean_s: float | None, max_s: float | None) -> list[tuple[str, str]]:
+    """Return the row about discoveries delivered to the base, or nothing if there is no base."""
+    if delivered is None:
         return []
-    late = "" if mean_s is None else f", {mean_s:.1f} s after the find on average, {max_s:.1f} s at most"
-    return [("base heard of", f"{reported} finds{late}")]
+    delay = "" if mean_s is None else f", after {mean_s:.1f} s on average, {max_s:.1f} s at most"
+    discoveries = "1 discovery" if delivered == 1 else f"{delivered} discoveries"
+    return [("reached base", f"{discoveries}{delay}")]
 
 
-def _figure_table(result: Result) -> Table:
+def _totals_table(result: Result) -> Table:
     table = Table(box=None, show_header=False, pad_edge=True)
     table.add_column(style="dim")
     table.add_column()
@@ -107,7 +108,7 @@ def _figure_table(result: Result) -> Table:
         ("end", END_WORDS[result.end]),
         ("areas explored", f"{result.areas_explored} of {result.num_areas}"),
         ("victims saved", f"{result.victims_saved} of {result.num_victims}"),
-        *report_rows(result.finds_reported, result.mean_report_delay_s, result.max_report_delay_s),
+        *delivery_rows(result.finds_reported, result.mean_report_delay_s, result.max_report_delay_s),
         ("time", f"{result.time_s:.1f} s"),
         ("endangered links", str(result.endangered_links)),
         ("driven", f"{distances}{more} m"),

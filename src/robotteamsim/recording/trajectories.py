@@ -1,4 +1,4 @@
-"""Trajectories as text that evo and most plotting tools read."""
+"""Writes trajectories as text files that evo and most plotting tools can read."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ TUM_HEADER = "# timestamp tx ty tz qx qy qz qw"
 class TumWriter:
     """Writes each robot's true trajectory into `folder`/robot_<id>.tum when the mission has ended.
 
-    The format is that of the TUM RGB-D benchmark: one pose in `map` per line, [s], [m], unit quaternion. Of steps in
-    which a robot was not there it has none.
+    The format is that of the TUM RGB-D benchmark: one pose in `map` per line, [s], [m], unit quaternion. Steps in which
+    a robot was absent have no line.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -37,17 +37,17 @@ class TumWriter:
     def end(self, result: Result) -> None:
         """Write all trajectories. Raises: RecordingError."""
         for robot_id in range(len(result.robots)):
-            told = [(time_ns, poses[robot_id]) for time_ns, poses in self._steps]
-            lines = [tum_line(time_ns, pose) for time_ns, pose in told if not math.isnan(pose.x_m)]
+            steps = [(time_ns, poses[robot_id]) for time_ns, poses in self._steps]
+            lines = [tum_line(time_ns, pose) for time_ns, pose in steps if not math.isnan(pose.x_m)]
             path = self._folder / f"{robot_name(robot_id)}.tum"
             write_atomically(path, "\n".join([TUM_HEADER, *lines, ""]))
 
     def abandon(self) -> None:
-        """Forget the steps so far."""
+        """Discard the steps so far."""
         self._steps = []
 
 
 def tum_line(time_ns: int, pose: PoseReading) -> str:
-    """Return one line of a TUM file; reading its numbers gives back the same bits."""
+    """Return one line of a TUM file; its numbers are exact to the bit."""
     seconds, nanoseconds = divmod(time_ns, 10**9)
     return f"{seconds}.{nanoseconds:09d} {pose.x_m!r} {pose.y_m!r} 0 0 0 {pose.qz!r} {pose.qw!r}"

@@ -65,6 +65,22 @@ class Patrol(Model):
     g1: float = Field(default=0.1, gt=0.0, lt=1.0, description="G1: probability of a vertex that gains nothing")
     g2: float = Field(default=100.0, gt=0.0, le=1e6, description="G2: from this gain on the probability is 1 [s/m]")
     edge_min_m: float = Field(default=1.0, gt=0.0, le=100.0, description="shorter edges count as this [m]")
+    longest_edge: float = Field(
+        default=1.5,
+        ge=1.0,
+        le=10.0,
+        description="in spacings: longer paths link no places, without a file",
+    )
+    arrived_m: float = Field(
+        default=0.5, gt=0.0, le=10.0, description="a vertex is visited from this near: robots that meet there go on [m]"
+    )
+    timeout_factor: float = Field(
+        default=4.0,
+        ge=1.0,
+        le=100.0,
+        description="a robot chooses again after so many times its travel time",
+    )
+    timeout_s: float = Field(default=10.0, ge=0.0, le=1e6, description="on top of timeout_factor [s]")
 
 
 def read_patrol_graph(path: Path, place: str) -> dict[str, object]:

@@ -146,7 +146,7 @@ class OccupancyGrid:
     def contains(self, row: int, column: int) -> bool:
         """Whether a cell lies in the grid."""
         rows, columns = self.cells.shape
-        return 0 <= row < rows and 0 <= column < columns
+        return bool(0 <= row < rows and 0 <= column < columns)
 
     def is_free(self, x_m: float, y_m: float) -> bool:
         """Whether a point lies in a free cell; nothing outside the grid is free."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, get_args, get_origin
@@ -15,6 +16,9 @@ from robotteamsim.scenario.renamed_keys import renaming
 from robotteamsim.scenario.yaml_text import shown
 
 _Detail = dict[str, Any]
+
+_LONGEST_LIST = 240
+"""Longest list of known keys in an error [characters]: the message stays one readable line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +123,10 @@ def _known_key(name: str, model: type[Model] | None, root: type[Model]) -> str:
     if near:
         return near
     elsewhere = [path for path in _paths(root) if path.rpartition(".")[2] == name]
-    return f"; did you mean '{elsewhere[0]}'?" if elsewhere else f"; known are {', '.join(known)}"
+    if elsewhere:
+        return f"; did you mean '{elsewhere[0]}'?"
+    listed = textwrap.shorten(", ".join(known), _LONGEST_LIST, placeholder=f" ... ({len(known)} in all)")
+    return f"; known are {listed}"
 
 
 def _meaning(model: type[Model] | None, key: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-RENAMED_KEYS: dict[str, str] = {}
+RENAMED_KEYS = {"things": "objects"}
 """Old dotted key, list indices as *, and the dotted key that replaces it."""
 
 

@@ -8,14 +8,14 @@ from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from robotteamsim.scenario.base import Many, Model, first_repeated, wrong
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.origin import Origin
 from robotteamsim.scenario.schedule import ScheduledEvent, problem_of
 from robotteamsim.scenario.sections import Control, Mission, Network, PlacedRobot, Radio, Run, Team, Voice
-from robotteamsim.scenario.things import Thing
 
 MAX_ROBOTS = 3000
-MAX_THINGS = 1000
-MAX_HAPPENINGS = 1000
+MAX_OBJECTS = 1000
+MAX_EVENTS = 1000
 
 
 def _robots_form(value: Any) -> str | None:
@@ -43,9 +43,11 @@ class Scenario(Model):
     network: Network = Network()
     control: Control = Control()
     mission: Mission = Mission()
-    things: Many[Thing] = Field(default=(), max_length=MAX_THINGS, description="boxes and barrels that robots push")
+    objects: Many[MovableObject] = Field(
+        default=(), max_length=MAX_OBJECTS, description="boxes and barrels that robots push"
+    )
     schedule: Many[ScheduledEvent] = Field(
-        default=(), max_length=MAX_HAPPENINGS, description="robots that leave and come while the world runs"
+        default=(), max_length=MAX_EVENTS, description="robots that leave and come while the world runs"
     )
     run: Run = Run()
 
@@ -67,9 +69,9 @@ class Scenario(Model):
             raise wrong(
                 "control.swarms.initial", f"{self.control.swarms.initial} swarms need as many robots, not {num_robots}"
             )
-        repeated = first_repeated([thing.name for thing in self.things])
+        repeated = first_repeated([obj.name for obj in self.objects])
         if repeated:
-            raise wrong(f"things.{repeated[0]}.name", f"'{repeated[1]}' is the name of another already")
+            raise wrong(f"objects.{repeated[0]}.name", f"'{repeated[1]}' is the name of another already")
         if not any(self.present_at_start):
             raise wrong("robots", "none of them is there at the start")
         problem = problem_of(self.schedule, self.present_at_start)

@@ -9,10 +9,12 @@ from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import Interval, LossDb, Many, Model, PlanarPose, Point, first_repeated, wrong
 from robotteamsim.scenario.body import Body, check_footprint, disc_at, polygon_at
+from robotteamsim.scenario.control_tuning import CoverTuning, DoorTuning, LinkTuning, NavigatorTuning, WanderTuning
 from robotteamsim.scenario.drives import AnyDrive, Drive
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
-from robotteamsim.scenario.sensors import Gps, Laser, Mount, MountedLaser, Sonar, check_names
+from robotteamsim.scenario.sensors import Gps, Mount, MountedLaser, Sonar, check_names
+from robotteamsim.scenario.sensors import Laser as Laser
 
 
 class Radio(Model):
@@ -245,6 +247,24 @@ class Control(Model):
         "robot's own in the strongest tree over the team",
     )
     max_step_speed_mps: float = Field(default=0.58, gt=0.0, le=10.0, description="limit of the swarm velocity [m/s]")
+    speed_factor: float = Field(
+        default=1.25,
+        ge=1.0,
+        le=10.0,
+        description="robots drive this much faster than the swarm velocity, to be there when the next iteration begins",
+    )
+    update_timeout_share: float = Field(
+        default=0.5,
+        ge=0.0,
+        le=1.0,
+        description="part of an iteration that a robot waits for the updates of those that it heard in the last one",
+    )
+    member_timeout_s: float = Field(
+        default=30.0, gt=0.0, le=1e6, description="a member unheard for longer no longer draws others to its place [s]"
+    )
+    longest_detour_m: float = Field(
+        default=60.0, gt=0.0, le=10_000.0, description="best places farther along the path draw as the crow flies [m]"
+    )
     sensing_radius_m: float = Field(default=1.0, gt=0.0, le=50.0, description="r_s of the obstacle term [m]")
     navigation: Literal["path", "straight"] = Field(
         default="path", description="distances and waypoints along free paths of the known map, or as the crow flies"
@@ -255,6 +275,11 @@ class Control(Model):
     exclusion: SocialExclusion = SocialExclusion()
     swarms: Swarms = Swarms()
     patrol: Patrol = Patrol()
+    cover: CoverTuning = CoverTuning()
+    navigator: NavigatorTuning = NavigatorTuning()
+    wander: WanderTuning = WanderTuning()
+    communication: LinkTuning = LinkTuning()
+    doors: DoorTuning = DoorTuning()
 
     @model_validator(mode="after")
     def _check(self) -> Control:

@@ -12,7 +12,7 @@ import yaml
 from robotteamsim.errors import ScenarioError
 
 
-class _Loader(yaml.SafeLoader):
+class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
     """PyYAML's safe loader with the differences that the module names."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
@@ -24,10 +24,11 @@ class _Loader(yaml.SafeLoader):
                 problem = f"key {key_node.value} is not text; put it in quotes"
                 raise yaml.MarkedYAMLError(problem=problem, problem_mark=key_node.start_mark)
             if key_node.value in seen:
-                problem = f"key '{key_node.value}' stands here a second time"
+                problem = f"duplicate key '{key_node.value}'"
                 raise yaml.MarkedYAMLError(problem=problem, problem_mark=key_node.start_mark)
             seen.add(key_node.value)
-        return super().construct_mapping(node, deep)
+        mapping: dict[Any, Any] = super().construct_mapping(node, deep)
+        return mapping
 
 
 _Loader.yaml_implicit_resolvers = {
@@ -89,13 +90,13 @@ def read_mapping(path: Path, place: str, what: str) -> dict[str, Any]:
         raise ScenarioError(f"{place}: {error.strerror or error}") from None
     data = parse(text, place)
     if data is None:
-        raise ScenarioError(f"{place}: says nothing; wanted {what}: lines of KEY: VALUE")
+        raise ScenarioError(f"{place}: file is empty; expected {what}: lines of KEY: VALUE")
     if not isinstance(data, dict):
         raise ScenarioError(f"{place}: {shown(data)} is not {what}: lines of KEY: VALUE")
     return data
 
 
-class _Dumper(yaml.SafeDumper):
+class _Dumper(yaml.SafeDumper):  # type: ignore[misc]  # PyYAML has no types
     """Lists of plain values, such as points, on one line."""
 
     def represent_sequence(self, tag: str, sequence: Any, flow_style: bool | None = None) -> yaml.SequenceNode:
@@ -127,7 +128,8 @@ _Dumper.add_representer(str, _text)
 
 def write(value: Any) -> str:
     """Return the YAML text of plain values, keys in their order; `parse` gives the same value back."""
-    return yaml.dump(value, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=110)
+    text: str = yaml.dump(value, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=110)
+    return text
 
 
 def shown(value: Any) -> str:

@@ -15,7 +15,7 @@ from robotteamsim.scenario.sensors import MountedLaser
 from robotteamsim.world import World
 from robotteamsim.world.world import core_solids
 
-_NO_NOISE = np.empty(0)
+_NO_NOISE = np.empty((0, 0))
 
 
 class Laser:
@@ -46,11 +46,11 @@ class Laser:
 
 
 @functools.lru_cache(maxsize=16)
-def _core_laser(plan: FloorPlan, model: LaserModel) -> _core.Laser:
+def _core_laser(plan: FloorPlan, model: LaserModel) -> _core.sensing.Laser:
     """Return the C++ lasers of one kind; they keep what can be seen from where, so worlds on one plan share them."""
     as_rep_117 = model.no_return == "inf"
     left_m, yaw_rad = (model.left_m, model.yaw_rad) if isinstance(model, MountedLaser) else (0.0, 0.0)
-    return _core.Laser(
+    return _core.sensing.Laser(
         *core_solids(plan),
         beams=model.beams,
         angle_min_rad=yaw_rad + model.angle_min_rad,

@@ -48,7 +48,7 @@ class TeamOdometry:
         Args: omni: whether each robot is omnidirectional; none: none is.
         """
         alphas = [(model.alpha1, model.alpha2, model.alpha3, model.alpha4) for model in models]
-        self.core = _core.TeamOdometry(alphas, step_s, [False] * len(alphas) if omni is None else list(omni))
+        self.core = _core.sensing.TeamOdometry(alphas, step_s, [False] * len(alphas) if omni is None else list(omni))
         """The C++ odometry, for the sensors of a team."""
         self._generators = list(generators)
         self._noise = np.empty((_STEPS_PER_DRAW, len(self._generators), 3))

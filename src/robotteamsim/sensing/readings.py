@@ -9,7 +9,6 @@ from typing import NamedTuple, overload
 
 import numpy as np
 
-from robotteamsim import _core
 from robotteamsim.geometry import PoseReading, Twist
 
 
@@ -89,9 +88,6 @@ class RobotReading(NamedTuple):
     further: FurtherReadings = NOTHING_FURTHER
 
 
-_MAKER = _core.ReadingMaker(PoseReading, Twist, OdometryReading, RobotReading)
-
-
 # Not frozen, as it keeps what is made when it is asked for.
 @dataclass(slots=True, eq=False)
 class TeamReadings(Sequence[RobotReading]):
@@ -135,15 +131,29 @@ class TeamReadings(Sequence[RobotReading]):
     def one_by_one(self) -> tuple[RobotReading, ...]:
         """Return the readings in a tuple, which is made when it is asked for first."""
         if not self._readings:
-            self._readings = _MAKER.make(
-                self.ground_truth,
-                self.twists,
-                self.odometry,
-                self.ranges_m,
-                self.in_contact,
-                self.contact_angles_rad,
-                self.further,
-                NOTHING_FURTHER,
+            self._readings = tuple(
+                RobotReading(
+                    PoseReading(*truth),
+                    Twist(*twist),
+                    OdometryReading(
+                        PoseReading(*odometry[:4]), Twist(*odometry[4:7]), tuple(odometry[7:13]), tuple(odometry[13:])
+                    ),
+                    ranges_m,
+                    touches,
+                    self.contact_angles_rad.get(robot_id, ()) if touches else (),
+                    further,
+                )
+                for robot_id, (truth, twist, odometry, ranges_m, touches, further) in enumerate(
+                    zip(
+                        self.ground_truth.tolist(),
+                        self.twists.tolist(),
+                        self.odometry.tolist(),
+                        self.ranges_m,
+                        self.in_contact.tolist(),
+                        self.further or (NOTHING_FURTHER,) * len(self),
+                        strict=True,
+                    )
+                )
             )
         return self._readings
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -35,7 +34,7 @@ class RobotSensors:
             for model in models
         ]
         noisy = any(model.noise_m > 0.0 for model in models)
-        self._no_noise_m: list[np.ndarray] | None = None if noisy else []
+        self._no_noise_m: list[np.ndarray] | None = None if noisy else [np.empty((0, 0)) for _ in models]
         self._further = FurtherSensors(world, robots, seed)
         self.reset()
 
@@ -51,8 +50,28 @@ class RobotSensors:
             kinds = zip(self._lasers, self._laser_streams, strict=True)
             noise_m = [laser.noise_m(streams) for (laser, _), streams in kinds]
         further = self._further.read() if self._further.has_any else ()
-        readings: TeamReadings = self._core.read(self._world.core, self._odometry.next_noise(), noise_m, further)
-        return readings
+        readings = self._core.read(self._world.core, self._odometry.next_noise(), noise_m)
+        return TeamReadings(
+            ground_truth=readings.ground_truth,
+            positions_m=readings.positions_m,
+            twists=readings.twists,
+            odometry=readings.odometry,
+            ranges_m=self._by_robot(readings.scans_m),
+            in_contact=readings.in_contact,
+            contact_angles_rad=self._world.contact_angles_rad(),
+            further=further,
+        )
+
+    def _by_robot(self, scans_m: Sequence[np.ndarray]) -> Sequence[np.ndarray] | np.ndarray:
+        """Return the scans in the order of robots. Args: scans_m: of each kind of laser, in the order of its robots."""
+        if len(scans_m) == 1:
+            return scans_m[0]
+        scan_of = {
+            robot_id: scan_m
+            for (_, robot_ids), scans in zip(self._lasers, scans_m, strict=True)
+            for robot_id, scan_m in zip(robot_ids, scans, strict=True)
+        }
+        return [scan_of[robot_id] for robot_id in range(len(self._robots))]
 
     def reset(self) -> None:
         """Begin again as new, after `World.reset`: odometry at its origin, all random streams from their start."""
@@ -67,11 +86,8 @@ class RobotSensors:
             [stream(self._seed, "odometry", robot_id) for robot_id in range(len(self._robots))],
             [robot.drive.kind == "omni" for robot in self._robots],
         )
-        self._core = _core.TeamSensors(
-            self._odometry.core,
-            [(laser.core, robot_ids) for laser, robot_ids in self._lasers],
-            TeamReadings,
-            [field.name for field in dataclasses.fields(TeamReadings)],
+        self._core = _core.sensing.TeamSensors(
+            self._odometry.core, [(laser.core, robot_ids) for laser, robot_ids in self._lasers]
         )
 
     def _begin_for_those_who_came(self) -> None:

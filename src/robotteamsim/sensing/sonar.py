@@ -1,4 +1,4 @@
-"""Sonars: how far the nearest thing within a cone is."""
+"""Sonars: how far the nearest object within a cone is."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Sonar:
     def __init__(self, model: SonarModel, world: World) -> None:
         self._model = model
         self._world = world
-        self._core = _core.Laser(
+        self._core = _core.sensing.Laser(
             *core_solids(world.plan),
             beams=model.rays,
             angle_min_rad=model.yaw_rad - 0.5 * model.opening_rad,

@@ -33,8 +33,8 @@ class VoiceSensor:
         self._asked: Collection[str] | None = None
         """The names that were asked to be silent last, while they are."""
         self._map: FieldMap | None = None
-        self._ear: _core.VoiceEar | None = None
-        """That hears by this map."""
+        self._core: _core.sensing.VoiceSensor | None = None
+        """Hears by this map."""
         self.changes = 0
         """How often the map has changed so far."""
         for victim in victims:
@@ -58,13 +58,15 @@ class VoiceSensor:
 
     def read_team(self, positions_m: np.ndarray) -> tuple[VoiceReading, ...]:
         """Return what `read` does for the position of each robot, shape (n, 2)."""
-        if self._ear is None:
+        if self._core is None:
             voice_map, radius_m = self.map(), self._voice.local_best_radius_m
-            self._ear = _core.VoiceEar(
-                voice_map.origin_m, voice_map.resolution_m, voice_map.values, radius_m, VoiceReading
+            self._core = _core.sensing.VoiceSensor(
+                voice_map.origin_m, voice_map.resolution_m, voice_map.values, radius_m
             )
-        readings: tuple[VoiceReading, ...] = self._ear.hear(positions_m)
-        return readings
+        return tuple(
+            VoiceReading(robot.level_db, robot.heard, robot.local_best_m, robot.local_best_level_db)
+            for robot in self._core.hear(positions_m)
+        )
 
     def silence(self, name: str) -> None:
         """Let a victim fall silent. Raises: ValueError: no such victim."""
@@ -114,5 +116,5 @@ class VoiceSensor:
             self._change()
 
     def _change(self) -> None:
-        self._map = self._ear = None
+        self._map = self._core = None
         self.changes += 1

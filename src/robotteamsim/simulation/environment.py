@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from robotteamsim.propagation import FieldMap, RadioField
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import NOTHING_HEARD, VoiceReading
 from robotteamsim.sensing.voice import VoiceSensor
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.doors import DoorStates
 
 
 class Environment:
@@ -24,8 +24,7 @@ class Environment:
         """What robots hear by."""
         num_robots, run = scenario.num_robots, scenario.run
         self._network = Network(self._radio, scenario.network, num_robots, seed=run.seed, step_ns=run.step_ns)
-        self._closed = {door.name: door.closed for door in scenario.plan.doors}
-        self._followed: Mapping[str, DoorState] = {}
+        self._doors = DoorStates.at_start(scenario.plan)
 
     def voice_map(self) -> FieldMap:
         """Return the voice level over the floor [dB]; 0 where no voice is above the noise."""
@@ -63,17 +62,14 @@ class Environment:
         """Open or close a door for radio and voices. Raises: ValueError: no such door."""
         self._radio.set_door(name, closed)
         self.voice.set_door(name, closed)
-        self._closed[name] = closed
-        self._followed = {}
+        self._doors = self._doors.with_door(name, closed)
 
-    def follow_doors(self, doors: Mapping[str, DoorState]) -> None:
-        """Take over which doors of the world are closed now."""
-        if doors is self._followed:
-            return
-        for name, door in doors.items():
-            if door.closed != self._closed[name]:
-                self.set_door(name, door.closed)
-        self._followed = doors
+    def follow_doors(self, doors: DoorStates) -> None:
+        """Open and close the doors for radio and voices that the world has opened and closed."""
+        for name, before, now in doors.changes_since(self._doors):
+            if now.closed != before.closed:
+                self.set_door(name, now.closed)
+        self._doors = doors
 
     def set_noise_db(self, noise_db: float) -> None:
         """Set the background noise [dB]; voices below it are not heard."""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -16,7 +15,7 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.doors import DoorStates
 
 
 class StepRecord(NamedTuple):
@@ -44,7 +43,7 @@ class StepRecord(NamedTuple):
     victims: tuple[Victim, ...]
     noise_db: float
     voice_map: FieldMap | None
-    doors: Mapping[str, DoorState] = MappingProxyType({})
+    doors: DoorStates = DoorStates()
     present: np.ndarray | None = None
     arrivals: tuple[int, ...] = ()
 

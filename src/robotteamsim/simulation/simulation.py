@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
 
-from robotteamsim import _core
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface import Decision, Observation, Task
@@ -21,7 +20,6 @@ from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.tally import Tally
 from robotteamsim.world import World
-from robotteamsim.world.doors import DoorState
 from robotteamsim.world.placement import check_places, placed_robots
 
 
@@ -38,8 +36,8 @@ class Simulation:
         check_places(scenario)
         robots, seed = placed_robots(scenario), scenario.run.seed
         self.scenario = scenario
-        things, schedule = scenario.things, scenario.schedule
-        self.world = World(scenario.plan, robots, scenario.run, things=things, schedule=schedule, seed=seed)
+        objects, schedule = scenario.objects, scenario.schedule
+        self.world = World(scenario.plan, robots, scenario.run, objects=objects, schedule=schedule)
         self.sensors = RobotSensors(self.world, robots, seed)
         self.environment = Environment(scenario)
         self._arrivals = self.world.arrivals
@@ -50,7 +48,6 @@ class Simulation:
         self._task = Task()
         self._saved: tuple[str, ...] = ()
         self._voice_map_changes = -1
-        self._doors: Mapping[str, DoorState] | None = None
 
     def step(self) -> StepRecord:
         """Advance by one step and return all that happened in it."""
@@ -59,10 +56,8 @@ class Simulation:
         twists, outboxes, *_ = zip(*self._decisions)  # noqa: B905
         world.step(twists)
         sim_time_ns, doors, present = world.sim_time_ns, world.door_states(), world.present
-        if doors is not self._doors:
-            environment.follow_doors(doors)
-            mission.follow_doors(doors)
-            self._doors = doors
+        environment.follow_doors(doors)
+        mission.follow_doors(doors)
         # The robots sense; the network delivers.
         readings = self.sensors.read()
         positions_m, of_robots = readings.positions_m, readings.one_by_one()
@@ -72,8 +67,8 @@ class Simulation:
         controllers = self.controllers if are_same else self._present_controllers(present)
         task = self._task
         for robot_id, controller in enumerate(controllers):
-            told = (robot_id, sim_time_ns, of_robots[robot_id], voices[robot_id])
-            controller.observe(_core.as_tuple(Observation, told), inboxes[robot_id], task)
+            observation = Observation(robot_id, sim_time_ns, of_robots[robot_id], voices[robot_id])
+            controller.observe(observation, inboxes[robot_id], task)
         decided = []
         for controller in controllers:
             decided.append(controller.decide())
@@ -82,7 +77,7 @@ class Simulation:
         base_inbox = () if self._base is None else inboxes[self._base]
         events = mission.step(sim_time_ns, positions_m, voices, network, decisions, base_inbox, present)
         self._task, self._saved = mission.task, mission.saved_victims
-        happened = (
+        return StepRecord(
             world.step_index,
             sim_time_ns,
             readings,
@@ -99,8 +94,6 @@ class Simulation:
             present,
             world.arrivals,
         )
-        record: StepRecord = _core.as_tuple(StepRecord, happened)
-        return record
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:
         """Run until the mission has ended, with observers looking on; a mission that waits is started.

@@ -12,7 +12,7 @@ class TeamTotals:
     """Adds up what each robot does."""
 
     def __init__(self, num_robots: int, step_s: float) -> None:
-        self._core = _core.TeamFigures(num_robots)
+        self._core = _core.simulation.TeamTotals(num_robots)
         self._step_s = step_s
 
     def update(
@@ -34,10 +34,10 @@ class TeamTotals:
         """Return the figures so far, in id order."""
         return tuple(
             RobotTotals(
-                distance_m=distance_m,
-                contact_s=contact_steps * self._step_s,
-                excluded_s=excluded_steps * self._step_s,
-                longest_stay_s=longest_stay_steps * self._step_s,
+                distance_m=robot.distance_m,
+                contact_s=robot.contact_steps * self._step_s,
+                excluded_s=robot.excluded_steps * self._step_s,
+                longest_stay_s=robot.longest_stay_steps * self._step_s,
             )
-            for distance_m, contact_steps, excluded_steps, longest_stay_steps in self._core.sums()
+            for robot in self._core.totals()
         )

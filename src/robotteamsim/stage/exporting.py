@@ -12,11 +12,12 @@ import numpy as np
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.drives import AnyDrive
 from robotteamsim.scenario.floor_plan import Block, Door, Wall
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import OCCUPIED, Corners, grid_shape, occupancy_grid
 from robotteamsim.scenario.plan_export import RESOLUTION_M
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot
-from robotteamsim.scenario.things import Thing
+from robotteamsim.scenario.sections import Odometry, PlacedRobot
+from robotteamsim.scenario.sensors import Laser
 from robotteamsim.world.placement import check_places, placed_robots
 
 MAX_PIXELS = 100_000_000
@@ -43,7 +44,7 @@ def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTI
 
     Walls and closed doors become a bitmap, cut to the solid cells as Stage itself would cut it, so that a cell stays
     where it is. Every robot becomes a position model, in id order: stage_ros calls them robot_0, ... Its rangers are
-    its laser, its further lasers and its sonars. Things become models that stand still.
+    its laser, its further lasers and its sonars. Objects become models that stand still.
 
     Args:   bitmap: the name of the PNG, relative to the world file. resolution_m: edge of a pixel.
     Raises: ScenarioError: the plan has no solid, or a robot is a car. PlacementError: a robot stands badly.
@@ -79,8 +80,8 @@ def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTI
     ]
     for number, kind in enumerate(kinds):
         lines += _defined(f"robot_kind_{number}", kind, lowest_m, scenario.run.step_ns)
-    for thing in scenario.things:
-        lines += _thing(thing)
+    for obj in scenario.objects:
+        lines += _object(obj)
     lines.append("")
     for i, robot in enumerate(robots):
         x, y, yaw = robot.start_pose
@@ -97,8 +98,8 @@ def _notes(scenario: Scenario, robots: Sequence[PlacedRobot]) -> tuple[str, ...]
         notes.append("odometry drifts by the alphas here, and by a fixed share of every motion in Stage: odom_error")
     if scenario.plan.doors:
         notes.append("doors stay as they are at the start: Stage has none that move, so closed ones are walls")
-    if scenario.things:
-        notes.append("things stay where they are: Stage pushes nothing")
+    if scenario.objects:
+        notes.append("objects stay where they are: Stage pushes nothing")
     if any(laser.no_return == "inf" for robot in robots for laser in (robot.laser, *robot.lasers)):
         notes.append("laser.no_return: Stage says range_max where nothing is hit, never inf")
     if any(robot.sonars for robot in robots):
@@ -140,18 +141,18 @@ def _floor_plan(scenario: Scenario, bitmap: str, size: Sequence[float], middle: 
     ]
 
 
-def _thing(thing: Thing) -> list[str]:
-    x, y, yaw = thing.pose
-    size = thing.size_m or (2.0 * thing.reach_m, 2.0 * thing.reach_m)
+def _object(obj: MovableObject) -> list[str]:
+    x, y, yaw = obj.pose
+    size = obj.size_m or (2.0 * obj.reach_m, 2.0 * obj.reach_m)
     return [
         "",
         "model",
         "(",
-        f'  name "{_text(thing.name)}"',
-        f"  size {_tuple(*size, thing.height_m)}",
-        *_outline(thing.corners_m or _disc(thing.reach_m)),
+        f'  name "{_text(obj.name)}"',
+        f"  size {_tuple(*size, obj.height_m)}",
+        *_outline(obj.corners_m or _disc(obj.reach_m)),
         f"  pose {_tuple(x, y, 0.0, math.degrees(yaw))}",
-        f'  color "{"brown" if thing.kind == "box" else "gray50"}"',
+        f'  color "{"brown" if obj.kind == "box" else "gray50"}"',
         ")",
     ]
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from robotteamsim.scenario.base import Model
-from robotteamsim.scenario.sections import Laser
-from robotteamsim.scenario.sensors import MountedLaser, Sonar, is_free_name
+from robotteamsim.scenario.sensors import Laser, MountedLaser, Sonar, is_free_name
 from robotteamsim.stage.solids import DEFAULT_SIZE_M
 from robotteamsim.stage.values import ASIDE_M, Notes, Pose2, Values, checked, compose, tidy
 from robotteamsim.stage.world_file import Entity
@@ -59,29 +58,29 @@ class RangerReader:
         lasers = [ranger for ranger in rangers if ranger not in sonars]
         if not lasers:
             lasers = [sonars.pop(0)]
-        names = self._names([*lasers[1:], *sonars])
-        keys: dict[str, Any] = {"laser": self._laser(self._beams(robot, lasers[0]))}
-        if lasers[1:]:
-            keys["lasers"] = tuple(self._further_laser(self._beams(robot, r), names[id(r)]) for r in lasers[1:])
+        keys: dict[str, Any] = {"laser": self._laser(self._beams(robot, lasers.pop(0)))}
+        names = iter(self._names([*lasers, *sonars]))
+        if lasers:
+            keys["lasers"] = tuple(self._further_laser(self._beams(robot, laser), next(names)) for laser in lasers)
         if sonars:
-            keys["sonars"] = tuple(self._sonar(self._beams(robot, r), names[id(r)]) for r in sonars)
+            keys["sonars"] = tuple(self._sonar(self._beams(robot, sonar), next(names)) for sonar in sonars)
         return keys
 
     def _name(self, ranger: Entity) -> str:
         return self._values.text(ranger, "name", ranger.called)
 
-    def _names(self, rangers: list[Entity]) -> dict[int, str]:
-        """Return a name of its own for each ranger: as in the file where that can be a topic."""
-        names: dict[int, str] = {}
+    def _names(self, rangers: list[Entity]) -> list[str]:
+        """Return a unique name for each ranger: as in the file where that can be a topic."""
+        names: list[str] = []
         for number, ranger in enumerate(rangers, 1):
             wanted = re.sub(r"\W", "_", self._name(ranger).lower(), flags=re.ASCII)
             if not is_free_name(wanted):
                 wanted = f"{ranger.kind}_{wanted}"
             name = wanted if wanted not in ("ranger", "laser") else f"{wanted}_{number}"
-            while name in names.values():
+            while name in names:
                 name = f"{wanted}_{number}"
                 number += 1
-            names[id(ranger)] = name
+            names.append(name)
         return names
 
     def _laser(self, beams: _Beams) -> Laser:

@@ -36,13 +36,13 @@ class Values:
 
     def __init__(self, root: Entity) -> None:
         """Take the units of the world. Raises: ScenarioError: an unknown unit."""
-        self._read: set[int] = set()
+        self._read: set[Property] = set()
         self._length_m = _LENGTHS_M[self.choice(root, "unit_length", tuple(_LENGTHS_M), "m")]
         self._angle_rad = _ANGLES_RAD[self.choice(root, "unit_angle", tuple(_ANGLES_RAD), "degrees")]
 
     def was_read(self, given: Property) -> bool:
         """Whether a property was asked for."""
-        return id(given) in self._read
+        return given in self._read
 
     def numbers(self, entity: Entity, key: str, units: str, default: tuple[float, ...]) -> tuple[float, ...]:
         """Return numbers in SI units.
@@ -108,7 +108,7 @@ class Values:
     def _given(self, entity: Entity, key: str) -> Property | None:
         given = entity.get(key)
         if given is not None:
-            self._read.add(id(given))
+            self._read.add(given)
         return given
 
 

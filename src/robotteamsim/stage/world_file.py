@@ -16,13 +16,14 @@ MAX_ENTITIES = 100_000
 Value = float | str
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Property:
-    """One key with its value, or its values in brackets."""
+    """One key with its value, or its values in brackets; `index` is that of its first word, so no two are equal."""
 
     name: str
     values: tuple[Value, ...]
     place: Place
+    index: int
 
 
 @dataclass(slots=True)
@@ -103,7 +104,8 @@ class _Parser:
         if self._peek("mark", "("):
             parent.children.append(self._entity(name, depth))
         else:
-            parent.properties[name.value] = Property(name.value, self._values(name), name.place)
+            index = self._next
+            parent.properties[name.value] = Property(name.value, self._values(name), name.place, index)
 
     def _entity(self, name: Token, depth: int) -> Entity:
         pattern = self._defined.get(name.value)
@@ -119,7 +121,7 @@ class _Parser:
         return entity
 
     def _copy(self, pattern: Entity, name: Token, depth: int) -> Entity:
-        """Return a copy of a defined kind; properties are never changed, so they are shared."""
+        """Return a copy of a defined kind; its properties are the same ones."""
         self._count(name, depth)
         copies = [self._copy(child, name, depth + 1) for child in pattern.children]
         return Entity(pattern.kind, pattern.called, pattern.place, dict(pattern.properties), copies)

@@ -20,7 +20,7 @@ def obstacle_attractor(position: Vector, hits_m: np.ndarray, candidates_m: np.nd
     """
     if len(hits_m) == 0 or len(candidates_m) == 0:
         return position
-    best = _core.farthest_from(hits_m, position, candidates_m)
+    best = _core.swarm.farthest_from(hits_m, position, candidates_m)
     if best < 0:
         return position
     x_m, y_m = candidates_m[best].tolist()

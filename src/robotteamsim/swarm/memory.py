@@ -43,8 +43,7 @@ def memory_coefficients(mode: MemoryMode, alpha: Coordinates, terms: int) -> tup
 
 def memory_term(coefficients: tuple[float, ...], velocities: Iterable[Vector]) -> Vector:
     """Return the weighted sum of past velocities, newest first; missing ones count as zero [same unit]."""
-    term: Vector = _core.memory_term(coefficients, velocities)
-    return term
+    return _core.swarm.memory_term(coefficients, tuple(velocities))
 
 
 def weighted_sum(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from itertools import islice
 from typing import NamedTuple, TypeVar, cast
 
 import numpy as np
@@ -60,8 +61,10 @@ def next_velocity(
     Args:   attractors: `Attractors`, or a tuple in their order.  weights: `Weights`, likewise.
     Raises: ValueError: fewer than four numbers are left.
     """
-    velocity: Vector = _core.next_velocity(position, inertia, attractors, weights, numbers)
-    return velocity
+    drawn = tuple(islice(numbers, 4))
+    if len(drawn) < len(attractors):
+        raise ValueError("there must be a random number for each attractor")
+    return _core.swarm.next_velocity(position, inertia, attractors, weights, drawn)
 
 
 def add_pulls(

@@ -1,12 +1,14 @@
-"""Doors as they are: the one place that says whether a door is open or closed."""
+"""The state of the doors: the one place that says whether a door is open or closed."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from types import MappingProxyType
+from typing import Literal, NamedTuple
 
 from robotteamsim import _core
-from robotteamsim.scenario.floor_plan import Door
+from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.plan import Corners, door_corners, leaf_corners
 from robotteamsim.world.pieces import convex_pieces
 
@@ -15,10 +17,10 @@ LeafMotion = Literal["still", "opens", "closes", "held"]
 
 @dataclass(frozen=True, slots=True)
 class DoorState:
-    """A door as it is after a step.
+    """The state of a door after a step.
 
-    closed:  whether the leaf is all across its gap. Radio, voices and the mission go by this and nothing else.
-    opening: how far it is open: 0 closed .. 1 open; of a door without a moving leaf one of both.
+    closed:  whether the leaf covers the whole gap. Radio, voices and the mission use this and nothing else.
+    opening: how far it is open: 0 closed .. 1 open; 0 or 1 for a door without a moving leaf.
     motion:  of its leaf: still, opens, closes, or held by something in its way.
     """
 
@@ -27,16 +29,66 @@ class DoorState:
     motion: LeafMotion = "still"
 
 
-def door_at_start(door: Door) -> DoorState:
-    """Return the state of a door at the start."""
-    return DoorState(door.closed, 0.0 if door.closed else 1.0)
+class DoorChange(NamedTuple):
+    """A door whose state is another one than before."""
+
+    name: str
+    before: DoorState
+    now: DoorState
 
 
-def core_door(door: Door) -> _core.Door:
+UNVERSIONED = -1
+"""Version of states that no world has counted; equal to no other version."""
+
+
+class DoorStates(Mapping[str, DoorState]):
+    """All doors after a step, by name, in the plan's order. Immutable: a change makes another object.
+
+    version: grows with each change of a world's doors, 0 at the start: equal versions of one world are equal states.
+    """
+
+    __slots__ = ("_states", "version")
+
+    def __init__(self, states: Mapping[str, DoorState] = MappingProxyType({}), version: int = UNVERSIONED) -> None:
+        self._states = dict(states)
+        self.version = version
+
+    @classmethod
+    def at_start(cls, plan: FloorPlan) -> DoorStates:
+        """Return the states of a plan's doors at the start."""
+        states = {door.name: DoorState(door.closed, 0.0 if door.closed else 1.0) for door in plan.doors}
+        return cls(states, version=0)
+
+    def __getitem__(self, name: str) -> DoorState:
+        return self._states[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._states)
+
+    def __len__(self) -> int:
+        return len(self._states)
+
+    def closed(self) -> dict[str, bool]:
+        """Return whether each door is closed, by name, in the plan's order."""
+        return {name: state.closed for name, state in self._states.items()}
+
+    def with_door(self, name: str, closed: bool) -> DoorStates:
+        """Return these doors with one that is wholly closed or wholly open; its version is of no world."""
+        return DoorStates(self._states | {name: DoorState(closed, 0.0 if closed else 1.0)})
+
+    def changes_since(self, before: DoorStates) -> list[DoorChange]:
+        """Return the doors whose state differs from an earlier one, in the plan's order."""
+        if self.version == before.version != UNVERSIONED:
+            return []
+        pairs = [DoorChange(name, before[name], state) for name, state in self._states.items()]
+        return [change for change in pairs if change.now != change.before]
+
+
+def core_door(door: Door) -> _core.world.Door:
     """Return a door of the C++ world."""
     leaf = door_corners(door)
-    return _core.Door(
-        _core.Solid(leaf, convex_pieces(leaf)),
+    return _core.world.Door(
+        _core.world.Solid(leaf, convex_pieces(leaf)),
         door.closed,
         time_s=door.leaf_time_s,
         angle_rad=door.leaf_angle_rad,
@@ -45,19 +97,9 @@ def core_door(door: Door) -> _core.Door:
     )
 
 
-def door_state(core: _core.World, index: int) -> DoorState:
-    """Return the state of a door by its index in the plan."""
-    closed: bool = core.door_closed(index)
-    leaf = core.leaves().get(index)
-    if leaf is None:
-        return DoorState(closed, 0.0 if closed else 1.0)
-    opening, shall_close, is_held = leaf
-    motion: LeafMotion = "closes" if shall_close else "opens"
-    if opening == (0.0 if shall_close else 1.0):
-        motion = "still"
-    elif is_held:
-        motion = "held"
-    return DoorState(closed, opening, motion)
+def door_state(state: _core.world.DoorState) -> DoorState:
+    """Return the state of a door of the C++ world."""
+    return DoorState(state.closed, state.opening, state.motion)
 
 
 def leaf_outline(door: Door, state: DoorState) -> Corners | None:

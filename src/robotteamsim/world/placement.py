@@ -10,11 +10,11 @@ from contextlib import contextmanager
 from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import solids
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import Mission, PlacedRobot, Robot, Team
-from robotteamsim.scenario.things import Thing
 from robotteamsim.world.clearance import TOUCH_M, Solids, check_inside, point_text, stands_in
 from robotteamsim.world.formation import formation
 
@@ -39,7 +39,7 @@ def check_places(scenario: Scenario) -> None:
     Raises: PlacementError: one line with file or --set, key, value and what is in the way.
     """
     with _blamed(scenario):
-        _check(scenario.plan, scenario.robots, scenario.mission, scenario.things, scenario.schedule)
+        _check(scenario.plan, scenario.robots, scenario.mission, scenario.objects, scenario.schedule)
 
 
 def check_mission(plan: FloorPlan, mission: Mission) -> None:
@@ -54,23 +54,23 @@ def check_mission(plan: FloorPlan, mission: Mission) -> None:
             raise PlacementError(f"{key}: {point_text(point)} lies in {hit.kind} '{hit.name}'", key)
 
 
-def check_things(plan: FloorPlan, things: Sequence[Thing], robots: Sequence[PlacedRobot]) -> None:
+def check_objects(plan: FloorPlan, objects: Sequence[MovableObject], robots: Sequence[PlacedRobot]) -> None:
     """Raise PlacementError, with the key, when an object is in a solid, an object or a robot, or outside the plan."""
-    if not things:
+    if not objects:
         return
-    still, placed = Solids(plan), [thing.body_at(thing.pose) for thing in things]
-    for i, (thing, body) in enumerate(zip(things, placed, strict=True)):
-        key = f"things.{i}.pose"
-        place = f"{key}: {point_text(thing.pose[:2])}: {thing.kind} '{thing.name}'"
-        if not plan.bounds.contains(thing.pose[:2]):
+    still, placed = Solids(plan), [obj.body_at(obj.pose) for obj in objects]
+    for i, (obj, body) in enumerate(zip(objects, placed, strict=True)):
+        key = f"objects.{i}.pose"
+        place = f"{key}: {point_text(obj.pose[:2])}: {obj.kind} '{obj.name}'"
+        if not plan.bounds.contains(obj.pose[:2]):
             raise PlacementError(f"{place} lies outside the plan, {plan.bounds}", key)
         if hit := still.under_body(body, TOUCH_M):
             raise PlacementError(f"{place} {stands_in(hit)}", key)
-        for other, other_body in zip(things[:i], placed[:i], strict=True):
+        for other, other_body in zip(objects[:i], placed[:i], strict=True):
             if body.overlaps(other_body, TOUCH_M):
                 raise PlacementError(f"{place} stands in {other.kind} '{other.name}'", key)
         for robot_id, robot in enumerate(robots):
-            is_near = math.dist(thing.pose[:2], robot.start_pose[:2]) < thing.reach_m + robot.reach_m
+            is_near = math.dist(obj.pose[:2], robot.start_pose[:2]) < obj.reach_m + robot.reach_m
             if robot.present and is_near and body.overlaps(robot.body_at(robot.start_pose), TOUCH_M):
                 raise PlacementError(f"{place} stands where robot {robot_id} starts", key)
 
@@ -106,12 +106,12 @@ def _check(
     plan: FloorPlan,
     robots: Robots,
     mission: Mission,
-    things: tuple[Thing, ...],
+    objects: tuple[MovableObject, ...],
     schedule: tuple[ScheduledEvent, ...],
 ) -> None:
     check_mission(plan, mission)
     placed = _placed(plan, robots)
-    check_things(plan, things, placed)
+    check_objects(plan, objects, placed)
     _check_schedule(plan, schedule, placed)
 
 

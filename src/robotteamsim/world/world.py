@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
@@ -14,13 +14,13 @@ from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.body import Body
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import Solid, solids
 from robotteamsim.scenario.schedule import ScheduledEvent, in_order
 from robotteamsim.scenario.sections import PlacedRobot, Run
-from robotteamsim.scenario.things import Thing
-from robotteamsim.world.doors import DoorState, core_door, door_at_start, door_state, leaf_outline
+from robotteamsim.world.doors import DoorStates, core_door, door_state, leaf_outline
 from robotteamsim.world.pieces import convex_pieces
-from robotteamsim.world.placement import check_things
+from robotteamsim.world.placement import check_objects
 
 _TOUCH_M = 1e-6
 """Robots may be placed touching a wall or each other, up to rounding."""
@@ -46,29 +46,26 @@ class World:
         robots: Sequence[PlacedRobot],
         run: Run,
         *,
-        things: Sequence[Thing] = (),
+        objects: Sequence[MovableObject] = (),
         schedule: Sequence[ScheduledEvent] = (),
-        seed: int = 0,
     ) -> None:
         """Place the robots at their start poses, in id order.
 
         Args:   schedule: robots that leave and come by themselves; one whose place is taken comes when it is free.
-                seed: for what is random in a world; so far nothing is.
-        Raises: PlacementError: a robot or thing starts in a wall, block, closed door, robot or thing, or outside.
+        Raises: PlacementError: a robot or object starts in a wall, block, closed door, robot or object, or outside.
         """
-        self.seed = seed
         self.plan = plan
         self._robots = tuple(robots)
-        self._first_things = self._things = tuple(things)
+        self._first_objects = self._objects = tuple(objects)
         self._step_ns = round(run.step_s * 1e9)
         self._solids, self._shapes = _still_solids(plan)
         self._door_ids = {door.name: index for index, door in enumerate(plan.doors)}
-        self._doors = {door.name: door_at_start(door) for door in plan.doors}
+        self._doors = DoorStates.at_start(plan)
         self._reaches_m = np.array([robot.reach_m for robot in self._robots])
         self._start_poses = [Pose(*robot.start_pose) for robot in self._robots]
         self._schedule = [happening for _, happening in in_order(schedule)]
         self._check_start_poses()
-        check_things(plan, self._things, self._robots)
+        check_objects(plan, self._objects, self._robots)
         self.core = self._build(run)
         """The C++ world, for the sensors that look at it."""
         self._have_leaves = any(door.motion != "instant" for door in plan.doors)
@@ -130,20 +127,14 @@ class World:
 
         Angles in `base_link`, ascending in (-pi, pi], from the robot's middle; contacts within 0.05 rad are one.
         """
-        return self.core.contact_angles()
+        return {robot_id: tuple(angles) for robot_id, angles in self.core.contact_angles().items()}
 
-    def things(self) -> dict[str, Pose]:
-        """Return where the middle of each thing is in `map`, by name, in the scenario's order."""
-        return {
-            thing.name: Pose(*row) for thing, row in zip(self._things, self.core.thing_poses().tolist(), strict=True)
-        }
+    def objects(self) -> dict[str, Pose]:
+        """Return where the middle of each object is in `map`, by name, in the scenario's order."""
+        return {obj.name: Pose(*row) for obj, row in zip(self._objects, self.core.object_poses().tolist(), strict=True)}
 
-    def doors(self) -> dict[str, bool]:
-        """Return whether each door is closed, by name, in the plan's order."""
-        return {name: state.closed for name, state in self._doors.items()}
-
-    def door_states(self) -> Mapping[str, DoorState]:
-        """Return all doors as they are, by name, in the plan's order; the same object until one of them changes."""
+    def door_states(self) -> DoorStates:
+        """Return the state of all doors, by name, in the plan's order; its version grows with each change."""
         return self._doors
 
     def set_pose(self, robot_id: int, pose: Pose) -> None:
@@ -154,7 +145,7 @@ class World:
         if not self._is_there(robot_id):
             raise ValueError(f"robot_{robot_id} is not there; wanted one that is")
         self._check_free(robot_id, pose)
-        self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
+        self.core.set_pose(robot_id, pose)
 
     def remove_robot(self, robot_id: int) -> None:
         """Take a robot off the floor. Raises: ValueError: no such robot, or it is not there."""
@@ -173,39 +164,39 @@ class World:
             raise ValueError(f"robot_{robot_id} is there already; it cannot be spawned")
         place = self._start_poses[robot_id] if pose is None else pose
         self._check_free(robot_id, place)
-        self.core.spawn_robot(robot_id, (place.x_m, place.y_m, place.yaw_rad))
+        self.core.spawn_robot(robot_id, place)
         self._look_who_is_there()
 
-    def thing_models(self) -> tuple[Thing, ...]:
-        """Return the things that are there, in the order of `things`, as they were put down; they may be elsewhere."""
-        return self._things
+    def object_models(self) -> tuple[MovableObject, ...]:
+        """Return the objects that are there, in the order of `objects`, with the poses that they were added at."""
+        return self._objects
 
-    def add_thing(self, thing: Thing) -> None:
-        """Put another thing into the world, at rest, behind the others in their order.
+    def add_object(self, obj: MovableObject) -> None:
+        """Put another object into the world, at rest, behind the others in their order.
 
         Raises: PlacementError: it cannot stand there. ValueError: its name is taken.
         """
-        known = next((other for other in self._things if other.name == thing.name), None)
+        known = next((other for other in self._objects if other.name == obj.name), None)
         if known is not None:
-            raise ValueError(f"there is a {known.kind} '{thing.name}' already")
-        self._check_thing(thing, Pose(*thing.pose))
-        self.core.add_thing(_thing(thing))
-        self._things = (*self._things, thing)
+            raise ValueError(f"there is a {known.kind} '{obj.name}' already")
+        self._check_object(obj, Pose(*obj.pose))
+        self.core.add_object(_object(obj))
+        self._objects = (*self._objects, obj)
 
-    def move_thing(self, name: str, pose: Pose) -> None:
-        """Put a thing elsewhere, at rest.
+    def move_object(self, name: str, pose: Pose) -> None:
+        """Put an object elsewhere, at rest.
 
-        Raises: PlacementError: it cannot stand there. ValueError: no such thing, or the pose is not finite.
+        Raises: PlacementError: it cannot stand there. ValueError: no such object, or the pose is not finite.
         """
-        index = self._thing_index(name)
-        self._check_thing(self._things[index], pose)
-        self.core.set_thing_pose(index, (pose.x_m, pose.y_m, pose.yaw_rad))
+        index = self._object_index(name)
+        self._check_object(self._objects[index], pose)
+        self.core.set_object_pose(index, pose)
 
-    def remove_thing(self, name: str) -> None:
-        """Take a thing out of the world. Raises: ValueError: no such thing."""
-        index = self._thing_index(name)
-        self.core.remove_thing(index)
-        self._things = (*self._things[:index], *self._things[index + 1 :])
+    def remove_object(self, name: str) -> None:
+        """Take an object out of the world. Raises: ValueError: no such object."""
+        index = self._object_index(name)
+        self.core.remove_object(index)
+        self._objects = (*self._objects[:index], *self._objects[index + 1 :])
 
     def set_door(self, name: str, closed: bool) -> None:
         """Have a door closed or opened.
@@ -221,16 +212,16 @@ class World:
         self._look_at_doors()
 
     def reset_positions(self) -> None:
-        """Put all robots back to their start poses, standing still; time, things and doors stay as they are."""
+        """Put all robots back to their start poses, standing still; time, objects and doors stay as they are."""
         for robot_id, pose in enumerate(self._start_poses):
             if self._is_there(robot_id):
-                self.core.set_pose(robot_id, (pose.x_m, pose.y_m, pose.yaw_rad))
+                self.core.set_pose(robot_id, pose)
 
     def reset(self) -> None:
-        """Begin again as new: time, poses, who is there, things and doors as at the start."""
+        """Begin again as new: time, poses, who is there, objects and doors as at the start."""
         self.core.reset()
-        self._doors = {door.name: door_at_start(door) for door in self.plan.doors}
-        self._things = self._first_things
+        self._look_at_doors()
+        self._objects = self._first_objects
         self._begin()
 
     def _begin(self) -> None:
@@ -269,10 +260,10 @@ class World:
                     waiting.append(happening)
         self._to_come = waiting + self._to_come
 
-    def _build(self, run: Run) -> _core.World:
+    def _build(self, run: Run) -> _core.world.World:
         still, leaves = core_solids(self.plan)
-        bodies, things = [_body(robot) for robot in self._robots], [_thing(thing) for thing in self._things]
-        return _core.World(still, leaves, bodies, run.step_s, run.physics_substeps, things)
+        bodies, objects = [_body(robot) for robot in self._robots], [_object(obj) for obj in self._objects]
+        return _core.world.World(still, leaves, bodies, run.step_s, run.physics_substeps, objects)
 
     def _check_start_poses(self) -> None:
         placed = np.full((self.num_robots, 3), math.nan)
@@ -288,10 +279,10 @@ class World:
         others[robot_id] = math.nan
         self._check_pose(robot_id, pose, others, "pose")
         body = self._robots[robot_id].body_at((pose.x_m, pose.y_m, pose.yaw_rad))
-        for thing, row in zip(self._things, self.core.thing_poses().tolist(), strict=True):
-            if body.overlaps(thing.body_at(tuple(row)), _TOUCH_M):
+        for obj, row in zip(self._objects, self.core.object_poses().tolist(), strict=True):
+            if body.overlaps(obj.body_at(tuple(row)), _TOUCH_M):
                 place = f"robot_{robot_id}: pose ({pose.x_m:.2f}, {pose.y_m:.2f})"
-                raise PlacementError(f"{place} is inside {thing.kind} '{thing.name}'")
+                raise PlacementError(f"{place} is inside {obj.kind} '{obj.name}'")
 
     def _check_pose(self, robot_id: int, pose: Pose, others: np.ndarray, what: str) -> None:
         """Raise an error unless a robot can stand there; others has rows of NaN for robots that are not there."""
@@ -321,29 +312,29 @@ class World:
                 wanted = f"; wanted {robot.radius_m + other.radius_m:g} m between them"
             raise PlacementError(f"{place} is inside robot_{other_id} at ({x_m:.2f}, {y_m:.2f}){wanted}")
 
-    def _thing_index(self, name: str) -> int:
-        names = [thing.name for thing in self._things]
+    def _object_index(self, name: str) -> int:
+        names = [obj.name for obj in self._objects]
         if name not in names:
-            raise ValueError(f"there is no thing '{name}', only {', '.join(names) or 'none'}")
+            raise ValueError(f"there is no object '{name}', only {', '.join(names) or 'none'}")
         return names.index(name)
 
-    def _check_thing(self, thing: Thing, pose: Pose) -> None:
-        """Raise an error unless a thing can stand there, whatever place it has now."""
+    def _check_object(self, obj: MovableObject, pose: Pose) -> None:
+        """Raise an error unless an object can stand there, whatever place it has now."""
         if not all(map(math.isfinite, (pose.x_m, pose.y_m, pose.yaw_rad))):
-            raise ValueError(f"{thing.kind} '{thing.name}': pose must be finite, got {pose}")
-        place = f"{thing.kind} '{thing.name}': pose ({pose.x_m:.2f}, {pose.y_m:.2f})"
+            raise ValueError(f"{obj.kind} '{obj.name}': pose must be finite, got {pose}")
+        place = f"{obj.kind} '{obj.name}': pose ({pose.x_m:.2f}, {pose.y_m:.2f})"
         if not self.plan.bounds.contains((pose.x_m, pose.y_m)):
             raise PlacementError(f"{place} is outside the plan, {self.plan.bounds}")
-        body = thing.body_at((pose.x_m, pose.y_m, pose.yaw_rad))
+        body = obj.body_at((pose.x_m, pose.y_m, pose.yaw_rad))
         hit = self._solid_in(body)
         if hit is not None:
             raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'")
-        for other, row in zip(self._things, self.core.thing_poses().tolist(), strict=True):
-            if other.name != thing.name and body.overlaps(other.body_at(tuple(row)), _TOUCH_M):
+        for other, row in zip(self._objects, self.core.object_poses().tolist(), strict=True):
+            if other.name != obj.name and body.overlaps(other.body_at(tuple(row)), _TOUCH_M):
                 raise PlacementError(f"{place} is inside {other.kind} '{other.name}'")
         for robot_id, row in enumerate(self.core.poses().tolist()):
             robot = self._robots[robot_id]
-            is_near = math.dist((pose.x_m, pose.y_m), row[:2]) < thing.reach_m + robot.reach_m
+            is_near = math.dist((pose.x_m, pose.y_m), row[:2]) < obj.reach_m + robot.reach_m
             if is_near and body.overlaps(robot.body_at(tuple(row)), _TOUCH_M):
                 raise PlacementError(f"{place} is inside robot_{robot_id}")
 
@@ -360,9 +351,11 @@ class World:
                 yield Solid(door.name, "door", corners, door)
 
     def _look_at_doors(self) -> None:
-        states = {name: door_state(self.core, index) for name, index in self._door_ids.items()}
-        if states != self._doors:
-            self._doors = states
+        if self.core.doors_version != self._doors.version:
+            states = {
+                name: door_state(state) for name, state in zip(self._door_ids, self.core.door_states(), strict=True)
+            }
+            self._doors = DoorStates(states, self.core.doors_version)
 
 
 @functools.lru_cache(maxsize=16)
@@ -373,29 +366,29 @@ def _still_solids(plan: FloorPlan) -> tuple[tuple[Solid, ...], shapely.STRtree]:
 
 
 @functools.lru_cache(maxsize=16)
-def core_solids(plan: FloorPlan) -> tuple[list[_core.Solid], list[_core.Door]]:
+def core_solids(plan: FloorPlan) -> tuple[list[_core.world.Solid], list[_core.world.Door]]:
     """Return the solids and the doors of the C++ world on a plan, not to be changed; worlds on one plan share them."""
     still, _ = _still_solids(plan)
-    pieces = [_core.Solid(solid.corners, convex_pieces(solid.corners)) for solid in still]
+    pieces = [_core.world.Solid(solid.corners, convex_pieces(solid.corners)) for solid in still]
     return pieces, [core_door(door) for door in plan.doors]
 
 
-def _body(robot: PlacedRobot) -> _core.Robot:
-    return _core.Robot(
+def _body(robot: PlacedRobot) -> _core.world.Robot:
+    return _core.world.Robot(
         radius_m=robot.radius_m,
         mass_kg=robot.mass_kg,
-        drive=_core.Drive(**robot.drive.model_dump()),
-        start=robot.start_pose,
+        drive=_core.world.Drive(**robot.drive.model_dump()),
+        start=Pose(*robot.start_pose),
         footprint_m=robot.corners_m,
         present=robot.present,
     )
 
 
-def _thing(thing: Thing) -> _core.Thing:
-    return _core.Thing(
-        radius_m=thing.reach_m,
-        mass_kg=thing.mass_kg,
-        friction=thing.friction,
-        start=thing.pose,
-        corners_m=thing.corners_m,
+def _object(obj: MovableObject) -> _core.world.MovableObject:
+    return _core.world.MovableObject(
+        radius_m=obj.reach_m,
+        mass_kg=obj.mass_kg,
+        friction=obj.friction,
+        start=Pose(*obj.pose),
+        corners_m=obj.corners_m,
     )

@@ -13,7 +13,7 @@
 namespace robotteamsim::fuzz {
 namespace {
 
-const std::filesystem::path kCorpus = std::filesystem::path(__FILE__).parent_path() / "../../fuzz/corpus";
+const std::filesystem::path kCorpus = ROBOTTEAMSIM_FUZZ_CORPUS;
 
 template <typename Target>
 void RunCorpus(const char* name, Target target) {

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from robotteamsim.analysis.fields.file import grid_pgm, grid_yaml, numbers
+from robotteamsim.analysis.fields.file import grid_pgm, grid_yaml, map_arrays
 from robotteamsim.analysis.fields.picture import FieldStyle, Panel, Spot
 from robotteamsim.errors import RecordingError
 from robotteamsim.propagation import FieldMap
@@ -22,7 +22,7 @@ def _panel(values: np.ndarray = VALUES) -> Panel:
 
 
 def test_numbers_tell_what_they_are_and_where():
-    arrays = numbers([_panel()], STYLE)
+    arrays = map_arrays([_panel()], STYLE)
     np.testing.assert_array_equal(arrays["values"], VALUES)
     assert arrays["origin_m"].tolist() == [-1.0, 2.0]
     assert float(arrays["resolution_m"]) == 0.5
@@ -31,7 +31,7 @@ def test_numbers_tell_what_they_are_and_where():
 
 
 def test_several_maps_are_stacked():
-    arrays = numbers([_panel(), _panel(VALUES + 1.0)], STYLE)
+    arrays = map_arrays([_panel(), _panel(VALUES + 1.0)], STYLE)
     assert arrays["values"].shape == (2, 2, 3)
     assert arrays["source_map"].tolist() == [0, 1]
     assert arrays["titles"].tolist() == ["a map", "a map"]
@@ -39,7 +39,7 @@ def test_several_maps_are_stacked():
 
 def test_maps_of_different_cells_do_not_fit_into_one_file():
     with pytest.raises(RecordingError, match=r"^maps with different cells do not fit into one file"):
-        numbers([_panel(), _panel(VALUES[:, :2])], STYLE)
+        map_arrays([_panel(), _panel(VALUES[:, :2])], STYLE)
 
 
 def test_map_server_reads_the_image_as_shares_of_the_scale(tmp_path):

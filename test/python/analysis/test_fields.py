@@ -19,7 +19,7 @@ def test_radio_map_holds_the_strongest_transmitter_of_each_cell(hall_scenario):
     both = [RadioField(scenario.plan, scenario.radio).rssi_map_dbm(place, 0.25).values for place in at_m]
     np.testing.assert_array_equal(panel.field.values, np.maximum(*both))
     assert [spot.position_m for spot in panel.spots] == at_m
-    assert panel.title == "the strongest of 2 transmitters, 0 dBm"
+    assert panel.title == "strongest of 2 transmitters, 0 dBm"
     assert panel.silent_below == -94.0
 
 

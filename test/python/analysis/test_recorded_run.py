@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer
 
-from robotteamsim.analysis.runs.derived import figures
-from robotteamsim.analysis.runs.recorded_run import read_run
+from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_types import BagTypes
@@ -19,14 +19,14 @@ STEP_NS = 100_000_000
 MAKE = BagTypes()
 
 
-def odometry_samples(odometry, topic="/robot_0/odom", steps=21, **fields_of_message):
+def odometry_samples(odometry, topic="/robot_0/odom", steps=21, **attributes):
     """A robot that drives 2 m east in 2 s."""
     for step in range(steps):
         time_ns = 10**9 + step * STEP_NS
-        yield topic, "nav_msgs/Odometry", time_ns, odometry(time_ns, 0.1 * step, 0.0, **fields_of_message)
+        yield topic, "nav_msgs/Odometry", time_ns, odometry(time_ns, 0.1 * step, 0.0, **attributes)
 
 
-def test_bag_of_a_run_tells_all_of_it(busy):
+def test_bag_of_a_run_contains_all_of_it(busy):
     run = read_run([busy.bag])
     assert [robot.name for robot in run.robots] == [f"robot_{i}" for i in range(5)]
     assert all(robot.track.source == "truth" and robot.track.is_on_map for robot in run.robots)
@@ -36,7 +36,7 @@ def test_bag_of_a_run_tells_all_of_it(busy):
     assert [area.name for area in run.areas] == [f"area_{i}" for i in range(1, 6)]
     assert run.grid.cells.shape == (800, 1200)
     assert run.unread == ()
-    assert figures(run).left_out == ()
+    assert run_totals(run).omitted == ()
 
 
 def test_standard_topics_alone_give_paths_and_name_what_is_missing(write_bag, odometry, tmp_path):
@@ -44,18 +44,18 @@ def test_standard_topics_alone_give_paths_and_name_what_is_missing(write_bag, od
     (robot,) = run.robots
     assert (robot.name, robot.robot_id, robot.track.source, robot.track.frame) == ("robot_0", 0, "odom", "robot_0/odom")
     assert robot.track.driven_m[-1] == pytest.approx(2.0)
-    assert figures(run).left_out == (
+    assert run_totals(run).omitted == (
         "mission, areas and victims over time: no /mission/status",
         "events: no /mission/events",
         "network: no /network/state",
-        "paths on the plan: nothing on /tf places robot_0/odom in map",
+        "paths on the floor plan: no transform from map to robot_0/odom on /tf",
         "collisions: no contact of any robot",
         "time excluded: no controller/status of any robot",
-        "plan under the paths: no /map",
+        "floor plan: no /map",
     )
 
 
-def test_tf_places_an_odometry_on_the_map_from_when_on_it_is_told(write_bag, odometry, placed_at, tmp_path):
+def test_tf_places_an_odometry_on_the_map_from_the_first_transform_on(write_bag, odometry, placed_at, tmp_path):
     moved = [("/tf", "tf2_msgs/TFMessage", t_ns, placed_at(t_ns, *place)) for t_ns, place in PLACES]
     run = read_run([write_bag(tmp_path / "real.bag", [*odometry_samples(odometry), *moved])])
     track = run.robots[0].track
@@ -94,7 +94,7 @@ def test_robots_may_have_any_namespace_or_none(write_bag, odometry, tmp_path):
     ]
 
 
-def test_poses_of_a_lost_robot_are_left_out(write_bag, odometry, tmp_path):
+def test_poses_of_a_lost_robot_are_omitted(write_bag, odometry, tmp_path):
     samples = list(odometry_samples(odometry))
     samples[5][3].pose.pose.position.x = math.nan
     track = read_run([write_bag(tmp_path / "lost.bag", samples)]).robots[0].track
@@ -102,7 +102,7 @@ def test_poses_of_a_lost_robot_are_left_out(write_bag, odometry, tmp_path):
     assert track.driven_m[-1] == pytest.approx(2.0)
 
 
-def test_topic_of_a_version_without_the_needed_fields_is_named(odometry, tmp_path):
+def test_topic_of_a_version_without_the_needed_attributes_is_named(odometry, tmp_path):
     path, typestore = tmp_path / "old.bag", MAKE.typestore
     with Writer(path) as bag:
         kind = "nav_msgs/msg/Odometry"
@@ -114,10 +114,10 @@ def test_topic_of_a_version_without_the_needed_fields_is_named(odometry, tmp_pat
         bag.write(network, 10**9, b"\3\0\0\0")
     run = read_run([path])
     assert (run.network, run.unread) == (None, ("/network/state",))
-    assert figures(run).left_out[0] == "/network/state: its type, or this version of it, is not known"
+    assert run_totals(run).omitted[0] == "/network/state: unknown type, or unknown version of the type"
 
 
-def test_map_is_read_as_it_stands(write_bag, odometry, tmp_path):
+def test_map_is_read_unchanged(write_bag, odometry, tmp_path):
     cells = np.array([[0, 100, -1], [0, 0, 100]], dtype=np.int8)
     grid = ros_messages.occupancy_grid(MAKE, 0, OccupancyGrid((-1.0, 2.0), 0.5, cells))
     samples = [("/map", "nav_msgs/OccupancyGrid", 1, grid), *odometry_samples(odometry)]
@@ -167,26 +167,28 @@ def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry,
     run = read_run([write_bag(tmp_path / "m.bag", [*samples, *odometry_samples(odometry)])])
     assert (run.start_ns, run.end_ns) == (1_000_000_000, 2_000_000_000)
     assert run.robots[0].track.driven_m[-1] == pytest.approx(1.0)
-    mission = figures(run).mission
+    mission = run_totals(run).mission
     assert mission.end == "aborted"
-    assert (mission.finds_reported, mission.mean_report_delay_s, mission.max_report_delay_s) == (3, 1.5, 2.5)
+    assert (mission.discoveries_delivered, mission.mean_delivery_delay_s, mission.max_delivery_delay_s) == (3, 1.5, 2.5)
 
 
 def test_bag_without_the_topics_is_refused(write_bag, tmp_path):
     path = write_bag(tmp_path / "clock.bag", [("/clock", "rosgraph_msgs/Clock", 1, ros_messages.clock(MAKE, 1))])
     with pytest.raises(RecordingError) as refused:
         read_run([path])
-    wanted = "wanted odom or base_pose_ground_truth of a robot, /mission/status or /network/state"
-    assert str(refused.value) == f"{path}: {wanted}; it holds /clock"
+    wanted = "expected odom or base_pose_ground_truth of a robot, /mission/status or /network/state"
+    assert str(refused.value) == f"{path}: {wanted}; found /clock"
 
 
 def test_empty_bag_is_refused(write_bag, tmp_path):
-    with pytest.raises(RecordingError, match=r"/network/state; it is empty$"):
+    with pytest.raises(RecordingError, match=r"/network/state; the bag is empty$"):
         read_run([write_bag(tmp_path / "empty.bag", [])])
 
 
 def test_bag_of_two_runs_is_refused(write_bag, odometry, tmp_path):
     first, second = list(odometry_samples(odometry)), list(odometry_samples(odometry))
     again = [(topic, kind, time_ns + 3 * 10**9, message) for topic, kind, time_ns, message in second]
-    with pytest.raises(RecordingError, match=r"/robot_0/odom: time goes back from 3\.0 to 1\.0 s; wanted one run per"):
+    with pytest.raises(
+        RecordingError, match=r"/robot_0/odom: time goes back from 3\.0 to 1\.0 s; expected one run per"
+    ):
         read_run([write_bag(tmp_path / "two.bag", [*first, *again])])

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotteamsim.analysis.runs.derived import figures
 from robotteamsim.analysis.runs.film import RunFilm, link_segments
-from robotteamsim.analysis.runs.recorded_run import read_run
+from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.analysis.runs.totals import run_totals
 
 BLUE = (0x1F, 0x6F, 0xEB)
 SECOND_NS = 10**9
@@ -20,7 +20,7 @@ def run(busy):
 
 @pytest.fixture(scope="module")
 def film(run):
-    return RunFilm(run, figures(run), None, width_px=640)
+    return RunFilm(run, run_totals(run), None, width_px=640)
 
 
 def marks(frame: np.ndarray, colour: tuple[int, int, int]) -> np.ndarray:
@@ -75,14 +75,14 @@ def test_bag_with_odometry_alone_is_filmed_too(write_bag, odometry, tmp_path):
         ("/odom", "nav_msgs/Odometry", 10**9 * (i + 1), odometry(10**9 * (i + 1), 0.3 * i, 0.0)) for i in range(30)
     ]
     run = read_run([write_bag(tmp_path / "real.bag", samples)])
-    first, *_, last = RunFilm(run, figures(run), None, width_px=640).frames(5)
+    first, *_, last = RunFilm(run, run_totals(run), None, width_px=640).frames(5)
     columns = [np.nonzero(marks(frame, BLUE))[1].mean() for frame in (first, last)]
     assert columns[1] > columns[0] + 50
 
 
 def test_robot_that_is_not_there_is_not_drawn(comes_again):
     run = read_run([comes_again.bag])
-    film = RunFilm(run, figures(run), None, width_px=640)
+    film = RunFilm(run, run_totals(run), None, width_px=640)
     drawn = []
     for at_s in (4, 6, 9, 11):
         film.frame(run.start_ns + at_s * SECOND_NS)
@@ -93,7 +93,7 @@ def test_robot_that_is_not_there_is_not_drawn(comes_again):
 
 def test_tail_of_a_robot_that_was_put_elsewhere_is_broken(comes_again):
     run = read_run([comes_again.bag])
-    film = RunFilm(run, figures(run), None, width_px=640)
+    film = RunFilm(run, run_totals(run), None, width_px=640)
     film.frame(run.end_ns)
     assert np.isnan(film._tails[1].get_xdata()).sum() == 1
     assert not np.isnan(film._tails[0].get_xdata()).any()

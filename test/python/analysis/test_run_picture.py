@@ -10,10 +10,10 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from robotteamsim.analysis.runs.derived import figures
 from robotteamsim.analysis.runs.picture import draw_runs, outcome
 from robotteamsim.analysis.runs.plan_panel import extent_m, robot_colour
-from robotteamsim.analysis.runs.recorded_run import read_run
+from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.bag_types import BagTypes
@@ -55,7 +55,7 @@ def legend(figure: Figure) -> set[str]:
 
 def test_path_breaks_where_a_robot_left_and_came_elsewhere(comes_again):
     run = read_run([comes_again.bag])
-    lines = [line for line in draw_runs([run], [figures(run)]).axes[0].lines if line.get_color() == robot_colour(1)]
+    lines = [line for line in draw_runs([run], [run_totals(run)]).axes[0].lines if line.get_color() == robot_colour(1)]
     path, *_ = lines
     (gap,) = np.flatnonzero(np.isnan(path.get_xdata()))
     steps_m = np.hypot(np.diff(path.get_xdata()), np.diff(path.get_ydata()))
@@ -65,7 +65,7 @@ def test_path_breaks_where_a_robot_left_and_came_elsewhere(comes_again):
 
 
 def test_one_run_has_its_plan_and_all_curves(run, busy):
-    figure = draw_runs([run], [figures(run)])
+    figure = draw_runs([run], [run_totals(run)])
     assert names(figure) == ["y [m]", "mission", "network", "Fiedler value", "speed [m/s]", "driven [m]"]
     assert figure.axes[0].get_aspect() == 1.0
     assert len([patch for patch in figure.axes[0].patches if isinstance(patch, Circle)]) == 5
@@ -74,7 +74,7 @@ def test_one_run_has_its_plan_and_all_curves(run, busy):
 
 
 def test_path_is_drawn_where_the_robot_was(run):
-    figure = draw_runs([run], [figures(run)])
+    figure = draw_runs([run], [run_totals(run)])
     paths = [line for line in figure.axes[0].lines if len(line.get_xdata()) > 100]
     assert [line.get_color() for line in paths] == [robot_colour(index) for index in range(5)]
     for robot, line in zip(run.robots, paths, strict=True):
@@ -82,7 +82,7 @@ def test_path_is_drawn_where_the_robot_was(run):
 
 
 def test_bag_without_mission_and_network_has_neither_curve(real):
-    figure = draw_runs([real], [figures(real)])
+    figure = draw_runs([real], [run_totals(real)])
     assert names(figure) == ["y [m]", "speed [m/s]", "driven [m]"]
     title = figure.legends[0].get_title().get_text()
     assert "network: no /network/state" in title
@@ -94,10 +94,10 @@ def test_bag_with_the_network_alone_has_its_curves_and_says_that_there_is_no_pla
         kind = bag.topics["/network/state"]
         states = [(topic, kind, stamp_ns, state) for topic, stamp_ns, state in bag.messages({"/network/state"})]
     only = read_run([write_bag(tmp_path / "net.bag", states)])
-    figure = draw_runs([only], [figures(only)])
+    figure = draw_runs([only], [run_totals(only)])
     assert [axes.get_ylabel() for axes in figure.axes[1:]] == ["network", "Fiedler value"]
-    assert [text.get_text() for text in figure.axes[0].texts] == ["no paths and no plan in this bag"]
-    assert figures(only).title == "net: 5 robots"
+    assert [text.get_text() for text in figure.axes[0].texts] == ["no paths and no floor plan in this bag"]
+    assert run_totals(only).title == "net: 5 robots"
 
 
 def test_only_what_is_known_of_a_map_is_shown(real):
@@ -108,29 +108,29 @@ def test_only_what_is_known_of_a_map_is_shown(real):
 
 def test_plan_of_a_scenario_replaces_the_map(run):
     plan = load("garage_sar").plan
-    with_plan = draw_runs([run], [figures(run)], plan).axes[0]
+    with_plan = draw_runs([run], [run_totals(run)], plan).axes[0]
     assert len(with_plan.images) == 0
-    assert len(draw_runs([run], [figures(run)]).axes[0].images) == 1
+    assert len(draw_runs([run], [run_totals(run)]).axes[0].images) == 1
     assert len(with_plan.patches) > len(plan.walls)
 
 
 def test_runs_beside_each_other_share_the_scales_and_say_what_one_lacks(run, real):
-    figure = draw_runs([run, real], [figures(run), figures(real)])
+    figure = draw_runs([run, real], [run_totals(run), run_totals(real)])
     rows = np.reshape(figure.axes, (5, 2))
     assert rows[4, 0].get_xlim() == rows[4, 1].get_xlim()
     assert rows[4, 0].get_ylim() == rows[4, 1].get_ylim()
     assert [text.get_text() for text in rows[1, 1].texts] == ["not in this bag"]
 
 
-def test_words_tell_how_the_mission_went(run, real, busy):
-    assert figures(run).title == "busy: garage_sar, 5 robots, 5 dB noise"
-    assert outcome(figures(run)) == "0/5 areas, 0/4 victims in 25.0 s: the time was up"
-    assert figures(real).title == "real: 1 robot"
-    assert outcome(figures(real)) == ""
+def test_outcome_is_one_line(run, real, busy):
+    assert run_totals(run).title == "busy: garage_sar, 5 robots, 5 dB noise"
+    assert outcome(run_totals(run)) == "0/5 areas, 0/4 victims in 25.0 s: time limit reached"
+    assert run_totals(real).title == "real: 1 robot"
+    assert outcome(run_totals(real)) == ""
 
 
 def test_picture_has_colour_where_paths_are(run, tmp_path):
-    draw_runs([run], [figures(run)]).savefig(tmp_path / "run.png")
+    draw_runs([run], [run_totals(run)]).savefig(tmp_path / "run.png")
     image = cv2.imread(str(tmp_path / "run.png"))
     assert image.shape[1] > 1500
     blue = np.all(np.abs(image.astype(int) - (0xEB, 0x6F, 0x1F)) < 12, axis=-1)

@@ -39,9 +39,9 @@ def test_one_bag_is_summarised_in_detail(capsys, bags):
     out = capsys.readouterr().out
     assert "one: garage_sar, 3 robots, 10 dB noise" in out
     assert "0.0 s   mission starts: 5 areas, 4 victims, 10 dB noise" in out
-    assert "the time was up" in out
+    assert "time limit reached" in out
     assert "robot_2" in out
-    assert "left out" not in out
+    assert "omitted" not in out
 
 
 def test_several_bags_are_one_table_with_their_means(capsys, bags):
@@ -134,4 +134,4 @@ def test_bag_given_twice_is_refused(capsys):
 
 
 def test_two_runs_are_no_parts_of_a_recording(capsys, bags):
-    assert refusal(capsys, "--join", *bags).endswith("overlap in time, so are no parts of a recording")
+    assert refusal(capsys, "--join", *bags).endswith("overlap in time, so they are not parts of one recording")

@@ -39,7 +39,7 @@ def test_run_prints_a_table_of_what_happened(capsys):
     out = capsys.readouterr().out
     assert "garage_sar: 3 robots, 10 dB noise, seed 7" in out
     assert "0.0 s   mission starts: 5 areas, 4 victims, 10 dB noise" in out
-    assert "the time was up" in out
+    assert "time limit reached" in out
     assert "0 of 5" in out
 
 
@@ -89,15 +89,15 @@ def test_unwritable_out_is_refused_before_the_mission_and_leaves_no_bag(capsys, 
 
 def test_unwritable_bag_is_refused(capsys, tmp_path):
     line = refusal(capsys, "run", "garage_sar", "--bag", str(tmp_path))
-    assert line == f"{tmp_path}: cannot be written: is a folder, wanted a file name"
+    assert line == f"{tmp_path}: cannot be written: is a folder, expected a file name"
     line = refusal(capsys, "run", "garage_sar", "--bag", "")
-    assert line == ".: cannot be written: is a folder, wanted a file name"
+    assert line == ".: cannot be written: is a folder, expected a file name"
 
 
 def test_devices_are_never_replaced(capsys, tmp_path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
-    wanted = f"{pipe}: cannot be written: is a device, wanted a file name"
+    wanted = f"{pipe}: cannot be written: is a device, expected a file name"
     assert refusal(capsys, "run", "garage_sar", "--bag", str(pipe)) == wanted
     assert refusal(capsys, "plan", "render", "garage", "--png", str(pipe)) == wanted
     assert pipe.is_fifo()
@@ -117,7 +117,7 @@ def test_full_disk_ends_the_run_with_one_line_and_no_result(tmp_path):
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000)),
     )
     assert (done.returncode, done.stdout) == (2, "")
-    wanted = "m.bag.active: cannot be written: File too large; `rosbag reindex m.bag.active` saves what was recorded"
+    wanted = "m.bag.active: cannot be written: File too large; `rosbag reindex m.bag.active` recovers what was recorded"
     assert done.stderr == f"robotteamsim: {wanted}\n"
     assert sorted(os.listdir(tmp_path)) == ["m.bag.active", "out"]
     assert os.listdir(tmp_path / "out") == ["trajectories"]

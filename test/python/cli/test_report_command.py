@@ -55,7 +55,7 @@ def test_unfinished_campaign_gets_a_report_that_says_so(capsys, campaign_folder)
     assert main(["report", str(folder)]) == 0
     out = capsys.readouterr().out
     assert out.startswith("This campaign is unfinished: 1 of 4 trials are done.")
-    assert "\nLeft out, as no mission of theirs has ended: 20 dB.\n" in out
+    assert "\nOmitted, because no mission has ended: 20 dB.\n" in out
 
 
 def test_campaign_without_missions_is_refused_and_nothing_is_written(capsys, campaign_folder, tmp_path):

@@ -26,7 +26,7 @@ class Team:
 
     def __init__(self, scenario: Scenario) -> None:
         robots = placed_robots(scenario)
-        self.world = World(scenario.plan, robots, scenario.run, seed=scenario.run.seed)
+        self.world = World(scenario.plan, robots, scenario.run)
         self.controllers: list[Controller] = [make_controller(i, scenario) for i in range(len(robots))]
         self.decisions = [Decision() for _ in robots]
         self.hear: Callable[[tuple[float, float]], VoiceReading] = silence

@@ -15,7 +15,6 @@ from robotteamsim.control.driving.localisation import Localiser
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.rdpso.obstacles import Surroundings
 from robotteamsim.geometry import Pose, PoseReading, Twist
-from robotteamsim.interface import Decision
 from robotteamsim.scenario import load
 from robotteamsim.scenario.drives import CarDrive, Drive
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan
@@ -80,10 +79,10 @@ def test_nearest_place_is_the_first_of_the_nearest():
     for _ in range(200):
         position, places = place(rng), [place(rng) for _ in range(rng.integers(1, 9))]
         places += [(places[0][0], places[0][1])]
-        nearest = _core.nearest_place(position, places)
-        assert nearest is min(places, key=lambda other, position=position: math.dist(position, other))
-    with pytest.raises(ValueError, match="of no places, none is nearest"):
-        _core.nearest_place((0.0, 0.0), [])
+        nearest = _core.base.nearest_point(position, places)
+        assert nearest == min(places, key=lambda other, position=position: math.dist(position, other))
+    with pytest.raises(ValueError, match="points must not be empty"):
+        _core.base.nearest_point((0.0, 0.0), [])
 
 
 def test_localiser_reads_a_pose_as_the_reading_does():
@@ -92,48 +91,6 @@ def test_localiser_reads_a_pose_as_the_reading_does():
     for pose in [Pose(0.0, 0.0, math.pi), *(Pose(*row) for row in rng.uniform(-4.0, 4.0, (200, 3)).tolist())]:
         reading = RobotReading(PoseReading.from_pose(pose), Twist(), None, None, False)
         assert localiser.map_T_base_link(reading) == reading.ground_truth.pose
-
-
-def test_tuples_of_a_class_are_made_as_their_class_makes_them():
-    items = (Twist(1.0, 2.0, 3.0), (), False, None, 0.5, 3, 0, "")
-    decision = _core.as_tuple(Decision, items)
-    assert type(decision) is Decision
-    assert decision == Decision(*items)
-    for wrong in ((list, items), (Decision, [1, 2]), (Decision,), (3, items)):
-        with pytest.raises(TypeError, match="wanted a class of tuples, and a tuple"):
-            _core.as_tuple(*wrong)
-
-
-def test_a_tuple_with_other_items_is_of_its_class_and_leaves_the_first_as_it_was():
-    twist = Twist(1.0, 2.0, 3.0)
-    other = _core.with_items(twist, 1, 9.0, 0, 8.0)
-    assert type(other) is Twist
-    assert (other, twist) == (Twist(8.0, 9.0, 3.0), Twist(1.0, 2.0, 3.0))
-    assert _core.with_items((7,), 0, 8) == (8,)
-
-
-@pytest.mark.parametrize("wrong", [([1.0], 0, 2.0), ((1.0,), "0", 2.0), ((1.0,), 0), ()])
-def test_another_item_of_what_is_no_tuple_or_index_is_refused(wrong):
-    with pytest.raises(TypeError, match="wanted a tuple, an index, and an item"):
-        _core.with_items(*wrong)
-
-
-@pytest.mark.parametrize("index", [-2, -1, 1, 2**70])
-def test_an_item_beyond_those_of_a_tuple_is_refused(index):
-    with pytest.raises(TypeError, match="no item of this index"):
-        _core.with_items((1.0,), index, 2.0)
-
-
-@pytest.mark.parametrize("reading", [None, (1.0, 2.0, 3.0), ("x", 0.0, 0.0, 1.0)])
-def test_what_is_no_reading_of_a_pose_is_refused(reading):
-    with pytest.raises(TypeError, match="wanted a tuple with the reading of a pose"):
-        _core.to_pose((reading,), 0, Pose)
-
-
-@pytest.mark.parametrize("wrong", [(), (1, Pose), (-1, Pose), ("0", Pose), (0,), (0, list)])
-def test_the_reading_of_a_pose_is_looked_for_where_it_is_said_to_be(wrong):
-    with pytest.raises(TypeError, match="wanted a tuple with the reading of a pose"):
-        _core.to_pose(((0.0, 0.0, 0.0, 1.0),), *wrong)
 
 
 @pytest.mark.parametrize("beams", [5, 61, 181, 360])
@@ -156,14 +113,14 @@ def test_scans_are_read_alike_whatever_array_holds_them():
     ranges_m = scan(rng, Laser().beams)
     expected = surroundings.attractor(pose, ranges_m)
     assert expected is not None
-    for other in (ranges_m.astype(np.float64), ranges_m.astype(">f4"), np.repeat(ranges_m, 2)[::2]):
+    for other in (ranges_m.astype(np.float64), np.repeat(ranges_m, 2)[::2]):
         assert surroundings.attractor(pose, other) == expected
 
 
 @pytest.mark.parametrize("together", [True, False])
 def test_ruled_out_covers_what_the_plain_one_covers(together):
     rng = np.random.default_rng(5)
-    ruled_out = _core.RuledOut(radius_m=1.5, cell_m=0.25, next_to_m=0.75)
+    ruled_out = _core.control.RuledOut(radius_m=1.5, cell_m=0.25, next_to_m=0.75)
     plain = PlainRuledOut(1.5, 0.25, 0.75)
     answers = []
     for _ in range(15):
@@ -175,7 +132,7 @@ def test_ruled_out_covers_what_the_plain_one_covers(together):
             if not together:
                 ruled_out.add(position, loudest)
         if together:
-            ruled_out.add_all(_core.HeardNotes(heard))
+            ruled_out.add_all(_core.control.HeardNotes(heard))
         for x, y in cells + rng.uniform(-9.0, 9.0, (20, 2)).tolist():
             answers.append(plain.covers((x, y)))
             assert ruled_out.covers((x, y)) == answers[-1]
@@ -216,7 +173,7 @@ def test_nearest_place_in_reach_is_the_first_of_the_nearest_cells_in_reach(seed)
         to_goal = np.where(labels == label, (x_m - goal[0]) ** 2 + (y_m - goal[1]) ** 2, np.inf)
         row, col = np.unravel_index(to_goal.argmin(), free.shape)
         assert found == (pytest.approx(x_m[row, col]), pytest.approx(y_m[row, col]))
-        field = known.grid.distance_field(goal) if known.grid.is_free(goal) else None
+        field = known.grid.distance_map(goal) if known.grid.is_free(goal) else None
         if field is not None and np.isfinite(field[labels == label]).any():
             cell, length_m = known.grid.least_reachable(field, start, 1.5)
             assert length_m == field[labels == label].min()

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import math
 
 import numpy as np
 import pytest
 
-from robotteamsim import _core
 from robotteamsim.control.rdpso.update import Best, RdpsoUpdate, parse_update, updates_in
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.network.messages import EVERYBODY, Message
@@ -44,28 +42,6 @@ def test_report_is_written_as_the_json_library_writes_it_and_keeps_every_bit(see
     assert json.dumps(json.loads(text)) == text
     assert parse_update(text) is report, "a robot of this process wrote it"
     assert parse_update(text + " ") == report
-
-
-def test_text_of_the_library_is_that_of_json():
-    rng = np.random.default_rng(0)
-    bits = rng.integers(0, 2**64, size=20_000, dtype=np.uint64).view(np.float64)
-    rounded = [
-        round(x, int(n)) for x, n in zip(rng.normal(0.0, 1e3, 2000).tolist(), rng.integers(0, 17, 2000), strict=True)
-    ]
-    powers = [s * m * 10.0**e for e in range(-30, 31) for m in (1.0, 1.5, 9.999999999999999) for s in (-1.0, 1.0)]
-    edges = [0.0, -0.0, 5e-324, 1.7976931348623157e308, 2.0**53, 2.0**54 + 2.0, 123456789012345680.0]
-    whole = [0, -1, 2**31, -(2**63), 2**63, 10**40, True, False]
-    texts = ["", "plain", 'a "b"', "back\\slash", "tab\t", "ß", "\ud800", "\x7f"]
-    for value in [*bits.tolist(), *rounded, *powers, *edges, *whole, *texts, math.inf, -math.inf, math.nan, None]:
-        assert _core.json_text(value) == json.dumps(value)
-    nested = {"a": [1, (2.5, None)], "b": {}, 'c "d"': [], "best": Best(1.0, (2.0, 3.0)), "np": np.float64(0.1)}
-    assert _core.json_text(nested) == json.dumps(nested)
-
-
-@pytest.mark.parametrize("value", [{1, 2}, {1: 2}, b"bytes", [np.int64(1)]])
-def test_text_of_the_library_refuses_what_is_no_json(value):
-    with pytest.raises(TypeError):
-        _core.json_text(value)
 
 
 def test_messages_that_carry_something_else_are_no_reports():

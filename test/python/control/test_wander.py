@@ -7,6 +7,7 @@ from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.wander import Wander, free_end
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import Task
+from robotteamsim.scenario.control_tuning import WanderTuning
 from robotteamsim.scenario.sections import Control
 
 
@@ -20,7 +21,7 @@ def test_leg_ends_before_the_wall(hall_scenario):
 
 def test_leg_goes_on_until_its_end_is_reached(hall_scenario):
     free_space = known_map(hall_scenario().plan, 0.2)
-    wander = Wander(rng.stream(1, "wander", 0), 0.5)
+    wander = Wander(WanderTuning(), rng.stream(1, "wander", 0), 0.5)
     goal = wander.goal(free_space, (10.0, 5.0), 0.0)
     assert wander.goal(free_space, (10.1, 5.0), 1.0) == goal
     assert wander.goal(free_space, goal, 2.0) != goal
@@ -28,7 +29,7 @@ def test_leg_goes_on_until_its_end_is_reached(hall_scenario):
 
 def test_leg_that_takes_too_long_is_given_up(hall_scenario):
     free_space = known_map(hall_scenario().plan, 0.2)
-    wander = Wander(rng.stream(1, "wander", 0), 0.5)
+    wander = Wander(WanderTuning(), rng.stream(1, "wander", 0), 0.5)
     goal = wander.goal(free_space, (10.0, 5.0), 0.0)
     assert wander.goal(free_space, (10.0, 5.0), 60.0) != goal
 

@@ -69,7 +69,7 @@ def test_command_line_of_the_tutorial_runs_the_class(folder):
     (command,) = re.findall(r"^PYTHONPATH=\S+ robotteamsim (run .*)$", TUTORIAL.read_text(), re.MULTILINE)
     done = run_cli(folder, *command.split(), "--set", "mission.time_limit_s=5")
     assert done.returncode == 0, done.stderr
-    assert "the time was up" in done.stdout
+    assert "time limit reached" in done.stdout
 
 
 def test_package_of_the_tutorial_installs_and_is_known_by_its_name(folder, tmp_path):
@@ -80,7 +80,7 @@ def test_package_of_the_tutorial_installs_and_is_known_by_its_name(folder, tmp_p
     arguments = ("run", "tutorial_arena", "--set", "mission.time_limit_s=5", "--set")
     done = run_cli(target, *arguments, "control.algorithm=mine")
     assert done.returncode == 0, done.stderr
-    assert "the time was up" in done.stdout
+    assert "time limit reached" in done.stdout
     done = run_cli(target, *arguments, "control.algorithm=mien")
     assert done.returncode == 2
     known = "rdpso, random_walk, greedy, pso, rpso, sebs, cover, mine"

@@ -13,7 +13,7 @@ from robotteamsim.network.messages import NetworkState, Refusal, Traffic
 from robotteamsim.scenario import sections
 from robotteamsim.scenario.floor_plan import Door
 from robotteamsim.sensing.readings import VoiceReading
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.doors import DoorState, DoorStates
 
 STEP_NS = 100_000_000
 FAR_M = (1.0, 1.0)
@@ -191,7 +191,7 @@ def test_leaf_of_a_door_is_told_when_it_sets_off_is_held_up_and_stands(hall_scen
         DoorState(False, 0.1, "opens"),
         DoorState(False, 1.0),
     ):
-        mission.follow_doors({"gate": state})
+        mission.follow_doors(DoorStates({"gate": state}))
         epochs.append(mission.status.task.epoch)
     events = mission.step(STEP_NS, np.array([FAR_M, FAR_M]), (SILENCE,) * 2, network(2), (Decision(),) * 2)
     told = [event.detail for event in events]
@@ -339,15 +339,18 @@ def test_places_are_reached_by_the_nearest_robot_within_reach_the_first_of_equal
         reaches_m = generator.integers(0, 4, 9) * 0.5
         apart_m = np.hypot(*(places_m[:, None] - points_m[None]).transpose(2, 0, 1))
         expected = [(place, int(np.argmin(row))) for place, row in enumerate(apart_m) if row.min() <= reaches_m[place]]
-        assert _core.reached(points_m, places_m, reaches_m) == expected
-        assert _core.reached(points_m.tolist(), np.asfortranarray(places_m), reaches_m.astype(np.float32)) == expected
+        assert _core.base.reached_places(points_m, places_m, reaches_m) == expected
+        other = np.asfortranarray(places_m), reaches_m.astype(np.float32)
+        assert _core.base.reached_places(points_m, *other) == expected
 
 
 def test_places_that_are_no_numbers_are_refused():
     with pytest.raises(TypeError, match="incompatible function arguments"):
-        _core.reached([["here", "there"]], np.zeros((1, 2)), np.zeros(1))
-    with pytest.raises(ValueError, match="must have shape"):
-        _core.reached(np.zeros((1, 3)), np.zeros((1, 2)), np.zeros(1))
+        _core.base.reached_places([["here", "there"]], np.zeros((1, 2)), np.zeros(1))
+    with pytest.raises(TypeError, match="incompatible function arguments"):
+        _core.base.reached_places(np.zeros((1, 3)), np.zeros((1, 2)), np.zeros(1))
+    with pytest.raises(ValueError, match="one reach per place"):
+        _core.base.reached_places(np.zeros((1, 2)), np.zeros((1, 2)), np.zeros(2))
 
 
 def test_robots_that_go_and_come_are_events(course):

@@ -187,7 +187,7 @@ def test_bag_that_cannot_be_opened_is_refused(trial, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(RecordingError, match=r"file/m\.bag: cannot be written: (Not a directory|File exists)"):
         BagWriter(tmp_path / "file" / "m.bag").begin(trial.scenario)
-    with pytest.raises(RecordingError, match="is a folder, wanted a file name"):
+    with pytest.raises(RecordingError, match="is a folder, expected a file name"):
         BagWriter(tmp_path).begin(trial.scenario)
 
 
@@ -265,7 +265,7 @@ def test_full_disk_ends_a_recording_with_one_line_and_a_bag_to_reindex(trial, tm
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 2
     active = tmp_path / "m.bag.active"
-    wanted = f"{active}: cannot be written: File too large; `rosbag reindex {active}` saves what was recorded\n"
+    wanted = f"{active}: cannot be written: File too large; `rosbag reindex {active}` recovers what was recorded\n"
     assert errors == wanted
     assert reindexed_steps(active) >= 100
 

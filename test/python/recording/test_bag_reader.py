@@ -70,7 +70,7 @@ def test_parts_of_a_recording_are_one_in_any_order(bag):
 
 def test_bags_that_overlap_are_no_parts(bag):
     first, second = rewritten(bag, "a.bag", last_ns=300_000_000), rewritten(bag, "b.bag", first_ns=200_000_000)
-    assert refusal(first, second) == f"{first}, {second}: overlap in time, so are no parts of a recording"
+    assert refusal(first, second) == f"{first}, {second}: overlap in time, so they are not parts of one recording"
 
 
 def test_types_that_are_not_ours_are_read_as_the_bag_defines_them(tmp_path):
@@ -96,15 +96,15 @@ def test_types_that_contradict_ros_or_cannot_be_read_are_not_known(tmp_path, kin
 
 def test_missing_file_is_refused(tmp_path):
     path = tmp_path / "no.bag"
-    assert refusal(path) == f"{path}: cannot be read: No such file or directory; wanted a bag"
+    assert refusal(path) == f"{path}: cannot be read: No such file or directory; expected a bag"
 
 
 def test_folder_is_refused(tmp_path):
-    assert refusal(tmp_path) == f"{tmp_path}: cannot be read: Is a directory; wanted a bag"
+    assert refusal(tmp_path) == f"{tmp_path}: cannot be read: Is a directory; expected a bag"
 
 
-@pytest.mark.parametrize(("content", "why"), [(b"", "is empty, wanted a bag"), (b"PNG\r\n", "is no ROS 1 bag")])
-def test_file_that_is_no_bag_is_refused(tmp_path, content, why):
+@pytest.mark.parametrize(("content", "why"), [(b"", "is empty, expected a bag"), (b"PNG\r\n", "is not a ROS 1 bag")])
+def test_file_that_is_not_a_bag_is_refused(tmp_path, content, why):
     path = tmp_path / "picture.bag"
     path.write_bytes(content)
     assert refusal(path) == f"{path}: {why}"
@@ -117,21 +117,21 @@ def test_bag_of_an_old_format_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("share", [0.001, 0.2, 0.6, 0.99])
-def test_truncated_bag_is_refused_with_its_cure(bag, share):
+def test_truncated_bag_is_refused_with_its_remedy(bag, share):
     content = bag.read_bytes()
     bag.write_bytes(content[: round(share * len(content))])
-    assert refusal(bag) == f"{bag}: is damaged; `rosbag reindex {bag}` saves what can be read"
+    assert refusal(bag) == f"{bag}: is damaged; `rosbag reindex {bag}` recovers what can be read"
 
 
-def test_bag_of_a_recording_that_was_broken_off_is_refused_with_its_cure(trial, tmp_path):
+def test_bag_of_a_recording_that_was_interrupted_is_refused_with_its_remedy(trial, tmp_path):
     path, writer = tmp_path / "mission.bag", BagWriter(tmp_path / "mission.bag")
     writer.begin(trial.scenario)
     writer.step(trial.record(1))
     broken = tmp_path / "broken.bag"
     shutil.copy(path.with_name("mission.bag.active"), broken)
     writer.abandon()
-    why = "has no index, because its recording was broken off"
-    assert refusal(broken) == f"{broken}: {why}; `rosbag reindex {broken}` saves what can be read"
+    why = "has no index, because its recording was interrupted"
+    assert refusal(broken) == f"{broken}: {why}; `rosbag reindex {broken}` recovers what can be read"
 
 
 def test_bytes_changed_anywhere_give_one_line_or_can_be_read(bag):

@@ -5,6 +5,7 @@ from io import BytesIO
 import numpy as np
 import pytest
 
+from robotteamsim.geometry import Twist
 from robotteamsim.recording.sensor_messages import sensor_topics
 from robotteamsim.ros.nodes.further_inputs import FurtherInputs
 from robotteamsim.ros.transport.inbox import Step
@@ -34,11 +35,11 @@ def told():
     """Return what each step's readings are, headless, and what the topics of a robot tell of them."""
     scenario = load("tutorial_arena", EQUIPPED)
     robots = placed_robots(scenario)
-    world = World(scenario.plan, robots, scenario.run, seed=3)
+    world = World(scenario.plan, robots, scenario.run)
     sensors = RobotSensors(world, robots, 3)
     steps = []
     for _ in range(24):
-        world.step([(0.3, 0.0, 0.2)])
+        world.step([Twist(0.3, 0.0, 0.2)])
         further = sensors.read()[0].further
         messages = {
             f"/robot_0/{topic.name}": topic.message(RosTypes(), world.sim_time_ns, 0, further)

@@ -95,6 +95,8 @@ def test_plan_given_as_override_is_relative_to_the_current_folder(room: str) -> 
     ("override", "message"),
     [
         ("voice.nois_db=20", "--set: voice.nois_db: unknown key; did you mean 'noise_db'?"),
+        ("things=[]", "--set: things: renamed; use 'objects'"),
+        ("things.0.pose=[1, 2, 0]", "--set: things: renamed; use 'objects'"),
         ("voice.noise_db=99", "--set: voice.noise_db: 99 is above 80"),
         ("voice.noise_db=", "--set: voice.noise_db: null is not a number"),
         ("run.seed=1.5", "--set: run.seed: 1.5 is not a whole number"),

@@ -274,5 +274,5 @@ def test_missing_or_empty_map_yaml_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=r"nowhere.yaml: there is no such file"):
         import_map(tmp_path / "nowhere.yaml")
     (tmp_path / "empty.yaml").write_text("", encoding="utf-8")
-    with pytest.raises(ScenarioError, match=r"empty.yaml: says nothing; wanted the yaml of a map"):
+    with pytest.raises(ScenarioError, match=r"empty.yaml: file is empty; expected the yaml of a map"):
         import_map(tmp_path / "empty.yaml")

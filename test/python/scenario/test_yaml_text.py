@@ -33,7 +33,7 @@ def test_merged_keys_may_be_replaced() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("a: 1\nb:\n  c: 1\n  c: 2\n", "x.yaml:4: key 'c' stands here a second time"),
+        ("a: 1\nb:\n  c: 1\n  c: 2\n", "x.yaml:4: duplicate key 'c'"),
         ("a: 1\ntrue: 2\n", "x.yaml:2: key true is not text; put it in quotes"),
         ("? [1]\n: 2\n", "x.yaml:1: a key must be plain text"),
         ("a: *b", "x.yaml: found undefined alias 'b'"),

@@ -53,7 +53,8 @@ def test_ranges_in_the_garage_are_those_of_exact_intersections(scattered_robots,
     generator = np.random.default_rng(21)
     world = World(plan, scattered_robots(plan, 25, generator, laser=model), Run())
     world.set_door("stair_door", stair_door_closed)
-    laser, solid = Laser(model, world), obstacles(plan, world.doors())
+    closed = {name: door.closed for name, door in world.door_states().items()}
+    laser, solid = Laser(model, world), obstacles(plan, closed)
     returns = 0
     for robot_id, pose in enumerate(world.poses()):
         scene = Scene(solid, np.delete(world.positions_m(), robot_id, axis=0), 0.2)

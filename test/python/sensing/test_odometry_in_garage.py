@@ -63,7 +63,7 @@ def test_following_a_world_is_stepping_with_its_motions_and_twists():
 
 def test_following_a_world_of_another_number_of_robots_is_refused():
     world = World(CORRIDOR, [PlacedRobot(start_pose=(5.0, 1.0, 0.0))], Run())
-    with pytest.raises(ValueError, match="must be three per robot"):
+    with pytest.raises(ValueError, match="one row of three numbers per robot"):
         TeamOdometry([MODEL] * 2, 0.1, [np.random.default_rng(seed) for seed in range(2)]).follow(world)
 
 

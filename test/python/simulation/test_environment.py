@@ -90,7 +90,7 @@ def test_door_that_slides_is_one_fact_for_world_radio_voices_and_mission(hall_sc
         told += [event.kind for event in record.events if event.kind.startswith("door")]
         closed = record.doors["gate"].closed
         assert closed == (index >= 9)
-        assert simulation.world.doors() == {"gate": closed}
+        assert simulation.world.door_states().closed() == {"gate": closed}
         assert rssi_dbm() == pytest.approx(while_open_dbm - 10.2 * closed)
         assert ("door" in told) == closed
     assert told == ["door_moves", "door"]

@@ -15,7 +15,7 @@ from robotteamsim.scenario import sections
 from robotteamsim.sensing.readings import TeamReadings, VoiceReading
 from robotteamsim.simulation import Simulation, simulation
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.doors import DoorStates
 
 
 class FakeParts:
@@ -34,7 +34,7 @@ class FakeParts:
     def names(self) -> list[str]:
         return [call[0] for call in self.calls]
 
-    def world(self, plan, robots, run, *, things, schedule, seed) -> FakeWorld:
+    def world(self, plan, robots, run, *, objects, schedule) -> FakeWorld:
         return FakeWorld(self)
 
     def sensors(self, world, robots, seed) -> FakeSensors:
@@ -62,8 +62,8 @@ class FakeWorld:
     def sim_time_ns(self) -> int:
         return self.parts.sim_time_ns
 
-    def door_states(self) -> dict[str, DoorState]:
-        return {}
+    def door_states(self) -> DoorStates:
+        return DoorStates()
 
     def step(self, twists) -> None:
         self.parts.step_index += 1

@@ -1,4 +1,4 @@
-"""The shipped warehouse shows what it is for: things that are pushed."""
+"""The shipped warehouse shows what it is for: objects that are pushed."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from robotteamsim.simulation import Simulation
 
 def test_robots_push_crates_along_the_aisle_and_none_goes_through_a_wall():
     simulation = Simulation(load("warehouse_push", ["mission.time_limit_s=30"]))
-    before = {name: (pose.x_m, pose.y_m) for name, pose in simulation.world.things().items()}
+    before = {name: (pose.x_m, pose.y_m) for name, pose in simulation.world.objects().items()}
     simulation.run()
-    after = {name: (pose.x_m, pose.y_m) for name, pose in simulation.world.things().items()}
+    after = {name: (pose.x_m, pose.y_m) for name, pose in simulation.world.objects().items()}
     moved_m = {name: math.dist(before[name], after[name]) for name in before}
     assert max(moved_m.values()) > 1.0
     assert sum(distance_m > 0.1 for distance_m in moved_m.values()) >= 3

@@ -181,21 +181,21 @@ def test_laser_whose_beams_lie_to_one_side_keeps_where_they_point(tmp_path):
     assert ends == pytest.approx((0.5, 1.7))
 
 
-def test_things_come_back_as_solids_at_their_places(tmp_path):
-    things = (
+def test_objects_come_back_as_solids_at_their_places(tmp_path):
+    objects = (
         "[{name: crate, size_m: [0.6, 0.4], pose: [2.0, 2.0, 0.5]},"
         " {name: drum, kind: barrel, radius_m: 0.3, height_m: 0.9, pose: [4.0, 4.0, 0.0]}]"
     )
-    scenario = load("tutorial_arena", [f"things={things}"])
+    scenario = load("tutorial_arena", [f"objects={objects}"])
     export, back = _round_trip(scenario, tmp_path)
     solid = {
         block.name: shapely.Polygon(block.polygon) for block in back.plan.blocks if block.name in ("crate", "drum")
     }
-    crate = shapely.Polygon(corners_at(scenario.things[0].corners_m, scenario.things[0].pose))
+    crate = shapely.Polygon(corners_at(scenario.objects[0].corners_m, scenario.objects[0].pose))
     assert shapely.symmetric_difference(solid["crate"], crate).area < 1e-5
     assert (solid["drum"].centroid.x, solid["drum"].centroid.y) == pytest.approx((4.0, 4.0))
     assert solid["drum"].area == pytest.approx(math.pi * 0.3**2, rel=0.03)
-    assert "things stay where they are: Stage pushes nothing" in export.notes
+    assert "objects stay where they are: Stage pushes nothing" in export.notes
 
 
 def test_what_stage_cannot_tell_is_said_in_one_line_each():

@@ -7,9 +7,9 @@ import pytest
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import leaf_corners, solids
 from robotteamsim.scenario.sections import Laser, PlacedRobot, Run
-from robotteamsim.scenario.things import Thing
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 from robotteamsim.world.doors import DoorState
@@ -29,9 +29,9 @@ def plan(gate: Door) -> FloorPlan:
     return FloorPlan(name="two rooms", bounds=Bounds(max=(10.0, 6.0)), walls=WALLS, doors=(gate,))
 
 
-def world_of(gate: Door, *poses: tuple[float, float, float], things: tuple[Thing, ...] = ()) -> World:
+def world_of(gate: Door, *poses: tuple[float, float, float], objects: tuple[MovableObject, ...] = ()) -> World:
     robots = [PlacedRobot(start_pose=pose, laser=BEAM) for pose in poses or [(1.0, 1.0, 0.0)]]
-    return World(plan(gate), robots, Run(), things=things)
+    return World(plan(gate), robots, Run(), objects=objects)
 
 
 def step(world: World, steps: int, *twists: Twist) -> list[DoorState]:
@@ -46,7 +46,7 @@ def step(world: World, steps: int, *twists: Twist) -> list[DoorState]:
 def test_door_is_closed_exactly_while_its_leaf_is_all_across_the_gap(motion):
     world = world_of(door(motion=motion, time_s=1.0, closed=True))
     world.set_door("gate", False)
-    assert world.doors() == {"gate": True}
+    assert world.door_states().closed() == {"gate": True}
     opening = step(world, 12)
     assert [state.opening for state in opening] == pytest.approx([*(0.1 * i for i in range(1, 11)), 1.0, 1.0])
     assert {state.closed for state in opening} == {False}
@@ -55,7 +55,7 @@ def test_door_is_closed_exactly_while_its_leaf_is_all_across_the_gap(motion):
     closing = step(world, 12)
     assert [state.closed for state in closing] == [False] * 9 + [True] * 3
     assert [state.motion for state in closing] == ["closes"] * 9 + ["still"] * 3
-    assert world.doors() == {"gate": True}
+    assert world.door_states().closed() == {"gate": True}
 
 
 def test_instant_door_has_no_leaf_while_it_is_open():
@@ -93,16 +93,16 @@ def test_beams_see_the_leaf_where_it_is():
     assert sensors.read()[0].ranges_m[0] == pytest.approx(expected, abs=1e-6)
 
 
-def test_leaf_waits_for_a_robot_and_for_a_thing_and_goes_on_when_they_are_gone():
-    box = Thing(name="box", size_m=(0.3, 0.3), pose=(4.7, 2.8, 0.0))
-    world = world_of(door(motion="swing"), (4.45, 2.35, 0.0), things=(box,))
+def test_leaf_waits_for_a_robot_and_for_an_object_and_goes_on_when_they_are_gone():
+    box = MovableObject(name="box", size_m=(0.3, 0.3), pose=(4.7, 2.8, 0.0))
+    world = world_of(door(motion="swing"), (4.45, 2.35, 0.0), objects=(box,))
     world.set_door("gate", True)
     assert step(world, 30)[-1].motion == "held"
-    assert (world.poses()[0], world.things()["box"]) == (Pose(4.45, 2.35, 0.0), Pose(4.7, 2.8, 0.0))
+    assert (world.poses()[0], world.objects()["box"]) == (Pose(4.45, 2.35, 0.0), Pose(4.7, 2.8, 0.0))
     world.set_pose(0, Pose(2.0, 2.0, 0.0))
     held = step(world, 30)[-1]
     assert (held.motion, held.closed) == ("held", False)
-    assert world.things()["box"] == Pose(4.7, 2.8, 0.0)
+    assert world.objects()["box"] == Pose(4.7, 2.8, 0.0)
 
 
 def test_robots_are_not_put_into_a_leaf_wherever_it_is():

@@ -170,8 +170,8 @@ def test_spiral_without_room_is_refused_with_count_and_place() -> None:
             "mission.victims.1.position: [4, 9] lies outside the plan, [0, 0] .. [10, 8]",
         ),
         (
-            "things=[{name: crate, kind: barrel, radius_m: 0.5, pose: [20, 2, 0]}]",
-            "things.0.pose: [20, 2]: barrel 'crate' lies outside the plan, [0, 0] .. [10, 8]",
+            "objects=[{name: crate, kind: barrel, radius_m: 0.5, pose: [20, 2, 0]}]",
+            "objects.0.pose: [20, 2]: barrel 'crate' lies outside the plan, [0, 0] .. [10, 8]",
         ),
         (
             "schedule=[{at_s: 60, remove: 1}, {at_s: 90, spawn: 1, pose: [-5, 2, 0]}]",

@@ -9,10 +9,10 @@ from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Laser as LaserModel
-from robotteamsim.scenario.things import Thing
 from robotteamsim.sensing.laser import Laser
 from robotteamsim.world import World
 from robotteamsim.world.placement import placed_robots
@@ -40,7 +40,7 @@ def present(world: World) -> list[bool]:
 
 
 def bits(world: World) -> bytes:
-    return world.core.pose_readings().tobytes()
+    return world.core.poses().tobytes()
 
 
 def test_all_are_there_unless_the_scenario_says_otherwise():
@@ -55,7 +55,7 @@ def test_robot_that_is_removed_is_nowhere_and_stays_so():
     for _ in range(5):
         world.step([FORWARD, FORWARD])
     assert present(world) == [True, False]
-    assert all(map(math.isnan, world.core.pose_readings()[1]))
+    assert all(map(math.isnan, world.core.poses()[1]))
     assert (world.twists()[1], world.motions()[1], world.in_contact()[1]) == (Twist(), Pose(0.0, 0.0, 0.0), False)
     assert np.isfinite(world.positions_m()[0]).all()
 
@@ -114,11 +114,11 @@ def test_leaf_of_a_door_waits_for_no_robot_that_is_gone():
     world.set_door("gate", True)
     for _ in range(20):
         world.step([Twist(), Twist()])
-    assert not world.doors()["gate"]
+    assert not world.door_states().closed()["gate"]
     world.remove_robot(0)
     for _ in range(20):
         world.step([Twist(), Twist()])
-    assert world.doors()["gate"]
+    assert world.door_states().closed()["gate"]
 
 
 def test_what_others_do_after_a_robot_left_is_as_if_it_had_never_been_there():
@@ -169,8 +169,8 @@ def test_robots_put_back_are_those_who_are_there():
     ],
 )
 def test_robot_cannot_come_where_it_cannot_stand(pose: Pose, error: type[Exception], message: str):
-    drum = Thing(name="drum", kind="barrel", radius_m=0.3, pose=(9.0, 3.0, 0.0))
-    world = world_of(*STARTS, absent=(1,), things=[drum])
+    drum = MovableObject(name="drum", kind="barrel", radius_m=0.3, pose=(9.0, 3.0, 0.0))
+    world = world_of(*STARTS, absent=(1,), objects=[drum])
     with pytest.raises(error, match=message):
         world.spawn_robot(1, pose)
     assert present(world) == [True, False]

@@ -8,6 +8,7 @@ import pytest
 
 from robotteamsim import _core
 from robotteamsim.errors import PlacementError
+from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import PlacedRobot, Run
@@ -31,22 +32,24 @@ def room() -> FloorPlan:
 @pytest.mark.parametrize("footprint_m", [(), SQUARE], ids=["round", "square"])
 @pytest.mark.parametrize("kind", ["differential", "omni"])
 def test_body_at_a_hundred_metres_a_second_does_not_tunnel_through_a_thin_sheet(kind, footprint_m):
-    drive = _core.Drive(
+    drive = _core.world.Drive(
         kind=kind,
         max_speed_mps=100.0,
         max_acceleration_mps2=1e4,
         max_turn_radps=2.0,
         max_turn_acceleration_radps2=8.0,
     )
-    robot = _core.Robot(radius_m=0.15, mass_kg=5.0, drive=drive, start=(0.0, 0.0, 0.0), footprint_m=footprint_m)
-    world = _core.World([_core.Solid(SHEET, [SHEET])], [], [robot], 0.1, 5)
+    robot = _core.world.Robot(
+        radius_m=0.15, mass_kg=5.0, drive=drive, start=Pose(0.0, 0.0, 0.0), footprint_m=footprint_m
+    )
+    world = _core.world.World([_core.world.Solid(SHEET, [SHEET])], [], [robot], 0.1, 5)
     for _ in range(20):
         world.step(np.array([[100.0, 0.0, 0.0]]))
     assert world.poses()[0, 0] == pytest.approx(49.85, abs=0.01)
 
 
 def test_hundred_robots_in_one_spot_push_each_other_apart_without_a_crash():
-    drive = _core.Drive(
+    drive = _core.world.Drive(
         kind="differential",
         max_speed_mps=0.7,
         max_acceleration_mps2=2.0,
@@ -54,9 +57,10 @@ def test_hundred_robots_in_one_spot_push_each_other_apart_without_a_crash():
         max_turn_acceleration_radps2=8.0,
     )
     robots = [
-        _core.Robot(radius_m=0.1, mass_kg=5.0, drive=drive, start=(0.0, 0.0, math.tau * i / 100)) for i in range(100)
+        _core.world.Robot(radius_m=0.1, mass_kg=5.0, drive=drive, start=Pose(0.0, 0.0, math.tau * i / 100))
+        for i in range(100)
     ]
-    world = _core.World([], [], robots, 0.1, 2)
+    world = _core.world.World([], [], robots, 0.1, 2)
     for _ in range(5):
         world.step(np.full((100, 3), [0.7, 0.0, 0.0]))
     assert np.isfinite(world.poses()).all()
@@ -93,12 +97,12 @@ def test_robot_that_starts_in_a_wall_is_refused_by_its_name():
 @pytest.mark.parametrize("step_s", [0.0, -0.1, math.nan, math.inf])
 def test_step_that_is_no_time_is_refused(step_s):
     with pytest.raises(ValueError, match="step and substeps must be > 0"):
-        _core.World([], [], [], step_s, 5)
+        _core.world.World([], [], [], step_s, 5)
 
 
 def test_laser_without_beams_is_refused():
     with pytest.raises(ValueError, match="beams must be >= 1, got 0"):
-        _core.Laser(
+        _core.sensing.Laser(
             [],
             [],
             beams=0,

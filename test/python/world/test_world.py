@@ -34,7 +34,7 @@ PLAN = FloorPlan(
 
 
 def world_of(*poses: tuple[float, float, float], run: Run = RUN, plan: FloorPlan = PLAN) -> World:
-    return World(plan, [PlacedRobot(start_pose=pose) for pose in poses], run, seed=1)
+    return World(plan, [PlacedRobot(start_pose=pose) for pose in poses], run)
 
 
 def drive(world: World, *twists: Twist, steps: int) -> None:
@@ -143,10 +143,10 @@ def test_fast_robot_does_not_tunnel_through_a_thin_wall():
 
 def test_doors_stop_robots_only_while_closed():
     world = world_of((5.0, 3.0, 0.0))
-    assert world.doors() == {"gate": False}
+    assert world.door_states().closed() == {"gate": False}
     world.set_door("gate", True)
     drive(world, FORWARD, steps=20)
-    assert world.doors() == {"gate": True}
+    assert world.door_states().closed() == {"gate": True}
     assert world.poses()[0].x_m == pytest.approx(5.77, abs=TOUCH_M)
     world.set_door("gate", False)
     drive(world, FORWARD, steps=20)
@@ -175,7 +175,7 @@ def test_two_worlds_with_the_same_commands_are_equal_to_the_bit_and_so_is_a_reru
     first.set_door("gate", True)
     first.set_pose(0, Pose(7.0, 5.0, 1.0))
     first.reset()
-    assert (first.step_index, first.doors()) == (0, {"gate": False})
+    assert (first.step_index, first.door_states().closed()) == (0, {"gate": False})
     for twists, expected in zip(script, record, strict=True):
         first.step(twists)
         assert bits(first) == expected
@@ -187,7 +187,7 @@ def test_reset_positions_puts_robots_back_but_not_time_or_doors():
     drive(world, FORWARD, steps=10)
     world.reset_positions()
     assert world.poses() == [Pose(2.0, 2.0, 0.5)]
-    assert (world.step_index, world.doors()) == (10, {"gate": True})
+    assert (world.step_index, world.door_states().closed()) == (10, {"gate": True})
     drive(world, Twist(), steps=1)
     assert world.poses() == [Pose(2.0, 2.0, 0.5)]
 
@@ -263,7 +263,7 @@ def test_unknown_doors_and_robots_are_refused():
 
 def test_a_command_that_is_no_twist_is_refused_and_nothing_moves():
     world, untouched = world_of((2.0, 2.0, 0.0)), world_of((2.0, 2.0, 0.0))
-    for wrong, error in ((0.5, ValueError), ((0.5, 0.0), ValueError), (("fast", 0.0, 0.0), TypeError)):
-        with pytest.raises(error, match=r"a twist must be a tuple of three numbers|must be real number"):
+    for wrong in (0.5, (0.5, 0.0), Twist("fast", 0.0, 0.0)):
+        with pytest.raises(TypeError, match="incompatible function arguments"):
             world.step([wrong])
     assert bits(world) == bits(untouched)

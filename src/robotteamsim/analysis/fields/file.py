@@ -1,4 +1,4 @@
-"""Radio and voice maps as files: the numbers, and an image that map_server turns into an OccupancyGrid."""
+"""Radio and voice maps as files: arrays, and an image that map_server loads as an OccupancyGrid."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from robotteamsim.analysis.fields.picture import FieldStyle, Panel
 from robotteamsim.errors import RecordingError
 
 _UNKNOWN = 255
-"""map_server takes pixels of a raw image as they are: 0..100 for a share, 255 for unknown."""
+"""Pixel of an unknown cell. map_server uses the pixels of a raw image unchanged: 0 to 100, or 255 for unknown."""
 
 
-def numbers(panels: Sequence[Panel], style: FieldStyle) -> dict[str, np.ndarray]:
+def map_arrays(panels: Sequence[Panel], style: FieldStyle) -> dict[str, np.ndarray]:
     """Return maps as the named arrays of an npz archive.
 
     values:         float64, shape (rows, cols), row 0 at the lowest y; of several maps (maps, rows, cols).
-    origin_m:       lower left corner of cell (0, 0) in `map`; resolution_m: edge of a cell.
-    quantity, unit: what the values are; titles: of each map.
-    sources_m:      x, y of every source of every map, shape (n, 2); source_map: the index of the map of each.
-    Raises: RecordingError: the maps have not all the same cells.
+    origin_m:       lower left corner of cell (0, 0) in `map`; resolution_m: size of a cell.
+    quantity, unit: what the values are; titles: titles of the maps.
+    sources_m:      x, y of every source of every map, shape (n, 2); source_map: index of the map of each source.
+    Raises: RecordingError: the maps have different cells.
     """
     first = panels[0].field
     for panel in panels[1:]:
@@ -56,7 +56,7 @@ def grid_pgm(panel: Panel, style: FieldStyle) -> bytes:
 
 
 def grid_yaml(panel: Panel, style: FieldStyle, image: str) -> str:
-    """Return the yaml with which map_server loads the image of `grid_pgm`."""
+    """Return the yaml for loading the image of `grid_pgm` with map_server."""
     x, y = panel.field.origin_m
     return (
         f"# {style.quantity}: 0 is {style.low:g} {style.unit}, 100 is {style.high:g} {style.unit}"

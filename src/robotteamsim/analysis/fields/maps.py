@@ -1,4 +1,4 @@
-"""Radio and voice maps of a scenario: one panel each, and how to draw them."""
+"""Radio and voice maps of a scenario as panels, and the styles to draw them."""
 
 from __future__ import annotations
 
@@ -18,32 +18,32 @@ Point = tuple[float, float]
 VoiceRange = Literal["drawn", "lowest", "highest"]
 
 RADIO_LEVELS_DBM = (-60.0, -70.0)
-"""Beside the network's own two [dissertation, Fig. 18]."""
+"""Contour lines in addition to the two thresholds of the network [dissertation, Fig. 18]."""
 
 VOICE_LEVELS_DB = (10.0, 20.0, 30.0)
-"""The noise levels of the dissertation's missions [Fig. 16, 17]."""
+"""Contour lines at the noise levels of the dissertation's missions [Fig. 16, 17]."""
 
 _MINUS = "\N{MINUS SIGN}"
 
 _BEYOND_LOST_DB = 16.0
-"""Maps of the loss go on beyond the last link, so that each wall shows there too [Fig. 6]."""
+"""Maps of the path loss extend beyond the range of links, so that walls are visible there, too [Fig. 6]."""
 
 _JUST_HEARD_DB = 1e-9
-"""Voice maps hold 0 where nothing is heard, even without noise."""
+"""Lowest voice level drawn: voice maps contain 0 where nothing is heard."""
 
 _FINEST_M, _COARSEST_M, _CELLS = 0.02, 1.0, 600
 
 
 def default_resolution_m(plan: FloorPlan) -> float:
-    """Return the cell that gives a picture some 600 cells along its longer side, in whole cm."""
+    """Return the cell size for about 600 cells along the longer side, in whole centimetres [m]."""
     longer_side_m = float(np.subtract(plan.bounds.max, plan.bounds.min).max())
     return min(max(round(longer_side_m / _CELLS, 2), _FINEST_M), _COARSEST_M)
 
 
 def radio_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, loss: bool) -> Panel:
-    """Return the strongest signal of all transmitters in each cell [dBm], or the least path loss [dB].
+    """Return the strongest signal of all transmitters in each cell [dBm], or the smallest path loss [dB].
 
-    Args: at_m: the transmitters in `map` [m]; none: robot 0 at its start.
+    Args: at_m: transmitters in `map` [m]; if empty, robot 0 at its start.
     """
     places = list(at_m) or [placed_robots(scenario)[0].start_pose[:2]]
     model = RadioField(scenario.plan, scenario.radio)
@@ -54,7 +54,7 @@ def radio_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, 
     names = ["transmitter"] if len(places) == 1 else [f"tx {i}" for i in range(len(places))]
     spots = tuple(Spot(name, place, "robot") for name, place in zip(names, places, strict=True))
     power = f"{scenario.radio.tx_power_dbm:g} dBm".replace("-", _MINUS)
-    best = "the least" if loss else "the strongest"
+    best = "smallest" if loss else "strongest"
     title = "transmitter at ({:g}, {:g})".format(*places[0])
     if len(places) > 1:
         title = f"{best} of {len(places)} transmitters"
@@ -67,9 +67,9 @@ def radio_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, 
 def voice_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, voice_range: VoiceRange) -> Panel:
     """Return the loudest voice in each cell [dB]; 0 below the noise and in walls.
 
-    Args: at_m: victims in `map` [m]; none: the scenario's.
-          voice_range: with l_c and gamma as the scenario's seed draws them per victim, or all with the quiet or the
-              loud ends of their ranges.
+    Args: at_m: victims in `map` [m]; if empty, those of the scenario.
+          voice_range: l_c and gamma as drawn per victim from the scenario's seed, or the quiet or the loud ends of
+              their ranges for all victims.
     """
     named = [Victim(name=f"victim_{i}", position=place) for i, place in enumerate(at_m, 1)]
     victims = named or list(scenario.mission.victims)
@@ -89,7 +89,10 @@ def voice_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, 
 
 
 def radio_style(scenarios: Sequence[Scenario], levels: Sequence[float], loss: bool) -> FieldStyle:
-    """Return how to draw radio maps, on a scale that holds those of all scenarios; levels: none for the usual ones."""
+    """Return the style of radio maps, with one scale for all scenarios.
+
+    Args: levels: contour lines; if empty, the default ones.
+    """
     lost, endangered = (
         min(scenario.network.lost_below_dbm for scenario in scenarios),
         min(scenario.network.endangered_below_dbm for scenario in scenarios),
@@ -110,7 +113,10 @@ def radio_style(scenarios: Sequence[Scenario], levels: Sequence[float], loss: bo
 
 
 def voice_style(scenarios: Sequence[Scenario], levels: Sequence[float]) -> FieldStyle:
-    """Return how to draw voice maps, on a scale that holds those of all scenarios; levels: none for the usual ones."""
+    """Return the style of voice maps, with one scale for all scenarios.
+
+    Args: levels: contour lines; if empty, the default ones.
+    """
     noise_db = min(scenario.voice.noise_db for scenario in scenarios)
     loudest = max(-scenario.voice.constant_db[0] for scenario in scenarios)
     usual = sorted({noise_db, *VOICE_LEVELS_DB} - {0.0})

@@ -1,4 +1,4 @@
-"""Pictures of radio and voice maps over their floor plans, one or several side by side."""
+"""Draws radio and voice maps on their floor plans, one or several side by side."""
 
 from __future__ import annotations
 
@@ -26,27 +26,27 @@ from robotteamsim.scenario import FloorPlan, occupancy_grid
 from robotteamsim.scenario.plan import OCCUPIED, obstacles
 
 _PAGE_INCHES = (12.0, 6.6)
-"""A slide, less what bar and titles take."""
+"""The area for maps on a slide, without colour bar and titles."""
 
 _AROUND_INCHES = (0.7, 0.8)
-"""What labels take around each map."""
+"""Space for labels around each map."""
 
 _TITLE_LETTERS_PER_INCH = 12
-"""Of a panel's title, which is broken where it is wider than its map."""
+"""Letters per inch of a panel's title, to wrap titles that are wider than their map."""
 
 _TITLE_LINE_INCHES = 0.17
 
 _SLIVER_CELLS = 3
-"""Rays between pieces of furniture get no contour where they are under half of this wide."""
+"""Size of the median filter: strips narrower than half of it, such as rays between furniture, get no contour."""
 
 _MIN_DRAWN = 0.03
-"""A contour shorter than this share of the plan's longer side is left out."""
+"""Contours shorter than this share of the plan's longer side are omitted."""
 
 _MIN_LABELLED = 0.15
-"""A contour shorter than this share of the plan's longer side gets no label."""
+"""Contours shorter than this share of the plan's longer side get no label."""
 
 _MAX_LABELS = 3
-"""Per level."""
+"""Most labels per level."""
 
 _LINE = "#16202e"
 _HALO = (withStroke(linewidth=2.4, foreground="white"),)
@@ -54,7 +54,7 @@ _HALO = (withStroke(linewidth=2.4, foreground="white"),)
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """A line at one value of the map, and what the value means."""
+    """A contour line at one value of the map, and the meaning of the value."""
 
     value: float
     meaning: str = ""
@@ -68,7 +68,7 @@ class FieldStyle:
     """How a kind of map is drawn.
 
     low, high: ends of the colour bar.
-    silence:   what it means where a map is blank.
+    silence:   meaning of blank parts of a map.
     """
 
     quantity: str
@@ -82,7 +82,7 @@ class FieldStyle:
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """A place to mark, in `map` [m]."""
+    """A marked position, in `map` [m]."""
 
     name: str
     position_m: tuple[float, float]
@@ -91,7 +91,7 @@ class Spot:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Panel:
-    """One map with its plan, and where its sources are; blank where its values are below `silent_below`."""
+    """One map with its floor plan and sources; blank where its values are below `silent_below`."""
 
     title: str
     field: FieldMap
@@ -101,9 +101,9 @@ class Panel:
 
 
 def draw_fields(panels: Sequence[Panel], style: FieldStyle, title: str) -> Figure:
-    """Return the maps as one figure with one colour scale: contours, walls and doors on top, the sources marked.
+    """Draw maps in one figure with one colour scale, with contours, walls, doors and sources.
 
-    Args: title: of the figure; what a panel is stands over each, or after the title where there is one only.
+    Args: title: title of the figure. Each panel has its own title; that of a single panel follows that of the figure.
     """
     rows, columns, scale = _layout(panels)
     width_m, height_m = _largest_size(panels)
@@ -129,7 +129,7 @@ def draw_fields(panels: Sequence[Panel], style: FieldStyle, title: str) -> Figur
 
 
 def _layout(panels: Sequence[Panel]) -> tuple[int, int, float]:
-    """Return rows, columns and inches per metre that show the panels largest on a page."""
+    """Return rows, columns and inches per metre for the largest panels that fit on a page."""
     width_m, height_m = _largest_size(panels)
     layouts = []
     for columns in range(1, len(panels) + 1):
@@ -169,9 +169,9 @@ def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle) -> AxesImage:
 
 
 def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level]) -> None:
-    """Draw the contours in free space; a level that the map does not reach is left out."""
+    """Draw the contours in free space, without levels that the map does not reach."""
     field = panel.field
-    # A contour ends at a wall: what the map holds inside walls is not what it holds beside them.
+    # Values inside walls differ from those next to them, so contours must end at walls.
     grid = occupancy_grid(panel.plan.model_copy(update={"doors": ()}), field.resolution_m)
     solid = grid.cells == OCCUPIED
     if solid.all():
@@ -191,13 +191,13 @@ def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level]) -> None:
         x, y, values, levels=[level.value for level in present], colors=_LINE, linewidths=0.9, linestyles="solid"
     )
     lines.set(path_effects=[withStroke(linewidth=1.9, foreground="white")])
-    _leave_out_short(lines, _MIN_DRAWN * max(np.ptp(x), np.ptp(y)))
+    _remove_short(lines, _MIN_DRAWN * max(np.ptp(x), np.ptp(y)))
     texts = {level.value: str(level) for level in present}
     for label in lines.clabel(fmt=texts, fontsize=8, manual=_label_places(lines, panel)):
         label.set(path_effects=_HALO, color=_LINE)
 
 
-def _leave_out_short(lines: ContourSet, min_length_m: float) -> None:
+def _remove_short(lines: ContourSet, min_length_m: float) -> None:
     kept = []
     for stretches in lines.allsegs:
         lengths_m = [np.hypot(*np.diff(stretch, axis=0).T).sum() for stretch in stretches]
@@ -207,7 +207,7 @@ def _leave_out_short(lines: ContourSet, min_length_m: float) -> None:
 
 
 def _label_places(lines: ContourSet, panel: Panel) -> list[tuple[float, float]]:
-    """Return where labels go: on the longest stretches of each contour, far from walls, sources and each other."""
+    """Return positions of labels: on the longest parts of each contour, far from walls, sources and other labels."""
     (min_x, min_y), (max_x, max_y) = panel.plan.bounds.min, panel.plan.bounds.max
     longer_side = max(max_x - min_x, max_y - min_y)
     walls = shapely.union(obstacles(panel.plan), shapely.box(min_x, min_y, max_x, max_y).boundary)
@@ -231,7 +231,7 @@ def _label_places(lines: ContourSet, panel: Panel) -> list[tuple[float, float]]:
 
 
 def _mark_levels(bar: Colorbar, style: FieldStyle) -> None:
-    """Mark the levels on the bar, with what they mean, between the ends of the scale."""
+    """Mark the levels and their meanings on the colour bar."""
     bar.outline.set_visible(False)
     levels = [level for level in style.levels if style.low <= level.value <= style.high]
     marks = list(levels)
@@ -248,7 +248,7 @@ def _mark_levels(bar: Colorbar, style: FieldStyle) -> None:
 
 
 def _is_named_to_the_left(spot: Spot, plan: FloorPlan) -> bool:
-    """Whether a name to the right of a spot would leave the picture."""
+    """Whether a name to the right of a spot would extend beyond the picture."""
     (min_x, _), (max_x, _) = plan.bounds.min, plan.bounds.max
     return spot.position_m[0] > min_x + 0.85 * (max_x - min_x)
 

@@ -1,4 +1,4 @@
-"""The report of a campaign: figures, intervals, tests, and what they say about the dissertation's claims."""
+"""The report of a campaign: figures, intervals, tests, and a verdict on each claim of the dissertation."""
 
 from robotteamsim.analysis.report.page import Report, make_report
 

@@ -1,4 +1,4 @@
-"""What the dissertation claims of its missions, and what ours say of each claim."""
+"""The dissertation's claims about its missions, and a verdict on each from our missions."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from robotteamsim.scenario import Scenario
 
 Verdict = Literal["reproduced", "not reproduced", "not shown"]
 
-WANTED_TRIALS = 100
-"""Of each level, before a claim counts as reproduced."""
+MIN_TRIALS = 100
+"""Missions needed at each noise level before a claim counts as reproduced."""
 
 _LEVEL = 0.05
 _MINUS = "\N{MINUS SIGN}"
 _RANGES_M = {-60.0: 4.5, -70.0: 10.0, -80.0: 25.0}
-"""What Section 5.3 reads from Figure 18, by connection threshold [dBm]."""
+"""Radio range that Section 5.3 reads from Figure 18, by connection threshold [dBm]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """text: what is claimed. source: where. why: what ours say of it."""
+    """A claim of the dissertation. source: where it is made. why: the reason for the verdict."""
 
     text: str
     source: str
@@ -38,7 +38,7 @@ class Claim:
 
 
 def judge(campaign: Campaign, comparisons: Sequence[Comparison]) -> tuple[Claim, ...]:
-    """Return all claims that these missions can be held against; none where the dissertation has none like them."""
+    """Return the claims that these missions can test; none if the dissertation has no missions of these settings."""
     if not comparisons:
         return ()
     claims = [_victims(comparison) for comparison in comparisons]
@@ -53,11 +53,14 @@ def judge(campaign: Campaign, comparisons: Sequence[Comparison]) -> tuple[Claim,
 
 
 def _verdict(agrees: bool, trials: int) -> tuple[Verdict, str]:
-    """Return the verdict, and what to add to its reason: no claim is reproduced by a few missions."""
+    """Return the verdict and an addition to its reason: a few missions cannot reproduce a claim."""
     if not agrees:
         return "not reproduced", ""
-    if trials < WANTED_TRIALS:
-        return "not shown", f" So far it agrees; {trials} missions a level are too few, {WANTED_TRIALS} are wanted."
+    if trials < MIN_TRIALS:
+        return (
+            "not shown",
+            f" Our missions agree so far, but {trials} per level are too few; {MIN_TRIALS} are needed.",
+        )
     return "reproduced", ""
 
 
@@ -73,7 +76,7 @@ def _victims(comparison: Comparison) -> Claim:
         low, high = percents(rate.theirs.low, rate.theirs.high)
         agrees &= inside
         reasons.append(
-            f"At least {rate.saved} were saved in {share_text(rate.ours)} of ours, "
+            f"At least {rate.saved} were saved in {share_text(rate.ours)} of our missions, "
             f"{'inside' if inside else 'outside'} the dissertation's {low} to {high}."
         )
     if comparison.victims_p is not None:
@@ -84,7 +87,7 @@ def _victims(comparison: Comparison) -> Claim:
             f"Counts of victims: {found} (Fisher-Freeman-Halton, {p_text(comparison.victims_p)} after Holm)."
         )
     else:
-        reasons.append("All counts of victims are the same in both.")
+        reasons.append("All missions of both saved the same number of victims.")
     verdict, more = _verdict(agrees, comparison.trials)
     return Claim(texts[comparison.noise_db], "Tables 6, 8; Fig. 19", verdict, " ".join(reasons) + more)
 
@@ -93,15 +96,19 @@ def _time(comparison: Comparison) -> Claim:
     means = {10.0: 459.6, 20.0: 382.0, 30.0: 343.5}
     text = f"With {comparison.noise_db:g} dB a mission takes {means[comparison.noise_db]:g} s on average."
     interval, low, high = comparison.time.interval, 1.0 - MARGIN, 1.0 + MARGIN
-    why = f"Ours take {interval_text(interval, 3)} times as long (90 % interval); {low:g} to {high:g} is wanted"
+    ratio = interval_text(interval, 3)
+    why = f"Our missions take {ratio} times as long (90 % interval); the margin is {low:g} to {high:g}"
     if comparison.time_p < _LEVEL:
         verdict, more = _verdict(True, comparison.trials)
         return Claim(
-            text, "Tables 6, 8; Fig. 20", verdict, f"{why} and shown ({p_text(comparison.time_p)} after Holm).{more}"
+            text,
+            "Tables 6, 8; Fig. 20",
+            verdict,
+            f"{why}. They are equivalent ({p_text(comparison.time_p)} after Holm).{more}",
         )
     if interval.high < low or interval.low > high:
-        return Claim(text, "Tables 6, 8; Fig. 20", "not reproduced", f"{why}, and the whole interval lies outside.")
-    why += f"; the interval is too wide or too near an end to tell ({p_text(comparison.time_p)} after Holm)."
+        return Claim(text, "Tables 6, 8; Fig. 20", "not reproduced", f"{why}. The whole interval is outside.")
+    why += f". The interval is too wide or too near a limit to decide ({p_text(comparison.time_p)} after Holm)."
     return Claim(text, "Tables 6, 8; Fig. 20", "not shown", why)
 
 
@@ -124,21 +131,21 @@ def _trend(campaign: Campaign) -> Claim:
 
 
 def _direct_influence(campaign: Campaign) -> list[Claim]:
-    """Hold the times of missions that saved all victims against each other, at the two lowest levels."""
+    """Compare the times of missions that saved all victims, at the two lowest noise levels."""
     pairs = sorted(campaign.compared, key=lambda pair: _noise_db(pair[0]))[:2]
     if [_noise_db(cell) for cell, _ in pairs] != [10.0, 20.0]:
         return []
     theirs, ours = [_times_of_all_saved(sample) for _, sample in pairs], [_times_of_all_saved(c.ours) for c, _ in pairs]
     p_theirs, p_ours = mann_whitney(theirs[0], theirs[1]), mann_whitney(ours[0], ours[1])
     why = (
-        f"Its own data deny it: with all four saved, 10 dB takes {np.mean(theirs[0]):.1f} s and 20 dB "
-        f"{np.mean(theirs[1]):.1f} s on average (Mann-Whitney, {p_text(p_theirs)})."
+        f"The dissertation's own data contradict this: with all four saved, 10 dB takes {np.mean(theirs[0]):.1f} s and "
+        f"20 dB {np.mean(theirs[1]):.1f} s on average (Mann-Whitney, {p_text(p_theirs)})."
     )
     if p_ours is None:
-        why += " Ours have too few such missions to tell."
+        why += " We have too few such missions to decide."
     else:
-        word = "deny it, too" if p_ours < _LEVEL else "show no such difference"
-        why += f" Ours {word}: {np.mean(ours[0]):.1f} s and {np.mean(ours[1]):.1f} s ({p_text(p_ours)})."
+        verb = "also contradict it" if p_ours < _LEVEL else "show no such difference"
+        why += f" Our missions {verb}: {np.mean(ours[0]):.1f} s and {np.mean(ours[1]):.1f} s ({p_text(p_ours)})."
     agrees = p_ours is not None and p_ours >= _LEVEL
     verdict: Verdict = "not shown" if agrees or p_ours is None else "not reproduced"
     text = "Noise does not itself influence the duration, only by the number of victims saved."
@@ -147,12 +154,12 @@ def _direct_influence(campaign: Campaign) -> list[Claim]:
 
 def _areas(comparisons: Sequence[Comparison]) -> Claim:
     outside = [c.name for c in comparisons if c.areas[0].value not in c.areas[1]]
-    parts = [f"{share_text(c.areas[0])} at {c.name}, there {share_text(c.areas[1])}" for c in comparisons]
+    parts = [f"{share_text(c.areas[0])} at {c.name}, dissertation {share_text(c.areas[1])}" for c in comparisons]
     why = f"Missions with all areas explored: {'; '.join(parts)}."
     if outside:
-        why += f" Ours lie outside its interval at {listed(outside)}."
+        why += f" Ours are outside its interval at {listed(outside)}."
     verdict, more = _verdict(not outside, min(c.trials for c in comparisons))
-    return Claim("All areas are explored, but where the time runs out.", "Tables 7, 9; Fig. 21", verdict, why + more)
+    return Claim("All areas are explored unless the time runs out.", "Tables 7, 9; Fig. 21", verdict, why + more)
 
 
 def _time_limit(campaign: Campaign) -> list[Claim]:
@@ -165,11 +172,13 @@ def _time_limit(campaign: Campaign) -> list[Claim]:
     )
     excluded = sum(int((~cell.ours.finished).sum()) for cell, _ in campaign.compared) - int(ours.sum())
     here, there = (clopper_pearson(int(reached.sum()), len(reached)) for reached in (ours, theirs))
-    why = f"{int(ours.sum())} of our {len(ours)} missions reach it: {share_text(here)}, there {share_text(there)}."
+    why = (
+        f"{int(ours.sum())} of our {len(ours)} missions reach it: {share_text(here)}, dissertation {share_text(there)}."
+    )
     if len(saved):
         why += f" All victims were saved in {int(saved.sum())} of them."
     if excluded:
-        why += f" {excluded} of ours ended before it since all robots were excluded."
+        why += f" {excluded} of ours ended earlier because all robots were excluded."
     agrees = here.value in there and bool(saved.all())
     verdict, more = _verdict(agrees, min(len(cell.ours) for cell, _ in campaign.compared))
     text = "The limit of 600 s is reached in 2 of 90 missions, in which all victims are saved."
@@ -180,12 +189,15 @@ def _endangered(campaign: Campaign, comparisons: Sequence[Comparison]) -> Claim:
     outside = [c.name for c in comparisons if c.endangered[0].value not in c.endangered[1]]
     parts = [f"{share_text(c.endangered[0])} at {c.name}" for c in comparisons]
     (bound,) = percents(max(c.endangered[1].high for c in comparisons))
-    why = f"Missions with an endangered link: {'; '.join(parts)}; none in 30 there, which allows for up to {bound}."
+    why = (
+        f"Missions with an endangered link: {'; '.join(parts)}; none of the dissertation's 30, which is compatible "
+        f"with up to {bound}."
+    )
     apart = _distances_apart_m(campaign)
     if len(apart):
         why += (
-            f" It is no hard test: to the nearest other robot it is {np.median(apart):.1f} m in the middle and "
-            f"{np.max(apart):.1f} m at most."
+            f" This is a weak test: the median distance to the nearest robot is {np.median(apart):.1f} m, "
+            f"the maximum {np.max(apart):.1f} m."
         )
     verdict, more = _verdict(not outside, min(c.trials for c in comparisons))
     text = f"With a threshold of {_MINUS}80 dBm the connection is never endangered."
@@ -200,13 +212,13 @@ def _ranges(scenario: Scenario) -> Claim:
         near = abs(range_m / claimed_m - 1.0) <= MARGIN
         agrees &= near
         parts.append(f"{range_m:.1f} m at {threshold_dbm:g} dBm{'' if near else f', not {claimed_m:g} m'}")
-    why = f"By its equations 2 and 3 and Table 3, without walls: {'; '.join(parts)}. No mission is needed to tell."
+    why = f"From its equations 2 and 3 and Table 3, without walls: {'; '.join(parts)}. This needs no mission."
     text = "A robot reaches about 4.5 m, 10 m and 25 m for thresholds of -60, -70 and -80 dBm.".replace("-", _MINUS)
     return Claim(text, "Sec. 5.3; Fig. 18", "reproduced" if agrees else "not reproduced", why.replace("-", _MINUS))
 
 
 def _distances_apart_m(campaign: Campaign) -> np.ndarray:
-    """Return the distance of each robot to its nearest other, at all kept moments of all missions [m]."""
+    """Return the distance of each robot to the nearest other one, at all stored times of all missions [m]."""
     found = [
         nearest_other_m(paths_m).ravel() for cell in campaign.cells for paths_m in cell.paths_m if paths_m.shape[1] > 1
     ]

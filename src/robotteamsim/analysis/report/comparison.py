@@ -1,4 +1,4 @@
-"""The numbers of a report: intervals of each cell, tests between cells and against the dissertation's missions."""
+"""The statistics of a report: intervals of each cell, tests between cells and against the dissertation's missions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from robotteamsim.analysis.report.statistics import (
 )
 
 MARGIN = 0.1
-"""By which means of time may differ and count as equal."""
+"""Relative difference up to which mean times count as equivalent."""
 
 _SEED = 2013
 _MAX_PAIRS = 66
@@ -49,11 +49,11 @@ class Rate:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """A cell beside the dissertation's missions.
+    """A cell compared with the dissertation's missions.
 
     time:               ratio of mean times.
-    time_p, victims_p:  of the equivalence and of the Fisher-Freeman-Halton test, corrected after Holm over all cells.
-    areas, endangered:  shares of missions with all areas explored, with an endangered link.
+    time_p, victims_p:  p of the equivalence test and of the Fisher-Freeman-Halton test, Holm-corrected over all cells.
+    areas, endangered:  shares of missions with all areas explored, and with an endangered link: ours, theirs.
     """
 
     name: str
@@ -69,7 +69,7 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """Two cells' times: p of a Mann-Whitney test, corrected after Holm over all pairs."""
+    """A Mann-Whitney test of two cells' times; p is Holm-corrected over all pairs."""
 
     first: str
     second: str
@@ -87,11 +87,11 @@ class Differences:
 
 
 RATES: Mapping[float, tuple[int, ...]] = {10.0: (4,), 20.0: (3, 4), 30.0: (3,)}
-"""By noise [dB], the numbers of victims whose rates Table 6 pins down best."""
+"""Numbers of saved victims whose rates Table 6 determines best, by noise [dB]."""
 
 
 def generator(*name: str | int) -> np.random.Generator:
-    """Return the generator of one computation of a report: the same store gives the same report."""
+    """Return the random generator of one computation, so that the same store gives the same report."""
     return rng.stream(_SEED, "report", *name)
 
 
@@ -105,7 +105,7 @@ def means(sample: Sample, name: str) -> Means:
 
 
 def compare(campaign: Campaign) -> tuple[Comparison, ...]:
-    """Compare the cells that the dissertation has with its missions."""
+    """Compare each cell that the dissertation also has with the dissertation's missions."""
     pairs = campaign.compared
     times = [
         mean_ratio(cell.ours.restricted_s, theirs.restricted_s, MARGIN, generator("ratio", cell.name))
@@ -145,7 +145,7 @@ def compare(campaign: Campaign) -> tuple[Comparison, ...]:
 
 
 def differences(campaign: Campaign) -> Differences | None:
-    """Test whether our cells differ; none: there is one only. Pairs are left out where there are too many to read."""
+    """Test whether our cells differ; None for a single cell. Pairs are omitted if there are too many to read."""
     cells = campaign.cells
     if len(cells) < 2:
         return None

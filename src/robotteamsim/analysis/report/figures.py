@@ -1,4 +1,4 @@
-"""Figures of what the missions gave: times, counts, survival, ratios."""
+"""Figures of the missions' results: times, counts, survival, ratios."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pear
 
 OURS, THEIRS, INK, FAINT = "#1f6feb", "#d9822b", "#1d2733", "#d5dae1"
 MAX_CELLS = 24
-"""A figure shows no more cells than these; tables hold all."""
+"""Most cells in a figure; tables contain all cells."""
 
 _STYLE: dict[Any, Any] = {
     "font.size": 10.5,
@@ -42,7 +42,7 @@ _DOTS = 400
 
 
 def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
-    """Let a function draw in the style of the report."""
+    """Apply the style of the report to a drawing function."""
 
     def drawn(*arguments: object, **keywords: object) -> Figure:
         with matplotlib.rc_context(_STYLE):
@@ -54,7 +54,7 @@ def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
 
 @styled
 def draw_times(cells: Sequence[Cell]) -> Figure:
-    """Return each cell's times as violin, box, dots and mean with its 95 % bootstrap interval [Fig. 20]."""
+    """Draw the times of each cell: density, box, dots, and the mean with its 95 % bootstrap interval [Fig. 20]."""
     rows = _rows(cells)
     figure = Figure(figsize=(_WIDTH_INCHES, 1.5 + _ROW_INCHES * len(rows)), dpi=_DPI, layout="constrained")
     axes = figure.subplots()
@@ -75,16 +75,16 @@ def draw_times(cells: Sequence[Cell]) -> Figure:
     mean = Line2D([], [], color=INK, marker="D", markersize=5)
     handles, labels = [dot, mean], ["one mission", "mean, 95 % interval"]
     if any(not sample.finished.all() for _, sample, _ in rows):
-        handles, labels = [*handles, cut], [*labels, "cut short: counts with the limit"]
+        handles, labels = [*handles, cut], [*labels, "cut short: counts as the limit"]
     figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False, fontsize=9)
     return figure
 
 
 @styled
 def draw_counts(cells: Sequence[Cell], of: Callable[[Sample], np.ndarray], what: str, top: int | None) -> Figure:
-    """Return the share of missions with each count, with Clopper-Pearson 95 % intervals [Fig. 19, 21, 22].
+    """Draw the share of missions with each count, with Clopper-Pearson 95 % intervals [Fig. 19, 21, 22].
 
-    Args: of: the counts of a sample.  what: they count.  top: greatest count that can be; none: any.
+    Args: of: returns the counts of a sample.  what: what is counted.  top: greatest possible count; None: unlimited.
     """
     shown = cells[:MAX_CELLS]
     samples = [sample for cell in shown for sample in (cell.ours, cell.theirs) if sample is not None]
@@ -108,13 +108,13 @@ def draw_counts(cells: Sequence[Cell], of: Callable[[Sample], np.ndarray], what:
         axes.set_axisbelow(True)
         if index % columns == 0:
             axes.set_ylabel("share of missions")
-    _name_both(figure, shown, "\N{MULTIPLICATION SIGN}: mean; bars end in 95 % intervals")
+    _add_legend(figure, shown, "\N{MULTIPLICATION SIGN}: mean; bars end in 95 % intervals")
     return figure
 
 
 @styled
 def draw_survival(cells: Sequence[Cell]) -> Figure:
-    """Return the share of missions that still run, by time (Kaplan-Meier), with pointwise 95 % intervals."""
+    """Draw the share of missions still running, by time (Kaplan-Meier), with pointwise 95 % intervals."""
     shown = cells[:MAX_CELLS]
     columns = min(_PANEL_COLUMNS, len(shown))
     rows = math.ceil(len(shown) / columns)
@@ -135,13 +135,13 @@ def draw_survival(cells: Sequence[Cell]) -> Figure:
     earliest = min(float(s.restricted_s.min()) for cell in shown for s in (cell.ours, cell.theirs) if s is not None)
     latest = max(cell.ours.limit_s for cell in shown)
     first.set_xlim(max(0.0, earliest - 0.12 * latest), latest * 1.02)
-    _name_both(figure, shown, "|: cut short (censored at the limit)")
+    _add_legend(figure, shown, "|: cut short (censored at the limit)")
     return figure
 
 
 @styled
 def draw_ratios(comparisons: Sequence[Comparison]) -> Figure:
-    """Return ratios of mean times, ours over the dissertation's, with their 90 % intervals and the margin."""
+    """Draw the ratios of mean times, ours over the dissertation's, with their 90 % intervals and the margin."""
     figure = Figure(figsize=(_WIDTH_INCHES, 1.3 + 0.55 * len(comparisons)), dpi=_DPI, layout="constrained")
     axes = figure.subplots()
     axes.axvspan(1.0 - MARGIN, 1.0 + MARGIN, color="#2a7f62", alpha=0.13, linewidth=0)
@@ -172,7 +172,7 @@ def _rows(cells: Sequence[Cell]) -> list[tuple[str, Sample, str]]:
 
 
 def _raincloud(axes: Axes, sample: Sample, y: float, colour: str, name: str) -> None:
-    """Draw the density above y, the box on it, the missions below it."""
+    """Draw the density above y, the box at y, the missions below y."""
     times = sample.restricted_s
     if len(times) > 2 and np.ptp(times) > 0:
         at = np.linspace(times.min(), times.max(), 200)
@@ -203,7 +203,7 @@ def _raincloud(axes: Axes, sample: Sample, y: float, colour: str, name: str) -> 
 
 
 def _bins(lowest: int, highest: int) -> list[tuple[int, int]]:
-    """Return ranges of counts, each of one count where they are few."""
+    """Return ranges of counts; with few counts, each range is one count."""
     lowest = max(0, min(lowest, highest - 3))
     step = max(1, math.ceil((highest - lowest + 1) / 8))
     return [(start, start + step - 1) for start in range(lowest, max(highest, 1) + 1, step)]
@@ -252,7 +252,7 @@ def _curve(axes: Axes, sample: Sample, colour: str) -> None:
         axes.plot(np.unique(curve.censored_s), curve.share[at], "|", color=colour, markersize=10, markeredgewidth=1.8)
 
 
-def _name_both(figure: Figure, cells: Sequence[Cell], note: str) -> None:
+def _add_legend(figure: Figure, cells: Sequence[Cell], note: str) -> None:
     handles, labels = [], []
     if any(cell.theirs is not None for cell in cells):
         handles = [Line2D([], [], color=colour, linewidth=6, alpha=0.6) for colour in (OURS, THEIRS)]

@@ -1,4 +1,4 @@
-"""Maps of a report: how far voices and radios reach, and where the robots went."""
+"""Maps of a report: the ranges of voices and radios, and the paths of the robots."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from robotteamsim.scenario import Scenario, occupancy_grid
 from robotteamsim.scenario.plan import OCCUPIED
 
 MAX_MAPS = 9
-"""A figure shows no more maps than these."""
+"""Most maps in a figure."""
 
 MAX_TEAM = 64
-"""Larger teams are not searched for the moment in which they are spread the most."""
+"""Largest team for which the time of the widest spread is searched."""
 
 _HALO = (withStroke(linewidth=2.2, foreground="white"),)
 _CELLS = 300
@@ -39,13 +39,13 @@ _DPI = 160
 
 
 def noises_db(campaign: Campaign) -> list[float]:
-    """Return the background noises of all cells, in rising order [dB]."""
+    """Return the background noise levels of all cells, ascending [dB]."""
     return sorted({cell.scenario.voice.noise_db for cell in campaign.cells if cell.scenario is not None})
 
 
 @styled
 def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: VoiceRange) -> Figure:
-    """Return where victims are heard at each noise, all voices quiet or all loud [Fig. 16, 17]."""
+    """Draw where victims are heard at each noise level, with all voices quiet or all loud [Fig. 16, 17]."""
     chosen = [
         scenario.model_copy(update={"voice": scenario.voice.model_copy(update={"noise_db": noise_db})})
         for noise_db in levels_db[:MAX_MAPS]
@@ -66,7 +66,7 @@ def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: Voi
 
 
 def heard_shares(scenario: Scenario, levels_db: Sequence[float], voice_range: VoiceRange) -> list[float]:
-    """Return the share of the floor without walls in which a victim is heard, at each noise."""
+    """Return the share of the free floor where a victim is heard, at each noise level."""
     end = 1 if voice_range == "lowest" else 0
     voice = scenario.voice.model_copy(update={"map_resolution_m": _resolution_m(scenario, _CELLS)})
     sources = [
@@ -82,7 +82,7 @@ def heard_shares(scenario: Scenario, levels_db: Sequence[float], voice_range: Vo
 
 @styled
 def draw_network(scenario: Scenario, positions_m: np.ndarray) -> Figure:
-    """Return the reach of a team's radios, with connection thresholds as lines [Fig. 18]."""
+    """Draw the range of a team's radios, with connection thresholds as contour lines [Fig. 18]."""
     places = [(float(x), float(y)) for x, y in positions_m]
     panel = radio_panel(scenario, places, _resolution_m(scenario, _CELLS), False)
     figure = draw_fields([panel], radio_style([scenario], (), False), "Signal")
@@ -91,7 +91,7 @@ def draw_network(scenario: Scenario, positions_m: np.ndarray) -> Figure:
 
 
 def widest_moment_m(campaign: Campaign) -> np.ndarray | None:
-    """Return where the robots were when one was farthest from its nearest other, over all missions; shape (n, 2)."""
+    """Return the positions at the time when a robot was farthest from its nearest neighbour [m], shape (n, 2)."""
     found: tuple[float, np.ndarray] | None = None
     for cell in campaign.cells:
         for paths_m in cell.paths_m:
@@ -105,7 +105,7 @@ def widest_moment_m(campaign: Campaign) -> np.ndarray | None:
 
 
 def nearest_other_m(paths_m: np.ndarray) -> np.ndarray:
-    """Return the distance to the nearest other robot [m], shape (samples, robots), for paths of several robots."""
+    """Return the distance of each of several robots to the nearest other one [m], shape (samples, robots)."""
     apart_m = np.linalg.norm(paths_m[:, :, np.newaxis] - paths_m[:, np.newaxis], axis=-1)
     robots = np.arange(paths_m.shape[1])
     apart_m[:, robots, robots] = np.inf
@@ -113,15 +113,15 @@ def nearest_other_m(paths_m: np.ndarray) -> np.ndarray:
 
 
 def drawable(cells: Sequence[Cell]) -> list[Cell]:
-    """Return the cells whose paths can be drawn on their plan."""
+    """Return the cells whose paths can be drawn on their floor plan."""
     return [cell for cell in cells if cell.scenario is not None and cell.paths_m]
 
 
 @styled
 def draw_heat(cells: Sequence[Cell]) -> Figure:
-    """Return, of each cell, how long robots were at each place in a mission on average [s per m^2].
+    """Draw for each cell how long robots were at each place in a mission on average [s per m^2].
 
-    The line is the way of one robot in the mission of median duration.
+    The line is the path of one robot in the mission of median duration.
     """
     shown = cells[:MAX_MAPS]
     columns = 1 if len(shown) == 1 else 2 if len(shown) in (2, 4) else 3
@@ -135,7 +135,7 @@ def draw_heat(cells: Sequence[Cell]) -> Figure:
         axes.remove()
     heats = [heat(cell) for cell in shown]
     visited = np.concatenate([each.values[each.values > 0.0] for each in heats])
-    # By the root: the paths of few missions show beside those of all.
+    # A square-root scale, so that the paths of few missions are visible, too.
     norm = PowerNorm(0.5, vmin=0.0, vmax=float(np.percentile(visited, 98.0)))
     used = list(all_axes.flat[: len(shown)])
     images = [_draw_heat(axes, cell, each, norm) for axes, cell, each in zip(used, shown, heats, strict=True)]
@@ -146,12 +146,12 @@ def draw_heat(cells: Sequence[Cell]) -> Figure:
 
 
 def heat(cell: Cell) -> FieldMap:
-    """Return robot time per area and mission [s/m^2] over the floor; positions once a second stand for a second each.
+    """Return robot time per area and mission [s/m^2]; each stored position counts for the time between positions.
 
-    Raises: ValueError: the cell has no paths, or no plan.
+    Raises: ValueError: the cell has no paths, or no floor plan.
     """
     if cell.scenario is None or not cell.paths_m:
-        raise ValueError(f"{cell.name} has no paths on a plan")
+        raise ValueError(f"{cell.name} has no paths on a floor plan")
     (min_x, min_y), (max_x, max_y) = _bounds(cell)
     resolution_m = max(_MIN_HEAT_CELL_M, max(max_x - min_x, max_y - min_y) / _HEAT_CELLS)
     columns, rows = (math.ceil(round(side / resolution_m, 6)) for side in (max_x - min_x, max_y - min_y))
@@ -166,11 +166,11 @@ def heat(cell: Cell) -> FieldMap:
 
 
 _FILL = 4
-"""Positions for each that is kept: at 1 m/s and cells of half a metre, none on the way is passed over."""
+"""Positions per stored position: at 1 m/s, paths then cross every cell of half a metre."""
 
 
 def _filled(paths_m: np.ndarray) -> np.ndarray:
-    """Return paths with positions between those that are kept, on straight lines."""
+    """Return paths with interpolated positions between the stored ones."""
     if len(paths_m) < 2:
         return np.repeat(paths_m, _FILL, axis=0)
     shares = (np.arange(_FILL) / _FILL)[np.newaxis, :, np.newaxis, np.newaxis]

@@ -1,4 +1,4 @@
-"""One page that holds a whole report, and the files beside it."""
+"""The page of a report, which contains everything, and its figures and tables as files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from robotteamsim.analysis.report import figures, maps
-from robotteamsim.analysis.report.claims import WANTED_TRIALS, Claim, judge
+from robotteamsim.analysis.report.claims import MIN_TRIALS, Claim, judge
 from robotteamsim.analysis.report.comparison import MARGIN, Comparison, compare, differences
 from robotteamsim.analysis.report.samples import Campaign, read_campaign
 from robotteamsim.analysis.report.statistics import RESAMPLES, TABLES
@@ -25,22 +25,23 @@ from robotteamsim.analysis.report.tables import Table, all_tables
 from robotteamsim.analysis.report.wording import listed, percents, unbroken
 from robotteamsim.campaign import StoredCampaign
 from robotteamsim.recording.files import atomically, prepare_folder
+from robotteamsim.wording import counted
 from robotteamsim.world.placement import placed_robots
 
 PAGE_NAME = "report.html"
 _FIGURES, _TABLES = "figures", "tables"
 
 _FEW, _COLOURS = 2_000, 256
-"""A picture of fewer colours is stored with as many as a byte holds, in a third of the size; maps would show bands."""
+"""Pictures with fewer than _FEW colours are stored with 256, at a third of the size; maps would show bands."""
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
     """A report in memory.
 
-    claims: each with its verdict; none where the campaign is not the dissertation's.
+    claims: claims with their verdicts; empty if the dissertation has no such missions.
     notes:  what a reader must know first, such as missing trials.
-    files:  by name below the report's folder, the page last.
+    files:  contents by path below the report's folder; the page is last.
     """
 
     claims: tuple[Claim, ...]
@@ -92,80 +93,83 @@ def make_report(stored: StoredCampaign, place: str) -> Report:
 
 
 def _notes(campaign: Campaign) -> tuple[str, ...]:
-    """Return what a reader must know before all else."""
+    """Return what a reader must know first."""
     notes = []
     if campaign.done < campaign.total:
         notes.append(
-            f"This campaign is unfinished: {campaign.done} of {campaign.total} trials are done. All figures are of "
-            "those; the campaign's command goes on with the rest."
+            f"This campaign is unfinished: {campaign.done} of {campaign.total} trials are done. All results are from "
+            "those. The same campaign command runs the rest."
         )
     if campaign.failed:
-        notes.append(f"{campaign.failed} trials failed and are left out; the store has their tracebacks.")
+        notes.append(f"Omitted: {counted(campaign.failed, 'failed trial')}; the store contains the tracebacks.")
     if campaign.empty:
-        notes.append(f"Left out, as no mission of theirs has ended: {listed(list(campaign.empty))}.")
+        notes.append(f"Omitted, because no mission has ended: {listed(list(campaign.empty))}.")
     if not campaign.compared:
         notes.append(
             "The dissertation has no missions of these settings: it has garage_sar with 10, 20 and 30 dB of noise. "
-            "So nothing is compared with it, and none of its claims is judged."
+            "Therefore nothing is compared with it, and none of its claims is judged."
         )
     elif missing := [cell.name for cell in campaign.cells if cell.theirs is None]:
-        notes.append(f"The dissertation has no missions with {listed(missing)}; these stand alone.")
+        notes.append(f"The dissertation has no missions with {listed(missing)}; these are not compared.")
     if len(campaign.cells) > figures.MAX_CELLS:
-        notes.append(f"Figures show the first {figures.MAX_CELLS} of {len(campaign.cells)} settings; tables have all.")
+        notes.append(
+            f"Figures show the first {figures.MAX_CELLS} of {len(campaign.cells)} settings; tables contain all."
+        )
     return tuple(notes)
 
 
 def _pictures(campaign: Campaign, comparisons: Sequence[Comparison]) -> Iterator[_Picture]:
     cells = campaign.cells
-    diss = "" if not campaign.compared else "; in orange the dissertation's 30 missions"
+    diss = "" if not campaign.compared else "; orange: the dissertation's 30 missions"
     yield from _map_pictures(campaign)
     num_victims = {cell.ours.num_victims for cell in cells}
     if max(num_victims) > 0:
         drawn = figures.draw_counts(
             cells, lambda sample: sample.victims_saved, "victims saved", max(num_victims | {4} if diss else num_victims)
         )
-        caption = f"Share of missions that saved so many victims{diss}. Bars end in exact (Clopper-Pearson) intervals."
+        caption = f"Share of missions by number of victims saved{diss}. Bars end in exact (Clopper-Pearson) intervals."
         yield _picture("fig19_victims", f"Victims saved{_number(campaign, 19)}", caption, drawn)
     caption = (
-        f"Every mission, their density, quartiles, and the mean with its bootstrap interval{diss}. A mission that is "
-        "cut short counts with the time limit."
+        f"Every mission, the density, the quartiles, and the mean with its bootstrap interval{diss}. A mission that "
+        "was cut short counts as the time limit."
     )
     yield _picture("fig20_times", f"Mission durations{_number(campaign, 20)}", caption, figures.draw_times(cells))
     if comparisons:
         caption = (
-            "Mean duration, ours over the dissertation's, with its 90 % bootstrap interval. A whole interval within "
-            f"the green band of {100.0 * MARGIN:g} % shows that the means are equal for practical purposes (two "
-            "one-sided tests)."
+            "Mean duration, ours over the dissertation's, with its 90 % bootstrap interval. If the whole interval is "
+            f"within the green band of {100.0 * MARGIN:g} %, the means are equivalent (two one-sided tests)."
         )
-        yield _picture("equivalence", "Durations against the dissertation", caption, figures.draw_ratios(comparisons))
+        yield _picture(
+            "equivalence", "Durations compared with the dissertation", caption, figures.draw_ratios(comparisons)
+        )
     caption = (
-        f"Share of missions that still explore at each time (Kaplan-Meier){diss}. Missions that were cut short "
-        "never finish here: they are censored at the limit."
+        f"Share of missions still exploring at each time (Kaplan-Meier){diss}. Missions that were cut short are "
+        "censored at the limit."
     )
-    yield _picture("survival", "How long missions go on", caption, figures.draw_survival(cells))
+    yield _picture("survival", "Missions still running", caption, figures.draw_survival(cells))
     num_areas = {cell.ours.num_areas for cell in cells}
     if max(num_areas) > 0:
         drawn = figures.draw_counts(
             cells, lambda sample: sample.areas_explored, "areas explored", max(num_areas | {5} if diss else num_areas)
         )
-        caption = f"Share of missions that explored so many areas{diss}."
+        caption = f"Share of missions by number of areas explored{diss}."
         yield _picture("fig21_areas", f"Areas explored{_number(campaign, 21)}", caption, drawn)
     drawn = figures.draw_counts(cells, lambda sample: sample.endangered, "times a link was endangered", None)
     threshold = f"{campaign.scenario.network.endangered_below_dbm:g} dBm".replace("-", "\N{MINUS SIGN}")
-    caption = f"Share of missions in which a link fell so often below {threshold}{diss}, where it never did."
+    caption = f"Share of missions by how often a link fell below {threshold}{diss}, in which none did."
     if not diss:
-        caption = f"Share of missions in which a link fell so often below {threshold}."
+        caption = f"Share of missions by how often a link fell below {threshold}."
     yield _picture("fig22_endangered", f"Endangered connections{_number(campaign, 22)}", caption, drawn)
     if heated := maps.drawable(cells):
         caption = (
-            "How long robots were at each place in a mission, on average; in red the way of one robot in the mission "
-            "of median duration. Circles are the areas in their order, crosses the victims."
+            "Mean time that robots spent at each place in a mission. Red: the path of one robot in the mission of "
+            "median duration. Circles are the areas in their order, crosses the victims."
         )
-        yield _picture("paths", "Where the robots went", caption, maps.draw_heat(heated))
+        yield _picture("paths", "Paths of the robots", caption, maps.draw_heat(heated))
 
 
 def _map_pictures(campaign: Campaign) -> Iterator[_Picture]:
-    """Voices and radios: what the models say of this scenario, before any mission."""
+    """Yield the voice and radio maps of this scenario, which need no mission."""
     scenario, noises_db = campaign.scenario, maps.noises_db(campaign)
     if scenario.mission.victims and noises_db:
         for number, voice_range in ((16, "lowest"), (17, "highest")):
@@ -173,25 +177,25 @@ def _map_pictures(campaign: Campaign) -> Iterator[_Picture]:
             heard = listed(
                 [f"{share} of the floor at {db:g} dB" for share, db in zip(percents(*shares), noises_db, strict=True)]
             )
-            caption = f"A victim is heard in {heard}, when all call at the {voice_range} range of the voice model."
+            caption = f"A victim is heard in {heard} if all voices have the {voice_range} range of the voice model."
             if campaign.compared:
-                caption += " The dissertation prints this figure without numbers, on a plan that is lost."
+                caption += " The dissertation prints this figure without numbers, on a floor plan that is lost."
             drawn = maps.draw_voices(scenario, noises_db, voice_range)  # type: ignore[arg-type]
             title = f"{voice_range.capitalize()} voice detection range{_number(campaign, number)}"
             yield _picture(f"fig{number}_voice_{voice_range}", title, caption, drawn)
     widest_m = maps.widest_moment_m(campaign)
     if widest_m is None:
         places_m = np.array([robot.start_pose[:2] for robot in placed_robots(scenario)])
-        when = "where the robots start"
+        when = "with the robots at their start"
     else:
-        places_m, when = widest_m, "in the moment in which a robot was farthest from its nearest other, of all missions"
-    caption = f"What the nearest radio is received with, {when}. Lines are connection thresholds."
+        places_m, when = widest_m, "at the time in all missions when a robot was farthest from its nearest neighbour"
+    caption = f"Strongest signal at each place, {when}. Lines are connection thresholds."
     drawn = maps.draw_network(scenario, places_m[: maps.MAX_TEAM])
-    yield _picture("fig18_network", f"Size of the team's network{_number(campaign, 18)}", caption, drawn)
+    yield _picture("fig18_network", f"Range of the team's network{_number(campaign, 18)}", caption, drawn)
 
 
 def _number(campaign: Campaign, number: int) -> str:
-    """Return which figure of the dissertation this is, where the campaign is like its own."""
+    """Return the number of the dissertation's figure, if the campaign has its settings."""
     return f" (Figure {number})" if campaign.compared else ""
 
 
@@ -226,7 +230,7 @@ def _page(
         pictures=pictures,
         tables=[table for table in tables if table.name != "claims"],
         missions=sum(cell.trials for cell in campaign.cells),
-        wanted_trials=WANTED_TRIALS,
+        min_trials=MIN_TRIALS,
         resamples=f"{RESAMPLES:,}",
         random_tables=f"{TABLES:,}",
         settings=json.dumps({key: campaign.settings[key] for key in ("keys", "cells", "seed", "trials")}),

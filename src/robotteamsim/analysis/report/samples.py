@@ -1,4 +1,4 @@
-"""What a report is about: the missions of each cell as arrays, with the dissertation's where it has that cell."""
+"""The data of a report: the missions of each cell as arrays, and the dissertation's missions of the same settings."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _SHOWN_VALUE = 24
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """Missions of one setting; arrays are of shape (missions,).
+    """Missions of one setting; arrays have shape (missions,).
 
-    time_s:     when the mission ended.
-    finished:   whether it ended because all areas were explored; else it was cut short.
+    time_s:     time at which the mission ended.
+    finished:   whether it ended because all areas were explored; otherwise it was cut short.
     endangered: how often a link fell below the network's threshold.
-    limit_s:    the mission's time limit.
+    limit_s:    time limit of the mission.
     """
 
     time_s: np.ndarray
@@ -45,7 +45,7 @@ class Sample:
 
     @property
     def restricted_s(self) -> np.ndarray:
-        """Time to finish, up to the limit: a mission that was cut short counts with the limit."""
+        """Time to finish; a mission that was cut short counts as the limit."""
         return np.where(self.finished, self.time_s, self.limit_s)
 
 
@@ -53,10 +53,10 @@ class Sample:
 class Cell:
     """One setting of the campaign.
 
-    name:     its settings in few words, such as "20 dB".
-    scenario: with these settings; none: a file that it names is not to be had.
-    paths_m:  of each mission, positions once a second, shape (samples, robots, 2), in `map`.
-    theirs:   the dissertation's missions of this setting, where it has any.
+    name:     its settings in short, such as "20 dB".
+    scenario: the scenario with these settings; None if a file that it names is missing.
+    paths_m:  positions of each mission once a second, shape (samples, robots, 2), in `map`.
+    theirs:   the dissertation's missions of this setting; None if it has none.
     """
 
     name: str
@@ -71,15 +71,15 @@ class Cell:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Campaign:
-    """All that a report is made from.
+    """The data of a campaign.
 
-    wanted: trials of each cell.     cells: those with at least one mission that ended, in the design's order.
-    empty:  names of the other cells.
+    planned: trials of each cell.    cells: cells with at least one finished mission, in the order of the design.
+    empty:   names of the other cells.
     """
 
     scenario: Scenario
     seed: int
-    wanted: int
+    planned: int
     keys: tuple[str, ...]
     cells: tuple[Cell, ...]
     empty: tuple[str, ...]
@@ -90,17 +90,17 @@ class Campaign:
 
     @property
     def total(self) -> int:
-        """Trials of all cells."""
-        return self.wanted * (len(self.cells) + len(self.empty))
+        """Number of planned trials of all cells."""
+        return self.planned * (len(self.cells) + len(self.empty))
 
     @property
     def compared(self) -> tuple[tuple[Cell, Sample], ...]:
-        """The cells that the dissertation has, too, each with its missions."""
+        """The cells whose settings the dissertation also has, each with its missions."""
         return tuple((cell, cell.theirs) for cell in self.cells if cell.theirs is not None)
 
 
 def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
-    """Return a stored campaign as samples. Raises: CampaignError: no mission has ended; its scenario is unreadable."""
+    """Return a stored campaign as samples. Raises: CampaignError: no finished mission, or an unreadable scenario."""
     settings = stored.settings
     keys, cell_values = tuple(settings["keys"]), settings["cells"]
     base = _scenario(settings["scenario"], {})
@@ -134,7 +134,7 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
     return Campaign(
         scenario=base,
         seed=settings["seed"],
-        wanted=settings["trials"],
+        planned=settings["trials"],
         keys=keys,
         cells=tuple(cells),
         empty=tuple(empty),
@@ -146,7 +146,7 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
 
 
 def cell_name(settings: Mapping[str, Any], base: Scenario) -> str:
-    """Return a cell's settings in few words; the noise by its unit, other keys by their last part."""
+    """Return the settings of a cell in short: the noise with its unit, other keys by their last part."""
     words = []
     for key, value in settings.items():
         text = value if isinstance(value, str) else shown(value)
@@ -156,14 +156,14 @@ def cell_name(settings: Mapping[str, Any], base: Scenario) -> str:
 
 
 def _scenario(data: Mapping[str, Any], settings: Mapping[str, Any]) -> Scenario | None:
-    """Return the stored scenario with a cell's settings; none: they do not go in, such as a plan by a file's name."""
+    """Return the stored scenario with the settings of a cell, or None if they are invalid, such as a missing file."""
     plain = json.loads(json.dumps(data))
     plain["run"]["seed"] = 0
     try:
         for key, value in settings.items():
-            *way, last = key.split(".")
+            *parents, last = key.split(".")
             at = plain
-            for part in way:
+            for part in parents:
                 at = at[int(part)] if isinstance(at, list) else at[part]
             at[int(last) if isinstance(at, list) else last] = value
         return Scenario.model_validate(plain)
@@ -188,7 +188,7 @@ def _our_sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:
 
 
 def _their_sample(base: Scenario, keys: Sequence[str], scenario: Scenario | None) -> Sample | None:
-    """Return the dissertation's missions where the campaign is its own but for the noise [Tables 6 and 7]."""
+    """Return the dissertation's missions if the campaign varies only its noise, else None [Tables 6 and 7]."""
     if base.name != "garage_sar" or not set(keys) <= {NOISE_KEY} or scenario is None:
         return None
     missions = dissertation_missions().get(scenario.voice.noise_db)

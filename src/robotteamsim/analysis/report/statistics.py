@@ -1,4 +1,4 @@
-"""Intervals and tests; SciPy and statsmodels compute them."""
+"""Confidence intervals and tests, computed by SciPy and statsmodels."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.proportion import proportion_confint
 
 RESAMPLES = 9_999
-"""Of every bootstrap."""
+"""Number of resamples of a bootstrap."""
 
 TABLES = 99_999
-"""Random tables of a Fisher-Freeman-Halton test; a tenth for tables of many cells."""
+"""Number of random tables of a Fisher-Freeman-Halton test; a tenth of it for large tables."""
 
 _BATCH = 1_000
 _LARGE_TABLE = 60
@@ -25,7 +25,7 @@ _TIE = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """An estimate between its bounds."""
+    """An estimate with its confidence bounds."""
 
     value: float
     low: float
@@ -37,10 +37,10 @@ class Interval:
 
 @dataclass(frozen=True, slots=True)
 class Ratio:
-    """Ours over theirs.
+    """The ratio of our mean to theirs.
 
     interval: 90 % bootstrap interval.
-    p:        of the two one-sided tests, for a ratio within the margin.
+    p:        p of the two one-sided tests for a ratio within the margin.
     """
 
     interval: Interval
@@ -49,7 +49,7 @@ class Ratio:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Survival:
-    """Share of missions that still run at each time, with a pointwise 95 % interval; arrays of one shape."""
+    """Share of missions still running at each time, with a pointwise 95 % interval; arrays of equal shape."""
 
     time_s: np.ndarray
     share: np.ndarray
@@ -61,16 +61,16 @@ class Survival:
 def clopper_pearson(successes: int, count: int, confidence: float = 0.95) -> Interval:
     """Return a share with its exact interval. Raises: ValueError: count is below 1."""
     if count < 1:
-        raise ValueError("a share of nothing has no interval")
+        raise ValueError("count must be at least 1")
     low, high = proportion_confint(successes, count, alpha=1.0 - confidence, method="beta")
-    # At the ends statsmodels has them as NaN or outside by a rounding.
+    # At 0 and 1, statsmodels returns NaN or a value outside by a rounding error.
     low = 0.0 if successes == 0 else float(low)
     high = 1.0 if successes == count else float(high)
     return Interval(successes / count, low, high)
 
 
 def bootstrap_mean(values: np.ndarray, generator: np.random.Generator, confidence: float = 0.95) -> Interval:
-    """Return the mean with its percentile bootstrap interval; equal or single values have an interval of no width."""
+    """Return the mean with its percentile bootstrap interval; the interval of equal or single values has zero width."""
     mean = float(np.mean(values))
     if len(values) < 2 or np.ptp(values) == 0:
         return Interval(mean, mean, mean)
@@ -88,13 +88,13 @@ def bootstrap_mean(values: np.ndarray, generator: np.random.Generator, confidenc
 
 
 def mean_ratio(ours: np.ndarray, theirs: np.ndarray, margin: float, generator: np.random.Generator) -> Ratio:
-    """Return the ratio of two means, and the two one-sided tests of its being within 1 - margin .. 1 + margin.
+    """Return the ratio of two means, with two one-sided tests that it is between 1 - margin and 1 + margin.
 
-    Both samples are resampled. p is the larger share of resampled ratios beyond either end; below 0.05, the 90 %
-    interval lies within the margin. Raises: ValueError: a sample is empty.
+    Both samples are resampled. p is the larger share of resampled ratios beyond either limit; if it is below 0.05, the
+    90 % interval is within the margin. Raises: ValueError: a sample is empty.
     """
     if not (len(ours) and len(theirs)):
-        raise ValueError("no values have no mean")
+        raise ValueError("samples must not be empty")
     value = float(np.mean(ours) / np.mean(theirs))
     if max(len(ours), len(theirs)) < 2:
         return Ratio(Interval(value, 0.0, float("inf")), 1.0)
@@ -122,9 +122,9 @@ def mean_ratio(ours: np.ndarray, theirs: np.ndarray, margin: float, generator: n
 
 
 def fisher_freeman_halton(samples: Sequence[np.ndarray], generator: np.random.Generator) -> float | None:
-    """Return p of samples of counts being of one distribution, by random tables of the same margins.
+    """Return p of the hypothesis that samples of counts have one distribution, with random tables of the same margins.
 
-    Returns: none where all counts are equal or there is one sample, which no test can tell apart.
+    Returns: None if all counts are equal or there is only one sample, because then there is nothing to test.
     """
     values = np.unique(np.concatenate(list(samples)))
     if len(values) < 2 or len(samples) < 2:
@@ -132,7 +132,7 @@ def fisher_freeman_halton(samples: Sequence[np.ndarray], generator: np.random.Ge
     table = np.array([[np.count_nonzero(sample == value) for value in values] for sample in samples])
     if table.shape == (2, 2):
         return float(stats.fisher_exact(table).pvalue)
-    # Not SciPy's fisher_exact: the probabilities of large tables are 0 to it, and p then is 1.
+    # Not SciPy's fisher_exact, in which the probabilities of large tables underflow to 0, so that p becomes 1.
     tables = stats.random_table(table.sum(axis=1), table.sum(axis=0))
     seen = float(tables.logpmf(table)) + _TIE
     count = TABLES if table.size <= _LARGE_TABLE else TABLES // 10
@@ -144,21 +144,24 @@ def fisher_freeman_halton(samples: Sequence[np.ndarray], generator: np.random.Ge
 
 
 def kruskal_wallis(samples: Sequence[np.ndarray]) -> float | None:
-    """Return p of all samples being of one distribution; none where a test cannot tell."""
+    """Return p of the hypothesis that all samples have one distribution, or None if there is nothing to test."""
     if len(samples) < 2 or np.ptp(np.concatenate(list(samples))) == 0 or min(map(len, samples)) < 2:
         return None
     return float(stats.kruskal(*samples).pvalue)
 
 
 def mann_whitney(a: np.ndarray, b: np.ndarray, alternative: str = "two-sided") -> float | None:
-    """Return p of two samples being of one distribution; `greater`: against a being larger. None: too few values."""
+    """Return p of the hypothesis that two samples have one distribution, or None if there are too few values.
+
+    Args: alternative: "two-sided", or "greater" for the alternative that a is larger.
+    """
     if min(len(a), len(b)) < 2:
         return None
     return float(stats.mannwhitneyu(a, b, alternative=alternative).pvalue)
 
 
 def holm(p_values: Sequence[float | None]) -> list[float | None]:
-    """Return p values corrected for their number after Holm; those that are none stay so."""
+    """Return p values with Holm's correction; None stays None."""
     known = [p for p in p_values if p is not None]
     if not known:
         return list(p_values)
@@ -167,9 +170,9 @@ def holm(p_values: Sequence[float | None]) -> list[float | None]:
 
 
 def survival(time_s: np.ndarray, finished: np.ndarray, until_s: float) -> Survival:
-    """Return the Kaplan-Meier curve of missions that go on, from 0 to `until_s`, as corners of its steps.
+    """Return the Kaplan-Meier curve of missions still running, from 0 to `until_s`, as corners of its steps.
 
-    The interval is Greenwood's on the log-log scale, 0 to 1 where the share is 0 or 1 so far.
+    The interval is Greenwood's on the log-log scale; where the share is 0 or 1, it has zero width.
     """
     curve = SurvfuncRight(time_s, finished.astype(int)) if finished.any() else None
     times = np.asarray(curve.surv_times if curve else [])

@@ -1,4 +1,4 @@
-"""Tables of a report: as CSV for programs, as LaTeX for papers, as rows for the page."""
+"""Tables of a report: CSV for programs, LaTeX for papers, rows for the page."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _INTERVAL = re.compile(r"(\S+) \[(\S+), (\S+)]")
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """name: of its files. title: of its caption. head, rows: as texts; the first `left` columns are words."""
+    """A table. name: of its files. title: its caption. head, rows: texts; the first `left` columns are left-aligned."""
 
     name: str
     title: str
@@ -50,7 +50,7 @@ class Table:
     left: int = 1
 
     def csv(self) -> str:
-        """Return the table as comma-separated values; intervals of a column are in two columns beside it."""
+        """Return the table as comma-separated values; the bounds of intervals have columns of their own."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         columns = [
@@ -62,9 +62,9 @@ class Table:
         return text.getvalue()
 
     def latex(self) -> str:
-        """Return the table as a LaTeX float, or one of sentences as a longtable, which goes on over pages.
+        """Return the table as a LaTeX float, or as a longtable over several pages if it consists of sentences.
 
-        The packages that it needs stand in its first line. No table is wider than the text.
+        Its first line names the required packages. No table is wider than the text.
         """
         head = " & ".join(map(_latex, self.head))
         body = "\n".join(f"    {' & '.join(map(_latex, row))} \\\\" for row in self.rows)
@@ -90,13 +90,13 @@ class Table:
 def all_tables(
     campaign: Campaign, comparisons: Sequence[Comparison], differences: Differences | None, claims: Sequence[Claim]
 ) -> tuple[Table, ...]:
-    """Return the tables of a report that have rows."""
+    """Return the tables of a report, without empty ones."""
     tables = [_claims(claims), _missions(campaign), _victims(campaign), _against(comparisons), _between(differences)]
     return tuple(table for table in tables if table.rows)
 
 
 def _missions(campaign: Campaign) -> Table:
-    """Mean, median and mode, as Tables 8 and 9 have them, with spread and intervals."""
+    """Mean, median and mode as in Tables 8 and 9, with standard deviation and intervals."""
     head: tuple[str, ...] = ("", "missions", "cut short", "time [s]", "SD", "median", "mode")
     head += ("victims saved", "areas", "endangered")
     rows = []
@@ -154,16 +154,16 @@ def _against(comparisons: Sequence[Comparison]) -> Table:
         for rate in comparison.rates:
             what = f"missions with at least {rate.saved} victims saved [95 %]"
             rows.append((comparison.name, what, share_text(rate.ours), share_text(rate.theirs)))
-    return Table("tests", "Tests against the dissertation", ("", "what", "ours", "wanted, or theirs"), tuple(rows), 2)
+    return Table("tests", "Tests against the dissertation", ("", "test", "ours", "required, or theirs"), tuple(rows), 2)
 
 
 def _between(differences: Differences | None) -> Table:
     """Tests between our own cells."""
     rows: list[tuple[str, ...]] = []
     if differences:
-        rows.append(("time", "all settings alike (Kruskal-Wallis)", p_text(differences.time_p)))
-        rows.append(("victims saved", "all settings alike (Fisher-Freeman-Halton)", p_text(differences.victims_p)))
-        rows.append(("areas explored", "all settings alike (Fisher-Freeman-Halton)", p_text(differences.areas_p)))
+        rows.append(("time", "all settings equal (Kruskal-Wallis)", p_text(differences.time_p)))
+        rows.append(("victims saved", "all settings equal (Fisher-Freeman-Halton)", p_text(differences.victims_p)))
+        rows.append(("areas explored", "all settings equal (Fisher-Freeman-Halton)", p_text(differences.areas_p)))
         for pair in differences.pairs:
             rows.append(("time", f"{pair.first} against {pair.second} (Mann-Whitney, after Holm)", p_text(pair.p)))
     return Table("differences", "Tests between settings", ("", "hypothesis", "p"), tuple(rows), 2)
@@ -171,11 +171,11 @@ def _between(differences: Differences | None) -> Table:
 
 def _claims(claims: Sequence[Claim]) -> Table:
     rows = tuple((claim.text, claim.source, claim.verdict, claim.why) for claim in claims)
-    return Table("claims", "The dissertation's claims", ("claim", "source", "verdict", "why"), rows, 4)
+    return Table("claims", "The dissertation's claims", ("claim", "source", "verdict", "reason"), rows, 4)
 
 
 def _labelled(cells: Sequence[Cell]) -> list[tuple[str, Sample]]:
-    """Return ours and theirs of each cell, with the names that figures give them."""
+    """Return our sample and theirs of each cell, with the labels used in figures."""
     labelled = []
     for cell in cells:
         labelled.append((f"{cell.name}, ours" if cell.theirs else cell.name, cell.ours))
@@ -185,7 +185,7 @@ def _labelled(cells: Sequence[Cell]) -> list[tuple[str, Sample]]:
 
 
 def _parted(name: str, cells: Sequence[str]) -> list[tuple[str, ...]]:
-    """Return a column of intervals as three, of values, of lower and of upper ends; none: not all are intervals."""
+    """Return a column of intervals as three columns: values, lower and upper bounds; [] if not all are intervals."""
     found = [_INTERVAL.fullmatch(cell) for cell in cells]
     matches = [match for match in found if match is not None]
     if len(matches) < len(cells):
@@ -195,7 +195,7 @@ def _parted(name: str, cells: Sequence[str]) -> list[tuple[str, ...]]:
 
 
 def _text_columns(rows: Sequence[Sequence[str]]) -> str:
-    """Return columns that share the width of the text: by the root of how long cells are, but no word sticks out."""
+    """Return column widths by the square root of the longest cell, at least that of the longest word."""
     weights = []
     for column in zip(*rows, strict=True):
         longest_word = max(len(word) for cell in column for word in cell.split())

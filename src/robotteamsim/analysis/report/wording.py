@@ -1,4 +1,4 @@
-"""How numbers stand in sentences and tables."""
+"""Numbers in sentences and tables."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ _TOGETHER = re.compile(r"(?:[\d.]+ (?:% )?)?\[[^]]*]|p [<=\u2265] [\d.]+|\d (?:%
 
 
 def unbroken(text: str) -> str:
-    """Return a text for a page that breaks no line within an interval, or between a number and its unit."""
+    """Return a text without line breaks inside an interval or between a number and its unit."""
     return _TOGETHER.sub(lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
 
 
 def percents(*shares: float) -> list[str]:
-    """Return shares as whole per cent; all of them with one decimal where one is near 0 or 1."""
+    """Return shares as integer per cent, or all with one decimal if one is near 0 or 1."""
     values = [100.0 * share for share in shares]
     digits = 1 if any(0.0 < value < 5.0 or 95.0 < value < 100.0 for value in values) else 0
     return [f"{value:.{digits}f} %" for value in values]
@@ -33,7 +33,7 @@ def interval_text(interval: Interval, digits: int) -> str:
 
 
 def p_text(p: float | None) -> str:
-    """Return "p = 0.012" and the like; none: no test can tell."""
+    """Return a text such as "p = 0.012"; None means that there is no difference to test."""
     if p is None:
         return "no difference to test"
     return "p < 0.001" if p < 0.001 else f"p = {p:.3f}" if p < 0.1 else f"p = {p:.2f}"

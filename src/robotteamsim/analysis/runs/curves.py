@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from robotteamsim.analysis.runs.derived import endangered_links, is_split, links, max_hops, onsets, speeds_mps
 from robotteamsim.analysis.runs.plan_panel import (
     COLLISION,
     ENDANGERED,
@@ -19,6 +18,7 @@ from robotteamsim.analysis.runs.plan_panel import (
     robot_colour,
 )
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
+from robotteamsim.analysis.runs.totals import endangered_links, is_split, links, max_hops, onsets, speeds_mps
 
 Curve = Callable[[Axes, RecordedRun], None]
 
@@ -27,7 +27,7 @@ _FIEDLER, _HOPS = "#8250df", "#6e7781"
 
 
 def curves(run: RecordedRun) -> list[Curve]:
-    """Return what can be drawn of a run, top to bottom."""
+    """Return the curves that can be drawn for a run, from top to bottom."""
     found: list[Curve] = []
     if run.statuses:
         found.append(draw_progress)
@@ -53,7 +53,7 @@ def draw_progress(axes: Axes, run: RecordedRun) -> None:
 
 
 def draw_links(axes: Axes, run: RecordedRun) -> None:
-    """Links, endangered links, and the longest way in hops."""
+    """Links, endangered links, and the longest shortest path in hops."""
     assert run.network is not None
     times_s, count, hops = run.time_s(run.network.stamps_ns), links(run.network), max_hops(run.network)
     endangered = endangered_links(run.network)
@@ -61,13 +61,13 @@ def draw_links(axes: Axes, run: RecordedRun) -> None:
         times_s, endangered, step="post", color=ENDANGERED, alpha=0.35, linewidth=0, label="endangered links"
     )
     axes.step(times_s, count, where="post", color=LINK, linewidth=1.4, label="links")
-    axes.step(times_s, hops, where="post", color=_HOPS, linewidth=1.2, label="longest way [hops]")
+    axes.step(times_s, hops, where="post", color=_HOPS, linewidth=1.2, label="longest path [hops]")
     _whole(axes, int(max(count.max(), hops.max(), 1)))
     _finish(axes, "network")
 
 
 def draw_fiedler(axes: Axes, run: RecordedRun) -> None:
-    """The Fiedler value, and when the team was split."""
+    """The Fiedler value, and the times when the team was split."""
     assert run.network is not None
     times_s, values, split = run.time_s(run.network.stamps_ns), run.network.fiedler_value, is_split(run.network)
     axes.plot(times_s, values, color=_FIEDLER, linewidth=1.2)
@@ -96,7 +96,7 @@ def draw_speeds(axes: Axes, run: RecordedRun) -> None:
 
 
 def draw_distances(axes: Axes, run: RecordedRun) -> None:
-    """What each robot has driven, with a star at each collision."""
+    """The distance that each robot has driven, with a star at each collision."""
     for index, robot in enumerate(run.robots):
         times_s = run.time_s(robot.track.stamps_ns)
         axes.plot(times_s, robot.track.driven_m, color=robot_colour(index), linewidth=1.3)

@@ -1,4 +1,4 @@
-"""The figures of recorded runs as JSON, and their values over time as tables."""
+"""Totals of recorded runs as JSON, and their time series as CSV tables."""
 
 from __future__ import annotations
 
@@ -8,41 +8,41 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from robotteamsim.analysis.runs.derived import (
-    MissionFigures,
-    NetworkFigures,
+from robotteamsim.analysis.runs.recorded_run import RecordedRun
+from robotteamsim.analysis.runs.totals import (
+    MissionTotals,
+    NetworkTotals,
     RobotTotals,
-    RunFigures,
+    RunTotals,
     endangered_links,
     is_split,
     links,
     max_hops,
 )
-from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.recording.files import atomically, prepare_folder
 
 Row = Sequence[Any]
 
 
-def document(runs: Sequence[RecordedRun], figures: Sequence[RunFigures]) -> dict[str, Any]:
-    """Return figures and events of all bags as plain values for JSON; null where a bag does not tell."""
+def document(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> dict[str, Any]:
+    """Return the totals and events of all bags as plain values for JSON; null for values that a bag lacks."""
     return {
         "bags": [
-            dataclasses.asdict(figure) | {"events": [dataclasses.asdict(event) for _, event in run.events]}
-            for run, figure in zip(runs, figures, strict=True)
+            dataclasses.asdict(totals) | {"events": [dataclasses.asdict(event) for _, event in run.events]}
+            for run, totals in zip(runs, all_totals, strict=True)
         ]
     }
 
 
-def write_tables(folder: Path, runs: Sequence[RecordedRun], figures: Sequence[RunFigures]) -> list[Path]:
-    """Write one CSV file per kind of value; all have the bag in their first column. Raises: RecordingError.
+def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> list[Path]:
+    """Write one CSV file per kind of value; the first column of each is the bag. Raises: RecordingError.
 
-    Times count from the mission's start, or from the first message where there is none [s].
+    Times count from the start of the mission, or from the first message if there is no mission [s].
     """
     prepare_folder(folder)
     tables: dict[str, tuple[Row, Iterable[Row]]] = {
-        "bags": (_bag_head(), map(_bag_row, figures)),
-        "robots": (("bag", *_names(RobotTotals)), (row for figure in figures for row in _robot_rows(figure))),
+        "bags": (_bag_head(), map(_bag_row, all_totals)),
+        "robots": (("bag", *_names(RobotTotals)), (row for totals in all_totals for row in _robot_rows(totals))),
         "events": (
             ("bag", "time_s", "kind", "subject", "robot_id", "detail"),
             ((run.name, *dataclasses.astuple(event)) for run in runs for _, event in run.events),
@@ -85,20 +85,20 @@ def _names(kind: Any) -> list[str]:
 
 
 def _bag_head() -> Row:
-    network = [f"network_{name}" for name in _names(NetworkFigures)]
-    return ("bag", "duration_s", *_names(MissionFigures), "distance_m", "collisions", *network, "trajectory_hash")
+    network = [f"network_{name}" for name in _names(NetworkTotals)]
+    return ("bag", "duration_s", *_names(MissionTotals), "distance_m", "collisions", *network, "trajectory_hash")
 
 
-def _bag_row(figure: RunFigures) -> Row:
-    mission = dataclasses.astuple(figure.mission) if figure.mission else (None,) * len(_names(MissionFigures))
-    network = dataclasses.astuple(figure.network) if figure.network else (None,) * len(_names(NetworkFigures))
-    own = (figure.distance_m, figure.collisions)
-    return (figure.bag, figure.duration_s, *mission, *own, *network, figure.trajectory_hash)
+def _bag_row(totals: RunTotals) -> Row:
+    mission = dataclasses.astuple(totals.mission) if totals.mission else (None,) * len(_names(MissionTotals))
+    network = dataclasses.astuple(totals.network) if totals.network else (None,) * len(_names(NetworkTotals))
+    own = (totals.distance_m, totals.collisions)
+    return (totals.bag, totals.duration_s, *mission, *own, *network, totals.trajectory_hash)
 
 
-def _robot_rows(figure: RunFigures) -> Iterator[Row]:
-    for robot in figure.robots:
-        yield (figure.bag, *dataclasses.astuple(robot))
+def _robot_rows(totals: RunTotals) -> Iterator[Row]:
+    for robot in totals.robots:
+        yield (totals.bag, *dataclasses.astuple(robot))
 
 
 def _progress_rows(run: RecordedRun) -> Iterator[Row]:

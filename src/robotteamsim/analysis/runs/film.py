@@ -1,4 +1,4 @@
-"""Films of recorded runs, frame by frame: robots, links, victims and areas on the plan beside running curves."""
+"""Films of recorded runs, frame by frame: robots, links, victims and areas on the floor plan, and growing curves."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from robotteamsim.analysis.runs.curves import curves, draw_speeds
-from robotteamsim.analysis.runs.derived import RunFigures
 from robotteamsim.analysis.runs.plan_panel import (
     ENDANGERED,
     EXPLORED,
@@ -29,14 +28,15 @@ from robotteamsim.analysis.runs.plan_panel import (
     robot_colour,
 )
 from robotteamsim.analysis.runs.recorded_run import RecordedNetwork, RecordedRobot, RecordedRun
+from robotteamsim.analysis.runs.totals import RunTotals
 from robotteamsim.scenario import FloorPlan
 
 _INCHES = (12.8, 7.2)
 _TAIL_S = 30.0
-"""How long the bright part of a trail is."""
+"""Length of the bright part of a trail [s of the run]."""
 
 _EVENT_S = 12.0
-"""How long an event stays in the caption [s of the run]."""
+"""Time for which an event is shown in the caption [s of the run]."""
 
 _HIDDEN = (-1e9, -1e9)
 _HOLD = 0.08
@@ -46,20 +46,20 @@ _HOLD = 0.08
 class RunFilm:
     """Draws the frames of one run."""
 
-    def __init__(self, run: RecordedRun, figures: RunFigures, plan: FloorPlan | None, width_px: int) -> None:
-        """Lay out the film. plan: drawn instead of the bag's own /map. The height is 9/16 of the width."""
+    def __init__(self, run: RecordedRun, totals: RunTotals, plan: FloorPlan | None, width_px: int) -> None:
+        """Lay out the film. Args: plan: drawn instead of the bag's /map. width_px: the height is 9/16 of it."""
         self._run = run
         self._figure = Figure(figsize=_INCHES, dpi=width_px / _INCHES[0], layout="constrained")
         self._canvas = FigureCanvasAgg(self._figure)
-        wanted = [curve for curve in curves(run) if curve is not draw_speeds]
+        shown = [curve for curve in curves(run) if curve is not draw_speeds]
         grid = self._figure.add_gridspec(1, 2, width_ratios=(2.0, 1.0))
         floor = self._figure.add_subplot(grid[0])
         draw_floor(floor, run, plan)
         self._moving: list[Artist] = []
         self._add_places(floor)
         self._add_team(floor)
-        self._covers = self._add_curves(grid[1], wanted)
-        self._figure.suptitle(figures.title, x=0.01, ha="left", fontsize=14, weight="bold", color=INK)
+        self._covers = self._add_curves(grid[1], shown)
+        self._figure.suptitle(totals.title, x=0.01, ha="left", fontsize=14, weight="bold", color=INK)
         self._clock = self._text(floor, (0.0, 1.015), "left", 12)
         self._caption = self._text(floor, (1.0, 1.015), "right", 11)
         for artist in self._moving:
@@ -69,7 +69,7 @@ class RunFilm:
         self._background: Any = self._canvas.copy_from_bbox(self._figure.bbox)  # type: ignore[attr-defined]
 
     def frames(self, count: int) -> Iterator[np.ndarray]:
-        """Yield so many frames from the start to the end of the run: uint8, shape (height, width, 3), RGB."""
+        """Yield `count` frames from the start to the end of the run: uint8, shape (height, width, 3), RGB."""
         moving = max(round((1.0 - _HOLD) * count), 1)
         begin_ns = min((robot.track.stamps_ns[0] for robot in self._run.robots), default=self._run.start_ns)
         stamps_ns = np.linspace(max(begin_ns, self._run.start_ns), self._run.end_ns, moving).astype(np.int64).tolist()
@@ -120,15 +120,15 @@ class RunFilm:
         low, high = axes.get_xlim()
         self._nose_m = 0.018 * (high - low)
 
-    def _add_curves(self, place: Any, wanted: list[Any]) -> list[Rectangle]:
-        """Draw the curves whole; what is yet to come lies under a cover."""
+    def _add_curves(self, place: Any, shown: list[Any]) -> list[Rectangle]:
+        """Draw the complete curves; a white cover hides the part after the current time."""
         covers = []
-        column = place.subgridspec(max(len(wanted), 1), 1)
-        for row, draw in enumerate(wanted):
+        column = place.subgridspec(max(len(shown), 1), 1)
+        for row, draw in enumerate(shown):
             axes = self._figure.add_subplot(column[row])
             draw(axes, self._run)
             axes.set_xlim(0.0, max((self._run.end_ns - self._run.start_ns) / 1e9, 1e-3))
-            if row < len(wanted) - 1:
+            if row < len(shown) - 1:
                 axes.tick_params(labelbottom=False)
             else:
                 axes.set_xlabel("time [s]", fontsize=8)
@@ -146,7 +146,7 @@ class RunFilm:
             self._trails[k].set_data(*track.line(0, tail + 1).T)
             self._tails[k].set_data(*track.line(tail, now + 1).T)
             for artist in (self._noses[k], self._dots[k], self._names[k]):
-                artist.set_visible(track.is_there(stamp_ns))
+                artist.set_visible(track.is_present(stamp_ns))
             x, y, yaw_rad = track.poses[now].tolist()
             nose = x + self._nose_m * np.cos(yaw_rad), y + self._nose_m * np.sin(yaw_rad)
             self._noses[k].set_data([x, nose[0]], [y, nose[1]])
@@ -174,8 +174,8 @@ class RunFilm:
         now_s = (stamp_ns - self._run.start_ns) / 1e9
         self._clock.set_text(f"{now_s:.0f} s")
         past = [(stamp, event) for stamp, event in self._run.events if stamp <= stamp_ns]
-        told = [event.detail for stamp, event in past if stamp_ns - stamp <= _EVENT_S * 1e9]
-        self._caption.set_text(told[-1] if told else "")
+        recent = [event.detail for stamp, event in past if stamp_ns - stamp <= _EVENT_S * 1e9]
+        self._caption.set_text(recent[-1] if recent else "")
         for cover in self._covers:
             cover.set_x(now_s)
             cover.set_width(max((self._run.end_ns - stamp_ns) / 1e9, 0.0))
@@ -184,7 +184,7 @@ class RunFilm:
 def link_segments(
     network: RecordedNetwork, robots: list[RecordedRobot], stamp_ns: int
 ) -> tuple[list[np.ndarray], list[str]]:
-    """Return the links at a time as segments, shape (2, 2) [m], with their colours; of robots called robot_<number>."""
+    """Return the links between robots named robot_<number> at a time: segments, shape (2, 2) [m], and their colours."""
     index = int(np.searchsorted(network.stamps_ns, stamp_ns, side="right")) - 1
     adjacency, endangered = network.adjacency[index], network.endangered[index]
     places = {

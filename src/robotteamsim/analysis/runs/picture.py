@@ -1,4 +1,4 @@
-"""Pictures of recorded runs: paths on the plan and curves over time, of one run or of several side by side."""
+"""Pictures of recorded runs: paths on the floor plan and curves over time, of one run or several side by side."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from robotteamsim.analysis.runs.curves import Curve, curves, draw_speeds
-from robotteamsim.analysis.runs.derived import RunFigures
 from robotteamsim.analysis.runs.plan_panel import (
     COLLISION,
     EXPLORED,
@@ -26,75 +25,76 @@ from robotteamsim.analysis.runs.plan_panel import (
     robot_colour,
 )
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
+from robotteamsim.analysis.runs.totals import RunTotals
 from robotteamsim.recording.table import END_WORDS
 from robotteamsim.scenario import FloorPlan
 
 _SLIDE_INCHES = (13.3, 7.0)
 _MAX_NAMED_ROBOTS = 10
-_MAX_LEFT_OUT = 5
+_MAX_OMITTED = 5
 _LEGEND_COLUMNS = 8
 
 
-def draw_runs(runs: Sequence[RecordedRun], figures: Sequence[RunFigures], plan: FloorPlan | None = None) -> Figure:
-    """Return one run on a slide, or several in columns beside each other, with the same scales of curves.
+def draw_runs(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals], plan: FloorPlan | None = None) -> Figure:
+    """Return one run on a slide, or several runs in columns with the same scales.
 
-    Args: plan: drawn instead of the bags' own /map.
+    Args: plan: drawn instead of the /map of the bags.
     """
     if len(runs) == 1:
-        return _draw_one(runs[0], figures[0], plan)
-    return _draw_columns(runs, figures, plan)
+        return _draw_one(runs[0], all_totals[0], plan)
+    return _draw_columns(runs, all_totals, plan)
 
 
-def outcome(figures: RunFigures) -> str:
-    """Return in one line how the mission went; "" where there was none."""
-    mission = figures.mission
+def outcome(totals: RunTotals) -> str:
+    """Return the outcome of the mission in one line, or "" if there was no mission."""
+    mission = totals.mission
     if mission is None:
         return ""
-    end = next((words for kind, words in END_WORDS.items() if kind == mission.end), "no end in this bag")
+    end = next((words for kind, words in END_WORDS.items() if kind == mission.end), "end not in this bag")
     counts = (
         f"{mission.areas_explored}/{mission.num_areas} areas, {mission.victims_saved}/{mission.num_victims} victims"
     )
     return f"{counts} in {mission.time_s:.1f} s: {end}"
 
 
-def _draw_one(run: RecordedRun, figures: RunFigures, plan: FloorPlan | None) -> Figure:
+def _draw_one(run: RecordedRun, totals: RunTotals, plan: FloorPlan | None) -> Figure:
     figure = Figure(figsize=_SLIDE_INCHES, dpi=120, layout="constrained")
-    wanted = curves(run)
+    shown_curves = curves(run)
     x0, x1, y0, y1 = extent_m(run, plan)
     is_tall = (y1 - y0) > 1.2 * (x1 - x0)
     grid = figure.add_gridspec(1, 2, width_ratios=(0.9, 1.0) if is_tall else (1.75, 1.0))
     floor = figure.add_subplot(grid[0])
     _draw_plan(floor, run, plan)
-    _draw_curves(figure, grid[1], wanted, run)
-    figure.suptitle(figures.title, x=0.01, ha="left", fontsize=13, weight="bold", color=INK)
-    floor.set_title(outcome(figures), loc="left", fontsize=10)
-    _add_legend(figure, [run], [figures], with_figures=True)
+    _draw_curves(figure, grid[1], shown_curves, run)
+    figure.suptitle(totals.title, x=0.01, ha="left", fontsize=13, weight="bold", color=INK)
+    floor.set_title(outcome(totals), loc="left", fontsize=10)
+    _add_legend(figure, [run], [totals], with_totals=True)
     return figure
 
 
-def _draw_curves(figure: Figure, place: object, wanted: Sequence[Curve], run: RecordedRun) -> None:
-    if not wanted:
+def _draw_curves(figure: Figure, place: object, shown_curves: Sequence[Curve], run: RecordedRun) -> None:
+    if not shown_curves:
         return
-    column = place.subgridspec(len(wanted), 1)  # type: ignore[attr-defined]
+    column = place.subgridspec(len(shown_curves), 1)  # type: ignore[attr-defined]
     first: Axes | None = None
-    for row, draw in enumerate(wanted):
+    for row, draw in enumerate(shown_curves):
         axes = figure.add_subplot(column[row], sharex=first)
         first = first or axes
         draw(axes, run)
-        if row < len(wanted) - 1:
+        if row < len(shown_curves) - 1:
             axes.tick_params(labelbottom=False)
         else:
             axes.set_xlabel("time [s]", fontsize=8)
 
 
-def _draw_columns(runs: Sequence[RecordedRun], figures: Sequence[RunFigures], plan: FloorPlan | None) -> Figure:
+def _draw_columns(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals], plan: FloorPlan | None) -> Figure:
     rows = [c for c in _all_curves(runs) if c is not draw_speeds]
     height = 2.6 + 1.25 * len(rows) + 0.9
     figure = Figure(figsize=(max(4.4 * len(runs), 8.8), height), dpi=120, layout="constrained")
     all_axes = figure.subplots(1 + len(rows), len(runs), squeeze=False, height_ratios=[2.6, *(1.0 for _ in rows)])
-    for column, (run, figure_of_run) in enumerate(zip(runs, figures, strict=True)):
+    for column, (run, totals) in enumerate(zip(runs, all_totals, strict=True)):
         _draw_plan(all_axes[0, column], run, plan)
-        all_axes[0, column].set_title(f"{figure_of_run.title}\n{outcome(figure_of_run)}", loc="left", fontsize=8)
+        all_axes[0, column].set_title(f"{totals.title}\n{outcome(totals)}", loc="left", fontsize=8)
         known = curves(run)
         for row, draw in enumerate(rows, 1):
             axes = all_axes[row, column]
@@ -108,12 +108,12 @@ def _draw_columns(runs: Sequence[RecordedRun], figures: Sequence[RunFigures], pl
         all_axes[-1, column].set_xlabel("time [s]", fontsize=8)
     for row in range(1, 1 + len(rows)):
         _share(all_axes[row])
-    _add_legend(figure, runs, figures, with_figures=False)
+    _add_legend(figure, runs, all_totals, with_totals=False)
     return figure
 
 
 def _all_curves(runs: Sequence[RecordedRun]) -> list[Curve]:
-    """Return every curve that some run has, in the order of one that has all."""
+    """Return every curve of any run, in the order of the run with most curves."""
     fullest = max((curves(run) for run in runs), key=len)
     return fullest + [draw for run in runs for draw in curves(run) if draw not in fullest]
 
@@ -141,9 +141,11 @@ def _draw_plan(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
     draw_collisions(axes, run)
 
 
-def _add_legend(figure: Figure, runs: Sequence[RecordedRun], figures: Sequence[RunFigures], with_figures: bool) -> None:
-    handles = [] if not with_figures else _robot_handles(runs[0], figures[0])
-    if not with_figures:
+def _add_legend(
+    figure: Figure, runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals], with_totals: bool
+) -> None:
+    handles = [] if not with_totals else _robot_handles(runs[0], all_totals[0])
+    if not with_totals:
         most = max(runs, key=lambda run: len(run.robots))
         handles = [_line(robot_colour(i), robot.name) for i, robot in list(enumerate(most.robots))[:_MAX_NAMED_ROBOTS]]
     if any(run.robots for run in runs):
@@ -153,27 +155,29 @@ def _add_legend(figure: Figure, runs: Sequence[RecordedRun], figures: Sequence[R
     handles += [_marker("X", colour, f"victim {state}") for state, colour in VICTIM_COLOURS.items() if state in states]
     if any(run.areas for run in runs):
         handles.append(_marker("o", EXPLORED, "area, filled when explored", alpha=0.35))
-    if any(figure.collisions for figure in figures):
+    if any(totals.collisions for totals in all_totals):
         handles.append(_marker("*", COLLISION, "collision"))
     legend = figure.legend(
         handles=handles, loc="outside lower left", ncols=_LEGEND_COLUMNS, frameon=False, fontsize=8, alignment="left"
     )
-    if lines := _left_out(figures):
+    if lines := _omitted(all_totals):
         legend.set_title("\n".join(lines))
         legend.get_title().set(fontsize=7, color="#77746c")
 
 
-def _left_out(figures: Sequence[RunFigures]) -> list[str]:
-    lines = [f"{figure.bag}: {line}" if len(figures) > 1 else line for figure in figures for line in figure.left_out]
-    shown = lines if len(lines) <= _MAX_LEFT_OUT else [*lines[:_MAX_LEFT_OUT], f"and {len(lines) - _MAX_LEFT_OUT} more"]
+def _omitted(all_totals: Sequence[RunTotals]) -> list[str]:
+    lines = [
+        f"{totals.bag}: {line}" if len(all_totals) > 1 else line for totals in all_totals for line in totals.omitted
+    ]
+    shown = lines if len(lines) <= _MAX_OMITTED else [*lines[:_MAX_OMITTED], f"and {len(lines) - _MAX_OMITTED} more"]
     rows = ["; ".join(shown[row : row + 2]) for row in range(0, len(shown), 2)]
-    return [f"left out: {row}" for row in rows]
+    return [f"omitted: {row}" for row in rows]
 
 
-def _robot_handles(run: RecordedRun, figures: RunFigures) -> list[Line2D]:
+def _robot_handles(run: RecordedRun, totals: RunTotals) -> list[Line2D]:
     handles = []
     for index, _ in drawn_robots(run)[:_MAX_NAMED_ROBOTS]:
-        robot = figures.robots[index]
+        robot = totals.robots[index]
         speed = "" if robot.mean_speed_mps is None else f", {robot.mean_speed_mps:.2f} m/s"
         handles.append(_line(robot_colour(index), f"{robot.name}: {robot.distance_m:.0f} m{speed}"))
     return handles

@@ -1,4 +1,4 @@
-"""Drawings of recorded runs on the plan: floor, areas, victims, paths, robots."""
+"""Draws recorded runs on the floor plan: floor, areas, victims, paths, robots."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 
 from robotteamsim.analysis.plan_picture import FLOOR, draw_doors, draw_solids
-from robotteamsim.analysis.runs.derived import onsets
 from robotteamsim.analysis.runs.recorded_run import RecordedArea, RecordedRobot, RecordedRun, RecordedVictim
+from robotteamsim.analysis.runs.totals import onsets
 from robotteamsim.scenario import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, UNKNOWN, OccupancyGrid, bay_lines
 
@@ -39,23 +39,23 @@ _MIN_SIZE_M = 4.0
 
 
 def robot_colour(index: int) -> str:
-    """Return the colour of the index-th robot of a run; they repeat after ten."""
+    """Return the colour of a robot by its index; colours repeat after ten robots."""
     return ROBOT_COLOURS[index % len(ROBOT_COLOURS)]
 
 
 def drawn_robots(run: RecordedRun) -> list[tuple[int, RecordedRobot]]:
-    """Return index and robot of those whose paths share one drawing: all in map, or where nobody is, all."""
+    """Return the drawn robots with their indices: those with a path in `map`, or all robots if there are none."""
     indexed = list(enumerate(run.robots))
     return [(i, robot) for i, robot in indexed if robot.track.is_on_map] or indexed
 
 
 def is_on_map(run: RecordedRun) -> bool:
-    """Whether the drawing is in `map`; else each path stands in its own odometry's frame."""
+    """Whether the drawing is in `map`; otherwise each path is in the frame of its own odometry."""
     return any(robot.track.is_on_map for robot in run.robots) or not run.robots
 
 
 def extent_m(run: RecordedRun, plan: FloorPlan | None) -> tuple[float, float, float, float]:
-    """Return the least and greatest x and the least and greatest y to draw [m]."""
+    """Return min x, max x, min y, max y to draw [m]."""
     corners = [
         np.vstack((r.track.poses[:, :2].min(axis=0), r.track.poses[:, :2].max(axis=0))) for _, r in drawn_robots(run)
     ]
@@ -76,7 +76,7 @@ def extent_m(run: RecordedRun, plan: FloorPlan | None) -> tuple[float, float, fl
 
 
 def _known_corners(grid: OccupancyGrid) -> np.ndarray:
-    """Return the corners of what is known of a map, shape (2, 2) [m]; of all of it where nothing is."""
+    """Return the corners of the known part of a map, or of the whole map if nothing is known, shape (2, 2) [m]."""
     rows, columns = (np.flatnonzero((grid.cells != UNKNOWN).any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         rows, columns = (np.arange(size) for size in grid.cells.shape)
@@ -85,7 +85,7 @@ def _known_corners(grid: OccupancyGrid) -> np.ndarray:
 
 
 def draw_floor(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
-    """Draw the walls: of a plan where one is given, else of the bag's /map; set up the axes [m]."""
+    """Draw the walls of a floor plan if one is given, else those of the bag's /map; set up the axes [m]."""
     x0, x1, y0, y1 = extent_m(run, plan)
     if is_on_map(run) and plan:
         (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
@@ -100,9 +100,11 @@ def draw_floor(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
         axes.set_axisbelow(True)
     if not (run.robots or run.areas or run.grid or plan):
         axes.set(xticks=[], yticks=[])
-        axes.text(0.5, 0.5, "no paths and no plan in this bag", ha="center", color="#8a877f", transform=axes.transAxes)
+        axes.text(
+            0.5, 0.5, "no paths and no floor plan in this bag", ha="center", color="#8a877f", transform=axes.transAxes
+        )
     axes.set(xlim=(x0, x1), ylim=(y0, y1), aspect="equal")
-    where = "" if is_on_map(run) else ", each robot in its own odometry's frame"
+    where = "" if is_on_map(run) else ", each robot in the frame of its own odometry"
     axes.set_xlabel(f"x [m]{where}", fontsize=8)
     axes.set_ylabel("y [m]", fontsize=8)
     axes.tick_params(labelsize=7, length=2)
@@ -116,12 +118,12 @@ def _draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
     image = np.round(255.0 * colours).astype(np.uint8)[grid.cells.view(np.uint8)]
     (x, y), (rows, columns) = grid.origin_m, grid.cells.shape
     extent = (x, x + columns * grid.resolution_m, y, y + rows * grid.resolution_m)
-    # Colours, not classes, are averaged where cells are smaller than pixels: thin walls do not vanish.
+    # Where cells are smaller than pixels, colours are averaged and not classes, so thin walls do not vanish.
     axes.imshow(image, origin="lower", extent=extent, interpolation="antialiased", zorder=0)
 
 
 def draw_areas(axes: Axes, areas: tuple[RecordedArea, ...], explored: tuple[bool, ...]) -> list[Circle]:
-    """Draw areas as circles with their number, filled where they are explored; return the circles."""
+    """Draw areas as circles with their number, filled if explored; return the circles."""
     circles = []
     for number, area in enumerate(areas, 1):
         is_explored = number <= len(explored) and explored[number - 1]
@@ -143,7 +145,7 @@ def draw_victims(axes: Axes, victims: tuple[RecordedVictim, ...]) -> None:
 
 
 def draw_paths(axes: Axes, run: RecordedRun) -> None:
-    """Draw every path, with a ring where it begins and a dot where it ends; both also where a robot left and came."""
+    """Draw every path, with a ring at its start and a dot at its end, and both at each absence of the robot."""
     for index, robot in drawn_robots(run):
         colour, places = robot_colour(index), robot.track.poses[:, :2]
         begins = np.array([0, *robot.track.breaks])
@@ -155,7 +157,7 @@ def draw_paths(axes: Axes, run: RecordedRun) -> None:
 
 
 def draw_collisions(axes: Axes, run: RecordedRun) -> None:
-    """Draw a star where a robot began to touch something."""
+    """Draw a star at each place where a robot began to touch something."""
     for _, robot in drawn_robots(run):
         if robot.contact is not None:
             for stamp_ns in robot.contact.stamps_ns[onsets(robot.contact.values)].tolist():

@@ -1,4 +1,4 @@
-"""Tables of recorded runs for a terminal: one run in detail, or several in one line each."""
+"""Tables of recorded runs for a terminal: one run in detail, or one line for each of several runs."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from robotteamsim.analysis.runs.derived import MissionFigures, NetworkFigures, RobotTotals, RunFigures
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
-from robotteamsim.recording.table import END_WORDS, event_table, report_rows
+from robotteamsim.analysis.runs.totals import MissionTotals, NetworkTotals, RobotTotals, RunTotals
+from robotteamsim.recording.table import END_WORDS, delivery_rows, event_table
 
 _UNKNOWN = "-"
 _SHORT_ENDS = {
@@ -24,22 +24,22 @@ _SHORT_ENDS = {
 }
 
 
-def print_run(console: Console, run: RecordedRun, figures: RunFigures) -> None:
-    """Print the events of one run, its figures, those of its robots, and what is left out."""
+def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
+    """Print the events of one run, its totals, those of its robots, and a line for everything omitted."""
     if run.events:
-        console.print(event_table(figures.title, [event for _, event in run.events]))
+        console.print(event_table(totals.title, [event for _, event in run.events]))
     else:
-        console.print(Text(figures.title, style="bold"))
-    console.print(_figure_table(figures))
-    if figures.robots:
-        console.print(_robot_table(figures.robots))
-    if figures.trajectory_hash:
-        console.print(Text(f"  trajectories {figures.trajectory_hash}"), soft_wrap=True)
-    _print_left_out(console, figures, "")
+        console.print(Text(totals.title, style="bold"))
+    console.print(_totals_table(totals))
+    if totals.robots:
+        console.print(_robot_table(totals.robots))
+    if totals.trajectory_hash:
+        console.print(Text(f"  trajectories {totals.trajectory_hash}"), soft_wrap=True)
+    _print_omitted(console, totals, "")
 
 
-def print_runs(console: Console, figures: Sequence[RunFigures]) -> None:
-    """Print one line per run, the means of all, and what is left out."""
+def print_runs(console: Console, all_totals: Sequence[RunTotals]) -> None:
+    """Print one line per run, the means of all runs, and a line for everything omitted."""
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("bag", overflow="fold")
     table.add_column("end")
@@ -54,45 +54,48 @@ def print_runs(console: Console, figures: Sequence[RunFigures]) -> None:
         "split\n[s]",
     ):
         table.add_column(Text(name), justify="right")
-    for figure in figures:
-        table.add_row(*_cells(figure))
+    for totals in all_totals:
+        table.add_row(*_cells(totals))
     table.add_section()
-    table.add_row(*_mean_cells(figures))
+    table.add_row(*_mean_cells(all_totals))
     console.print(table)
-    for figure in figures:
-        _print_left_out(console, figure, f"{figure.bag}: ")
+    for totals in all_totals:
+        _print_omitted(console, totals, f"{totals.bag}: ")
 
 
-def _figure_table(figures: RunFigures) -> Table:
+def _totals_table(totals: RunTotals) -> Table:
     table = Table(box=None, show_header=False, pad_edge=True)
     table.add_column(style="dim")
     table.add_column()
-    rows = [("recorded", f"{figures.duration_s:.1f} s")]
-    rows += _mission_rows(figures.mission) if figures.mission else []
-    rows += _network_rows(figures.network, figures.mission is None) if figures.network else []
+    rows = [("recorded", f"{totals.duration_s:.1f} s")]
+    rows += _mission_rows(totals.mission) if totals.mission else []
+    rows += _network_rows(totals.network, totals.mission is None) if totals.network else []
     for name, value in rows:
         table.add_row(name, value)
     return table
 
 
-def _mission_rows(mission: MissionFigures) -> list[tuple[str, str]]:
+def _mission_rows(mission: MissionTotals) -> list[tuple[str, str]]:
     return [
         ("end", _end_words(mission.end)),
         ("areas explored", f"{mission.areas_explored} of {mission.num_areas}"),
         ("victims saved", f"{mission.victims_saved} of {mission.num_victims}"),
-        *report_rows(mission.finds_reported, mission.mean_report_delay_s, mission.max_report_delay_s),
+        *delivery_rows(mission.discoveries_delivered, mission.mean_delivery_delay_s, mission.max_delivery_delay_s),
         ("time", f"{mission.time_s:.1f} s"),
         ("endangered links", str(mission.endangered_links)),
     ]
 
 
-def _network_rows(network: NetworkFigures, tells_endangered: bool) -> list[tuple[str, str]]:
+def _network_rows(network: NetworkTotals, with_endangered: bool) -> list[tuple[str, str]]:
     all_links = network.num_robots * (network.num_robots - 1) // 2
-    rows = [("endangered links", str(network.endangered_links))] if tells_endangered else []
+    rows = [("endangered links", str(network.endangered_links))] if with_endangered else []
     return [
         *rows,
         ("links endangered for", f"{network.endangered_s:.1f} s"),
-        ("links", f"{network.mean_links:.2f} of {all_links} on average, ways of at most {_hops(network.max_hops)}"),
+        (
+            "links",
+            f"{network.mean_links:.2f} of {all_links} on average, shortest paths of at most {_hops(network.max_hops)}",
+        ),
         ("Fiedler value", f"{network.mean_fiedler_value:.3f} on average, at least {network.min_fiedler_value:.3f}"),
         ("team split for", f"{network.split_s:.1f} s"),
     ]
@@ -118,30 +121,30 @@ def _robot_table(robots: Sequence[RobotTotals]) -> Table:
     return table
 
 
-def _cells(figure: RunFigures) -> list[str]:
-    mission, network = figure.mission, figure.network
+def _cells(totals: RunTotals) -> list[str]:
+    mission, network = totals.mission, totals.network
     endangered = mission.endangered_links if mission else network.endangered_links if network else None
     return [
-        figure.bag,
+        totals.bag,
         _SHORT_ENDS.get(mission.end, mission.end) if mission else _UNKNOWN,
         f"{mission.areas_explored}/{mission.num_areas}" if mission else _UNKNOWN,
         f"{mission.victims_saved}/{mission.num_victims}" if mission else _UNKNOWN,
         _number(mission.time_s if mission else None, ".1f"),
         _number(endangered, "d"),
-        _number(figure.distance_m, ".0f"),
-        _number(figure.collisions, "d"),
+        _number(totals.distance_m, ".0f"),
+        _number(totals.collisions, "d"),
         _number(network.mean_fiedler_value if network else None, ".2f"),
         _number(network.split_s if network else None, ".1f"),
     ]
 
 
-def _mean_cells(figures: Sequence[RunFigures]) -> list[str]:
-    """Return the means over the bags that tell; a time without a mission is no mission's time."""
-    missions = [figure.mission for figure in figures if figure.mission]
-    networks = [figure.network for figure in figures if figure.network]
+def _mean_cells(all_totals: Sequence[RunTotals]) -> list[str]:
+    """Return the means over the bags that have the value; only missions have a mission time."""
+    missions = [totals.mission for totals in all_totals if totals.mission]
+    networks = [totals.network for totals in all_totals if totals.network]
     endangered = [mission.endangered_links for mission in missions]
-    distances_m = [figure.distance_m for figure in figures if figure.distance_m is not None]
-    collisions = [figure.collisions for figure in figures if figure.collisions is not None]
+    distances_m = [totals.distance_m for totals in all_totals if totals.distance_m is not None]
+    collisions = [totals.collisions for totals in all_totals if totals.collisions is not None]
     return [
         "mean",
         "",
@@ -172,6 +175,6 @@ def _end_words(end: str) -> str:
     return next((words for kind, words in END_WORDS.items() if kind == end), end) if end else "not in this bag"
 
 
-def _print_left_out(console: Console, figures: RunFigures, prefix: str) -> None:
-    for line in figures.left_out:
-        console.print(Text(f"  {prefix}left out: {line}", style="yellow"), soft_wrap=True)
+def _print_omitted(console: Console, totals: RunTotals, prefix: str) -> None:
+    for line in totals.omitted:
+        console.print(Text(f"  {prefix}omitted: {line}", style="yellow"), soft_wrap=True)

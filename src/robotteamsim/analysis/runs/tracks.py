@@ -1,4 +1,4 @@
-"""Paths of robots, out of poses that are true, or measured and placed by tf."""
+"""Paths of robots, from their true poses or from odometry and /tf."""
 
 from __future__ import annotations
 
@@ -7,35 +7,45 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from robotteamsim.recording.ros_messages import MAP_FRAME
 
 Source = Literal["truth", "odom and tf", "odom"]
-PoseSample = tuple[str, float, float, float, float, float, float]
-"""Frame, x, y [m], and x, y, z, w of the unit quaternion."""
 
 BEFORE_ALL_NS = -(2**62)
-"""Stamp of transforms that hold at all times."""
+"""Stamp of transforms that are valid at all times."""
 AFTER_ALL_NS = 2**62
 
 Absence = tuple[int, int]
-"""From which stamp on a robot is not there, and at which it is there again [ns]."""
+"""Stamps at which a robot left and at which it came again [ns]."""
+
+
+class PoseSample(NamedTuple):
+    """A recorded pose: frame, position [m], unit quaternion."""
+
+    frame: str
+    x_m: float
+    y_m: float
+    qx: float
+    qy: float
+    qz: float
+    qw: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """Where a robot was.
+    """The path of a robot.
 
-    frame:     "map", or the odometry's own where nothing tells where that is in the map.
+    frame:     "map", or the frame of the odometry if no transform from map to it is recorded.
     stamps_ns: int64, shape (n,), ascending.
     poses:     float64, shape (n, 3): x, y [m], yaw [rad] in `frame`.
     turns:     float64, shape (n, 2): z and w of the quaternions as recorded.
-    driven_m:  float64, shape (n,): length of the path so far [m], in the odometry's frame where there is one: the place
-               of that in the map may jump.
-    absences:  when it was not there, in order.
+    driven_m:  float64, shape (n,): length of the path so far [m], in the frame of the odometry if there is one, because
+               that frame may jump in the map.
+    absences:  intervals in which the robot was absent, in order.
     """
 
     source: Source
@@ -48,16 +58,16 @@ class Track:
 
     @property
     def breaks(self) -> list[int]:
-        """Indices of poses that no way leads to from the one before: the robot was put there anew."""
+        """Indices of poses that are not connected to the previous one, because the robot came again there."""
         return [index for index in _came(self.stamps_ns, self.absences) if 0 < index < len(self.stamps_ns)]
 
     def line(self, begin: int, end: int) -> np.ndarray:
-        """Return the path from a pose up to before another one, with NaN at its breaks, shape (m, 2) [m]."""
+        """Return the positions of the poses begin <= index < end, with NaN at the breaks, shape (m, 2) [m]."""
         breaks = [index - begin for index in self.breaks if begin < index < end]
         return np.insert(self.poses[begin:end, :2], breaks, np.nan, axis=0)
 
-    def is_there(self, stamp_ns: int) -> bool:
-        """Whether the robot is there at a stamp [ns]."""
+    def is_present(self, stamp_ns: int) -> bool:
+        """Whether the robot is present at a stamp [ns]."""
         return not any(gone_ns <= stamp_ns < came_ns for gone_ns, came_ns in self.absences)
 
     @property
@@ -66,18 +76,18 @@ class Track:
         return self.frame == MAP_FRAME
 
     def index_at(self, stamp_ns: int) -> int:
-        """Return the index of the last pose at or before a stamp, or of the first one [ns]."""
+        """Return the index of the last pose at or before a stamp [ns], or 0 if there is none."""
         return max(int(np.searchsorted(self.stamps_ns, stamp_ns, side="right")) - 1, 0)
 
 
 class Transforms:
-    """What /tf and /tf_static tell of frames in `map`."""
+    """Poses of frames in `map`, from /tf and /tf_static."""
 
     def __init__(self) -> None:
         self._places: dict[str, list[tuple[int, float, float, float]]] = defaultdict(list)
 
     def add(self, message: Any, is_static: bool) -> None:
-        """Take in a tf2_msgs/TFMessage."""
+        """Add the transforms of a tf2_msgs/TFMessage."""
         for transform in message.transforms:
             if transform.header.frame_id.lstrip("/") == MAP_FRAME:
                 stamp = transform.header.stamp
@@ -87,7 +97,7 @@ class Transforms:
                 self._places[transform.child_frame_id.lstrip("/")].append((stamp_ns, place.x, place.y, yaw_rad))
 
     def of(self, frame: str) -> tuple[np.ndarray, np.ndarray] | None:
-        """Return stamps [ns], ascending, and x, y [m], yaw [rad] of a frame in `map`; None where nothing is told."""
+        """Return stamps [ns], ascending, and x, y [m], yaw [rad] of a frame in `map`, or None if it is unknown."""
         if frame not in self._places:
             return None
         places = sorted(self._places[frame])
@@ -95,7 +105,7 @@ class Transforms:
 
 
 def from_truth(samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...] = ()) -> Track | None:
-    """Return the track of true poses in `map`; None where no pose is finite."""
+    """Return the track of true poses in `map`, or None if no pose is finite."""
     finite = _finite(samples)
     if not finite:
         return None
@@ -107,18 +117,18 @@ def from_truth(samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absenc
 def from_odometry(
     samples: Sequence[tuple[int, PoseSample]], transforms: Transforms, absences: tuple[Absence, ...] = ()
 ) -> Track | None:
-    """Return the track of an odometry: in `map` from when on /tf places its frame there, else in its own frame."""
+    """Return the track of an odometry: in `map` from the first transform of its frame on, else in its own frame."""
     finite = _finite(samples)
     if not finite:
         return None
-    frame = finite[0][1][0]
+    frame = finite[0][1].frame
     stamps_ns, poses, turns = _arrays(finite)
     driven_m = _driven_m(poses, _came(stamps_ns, absences))
     placed = transforms.of(frame)
     if placed is None:
         return Track("odom", frame, stamps_ns, poses, turns, driven_m, absences)
     place_stamps_ns, places = placed
-    # Before its first place is known, a robot is nowhere on the map.
+    # Before the first transform, the robot's position in the map is unknown.
     first = int(np.searchsorted(stamps_ns, place_stamps_ns[0]))
     if first == len(stamps_ns):
         return Track("odom", frame, stamps_ns, poses, turns, driven_m, absences)
@@ -136,7 +146,7 @@ def from_odometry(
 
 
 def _finite(samples: Sequence[tuple[int, PoseSample]]) -> list[tuple[int, PoseSample]]:
-    """Return the samples without those of a robot that has lost itself, which tells so by NaN."""
+    """Return the samples without NaN, which lost robots publish."""
     return [sample for sample in samples if all(map(math.isfinite, sample[1][1:]))]
 
 
@@ -153,9 +163,9 @@ def _came(stamps_ns: np.ndarray, absences: Sequence[Absence]) -> list[int]:
 
 
 def _driven_m(poses: np.ndarray, came: Iterable[int]) -> np.ndarray:
-    """Return the length of the path so far, the same sum in the same order as a trial's own figures.
+    """Return the length of the path so far; the sum has the order of the trial's own totals, for the same bits.
 
-    Args: came: indices of poses that no way leads to.
+    Args: came: indices of poses that are not connected to the previous one.
     """
     places = poses[:, :2].tolist()
     steps_m = [math.dist(place, before) for before, place in itertools.pairwise(places)]

@@ -15,9 +15,6 @@ from robotteamsim.scenario.patrol import PatrolGraph
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.swarm import Vector
 
-_LONGEST_EDGE = 1.5
-"""Lattice points are linked where the path between them is at most this much longer than the spacing (ours)."""
-
 
 @dataclass(frozen=True, slots=True)
 class Graph:
@@ -36,7 +33,7 @@ def patrol_graph(scenario: Scenario, robot_radius_m: float) -> Graph:
     patrol = scenario.control.patrol
     if patrol.graph is not None:
         return _of_file(patrol.graph)
-    graph = _lattice(scenario.plan, robot_radius_m, patrol.spacing_m)
+    graph = _lattice(scenario.plan, robot_radius_m, patrol.spacing_m, patrol.longest_edge)
     if not graph.places:
         raise ScenarioError(
             f"{scenario.name}: control.patrol.spacing_m: {patrol.spacing_m:g} m leaves no two places of the plan linked"
@@ -50,7 +47,7 @@ def _of_file(graph: PatrolGraph) -> Graph:
 
 
 @functools.lru_cache(maxsize=8)
-def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float) -> Graph:
+def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float, longest_edge: float) -> Graph:
     """Return the free places next to the points of a square lattice, linked to their four neighbours by free paths.
 
     Only the largest part that hangs together is kept.
@@ -62,10 +59,10 @@ def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float) -> Graph:
         for other in ((column + 1, row), (column, row + 1)):
             if other not in places:
                 continue
-            _, length_m = known.first_stretch(places[column, row], places[other], _LONGEST_EDGE * spacing_m)
+            _, length_m = known.first_stretch(places[column, row], places[other], longest_edge * spacing_m)
             free = known.grid.is_line_free(places[column, row], places[other])
             # Without a path of that length the straight distance comes back, through the wall.
-            if free or math.dist(places[column, row], places[other]) + 1e-6 < length_m <= _LONGEST_EDGE * spacing_m:
+            if free or math.dist(places[column, row], places[other]) + 1e-6 < length_m <= longest_edge * spacing_m:
                 ways[column, row].append((other, length_m))
                 ways[other].append(((column, row), length_m))
     kept = _largest_part(ways)

@@ -18,10 +18,8 @@ from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.swarm import Vector
 
-ARRIVED_M = 0.5
-"""A vertex counts as visited from this near: two robots that meet there must not wait for each other."""
-_PATIENCE = 4.0
-"""A robot that takes this many times as long as the way takes at full speed, and 10 s more, chooses again."""
+LONGEST_TIMED_M = 1000.0
+"""Places without a free path to them are far beyond this: for them, the timeout must end as well."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +96,7 @@ class SebsController(PathController):
         if self._goal < 0:
             self._go_to(self._graph.nearest(position), position)
             return self._tell(pose)
-        if math.dist(position, self._graph.places[self._goal]) < ARRIVED_M:
+        if math.dist(position, self._graph.places[self._goal]) < self._patrol.arrived_m:
             self._visited_s[self._goal] = self.time_s
             self._at = self._goal
             self._go_to(self._next_vertex(self._at), position)
@@ -140,7 +138,8 @@ class SebsController(PathController):
     def _go_to(self, vertex: int, position: Vector) -> None:
         self._goal = vertex
         distance_m = self.map.distance_m(self._graph.places[vertex], position)
-        self._until_s = self.time_s + 10.0 + _PATIENCE * min(distance_m, 1000.0) / self.speed_mps
+        travel_s = self._patrol.timeout_factor * min(distance_m, LONGEST_TIMED_M) / self.speed_mps
+        self._until_s = self.time_s + self._patrol.timeout_s + travel_s
 
     def _tell(self, pose: Pose) -> Decision:
         visit = Visit(self.robot_id, self._at, self._goal)

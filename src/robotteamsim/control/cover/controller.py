@@ -21,29 +21,6 @@ from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.swarm import Vector, limit_speed
 from robotteamsim.world.placement import placed_robots
 
-COVER_RADIUS_M = 2.5
-LONGEST_WAY_M = 200.0
-NEARNESS_M = 4.0
-"""A place is worth what it would newly cover over its distance and this [facts of the adaptive search; ours]."""
-
-APART_M = 6.0
-"""Places nearer than this to where a teammate goes are left to it."""
-
-HEARD_S = 3.5
-"""A teammate counts as connected for so long after its last report: some get lost."""
-
-MISSED_S = 90.0
-"""A teammate that was not heard for longer is given up."""
-
-PROGRESS_M = 1.0
-PATIENCE_S = 12.0
-AVOIDED_S = 60.0
-AVOIDED_M = 3.0
-"""A goal that comes no nearer by so much in so long is left alone for so long, and what is so near to it as well."""
-
-HURRY = 1.25
-"""As in RDPSO: a robot drives this much faster than its velocity, to be there when the next iteration begins."""
-
 
 class CoverController:
     """One robot of a team that covers the floor and tells the base of each find.
@@ -61,13 +38,13 @@ class CoverController:
         start = placed_robots(scenario)[robot_id].start_pose
         self._robot_id = robot_id
         self._is_base = robot_id == scenario.mission.base
-        self._control = control
+        self._control, self._tuning = control, control.cover
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._found_within_m = scenario.mission.save_distance_m + scenario.voice.map_resolution_m
         self._level_at_1_m_db = -scenario.voice.constant_db[1]
         self._localiser = Localiser(robot_id, scenario)
         self._map = known_map(scenario.plan, body.reach_m)
-        self._cover = FloorCover(scenario.plan, body.reach_m, start[:2], COVER_RADIUS_M)
+        self._cover = FloorCover(scenario.plan, body.reach_m, start[:2], control.cover.radius_m)
         self._navigator = Navigator(body, robot_id, control.navigation)
         self._links = LinkKeeper(scenario)
         self._ruled_out = RuledOut(scenario)
@@ -86,7 +63,7 @@ class CoverController:
         """How near the goal was at best, along the path [m], and since when."""
         self._avoided: list[tuple[Vector, float]] = []
         """Places left alone, and until when [s]."""
-        self._route = _Route()
+        self._route = _Route(control.cover.longest_path_m)
         self._target: Vector | None = None
         self._speed_mps = control.max_step_speed_mps
 
@@ -168,67 +145,72 @@ class CoverController:
             self._target = None
             return
         self._target = self._map.reachable_towards(position, (position[0] + velocity[0], position[1] + velocity[1]))
-        self._speed_mps = max(0.1, HURRY * math.hypot(*velocity) / self._control.iteration_s)
+        self._speed_mps = max(0.1, self._control.speed_factor * math.hypot(*velocity) / self._control.iteration_s)
 
     def _choose_goal(self, position: Vector, voice: VoiceReading, time_s: float) -> None:
         loudest = voice.local_best_m if voice.heard else None
         self._ruled_out.add(position, loudest)
         if loudest and not self._ruled_out.covers(loudest) and not self._is_avoided(loudest):
-            if self._goal is None or math.dist(self._goal, loudest) > AVOIDED_M:
+            if self._goal is None or math.dist(self._goal, loudest) > self._tuning.avoided_m:
                 self._goal_m, self._goal_since_s = math.inf, time_s
             self._goal = loudest
         elif self._goal is not None and (self._cover.is_covered(self._goal) or self._is_taken(self._goal, position)):
             self._goal = None
         if self._goal is not None:
             length_m = self._route.first_stretch(self._map, position, self._goal)[1]
-            if length_m < self._goal_m - PROGRESS_M:
+            if length_m < self._goal_m - self._tuning.progress_m:
                 self._goal_m, self._goal_since_s = length_m, time_s
-            elif time_s - self._goal_since_s > PATIENCE_S:
-                self._avoided.append((self._goal, time_s + AVOIDED_S))
+            elif time_s - self._goal_since_s > self._tuning.goal_timeout_s:
+                self._avoided.append((self._goal, time_s + self._tuning.avoided_s))
                 self._goal = None
         if self._goal is None:
             self._goal = self._best_place(position)
             self._goal_m, self._goal_since_s = math.inf, time_s
 
     def _is_avoided(self, place: Vector) -> bool:
-        return any(math.dist(place, avoided) <= AVOIDED_M for avoided, _ in self._avoided)
+        return any(math.dist(place, avoided) <= self._tuning.avoided_m for avoided, _ in self._avoided)
 
     def _is_taken(self, place: Vector, position: Vector) -> bool:
         """Whether a teammate goes there that is nearer, or as near and of lower id."""
         own = (math.dist(place, position), self._robot_id)
         return any(
             report.goal is not None
-            and math.dist(place, report.goal) < APART_M
+            and math.dist(place, report.goal) < self._tuning.apart_m
             and (math.dist(place, report.position), robot_id) < own
             for robot_id, (_, report) in self._team.items()
         )
 
     def _best_place(self, position: Vector) -> Vector | None:
         """Return where the robot covers most for the way; none where nothing is left to it."""
-        left_out = [(place, AVOIDED_M) for place, _ in self._avoided]
-        left_out += [(report.goal, APART_M) for _, report in self._team.values() if report.goal]
+        left_out = [(place, self._tuning.avoided_m) for place, _ in self._avoided]
+        left_out += [(report.goal, self._tuning.apart_m) for _, report in self._team.values() if report.goal]
         in_reach = self._links.in_reach([report.position for _, report in self._team.values()], CELL_M)
         if in_reach is not None:
-            place = self._cover.best_place(position, left_out, NEARNESS_M, in_reach)
+            place = self._cover.best_place(position, left_out, self._tuning.nearness_m, in_reach)
             if place:
                 return place
         # What is left is out of reach: the team stretches towards it.
-        return self._cover.best_place(position, left_out, NEARNESS_M)
+        return self._cover.best_place(position, left_out, self._tuning.nearness_m)
 
     def _velocity(self, position: Vector, time_s: float) -> Vector:
         """Return v[t+1] of eq. (22) [m per iteration]: a full step towards the local best, and the weighted x_CB."""
         step_m = self._control.max_step_speed_mps * self._control.iteration_s
         v_x, v_y = self._way_to(self._route, self._goal, position, step_m) if self._goal else (0.0, 0.0)
-        ages_s = {robot_id: time_s - heard_s for robot_id, (heard_s, _) in self._team.items()}
-        x_cb, weight = self._links.pull(
-            position,
-            {i: self._teammates[i] for i, age_s in sorted(ages_s.items()) if age_s <= HEARD_S},
-            {i: self._teammates[i] for i, age_s in sorted(ages_s.items()) if HEARD_S < age_s <= MISSED_S},
-        )
+        heard, missing = self._heard_and_missing(time_s)
+        x_cb, weight = self._links.pull(position, heard, missing)
         if weight > 0.0:
-            c_x, c_y = self._way_to(_Route(), x_cb, position, LONGEST_WAY_M)
+            c_x, c_y = self._way_to(_Route(self._tuning.longest_path_m), x_cb, position, self._tuning.longest_path_m)
             v_x, v_y = v_x + weight * c_x, v_y + weight * c_y
         return limit_speed((v_x, v_y), step_m)
+
+    def _heard_and_missing(self, time_s: float) -> tuple[dict[int, Vector], dict[int, Vector]]:
+        """Return where the connected teammates are, and those that were heard less recently, by robot id."""
+        ages_s = sorted((robot_id, time_s - heard_s) for robot_id, (heard_s, _) in self._team.items())
+        connected_s, given_up_s = self._tuning.connected_s, self._tuning.given_up_s
+        return (
+            {i: self._teammates[i] for i, age_s in ages_s if age_s <= connected_s},
+            {i: self._teammates[i] for i, age_s in ages_s if connected_s < age_s <= given_up_s},
+        )
 
     def _way_to(self, route: _Route, place: Vector, position: Vector, longest_m: float) -> Vector:
         """Return the way to a place: along the first stretch of the path, as long as all of it, or `longest_m`."""
@@ -243,7 +225,9 @@ class CoverController:
 class _Route:
     """The corners of a path, kept while the place that it leads to stays and the robot follows it."""
 
-    def __init__(self) -> None:
+    def __init__(self, longest_m: float) -> None:
+        """Args: longest_m: no longer path is searched."""
+        self._longest_m = longest_m
         self._place: Vector | None = None
         self._corners: list[Vector] = []
 
@@ -254,7 +238,7 @@ class _Route:
             self._place, self._corners = place, [place]
             start, end = known.grid.nearest_free(position, 1.0), known.grid.nearest_free(place, 1.0)
             if start is not None and end is not None and not known.grid.is_line_free(start, end):
-                self._corners = [*known.grid.waypoints(start, end, LONGEST_WAY_M)[1:-1], place]
+                self._corners = [*known.grid.waypoints(start, end, self._longest_m)[1:-1], place]
         while len(self._corners) > 1 and known.grid.is_line_free(position, self._corners[1]):
             del self._corners[0]
         ways = itertools.pairwise([position, *self._corners])

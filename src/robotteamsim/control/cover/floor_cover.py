@@ -55,7 +55,7 @@ class _Floor:
         return self._lengths[cell]
 
     def _lengths_from(self, start: Vector) -> np.ndarray:
-        field = self.grid.distance_field(start)
+        field = self.grid.distance_map(start)
         return np.where(self._has_place, field[self._rows, self._columns], math.inf)
 
 

@@ -31,12 +31,12 @@ class KnownMap:
 
     def __init__(self, plan: FloorPlan, robot_radius_m: float, closed_doors: tuple[tuple[str, bool], ...]) -> None:
         occupancy = occupancy_grid(plan, GRID_RESOLUTION_M, dict(closed_doors))
-        self.grid = _core.PlanningGrid(
+        self.grid = _core.plan.PlanningGrid(
             occupancy.cells != FREE, occupancy.origin_m, GRID_RESOLUTION_M, robot_radius_m + MARGIN_M
         )
         self._fields: dict[Vector, np.ndarray | None] = {}
         # Not wrapped: every robot asks several times in every iteration.
-        self.along_path: Callable[[Vector, Vector, float], Vector] = self.grid.along_way
+        self.along_path: Callable[[Vector, Vector, float], Vector] = self.grid.along_path
         """Returns a goal as the path to it from a start begins: at the path's length, in the direction of its
         `first_stretch`. The path is at most so long [m]."""
         self.reachable_towards: Callable[[Vector, Vector], Vector] = self.grid.reachable_towards
@@ -75,8 +75,7 @@ class KnownMap:
 
         The bend is `goal` itself, at its straight distance, where the way is free or no path of `max_length_m` exists.
         """
-        stretch: tuple[Vector, float] = self.grid.first_stretch(start, goal, max_length_m)
-        return stretch
+        return self.grid.first_stretch(start, goal, max_length_m)
 
     def _field(self, goal: Vector) -> np.ndarray | None:
         field = self._fields.get(goal)
@@ -84,7 +83,7 @@ class KnownMap:
             while len(self._fields) >= _KEPT_FIELDS:
                 del self._fields[next(iter(self._fields))]
             free_goal = self.grid.nearest_free(goal, 5.0)
-            field = self._fields[goal] = None if free_goal is None else self.grid.distance_field(free_goal)
+            field = self._fields[goal] = None if free_goal is None else self.grid.distance_map(free_goal)
         return field
 
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from robotteamsim import _core
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Robot, Team
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.world.placement import placed_robots
-
-_GROUND_TRUTH = RobotReading._fields.index("ground_truth")
 
 
 class Localiser:
@@ -24,9 +21,7 @@ class Localiser:
     def map_T_base_link(self, reading: RobotReading) -> Pose:  # noqa: N802
         """Return the robot's pose in `map`."""
         if self._map_T_odom is None:
-            # What `reading.ground_truth.pose` is, at once: every robot asks for it in every step.
-            pose: Pose = _core.to_pose(reading, _GROUND_TRUTH, Pose)
-            return pose
+            return reading.ground_truth.pose
         return self._map_T_odom @ reading.odometry.pose.pose
 
 

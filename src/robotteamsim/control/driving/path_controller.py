@@ -27,7 +27,9 @@ class PathController:
         self.speed_mps = scenario.control.max_step_speed_mps
         self._localiser = Localiser(robot_id, scenario)
         self._navigator = Navigator(body, robot_id, scenario.control.navigation)
-        self._wander = Wander(robot_stream(scenario, "wander", robot_id, arrival), self.speed_mps)
+        self._wander = Wander(
+            scenario.control.wander, robot_stream(scenario, "wander", robot_id, arrival), self.speed_mps
+        )
         self._observation: Observation | None = None
         self.inbox: Sequence[Message] = ()
         self.task = Task()

@@ -7,17 +7,18 @@ import math
 import numpy as np
 
 from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, KnownMap
+from robotteamsim.scenario.control_tuning import WanderTuning
 from robotteamsim.swarm import Vector
 
-LONGEST_LEG_M = 8.0
-SHORTEST_LEG_M = 1.0
-ARRIVED_M = 0.3
+TRIES = 8
+"""Of directions for a leg; the longest of these short legs is taken: more tries would hardly find a longer one."""
 
 
 class Wander:
     """Random straight legs over the known map: a new direction at the end of each, or when one takes too long."""
 
-    def __init__(self, generator: np.random.Generator, speed_mps: float) -> None:
+    def __init__(self, tuning: WanderTuning, generator: np.random.Generator, speed_mps: float) -> None:
+        self._tuning = tuning
         self._rng = generator
         self._speed_mps = speed_mps
         self._goal: Vector | None = None
@@ -25,10 +26,10 @@ class Wander:
 
     def goal(self, free_space: KnownMap, position: Vector, time_s: float) -> Vector:
         """Return the end of the present leg, in `map` [m]."""
-        if self._goal is None or time_s >= self._until_s or math.dist(position, self._goal) < ARRIVED_M:
+        if self._goal is None or time_s >= self._until_s or math.dist(position, self._goal) < self._tuning.arrived_m:
             self._goal = self._next_goal(free_space, position)
-            # Twice the time that the leg takes at full speed, and some for turning.
-            self._until_s = time_s + 3.0 + 2.0 * math.dist(position, self._goal) / self._speed_mps
+            travel_s = self._tuning.timeout_factor * math.dist(position, self._goal) / self._speed_mps
+            self._until_s = time_s + self._tuning.timeout_s + travel_s
         return self._goal
 
     def stop(self) -> None:
@@ -36,17 +37,18 @@ class Wander:
         self._goal = None
 
     def _next_goal(self, free_space: KnownMap, position: Vector) -> Vector:
+        shortest_m, longest_m = self._tuning.shortest_leg_m, self._tuning.longest_leg_m
         start = free_space.grid.nearest_free(position, 1.0) or position
-        longest, longest_m = position, -1.0
-        for _ in range(8):
-            heading_rad, length_m = (self._rng.random(2) * (math.tau, LONGEST_LEG_M - SHORTEST_LEG_M)).tolist()
-            end = free_end(free_space, start, heading_rad, length_m + SHORTEST_LEG_M)
+        best, best_m = position, -1.0
+        for _ in range(TRIES):
+            heading_rad, length_m = (self._rng.random(2) * (math.tau, longest_m - shortest_m)).tolist()
+            end = free_end(free_space, start, heading_rad, length_m + shortest_m)
             end_m = math.dist(start, end)
-            if end_m > longest_m:
-                longest, longest_m = end, end_m
-            if end_m >= SHORTEST_LEG_M:
+            if end_m > best_m:
+                best, best_m = end, end_m
+            if end_m >= shortest_m:
                 break
-        return longest
+        return best
 
 
 def free_end(free_space: KnownMap, start: Vector, heading_rad: float, length_m: float) -> Vector:

@@ -59,15 +59,15 @@ class CommonView:
             self._by_basis.setdefault((epoch, sightings), []).append(report)
         self.doors = tuple(doors)
         self.verdicts: dict[tuple[object, ...], tuple[dict[int, int], dict[int, SwarmState]]] = {}
-        self._comparable: dict[tuple[object, ...], tuple[_core.HeardNotes, dict[int, Bests]]] = {}
+        self._comparable: dict[tuple[object, ...], tuple[_core.control.HeardNotes, dict[int, Bests]]] = {}
 
-    def comparable(self, own: RdpsoUpdate) -> tuple[_core.HeardNotes, dict[int, Bests]]:
+    def comparable(self, own: RdpsoUpdate) -> tuple[_core.control.HeardNotes, dict[int, Bests]]:
         """Return what those hear, and by swarm report as bests, who have a robot's task and agree with it on doors."""
         key = _BASIS(own)
         found = self._comparable.get(key)
         if found is None:
             reports = self._by_basis[key]
-            heard = _core.HeardNotes(list(map(_HEARD, reports)))
+            heard = _core.control.HeardNotes(list(map(_HEARD, reports)))
             found = heard, {swarm_id: _bests_of(swarm_id, reports) for swarm_id in set(map(_SWARM_ID, reports))}
             self._comparable[key] = found
         return found

@@ -64,7 +64,7 @@ class LinkKeeper:
         if self._keeps_tree and not missing:
             neighbour = self._weakest_of_tree(position, list(heard.values()))
         else:
-            neighbour = _core.nearest_place(position, list(members.values()))
+            neighbour = _core.base.nearest_point(position, list(members.values()))
         proximity, endangered, signal_dbm = self._link_to(position, neighbour)
         weight = communication_weight(self._c4, proximity, endangered, not missing)
         if weight == 0.0:

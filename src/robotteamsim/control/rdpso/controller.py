@@ -10,7 +10,6 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from robotteamsim import _core
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.localisation import Localiser, body_of
 from robotteamsim.control.driving.navigation import Navigator
@@ -54,10 +53,6 @@ HURRY = 1.25
 """A robot drives this much faster than its swarm velocity, so that it is there when the next iteration begins."""
 
 _ITERATION, _SWARM_ID = attrgetter("iteration"), attrgetter("swarm_id")
-_TWIST, _OUTBOX, _GOAL = map(Decision._fields.index, ("twist", "outbox", "goal_m"))
-_EXCLUDED, _VALUE, _SEARCH_COUNTER, _SWARM = map(
-    Decision._fields.index, ("excluded", "local_best", "search_counter", "swarm")
-)
 _RANGES_M: Final = 3
 """Places in the tuples `Decision` and `RobotReading`: asked for by its name, a field takes three times as long."""
 
@@ -119,7 +114,9 @@ class RdpsoController:
         self._membership = Membership(robot_id, scenario)
         self._momentum = Momentum(self.memory(control))
         self._numbers = uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
-        self._wander = Wander(robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps)
+        self._wander = Wander(
+            control.wander, robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps
+        )
 
         # Python keeps up to 29 attributes in the object itself; of one with more, it looks each up in a dictionary.
         self._observation: Observation | None = None
@@ -180,9 +177,7 @@ class RdpsoController:
             goal = self._wander.goal(self._map, pose[:2], sim_time_ns * 1e-9)
             speed_mps = self._settings.max_step_speed_mps
         twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, self._teammates)
-        # `_replace`, at once: every robot decides in every step.
-        decision: Decision = _core.with_items(self._told, _TWIST, twist, _OUTBOX, outbox, _GOAL, goal)
-        return decision
+        return self._told._replace(twist=twist, outbox=outbox, goal_m=goal)
 
     def _begin_iteration(self, sim_time_ns: int) -> None:
         """Take note of the iteration that this step is the first of."""
@@ -323,10 +318,9 @@ class RdpsoController:
         """Return the decision to stand, with what others are told: exclusion, the local best's value, SC and swarm."""
         swarm_id, (search_counter, _) = self._membership.swarm_id, self._membership.state
         value, _ = self._local_best or (0.0, None)
-        told: Decision = _core.with_items(
-            self._told, _EXCLUDED, swarm_id == OUTSIDE, _VALUE, value, _SEARCH_COUNTER, search_counter, _SWARM, swarm_id
+        return self._told._replace(
+            excluded=swarm_id == OUTSIDE, local_best=value, search_counter=search_counter, swarm=swarm_id
         )
-        return told
 
 
 def _positions(team: Mapping[int, RdpsoUpdate]) -> dict[int, Vector]:

@@ -27,7 +27,7 @@ class Surroundings:
         low_rad = last_rad = laser.angle_min_rad
         if laser.beams > 1:
             last_rad += (beams - 1) * stride * (laser.angle_max_rad - low_rad) / (laser.beams - 1)
-        core = _core.Surroundings(
+        core = _core.control.Surroundings(
             laser=laser_layout(laser.model_copy(update={"beams": beams, "angle_max_rad": last_rad})),
             stride=stride,
             sensing_radius_m=sensing_radius_m,

@@ -22,7 +22,7 @@ class RuledOut:
         # The victim may be anywhere in her cell of the voice map.
         save_m = scenario.mission.save_distance_m
         next_to_m = max(0.5 * save_m, save_m - cell_m)
-        core = _core.RuledOut(radius_m=scenario.voice.local_best_radius_m, cell_m=cell_m, next_to_m=next_to_m)
+        core = _core.control.RuledOut(radius_m=scenario.voice.local_best_radius_m, cell_m=cell_m, next_to_m=next_to_m)
         # Not wrapped: every robot asks several times in every iteration.
         self.clear: Callable[[], None] = core.clear
         """Forgets everything: the voice map is another."""
@@ -31,7 +31,7 @@ class RuledOut:
 
         Robots that heard the same within 0.25 m of each other are one: the first counts.
         """
-        self.add_all: Callable[[_core.HeardNotes], None] = core.add_all
+        self.add_all: Callable[[_core.control.HeardNotes], None] = core.add_all
         """Notes what several robots hear: of each, in an order, where it is and the loudest cell."""
         self.covers: Callable[[Vector], bool] = core.covers
         """Whether the victim whose voice is heard at a cell cannot be there."""

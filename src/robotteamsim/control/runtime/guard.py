@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from robotteamsim import _core
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import OUTSIDE, Controller, Decision, Observation, Task
@@ -39,8 +38,6 @@ class Guard:
         """Make the controller by `make`. Raises: RobotTeamSimError, as `make` does."""
         self._robot_id = robot_id
         self._num_robots = num_robots
-        self._plain = Decision, Twist, Message, robot_id, num_robots
-        """What a decision that needs no further look is made of, and who may send messages to whom."""
         self._fault = ""
         self.controller: Controller | None = None
         """None where it could not be made."""
@@ -65,8 +62,6 @@ class Guard:
         if not self._fault and self.controller is not None:
             try:
                 decision = self.controller.decide()
-                if _core.is_plain_decision(decision, self._plain):  # as most are
-                    return decision
                 self._fault = problem_of(decision, self._robot_id, self._num_robots)
                 if not self._fault:
                     return decision

@@ -1,4 +1,4 @@
-"""Things that are put down by service."""
+"""Objects that are put down by service."""
 
 from __future__ import annotations
 
@@ -7,30 +7,30 @@ from typing import Any
 from pydantic import ValidationError
 
 from robotteamsim.geometry import Pose
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.problems import problems
-from robotteamsim.scenario.things import Thing
-from robotteamsim.srv import SetThingRequest
+from robotteamsim.srv import SetObjectRequest
 from robotteamsim.world import World
 
 
-def set_thing(world: World, request: SetThingRequest) -> None:
-    """Add a thing to a world, or put one elsewhere.
+def set_object(world: World, request: SetObjectRequest) -> None:
+    """Add an object to a world, or put one elsewhere.
 
-    Raises: PlacementError: it cannot stand there. ValueError: no such thing, its name is taken, or it cannot be.
+    Raises: PlacementError: it cannot stand there. ValueError: no such object, its name is taken, or it cannot be.
     """
     pose = Pose(request.pose.x, request.pose.y, request.pose.theta)
     if request.kind:
-        world.add_thing(_thing(request, pose))
+        world.add_object(_object(request, pose))
     else:
-        world.move_thing(request.name, pose)
+        world.move_object(request.name, pose)
 
 
-def _thing(request: SetThingRequest, pose: Pose) -> Thing:
+def _object(request: SetObjectRequest, pose: Pose) -> MovableObject:
     size_m = (request.length_m, request.width_m)
     values: dict[str, Any] = {"size_m": size_m if any(size_m) else None, "radius_m": request.radius_m or None}
     # What is 0 in a request was not told.
     values |= {key: value for key in ("height_m", "mass_kg", "friction") if (value := getattr(request, key))}
     try:
-        return Thing(name=request.name, kind=request.kind, pose=(pose.x_m, pose.y_m, pose.yaw_rad), **values)
+        return MovableObject(name=request.name, kind=request.kind, pose=(pose.x_m, pose.y_m, pose.yaw_rad), **values)
     except ValidationError as error:
-        raise ValueError(str(problems(error, Thing)[0])) from None
+        raise ValueError(str(problems(error, MovableObject)[0])) from None

@@ -7,24 +7,24 @@ from collections.abc import Sequence
 from visualization_msgs.msg import MarkerArray
 
 from robotteamsim.geometry import Pose
-from robotteamsim.ros.scene.objects import thing_markers
+from robotteamsim.ros.scene.objects import object_markers
 from robotteamsim.ros.transport.topics import Output
-from robotteamsim.scenario.things import Thing
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.world import World
 
 
-class ThingsOutput:
-    """The topic `/world/things`; latched, so what stands still is published once."""
+class ObjectsOutput:
+    """The topic `/world/objects`; latched, so what stands still is published once."""
 
     def __init__(self) -> None:
-        self._output = Output("/world/things", MarkerArray, latched=True)
-        self._things: tuple[Thing, ...] = ()
+        self._output = Output("/world/objects", MarkerArray, latched=True)
+        self._objects: tuple[MovableObject, ...] = ()
         self._poses: Sequence[Pose] = ()
 
     def show(self, world: World) -> None:
-        """Publish all things, unless nothing has changed. Nobody may change the world meanwhile."""
-        things, poses = world.thing_models(), tuple(world.things().values())
-        if (things, poses) == (self._things, self._poses):
+        """Publish all objects, unless nothing has changed. Nobody may change the world meanwhile."""
+        objects, poses = world.object_models(), tuple(world.objects().values())
+        if (objects, poses) == (self._objects, self._poses):
             return
-        self._output.publish(thing_markers(things, poses, anew=things != self._things))
-        self._things, self._poses = things, poses
+        self._output.publish(object_markers(objects, poses, anew=objects != self._objects))
+        self._objects, self._poses = objects, poses

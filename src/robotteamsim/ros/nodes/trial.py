@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
 from robotteamsim.simulation import Observer, Result, StepRecord, Tally, true_positions_m
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.doors import DoorStates
 
 
 class Trial:
@@ -39,7 +39,7 @@ class Trial:
         voices: tuple[VoiceReading, ...],
         network: NetworkState,
         decisions: tuple[Decision, ...],
-        doors: Mapping[str, DoorState] | None = None,
+        doors: DoorStates | None = None,
         base_inbox: Sequence[Message] = (),
         present: np.ndarray | None = None,
     ) -> tuple[Event, ...]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Mapping
 
 import numpy as np
 from nav_msgs.msg import OccupancyGrid
@@ -18,8 +17,8 @@ from robotteamsim.msg import Doors, Robots
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.commands import STOP
 from robotteamsim.ros.nodes.gate import Gate, Pacer
-from robotteamsim.ros.nodes.object_requests import set_thing
-from robotteamsim.ros.nodes.objects_output import ThingsOutput
+from robotteamsim.ros.nodes.object_requests import set_object
+from robotteamsim.ros.nodes.objects_output import ObjectsOutput
 from robotteamsim.ros.nodes.team import FreeTeam, LockstepTeam
 from robotteamsim.ros.nodes.team_outputs import TeamOutputs
 from robotteamsim.ros.transport import msg_conversion as conversion
@@ -32,27 +31,27 @@ from robotteamsim.scenario import occupancy_grid
 from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.srv import (
+    RemoveObject,
+    RemoveObjectRequest,
+    RemoveObjectResponse,
     RemoveRobot,
     RemoveRobotRequest,
     RemoveRobotResponse,
-    RemoveThing,
-    RemoveThingRequest,
-    RemoveThingResponse,
     ResetSeed,
     ResetSeedRequest,
     ResetSeedResponse,
     SetDoor,
     SetDoorRequest,
     SetDoorResponse,
+    SetObject,
+    SetObjectRequest,
+    SetObjectResponse,
     SetPose,
     SetPoseRequest,
     SetPoseResponse,
     SetSpeed,
     SetSpeedRequest,
     SetSpeedResponse,
-    SetThing,
-    SetThingRequest,
-    SetThingResponse,
     SpawnRobot,
     SpawnRobotRequest,
     SpawnRobotResponse,
@@ -61,7 +60,7 @@ from robotteamsim.srv import (
     StepResponse,
 )
 from robotteamsim.world import World
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.placement import placed_robots
 
 logger = logging.getLogger(__name__)
@@ -111,8 +110,8 @@ class WorldNode:
             if settings.lockstep
             else FreeTeam(settings, self._robots, follow=lambda: self._pacer.is_flat_out)
         )
-        self._things = ThingsOutput()
-        self._show_things()
+        self._objects = ObjectsOutput()
+        self._show_objects()
         # Environment and mission take from it alone whether a door is closed, in lockstep step by step.
         self._doors = Output("/world/doors", Doors, latched=True)
         self._presence = Output(ROBOTS, Robots, latched=True)
@@ -157,10 +156,8 @@ class WorldNode:
 
     def _build(self) -> None:
         seed = self._scenario.run.seed
-        things, schedule = self._scenario.things, self._scenario.schedule
-        self._world = World(
-            self._scenario.plan, self._robots, self._scenario.run, things=things, schedule=schedule, seed=seed
-        )
+        objects, schedule = self._scenario.objects, self._scenario.schedule
+        self._world = World(self._scenario.plan, self._robots, self._scenario.run, objects=objects, schedule=schedule)
         self._arrived: set[int] = set()
         self._sensors = RobotSensors(self._world, self._robots, seed)
 
@@ -171,7 +168,7 @@ class WorldNode:
         set_parameter(SEED, str(self._scenario.run.seed))
         with self._world_lock:
             self._build()
-            self._things.show(self._world)
+            self._objects.show(self._world)
         self._publish_clock(START_NS)
         logger.info("the world starts again")
 
@@ -185,20 +182,20 @@ class WorldNode:
             if tick < ticks:
                 self._publish_clock(time_ns)
 
-    def _publish(self, readings: TeamReadings, doors: Mapping[str, DoorState], presence: Presence) -> None:
+    def _publish(self, readings: TeamReadings, doors: DoorStates, presence: Presence) -> None:
         time_ns, (present, arrivals) = self._world.sim_time_ns, presence
         everybody = (True,) * len(arrivals)
         self._team.note_presence(time_ns, everybody if present is None else tuple(present.tolist()))
         self._presence.publish(ros_messages.robots(self._make, time_ns, present, arrivals))
         if self._scenario.plan.doors:
             self._doors.publish(ros_messages.doors(self._make, time_ns, doors))
-        self._show_things()
+        self._show_objects()
         self._outputs.publish(time_ns, readings, present)
         self._publish_clock(time_ns)
 
-    def _show_things(self) -> None:
+    def _show_objects(self) -> None:
         with self._world_lock:
-            self._things.show(self._world)
+            self._objects.show(self._world)
 
     def _publish_clock(self, time_ns: int) -> None:
         self._clock.publish(ros_messages.clock(self._make, time_ns))
@@ -221,8 +218,8 @@ class WorldNode:
             Service("/set_pose", SetPose, self._serve_set_pose),
             Service("/spawn_robot", SpawnRobot, self._serve_spawn_robot),
             Service("/remove_robot", RemoveRobot, self._serve_remove_robot),
-            Service("/set_thing", SetThing, self._serve_set_thing),
-            Service("/remove_thing", RemoveThing, self._serve_remove_thing),
+            Service("/set_object", SetObject, self._serve_set_object),
+            Service("/remove_object", RemoveObject, self._serve_remove_object),
             Service("/world/set_door", SetDoor, self._serve_set_door),
         )
 
@@ -293,23 +290,23 @@ class WorldNode:
             return RemoveRobotResponse(success=False, message=str(error))
         return RemoveRobotResponse(success=True, message="")
 
-    def _serve_set_thing(self, request: SetThingRequest) -> SetThingResponse:
+    def _serve_set_object(self, request: SetObjectRequest) -> SetObjectResponse:
         try:
             with self._world_lock:
-                set_thing(self._world, request)
-                self._things.show(self._world)  # a paused world makes no step that would
+                set_object(self._world, request)
+                self._objects.show(self._world)  # a paused world makes no step that would
         except (PlacementError, ValueError) as error:
-            return SetThingResponse(success=False, message=str(error))
-        return SetThingResponse(success=True, message="")
+            return SetObjectResponse(success=False, message=str(error))
+        return SetObjectResponse(success=True, message="")
 
-    def _serve_remove_thing(self, request: RemoveThingRequest) -> RemoveThingResponse:
+    def _serve_remove_object(self, request: RemoveObjectRequest) -> RemoveObjectResponse:
         try:
             with self._world_lock:
-                self._world.remove_thing(request.name)
-                self._things.show(self._world)
+                self._world.remove_object(request.name)
+                self._objects.show(self._world)
         except ValueError as error:
-            return RemoveThingResponse(success=False, message=str(error))
-        return RemoveThingResponse(success=True, message="")
+            return RemoveObjectResponse(success=False, message=str(error))
+        return RemoveObjectResponse(success=True, message="")
 
     def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
         try:

@@ -11,7 +11,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from robotteamsim.geometry import Pose
 from robotteamsim.ros.scene.plan import SHADOW_Z_M
 from robotteamsim.ros.scene.shapes import WHITE, Mesh, circle_points, colour, marker, shaded
-from robotteamsim.scenario.things import Thing
+from robotteamsim.scenario.objects import MovableObject
 
 BOX = colour("#c9924f")
 TAPE = colour("#ecd9ae")
@@ -19,7 +19,7 @@ BARREL = colour("#6f93a8")
 HOOP = colour("#d8dee2")
 GROUND = colour("#0b0e13")
 GROUND_M = 0.035
-"""How far the dark ground reaches from a thing: it ties the thing to the floor."""
+"""How far the dark ground reaches from an object: it ties the object to the floor."""
 
 TAPE_SHARE = 0.09
 """Half the width of the tape across a box, as a share of its width."""
@@ -33,31 +33,31 @@ FACE_LIGHTS = (0.62, 0.72, 0.84, 0.66)
 """Of a box's sides: they turn with it, for rviz does not light triangles that have colours."""
 
 
-def thing_markers(things: Sequence[Thing], poses: Sequence[Pose], *, anew: bool = False) -> MarkerArray:
-    """Return one marker per thing, with its place in the list as id; anew: behind one that clears all others away."""
-    markers = [_marker(i, thing, pose) for i, (thing, pose) in enumerate(zip(things, poses, strict=True))]
+def object_markers(objects: Sequence[MovableObject], poses: Sequence[Pose], *, anew: bool = False) -> MarkerArray:
+    """Return one marker per object, with its place in the list as id; anew: behind one that clears all others away."""
+    markers = [_marker(i, obj, pose) for i, (obj, pose) in enumerate(zip(objects, poses, strict=True))]
     return MarkerArray([Marker(action=Marker.DELETEALL), *markers] if anew else markers)
 
 
-def _marker(marker_id: int, thing: Thing, pose: Pose) -> Marker:
+def _marker(marker_id: int, obj: MovableObject, pose: Pose) -> Marker:
     result = marker(
-        "things",
+        "objects",
         marker_id,
         Marker.TRIANGLE_LIST,
         WHITE,
         position=(pose.x_m, pose.y_m, 0.0),
         yaw_rad=pose.yaw_rad,
     )
-    drawn = _drawn(thing.size_m, thing.reach_m, thing.height_m)
+    drawn = _drawn(obj.size_m, obj.reach_m, obj.height_m)
     result.points, result.colors = drawn.points, drawn.colors
     return result
 
 
 @functools.lru_cache(maxsize=256)
 def _drawn(size_m: tuple[float, float] | None, radius_m: float, height_m: float) -> Marker:
-    """Return the triangles of a thing around its middle: made once, as each step sends them."""
+    """Return the triangles of an object around its middle: made once, as each step sends them."""
     shape = _barrel(radius_m, height_m) if size_m is None else _box(*size_m, height_m)
-    return shape.marker("things", 0)
+    return shape.marker("objects", 0)
 
 
 def _box(length_m: float, width_m: float, height_m: float) -> Mesh:

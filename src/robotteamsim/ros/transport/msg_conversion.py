@@ -21,7 +21,7 @@ from robotteamsim.interface import Decision, Discovery, Task
 from robotteamsim.mission.status import MissionStatus, Reports
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
-from robotteamsim.world.doors import DoorState
+from robotteamsim.world.doors import DoorState, DoorStates
 
 _PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_msgs, robotteamsim)
 
@@ -205,6 +205,8 @@ def _point(message: geometry_msgs.msg.Point) -> tuple[float, float]:
     return message.x, message.y
 
 
-def door_states(message: robotteamsim.msg.Doors) -> dict[str, DoorState]:
-    """Return all doors as the world reports them, by name."""
-    return {door.name: DoorState(bool(door.closed), door.opening, door.motion) for door in message.doors}
+def door_states(message: robotteamsim.msg.Doors) -> DoorStates:
+    """Return the state of all doors of the world; the version is the message's stamp, so it grows with each change."""
+    states = {door.name: DoorState(bool(door.closed), door.opening, door.motion) for door in message.doors}
+    # 0 is the version at the start, before any message.
+    return DoorStates(states, version=stamp_ns(message) + 1)

@@ -32,16 +32,17 @@ def its_own(verdicts):
     return verdicts(*NOISES_DB, trials=120)
 
 
-def test_the_dissertations_own_missions_reproduce_what_their_data_hold(its_own):
+def test_the_dissertations_own_missions_reproduce_the_claims_that_their_data_support(its_own):
     reproduced = [claim.text for claim in its_own.values() if claim.verdict == "reproduced"]
-    denied = [claim.text for claim in its_own.values() if claim.verdict == "not reproduced"]
+    contradicted = [claim.text for claim in its_own.values() if claim.verdict == "not reproduced"]
     assert len(reproduced) == 10
-    assert [text[:25] for text in denied] == ["Noise does not itself inf", "A robot reaches about 4.5"]
+    assert [text[:25] for text in contradicted] == ["Noise does not itself inf", "A robot reaches about 4.5"]
 
 
-def test_what_its_own_data_deny_is_said(its_own):
+def test_claim_that_its_own_data_contradict_is_marked(its_own):
     why = of(its_own, "Noise does not itself").why
-    assert why.startswith("Its own data deny it: with all four saved, 10 dB takes 459.6 s and 20 dB 418.2 s on average")
+    assert why.startswith("The dissertation's own data contradict this: with all four saved, ")
+    assert "10 dB takes 459.6 s and 20 dB 418.2 s on average" in why
     assert "p = 0.006" in why
 
 
@@ -53,21 +54,24 @@ def test_radio_ranges_are_those_of_its_equations(its_own):
 def test_few_missions_show_nothing(verdicts):
     claims = verdicts(*NOISES_DB, trials=30)
     assert {claim.verdict for claim in claims.values()} == {"not shown", "not reproduced"}
-    assert "30 missions a level are too few, 100 are wanted" in of(claims, "With 10 dB of noise").why
+    assert (
+        "Our missions agree so far, but 30 per level are too few; 100 are needed."
+        in of(claims, "With 10 dB of noise").why
+    )
 
 
 def test_shorter_missions_reproduce_no_duration(verdicts):
     claims = verdicts(*NOISES_DB, trials=120, change=lambda noise_db, f: dataclasses.replace(f, time_s=0.7 * f.time_s))
     for start in ("With 10 dB a mission", "With 20 dB a mission", "With 30 dB a mission"):
         assert of(claims, start).verdict == "not reproduced"
-        assert "the whole interval lies outside" in of(claims, start).why
+        assert "The whole interval is outside." in of(claims, start).why
     assert of(claims, "The more noise").verdict == "reproduced"
 
 
 def test_durations_near_an_end_of_the_margin_are_not_shown(verdicts):
     claims = verdicts(*NOISES_DB, trials=120, change=lambda noise_db, f: dataclasses.replace(f, time_s=0.91 * f.time_s))
     assert of(claims, "With 10 dB a mission").verdict == "not shown"
-    assert "the interval is too wide or too near an end to tell" in of(claims, "With 10 dB a mission").why
+    assert "The interval is too wide or too near a limit to decide" in of(claims, "With 10 dB a mission").why
 
 
 def test_one_victim_fewer_reproduces_no_rescue_rate(verdicts):
@@ -89,9 +93,7 @@ def test_endangered_links_and_missed_areas_are_found(verdicts):
     )
     assert of(claims, "With a threshold").verdict == "not reproduced"
     assert of(claims, "All areas are explored").verdict == "not reproduced"
-    assert (
-        "to the nearest other robot it is 2.0 m in the middle and 2.0 m at most" in of(claims, "With a threshold").why
-    )
+    assert "the median distance to the nearest robot is 2.0 m, the maximum 2.0 m." in of(claims, "With a threshold").why
 
 
 def test_one_level_has_no_trend_and_no_claim_over_levels(verdicts):
@@ -118,8 +120,8 @@ def test_missions_that_end_by_exclusion_do_not_reach_the_limit(garage):
     claim = of(claims, "The limit of 600 s")
     assert claim.verdict == "not reproduced"
     assert claim.why == (
-        "0 of our 360 missions reach it: 0.0 % [0.0 %, 1.0 %], there 2.2 % [0.3 %, 7.8 %]. "
-        "8 of ours ended before it since all robots were excluded."
+        "0 of our 360 missions reach it: 0.0 % [0.0 %, 1.0 %], dissertation 2.2 % [0.3 %, 7.8 %]. "
+        "8 of ours ended earlier because all robots were excluded."
     )
 
 

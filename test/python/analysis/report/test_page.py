@@ -113,8 +113,8 @@ def test_unfinished_campaign_is_reported_as_such(garage):
     failed = dataclasses.replace(stored.outcomes[1], error="KeyError: 7", time_s=None)
     report = make_report(dataclasses.replace(stored, outcomes=(stored.outcomes[0], failed, stored.outcomes[2])), "here")
     assert report.notes[0].startswith("This campaign is unfinished: 3 of 4 trials are done.")
-    assert report.notes[1].startswith("1 trials failed and are left out")
-    assert report.notes[0].partition(";")[0] in text(report)
+    assert report.notes[1].startswith("Omitted: 1 failed trial;")
+    assert report.notes[0].partition(" The same")[0] in text(report)
     assert {claim.verdict for claim in report.claims} <= {"not shown", "not reproduced"}
 
 
@@ -122,7 +122,7 @@ def test_other_campaigns_get_all_but_the_comparison(sweep_report):
     assert sweep_report.claims == ()
     assert sweep_report.notes == (
         "The dissertation has no missions of these settings: it has garage_sar with 10, 20 and 30 dB of noise. "
-        "So nothing is compared with it, and none of its claims is judged.",
+        "Therefore nothing is compared with it, and none of its claims is judged.",
     )
     page = text(sweep_report)
     assert "dissertation’s claims" not in page

@@ -45,7 +45,7 @@ def test_share_without_success_has_the_rule_of_its_closed_form():
 
 
 def test_share_of_nothing_is_refused():
-    with pytest.raises(ValueError, match="a share of nothing has no interval"):
+    with pytest.raises(ValueError, match="count must be at least 1"):
         clopper_pearson(0, 0)
 
 

@@ -36,7 +36,7 @@ def test_other_scenarios_and_other_keys_have_no_reference(arena):
     assert [cell.scenario.control.alpha for cell in cells] == [0.3, 0.5]
 
 
-def test_failed_trials_and_cells_without_missions_are_left_out_and_counted(garage):
+def test_failed_trials_and_cells_without_missions_are_omitted_and_counted(garage):
     stored = garage(10.0, 20.0, trials=2)
     failed = [dataclasses.replace(outcome, error="KeyError: 7") for outcome in stored.outcomes if outcome.cell == 1]
     campaign = read_campaign(dataclasses.replace(stored, outcomes=(stored.outcomes[0], *failed)), "here")
@@ -57,7 +57,7 @@ def test_scenario_that_cannot_be_read_is_refused(garage):
         read_campaign(dataclasses.replace(stored, settings=broken), "here")
 
 
-def test_plan_that_a_cell_names_by_file_leaves_its_maps_out_only(garage):
+def test_plan_that_a_cell_names_by_file_omits_only_its_maps(garage):
     stored = garage(10.0, trials=1)
     settings = {**stored.settings, "keys": ["plan"], "cells": [["elsewhere/plan.yaml"]]}
     (cell,) = read_campaign(dataclasses.replace(stored, settings=settings), "here").cells

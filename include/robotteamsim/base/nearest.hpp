@@ -1,0 +1,21 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "robotteamsim/base/geometry.hpp"
+
+namespace robotteamsim {
+
+/// Returns the point nearest to a position; of equally near ones the first.
+/// Throws std::invalid_argument where there are no points.
+Point NearestPoint(const Point& position, const std::vector<Point>& points);
+
+/// Returns which places have a point within their reach: the index of each such place, ascending, and the index of the
+/// point nearest to it, the first of equally near ones.
+/// Args: reaches: one per place [m].
+/// Throws std::invalid_argument where the number of reaches is another.
+std::vector<std::pair<int, int>> ReachedPlaces(const std::vector<Point>& points, const std::vector<Point>& places,
+                                               const std::vector<double>& reaches);
+
+}  // namespace robotteamsim

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "robotteamsim/world/drive.hpp"
+
+namespace robotteamsim {
+
+/// A pose as ROS messages carry it: position [m] and the unit quaternion (0, 0, qz, qw).
+struct PoseReading {
+  double x = 0.0;
+  double y = 0.0;
+  double qz = 0.0;
+  double qw = 1.0;
+};
+
+/// Returns the reading of a pose; qw >= 0 as its yaw is in (-pi, pi]. All is NaN where the pose is.
+PoseReading ReadingOf(const Pose& pose);
+
+/// Returns the pose of a reading, its yaw in (-pi, pi].
+Pose PoseOf(const PoseReading& reading);
+
+}  // namespace robotteamsim

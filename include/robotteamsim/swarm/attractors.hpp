@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include "robotteamsim/base/geometry.hpp"
+
+namespace robotteamsim {
+
+/// Returns the index of the candidate that is farther from all points than `place` and than the candidates before it;
+/// -1 where none is farther than `place`.
+int FarthestFrom(const std::vector<Point>& points, const Point& place, const std::vector<Point>& candidates);
+
+}  // namespace robotteamsim

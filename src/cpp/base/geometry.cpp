@@ -1,0 +1,23 @@
+#include "robotteamsim/base/geometry.hpp"
+
+#include <cmath>
+
+namespace robotteamsim {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+}  // namespace
+
+double NormaliseAngle(double angle) {
+  const double wrapped = std::remainder(angle, 2.0 * kPi);
+  return wrapped == -kPi ? kPi : wrapped;
+}
+
+Pose RelativePose(const Pose& from, const Pose& to) {
+  const double cos = std::cos(from.yaw), sin = std::sin(from.yaw);
+  const double dx = to.x - from.x, dy = to.y - from.y;
+  return {cos * dx + sin * dy, cos * dy - sin * dx, NormaliseAngle(to.yaw - from.yaw)};
+}
+
+}  // namespace robotteamsim

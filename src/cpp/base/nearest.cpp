@@ -1,0 +1,47 @@
+#include "robotteamsim/base/nearest.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <stdexcept>
+
+#include "robotteamsim/base/hypot.hpp"
+
+namespace robotteamsim {
+
+Point NearestPoint(const Point& position, const std::vector<Point>& points) {
+  if (points.empty()) throw std::invalid_argument("points must not be empty");
+  const Point* nearest = &points.front();
+  double least = std::numeric_limits<double>::infinity();
+  for (const Point& point : points) {
+    const double distance = Hypot(point.x - position.x, point.y - position.y);
+    if (distance < least) {
+      nearest = &point;
+      least = distance;
+    }
+  }
+  return *nearest;
+}
+
+std::vector<std::pair<int, int>> ReachedPlaces(const std::vector<Point>& points, const std::vector<Point>& places,
+                                               const std::vector<double>& reaches) {
+  if (reaches.size() != places.size()) throw std::invalid_argument("there must be one reach per place");
+  std::vector<std::pair<int, int>> reached;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    double best = std::nextafter(reaches[k], std::numeric_limits<double>::infinity());
+    int nearest = -1;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double dx = points[i].x - places[k].x, dy = points[i].y - places[k].y;
+      if (std::abs(dx) > reaches[k] || std::abs(dy) > reaches[k]) continue;
+      const double distance = std::hypot(dx, dy);
+      if (distance < best) {
+        best = distance;
+        nearest = static_cast<int>(i);
+      }
+    }
+    if (nearest >= 0) reached.emplace_back(static_cast<int>(k), nearest);
+  }
+  return reached;
+}
+
+}  // namespace robotteamsim

@@ -1,0 +1,16 @@
+#include "robotteamsim/sensing/pose_reading.hpp"
+
+#include <cmath>
+
+namespace robotteamsim {
+
+PoseReading ReadingOf(const Pose& pose) {
+  if (std::isnan(pose.x)) return {pose.x, pose.x, pose.x, pose.x};
+  return {pose.x, pose.y, std::sin(0.5 * pose.yaw), std::cos(0.5 * pose.yaw)};
+}
+
+Pose PoseOf(const PoseReading& reading) {
+  return {reading.x, reading.y, NormaliseAngle(2.0 * std::atan2(reading.qz, reading.qw))};
+}
+
+}  // namespace robotteamsim

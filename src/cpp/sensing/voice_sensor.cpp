@@ -1,0 +1,42 @@
+#include "robotteamsim/sensing/voice_sensor.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+namespace robotteamsim {
+
+VoiceSensor::VoiceSensor(const GridShape& grid, MapValues map, double radius)
+    : grid_(grid), map_(std::move(map)), radius_(radius) {
+  if (map_.rows() != grid.rows || map_.cols() != grid.cols) throw std::invalid_argument("the map must fit the grid");
+}
+
+std::vector<VoiceReading> VoiceSensor::Hear(const std::vector<Point>& positions) {
+  last_.resize(positions.size());
+  std::vector<VoiceReading> heard;
+  heard.reserve(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) heard.push_back(HearAt(positions[i], &last_[i]));
+  return heard;
+}
+
+VoiceReading VoiceSensor::HearAt(const Point& position, std::optional<Cell>* last) const {
+  if (!std::isfinite(position.x) || !std::isfinite(position.y)) {
+    std::ostringstream message;
+    message << "position_m must be finite, got (" << position.x << ", " << position.y << ")";
+    throw std::invalid_argument(message.str());
+  }
+  const double row = std::floor((position.y - grid_.origin.y) / grid_.resolution);
+  const double col = std::floor((position.x - grid_.origin.x) / grid_.resolution);
+  const bool is_inside = row >= 0.0 && row < grid_.rows && col >= 0.0 && col < grid_.cols;
+  VoiceReading reading;
+  reading.level_db = is_inside ? map_(static_cast<int>(row), static_cast<int>(col)) : 0.0F;
+  *last = LoudestCell(grid_, map_, position, radius_, *last);
+  reading.heard = last->has_value();
+  reading.local_best = *last ? CellCenter(grid_, (*last)->row, (*last)->col) : position;
+  reading.local_best_level_db = *last ? (*last)->value : 0.0;
+  return reading;
+}
+
+}  // namespace robotteamsim

@@ -1,0 +1,33 @@
+#include "robotteamsim/simulation/team_totals.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "robotteamsim/base/hypot.hpp"
+
+namespace robotteamsim {
+namespace {
+
+constexpr double kStayRadius = 0.5;
+
+double Distance(const Point& a, const Point& b) { return Hypot(a.x - b.x, a.y - b.y); }
+
+}  // namespace
+
+void TeamTotals::Add(int robot, const Point& at, bool in_contact, bool is_excluded, bool is_running) {
+  Log& log = logs_[robot];
+  const Point before = log.last;
+  log.last = at;
+  if (std::isnan(at.x)) return;
+  const bool has_come = std::isnan(before.x);
+  if (!has_come) log.sums.distance += Distance(at, before);
+  if (has_come || Distance(at, log.anchor) > kStayRadius) {
+    log.anchor = at;
+    log.stay = 0;
+  }
+  if (is_running) log.sums.longest_stay = std::max(log.sums.longest_stay, ++log.stay);
+  log.sums.contact_steps += in_contact;
+  log.sums.excluded_steps += is_excluded;
+}
+
+}  // namespace robotteamsim

@@ -1,0 +1,310 @@
+"""Reads a run from a bag, or from the parts of one."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robotteamsim.analysis.runs.recorded_run import (
+    Flags,
+    RecordedArea,
+    RecordedNetwork,
+    RecordedRobot,
+    RecordedRun,
+    RecordedStatus,
+    RecordedVictim,
+)
+from robotteamsim.analysis.runs.tracks import (
+    AFTER_ALL_NS,
+    BEFORE_ALL_NS,
+    Absence,
+    PoseSample,
+    Transforms,
+    from_odometry,
+    from_truth,
+)
+from robotteamsim.errors import RecordingError
+from robotteamsim.mission.status import Event, Reports
+from robotteamsim.recording.bag_reader import BagReader
+from robotteamsim.scenario.plan import OccupancyGrid
+
+TRUTH, ODOM = "base_pose_ground_truth", "odom"
+
+_TEAM_TYPES = {
+    "/map": "nav_msgs/OccupancyGrid",
+    "/network/state": "robotteamsim/NetworkState",
+    "/mission/status": "robotteamsim/MissionStatus",
+    "/mission/events": "robotteamsim/MissionEvent",
+    "/mission/victims": "robotteamsim/Victims",
+    "/mission/areas": "robotteamsim/Areas",
+}
+_ROBOT_TYPES = {
+    TRUTH: "nav_msgs/Odometry",
+    ODOM: "nav_msgs/Odometry",
+    "contact": "robotteamsim/Contact",
+    "controller/status": "robotteamsim/ControllerStatus",
+}
+_TF_TYPES = {"/tf": "tf2_msgs/TFMessage", "/tf_static": "tf2_msgs/TFMessage"}
+
+_LEAVES_OR_COMES = ("robot_removed", "robot_spawned")
+_TIMELESS = ("/map", "/mission/areas")
+
+_MAX_DISORDER_NS = 10**9
+"""Messages may overtake each other by less than this; stamps that go back further belong to a second run."""
+
+Samples = Mapping[str, list[tuple[int, Any]]]
+"""Stamps [ns] and values by topic."""
+
+
+class ContentError(RecordingError):
+    """A bag is intact, but its contents cannot belong to one run."""
+
+
+@dataclass(frozen=True, slots=True)
+class _NetworkSample:
+    """One NetworkState; the matrices are flat, of num_robots^2 values."""
+
+    num_robots: int
+    adjacency: np.ndarray
+    endangered: np.ndarray
+    hop_count: np.ndarray
+    fiedler_value: float
+
+
+def read_run(paths: Sequence[Path]) -> RecordedRun:
+    """Read one run from a bag, or from the parts of one.
+
+    Raises: RecordingError: a bag cannot be read, contains no run, or contains more than one.
+    """
+    with BagReader(paths) as bag:
+        try:
+            return _read(bag, paths[0].name.removesuffix(".bag"))
+        except ContentError as error:
+            raise RecordingError(f"{', '.join(map(str, paths))}: {error}") from None
+
+
+def _read(bag: BagReader, name: str) -> RecordedRun:
+    types = _types_to_read(bag.topics)
+    unread = {topic for topic in types if not bag.is_known(topic)}
+    samples: dict[str, list[tuple[int, Any]]] = defaultdict(list)
+    transforms = Transforms()
+    for topic, stamp_ns, message in bag.messages(set(types) - unread):
+        if topic in _TF_TYPES:
+            transforms.add(message, is_static=topic == "/tf_static")
+            continue
+        if topic in _TIMELESS:
+            samples[topic].clear()  # Only the last one counts, and maps are large.
+        try:
+            samples[topic].append((stamp_ns, _CONVERTERS[types[topic]](stamp_ns, message)))
+        except AttributeError:  # This version of the type lacks an attribute.
+            unread.add(topic)
+    return _run(name, samples, transforms, tuple(sorted(unread)), tuple(bag.topics))
+
+
+def _types_to_read(topics: Mapping[str, str]) -> dict[str, str]:
+    """Return the topics to read and their types; /tf is read only if some robot's true poses are not recorded."""
+    types = {topic: kind for topic, kind in _TEAM_TYPES.items() if topics.get(topic) == kind}
+    needs_tf = False
+    for namespace in _namespaces(topics):
+        of_robot = {f"{namespace}/{name}": kind for name, kind in _ROBOT_TYPES.items()}
+        if topics.get(f"{namespace}/{TRUTH}") == _ROBOT_TYPES[TRUTH]:
+            del of_robot[f"{namespace}/{ODOM}"]
+        else:
+            needs_tf = True
+        types |= {topic: kind for topic, kind in of_robot.items() if topics.get(topic) == kind}
+    if needs_tf:
+        types |= {topic: kind for topic, kind in _TF_TYPES.items() if topics.get(topic) == kind}
+    return types
+
+
+def _namespaces(topics: Mapping[str, str]) -> list[str]:
+    """Return the namespaces with odometry or true poses, in natural order: robot_2 before robot_10."""
+    found = {
+        topic.rpartition("/")[0]
+        for topic, kind in topics.items()
+        if kind == _ROBOT_TYPES[ODOM] and topic.rpartition("/")[2] in (TRUTH, ODOM)
+    }
+    return sorted(found, key=lambda name: [int(p) if p.isdigit() else p for p in re.split(r"(\d+)", name)])
+
+
+def _run(
+    name: str,
+    samples: Samples,
+    transforms: Transforms,
+    unread: tuple[str, ...],
+    topics: tuple[str, ...],
+) -> RecordedRun:
+    samples = {topic: _in_order(topic, of_topic) for topic, of_topic in samples.items() if of_topic}
+    samples = _until_end(samples)
+    namespaces = _namespaces(dict.fromkeys(samples, _ROBOT_TYPES[ODOM]))
+    robots = tuple(filter(None, (_robot(namespace, samples, transforms) for namespace in namespaces)))
+    mission = tuple(status for _, status in samples.get("/mission/status", []))
+    network = _network(samples["/network/state"]) if "/network/state" in samples else None
+    stamps = [robot.track.stamps_ns[[0, -1]] for robot in robots]
+    stamps += [] if network is None else [network.stamps_ns[[0, -1]]]
+    stamps += [np.array([mission[0].stamp_ns, mission[-1].stamp_ns])] if mission else []
+    if not stamps:
+        more = ", .." if len(topics) > 6 else ""
+        found = f"found {', '.join(topics[:6])}{more}" if topics else "the bag is empty"
+        raise ContentError(f"expected odom or {TRUTH} of a robot, /mission/status or /network/state; {found}")
+    first_ns, end_ns = int(min(np.min(pair) for pair in stamps)), int(max(np.max(pair) for pair in stamps))
+    started = next((status for status in mission if status.state == "running"), None)
+    return RecordedRun(
+        name=name,
+        robots=robots,
+        statuses=mission,
+        events=tuple(samples.get("/mission/events", [])),
+        victims=tuple(samples.get("/mission/victims", [])),
+        areas=samples["/mission/areas"][-1][1] if "/mission/areas" in samples else (),
+        network=network,
+        grid=samples["/map"][-1][1] if "/map" in samples else None,
+        start_ns=started.stamp_ns - round(started.time_s * 1e9) if started else first_ns,
+        end_ns=end_ns,
+        unread=unread,
+    )
+
+
+def _until_end(samples: Samples) -> Samples:
+    """Return the samples up to the end of the mission; floor plan and areas have no time."""
+    statuses = samples.get("/mission/status", [])
+    ended_ns = next((stamp_ns for stamp_ns, status in statuses if status.state == "ended"), None)
+    if ended_ns is None:
+        return samples
+    cut = {
+        topic: of_topic if topic in _TIMELESS else [sample for sample in of_topic if sample[0] <= ended_ns]
+        for topic, of_topic in samples.items()
+    }
+    return {topic: of_topic for topic, of_topic in cut.items() if of_topic}
+
+
+def _in_order(topic: str, samples: list[tuple[int, Any]]) -> list[tuple[int, Any]]:
+    stamps_ns = np.array([stamp for stamp, _ in samples])
+    if len(stamps_ns) > 1 and topic not in _TIMELESS:
+        fall = int(np.argmin(np.diff(stamps_ns)))
+        if stamps_ns[fall + 1] < stamps_ns[fall] - _MAX_DISORDER_NS:
+            before_s, after_s = stamps_ns[fall] / 1e9, stamps_ns[fall + 1] / 1e9
+            raise ContentError(
+                f"{topic}: time goes back from {before_s:.1f} to {after_s:.1f} s; expected one run per bag"
+            )
+    return sorted(samples, key=lambda sample: sample[0])
+
+
+def _robot(namespace: str, samples: Samples, transforms: Transforms) -> RecordedRobot | None:
+    truth, odom = samples.get(f"{namespace}/{TRUTH}"), samples.get(f"{namespace}/{ODOM}")
+    name = namespace.strip("/") or "robot"
+    number = re.fullmatch(r"robot_(\d+)", name)
+    robot_id = int(number[1]) if number else None
+    absences = _absences([item for item in samples.get("/mission/events", []) if item[1].robot_id == robot_id])
+    track = from_truth(truth, absences) if truth else from_odometry(odom or [], transforms, absences)
+    if track is None:
+        return None
+    contact, excluded = samples.get(f"{namespace}/contact"), samples.get(f"{namespace}/controller/status")
+    return RecordedRobot(name, robot_id, track, _flags(contact), _flags(excluded))
+
+
+def _absences(events: list[tuple[int, Event]]) -> tuple[Absence, ...]:
+    """Return the absences of a robot from its events; if the first event is its arrival, it was absent before."""
+    changes = [(ns, event.kind == "robot_spawned") for ns, event in events if event.kind in _LEAVES_OR_COMES]
+    gone_ns = BEFORE_ALL_NS if changes and changes[0][1] else None
+    absences = []
+    for stamp_ns, comes in changes:
+        if comes:
+            absences.append((stamp_ns if gone_ns is None else gone_ns, stamp_ns))
+        gone_ns = None if comes else stamp_ns
+    return (*absences, *([] if gone_ns is None else [(gone_ns, AFTER_ALL_NS)]))
+
+
+def _flags(samples: list[tuple[int, Any]] | None) -> Flags | None:
+    if not samples:
+        return None
+    return Flags(np.array([stamp for stamp, _ in samples]), np.array([value for _, value in samples], dtype=bool))
+
+
+def _network(samples: list[tuple[int, Any]]) -> RecordedNetwork:
+    sizes = sorted({state.num_robots for _, state in samples})
+    if len(sizes) > 1:
+        raise ContentError(f"/network/state: has {sizes[0]} and then {sizes[-1]} robots; expected one run per bag")
+    states = [state for _, state in samples]
+    shape = (len(samples), sizes[0], sizes[0])
+    return RecordedNetwork(
+        np.array([stamp_ns for stamp_ns, _ in samples]),
+        np.array([state.adjacency for state in states], dtype=bool).reshape(shape),
+        np.array([state.endangered for state in states], dtype=bool).reshape(shape),
+        np.array([state.hop_count for state in states], dtype=np.int32).reshape(shape),
+        np.array([state.fiedler_value for state in states], dtype=np.float64),
+    )
+
+
+def _pose_sample(stamp_ns: int, message: Any) -> PoseSample:
+    position, q = message.pose.pose.position, message.pose.pose.orientation
+    return PoseSample(message.header.frame_id.lstrip("/"), position.x, position.y, q.x, q.y, q.z, q.w)
+
+
+def _network_sample(stamp_ns: int, message: Any) -> _NetworkSample:
+    n = message.num_robots
+    if not n * n == len(message.adjacency) == len(message.endangered) == len(message.hop_count):
+        raise ContentError(f"/network/state: matrices of {len(message.adjacency)} values; expected {n * n}")
+    return _NetworkSample(n, message.adjacency, message.endangered, message.hop_count, message.fiedler_value)
+
+
+def _status(stamp_ns: int, message: Any) -> RecordedStatus:
+    # Older bags have no base.
+    has_base = getattr(message, "has_base", False)
+    return RecordedStatus(
+        stamp_ns=stamp_ns,
+        time_s=message.time_s,
+        scenario=message.scenario,
+        state=message.state,
+        end=message.end,
+        explored=tuple(map(bool, message.explored)),
+        victims=tuple(message.victims),
+        endangered_links=int(message.endangered_links),
+        noise_db=message.noise_db,
+        delivered=_delivered(message) if has_base else None,
+    )
+
+
+def _delivered(message: Any) -> Reports:
+    return Reports(int(message.finds_reported), message.mean_report_delay_s, message.max_report_delay_s)
+
+
+def _event(stamp_ns: int, message: Any) -> Event:
+    return Event(message.time_s, message.kind, message.subject, message.robot_id, message.detail)
+
+
+def _victims(stamp_ns: int, message: Any) -> tuple[RecordedVictim, ...]:
+    return tuple(RecordedVictim(v.name, (v.position.x, v.position.y), v.state) for v in message.victims)
+
+
+def _areas(stamp_ns: int, message: Any) -> tuple[RecordedArea, ...]:
+    return tuple(RecordedArea(a.name, (a.center.x, a.center.y), a.radius_m) for a in message.areas)
+
+
+def _grid(stamp_ns: int, message: Any) -> OccupancyGrid | None:
+    """Return the map, or None if it is rotated, empty or incomplete."""
+    info, origin = message.info, message.info.origin
+    is_complete = 0 < message.data.size == info.height * info.width and info.resolution > 0.0
+    if not (is_complete and math.isclose(origin.orientation.z, 0.0, abs_tol=1e-6)):
+        return None
+    cells = message.data.reshape(info.height, info.width)
+    return OccupancyGrid((origin.position.x, origin.position.y), float(info.resolution), cells)
+
+
+_CONVERTERS: dict[str, Callable[[int, Any], Any]] = {
+    "nav_msgs/Odometry": _pose_sample,
+    "nav_msgs/OccupancyGrid": _grid,
+    "robotteamsim/Contact": lambda stamp_ns, message: message.in_contact,
+    "robotteamsim/ControllerStatus": lambda stamp_ns, message: message.excluded,
+    "robotteamsim/NetworkState": _network_sample,
+    "robotteamsim/MissionStatus": _status,
+    "robotteamsim/MissionEvent": _event,
+    "robotteamsim/Victims": _victims,
+    "robotteamsim/Areas": _areas,
+}

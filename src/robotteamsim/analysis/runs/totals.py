@@ -1,0 +1,268 @@
+"""Totals of a recorded run, of its mission, robots and network, and a list of what the bag lacks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from robotteamsim.analysis.runs.reading import TRUTH
+from robotteamsim.analysis.runs.recorded_run import Flags, RecordedNetwork, RecordedRobot, RecordedRun
+from robotteamsim.geometry import PoseReading
+from robotteamsim.simulation.trajectory_hash import TrajectoryHash
+
+SPEED_WINDOW_S = 1.0
+"""Speeds are means over this time: over shorter times, a real robot's odometry is mostly noise."""
+
+
+@dataclass(frozen=True, slots=True)
+class MissionTotals:
+    """The result of the mission, with the values of `simulation.Result`. end: "" if the bag ends before the mission."""
+
+    scenario: str
+    noise_db: float
+    end: str
+    time_s: float
+    areas_explored: int
+    num_areas: int
+    victims_saved: int
+    num_victims: int
+    endangered_links: int
+    discoveries_delivered: int | None = None
+    mean_delivery_delay_s: float | None = None
+    max_delivery_delay_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RobotTotals:
+    """The totals of one robot; None where the bag lacks the topic.
+
+    source:         where its path comes from.
+    max_speed_mps:  mean speed in the fastest second.
+    collisions:     number of times it began to touch something.  contact_s: time in contact.
+    excluded_s:     time as an excluded robot.
+    """
+
+    name: str
+    source: str
+    distance_m: float
+    mean_speed_mps: float | None
+    max_speed_mps: float | None
+    collisions: int | None
+    contact_s: float | None
+    excluded_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class NetworkTotals:
+    """The network over the whole run.
+
+    mean_links:       direct links, of at most num_robots (num_robots - 1) / 2.
+    max_hops:         length of the longest shortest path; 0 if there never was a link.
+    split_s:          time during which the team was disconnected.
+    endangered_links: number of times a link became endangered.  endangered_s: time with at least one endangered link.
+    """
+
+    num_robots: int
+    mean_links: float
+    max_hops: int
+    mean_fiedler_value: float
+    min_fiedler_value: float
+    split_s: float
+    endangered_links: int
+    endangered_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class RunTotals:
+    """All totals of one bag; None where it lacks the topic.
+
+    duration_s:      from the first message of the run to the last.
+    trajectory_hash: hash of the true poses, equal to that of `Result`; only for missions in which all robots have poses
+                     at the same stamps.
+    omitted:         what could not be computed, and the missing topic.
+    """
+
+    bag: str
+    duration_s: float
+    mission: MissionTotals | None
+    robots: tuple[RobotTotals, ...]
+    network: NetworkTotals | None
+    trajectory_hash: str | None
+    omitted: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        """The bag, its scenario and its team in one line."""
+        count = len(self.robots) or (self.network.num_robots if self.network else 0)
+        team = {0: "", 1: "1 robot"}.get(count, f"{count} robots")
+        parts = (self.mission.scenario, team, f"{self.mission.noise_db:g} dB noise") if self.mission else (team,)
+        return f"{self.bag}: {', '.join(filter(None, parts))}".removesuffix(": ")
+
+    @property
+    def distance_m(self) -> float | None:
+        """Total length of all paths [m]."""
+        return sum(robot.distance_m for robot in self.robots) if self.robots else None
+
+    @property
+    def collisions(self) -> int | None:
+        """Collisions of all robots; None if those of some robot are unknown."""
+        counts = [robot.collisions for robot in self.robots]
+        known = [count for count in counts if count is not None]
+        return sum(known) if known and len(known) == len(counts) else None
+
+
+def run_totals(run: RecordedRun) -> RunTotals:
+    """Return the totals of a run."""
+    first_ns = min((robot.track.stamps_ns[0] for robot in run.robots), default=run.start_ns)
+    return RunTotals(
+        bag=run.name,
+        duration_s=float(run.end_ns - min(first_ns, run.start_ns)) / 1e9,
+        mission=_mission(run),
+        robots=tuple(_robot(robot) for robot in run.robots),
+        network=None if run.network is None else _network(run.network),
+        trajectory_hash=_trajectory_hash(run),
+        omitted=_omitted(run),
+    )
+
+
+def onsets(values: np.ndarray) -> np.ndarray:
+    """Return where values become True along the first axis: bool, same shape. The first value counts if it is True."""
+    begun = values.copy()
+    begun[1:] &= ~values[:-1]
+    return begun
+
+
+def links(network: RecordedNetwork) -> np.ndarray:
+    """Return the number of direct links over time, int, shape (n,)."""
+    return np.asarray(np.count_nonzero(network.adjacency, axis=(1, 2)) // 2)
+
+
+def max_hops(network: RecordedNetwork) -> np.ndarray:
+    """Return the length of the longest shortest path over time [hops], int, shape (n,)."""
+    return np.asarray(network.hop_count.max(axis=(1, 2), initial=0))
+
+
+def is_split(network: RecordedNetwork) -> np.ndarray:
+    """Return whether the present robots are disconnected over time: bool, shape (n,)."""
+    present = network.hop_count.diagonal(axis1=1, axis2=2) == 0
+    pairs = present[:, :, np.newaxis] & present[:, np.newaxis, :]
+    return np.asarray(((network.hop_count < 0) & pairs).any(axis=(1, 2)))
+
+
+def endangered_links(network: RecordedNetwork) -> np.ndarray:
+    """Return the number of endangered links over time, int, shape (n,)."""
+    return np.asarray(np.count_nonzero(network.endangered, axis=(1, 2)) // 2)
+
+
+def speeds_mps(robot: RecordedRobot) -> tuple[np.ndarray, np.ndarray]:
+    """Return the middle of each second of a robot's track [ns] and its mean speed there [m/s], both of shape (n,)."""
+    track, window_ns = robot.track, round(SPEED_WINDOW_S * 1e9)
+    edges_ns = np.arange(track.stamps_ns[0], track.stamps_ns[-1] + 1, window_ns)
+    driven_m = np.interp(edges_ns, track.stamps_ns, track.driven_m)
+    return edges_ns[:-1] + window_ns // 2, np.diff(driven_m) / SPEED_WINDOW_S
+
+
+def _mission(run: RecordedRun) -> MissionTotals | None:
+    if not run.statuses:
+        return None
+    last = run.statuses[-1]
+    delivered = last.delivered
+    return MissionTotals(
+        scenario=last.scenario,
+        noise_db=last.noise_db,
+        end=last.end,
+        time_s=last.time_s,
+        areas_explored=sum(last.explored),
+        num_areas=len(last.explored),
+        victims_saved=last.victims.count("saved"),
+        num_victims=len(last.victims),
+        endangered_links=last.endangered_links,
+        discoveries_delivered=delivered.reported if delivered else None,
+        mean_delivery_delay_s=delivered.mean_delay_s if delivered and delivered.reported else None,
+        max_delivery_delay_s=delivered.max_delay_s if delivered and delivered.reported else None,
+    )
+
+
+def _robot(robot: RecordedRobot) -> RobotTotals:
+    track = robot.track
+    duration_s = float(track.stamps_ns[-1] - track.stamps_ns[0]) / 1e9
+    _, speeds = speeds_mps(robot)
+    contact = robot.contact
+    return RobotTotals(
+        name=robot.name,
+        source=track.source,
+        distance_m=float(track.driven_m[-1]),
+        mean_speed_mps=float(track.driven_m[-1] - track.driven_m[0]) / duration_s if duration_s > 0.0 else None,
+        max_speed_mps=float(speeds.max()) if len(speeds) else None,
+        collisions=None if contact is None else int(onsets(contact.values).sum()),
+        contact_s=_duration_s(contact),
+        excluded_s=_duration_s(robot.excluded),
+    )
+
+
+def _network(network: RecordedNetwork) -> NetworkTotals:
+    newly_endangered = onsets(network.endangered)
+    return NetworkTotals(
+        num_robots=network.adjacency.shape[1],
+        mean_links=float(links(network).mean()),
+        max_hops=int(max_hops(network).max()),
+        mean_fiedler_value=float(network.fiedler_value.mean()),
+        min_fiedler_value=float(network.fiedler_value.min()),
+        split_s=_time_s(network.stamps_ns, is_split(network)),
+        endangered_links=int(newly_endangered.sum()) // 2,
+        endangered_s=_time_s(network.stamps_ns, endangered_links(network) > 0),
+    )
+
+
+def _duration_s(flags: Flags | None) -> float | None:
+    return None if flags is None else _time_s(flags.stamps_ns, flags.values)
+
+
+def _time_s(stamps_ns: np.ndarray, values: np.ndarray) -> float:
+    """Return for how long values were True: the number of such samples times the median step between samples [s]."""
+    step_s = float(np.median(np.diff(stamps_ns))) / 1e9 if len(stamps_ns) > 1 else 0.0
+    return int(values.sum()) * step_s
+
+
+def _trajectory_hash(run: RecordedRun) -> str | None:
+    tracks = [robot.track for robot in run.robots]
+    if not (run.statuses and tracks and all(track.source == "truth" for track in tracks)):
+        return None
+    stamps_ns = tracks[0].stamps_ns
+    if not all(np.array_equal(track.stamps_ns, stamps_ns) for track in tracks[1:]):
+        return None
+    computed = TrajectoryHash()
+    columns = [np.column_stack((track.poses[:, :2], track.turns)).tolist() for track in tracks]
+    for stamp_ns, *readings in zip(stamps_ns.tolist(), *columns, strict=True):
+        computed.update(stamp_ns, [PoseReading(*reading) for reading in readings])
+    return computed.hexdigest()
+
+
+def _omitted(run: RecordedRun) -> tuple[str, ...]:
+    """Return one line for each value that cannot be computed, with the missing topic."""
+    lines = [f"{topic}: unknown type, or unknown version of the type" for topic in run.unread]
+    if not run.statuses:
+        lines.append("mission, areas and victims over time: no /mission/status")
+    if not run.events:
+        lines.append("events: no /mission/events")
+    if run.network is None:
+        lines.append("network: no /network/state")
+    if not run.robots:
+        lines.append(f"paths, distances, speeds: no {TRUTH} and no odom of any robot")
+    if lost := [robot.track.frame for robot in run.robots if not robot.track.is_on_map]:
+        lines.append(f"paths on the floor plan: no transform from map to {', '.join(lost)} on /tf")
+    lines += _missing("collisions", "contact", [r.name for r in run.robots if r.contact is None], len(run.robots))
+    lines += _missing(
+        "time excluded", "controller/status", [r.name for r in run.robots if r.excluded is None], len(run.robots)
+    )
+    if run.grid is None:
+        lines.append("floor plan: no /map")
+    return tuple(lines)
+
+
+def _missing(what: str, topic: str, names: list[str], count: int) -> list[str]:
+    if not names:
+        return []
+    whose = "any robot" if len(names) == count else ", ".join(names)
+    return [f"{what}: no {topic} of {whose}"]

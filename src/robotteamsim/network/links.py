@@ -1,0 +1,61 @@
+"""The links of a team from step to step."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robotteamsim import _core
+from robotteamsim.network.messages import NetworkState
+from robotteamsim.propagation import RadioField
+from robotteamsim.scenario.sections import Network as NetworkSection
+
+
+class TeamLinks:
+    """Finds the links of a team; hop counts and the Fiedler value are computed only when a link comes or goes."""
+
+    def __init__(self, radio_field: RadioField, network: NetworkSection) -> None:
+        self._by_distance = network.link == "distance"
+        self._core = _core.network.TeamLinks(
+            radio_field.core_faces,
+            radio_field.core_model,
+            by_distance=self._by_distance,
+            lost_below_dbm=network.lost_below_dbm,
+            max_distance_m=network.max_distance_m,
+            endangered_below_dbm=network.endangered_below_dbm,
+        )
+        self._version = self._endangered_version = 0
+        """Of the arrays below."""
+        self._adjacency = self._hop_count = self._no_break = self._endangered = np.zeros((0, 0))
+
+    def step(self, positions_m: np.ndarray) -> NetworkState:
+        """Return the network without its traffic; arrays that did not change are those of the last step, read-only.
+
+        Args:   positions_m: float64, shape (n, 2), in `map` [m].
+        Raises: ValueError: a position is not finite.
+        """
+        core, n = self._core, len(positions_m)
+        rssi_dbm = np.empty((n, n))
+        link = np.empty((n, n)) if self._by_distance else rssi_dbm
+        core.step(positions_m, rssi_dbm, link)
+        if core.version != self._version:
+            self._version = core.version
+            self._adjacency, self._hop_count = _read_only(core.adjacency()), _read_only(core.hop_count())
+            self._no_break = _read_only(np.zeros((n, n)))
+        if core.endangered_version != self._endangered_version:
+            self._endangered_version = core.endangered_version
+            self._endangered = _read_only(core.endangered())
+        is_split = core.fiedler_value == 0.0
+        return NetworkState(
+            rssi_dbm,
+            link,
+            self._adjacency,
+            self._hop_count,
+            _core.network.break_matrix(link, self._hop_count) if is_split else self._no_break,
+            core.fiedler_value,
+            self._endangered,
+        )
+
+
+def _read_only(array: np.ndarray) -> np.ndarray:
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,53 @@
+"""The states of doors and their version."""
+
+from __future__ import annotations
+
+from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan
+from robotteamsim.scenario.sections import Run
+from robotteamsim.world import World
+from robotteamsim.world.doors import UNVERSIONED, DoorChange, DoorState, DoorStates
+
+CLOSED, OPEN = DoorState(closed=True, opening=0.0), DoorState(closed=False, opening=1.0)
+PLAN = FloorPlan(
+    name="plan",
+    bounds=Bounds(max=(10.0, 10.0)),
+    doors=(
+        Door(name="front", start=(1.0, 1.0), end=(2.0, 1.0), closed=True),
+        Door(name="back", start=(3.0, 1.0), end=(4.0, 1.0)),
+    ),
+)
+
+
+def test_doors_at_the_start_are_as_the_plan_says_in_its_order() -> None:
+    doors = DoorStates.at_start(PLAN)
+    assert list(doors.items()) == [("front", CLOSED), ("back", OPEN)]
+    assert (doors.version, doors.closed()) == (0, {"front": True, "back": False})
+
+
+def test_version_of_a_world_grows_with_each_change_and_with_nothing_else() -> None:
+    world = World(PLAN, [], Run())
+    start = world.door_states()
+    assert start == DoorStates.at_start(PLAN)
+    assert start.version == 0
+    world.set_door("front", True)
+    world.step([])
+    assert world.door_states() is start
+    world.set_door("front", False)
+    changed = world.door_states()
+    assert (changed.version, dict(changed)) == (1, {"front": OPEN, "back": OPEN})
+    world.reset()
+    assert (world.door_states().version, world.door_states()["front"]) == (2, CLOSED)
+
+
+def test_changes_are_the_doors_that_differ() -> None:
+    start = DoorStates.at_start(PLAN)
+    later = DoorStates({"front": OPEN, "back": OPEN}, version=1)
+    assert later.changes_since(start) == [DoorChange("front", CLOSED, OPEN)]
+    assert later.changes_since(later) == []
+
+
+def test_states_without_a_version_are_compared_door_by_door() -> None:
+    one = DoorStates.at_start(PLAN).with_door("back", closed=True)
+    other = DoorStates.at_start(PLAN).with_door("front", closed=False)
+    assert one.version == other.version == UNVERSIONED
+    assert [change.name for change in one.changes_since(other)] == ["front", "back"]
