@@ -1,12 +1,11 @@
 #include "message_queue.hpp"
 
-#include <ros/node_handle.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstring>
 
 #include "callbacks.hpp"
+#include "node.hpp"
 
 namespace robotteamsim::ros_transport {
 namespace {
@@ -64,7 +63,7 @@ std::size_t MessageQueue::Subscribe(const std::string& topic, const MessageType&
   // Or a message would be dropped that comes while another one of the topic is being put in.
   options.allow_concurrent_callbacks = true;
   options.transport_hints = ros::TransportHints().tcpNoDelay();
-  subscribers_.push_back(ros::NodeHandle().subscribe(options));
+  subscribers_.push_back(StartedNode().subscribe(options));
   return index;
 }
 

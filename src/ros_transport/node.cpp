@@ -3,6 +3,7 @@
 #include <ros/ros.h>
 
 #include <cstdlib>
+#include <stdexcept>
 
 #include "callbacks.hpp"
 
@@ -24,6 +25,12 @@ void StartNode(const std::string& name, std::vector<std::string> arguments) {
   int argc = static_cast<int>(argv.size());
   ros::init(argc, argv.data(), name, ros::init_options::NoSigintHandler);
   ros::start();
+}
+
+ros::NodeHandle StartedNode() {
+  // roscpp would end the process.
+  if (!ros::isInitialized()) throw std::logic_error("the node is not started");
+  return {};
 }
 
 bool IsOk() { return ros::isStarted() && ros::ok() && !ros::isShuttingDown(); }

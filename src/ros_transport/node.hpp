@@ -1,7 +1,8 @@
 // The one node of this process.
 #pragma once
 
-#include <optional>
+#include <ros/node_handle.h>
+
 #include <string>
 #include <vector>
 
@@ -10,6 +11,8 @@ namespace robotteamsim::ros_transport {
 // Registers the process as a node; arguments such as "__name:=world" and "odom:=odometry" rename it and its topics.
 // The node does not listen to /clock: it takes the time from the stamps of its messages.
 void StartNode(const std::string& name, std::vector<std::string> arguments);
+// For what needs a started node. Throws std::logic_error: it is not started.
+ros::NodeHandle StartedNode();
 // False as soon as the node is shutting down.
 bool IsOk();
 // Waits for services that are being served, at most 5 s, and takes everything back from the master.

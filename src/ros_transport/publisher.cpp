@@ -1,6 +1,5 @@
 #include "publisher.hpp"
 
-#include <ros/node_handle.h>
 #include <ros/poll_manager.h>
 #include <ros/single_subscriber_publisher.h>
 #include <ros/topic_manager.h>
@@ -9,6 +8,7 @@
 #include <mutex>
 
 #include "callbacks.hpp"
+#include "node.hpp"
 
 namespace robotteamsim::ros_transport {
 
@@ -44,7 +44,7 @@ Publisher::Publisher(const std::string& topic, const MessageType& type, bool lat
   if (subscribers_->greeting) options.callback_queue = &Threaded();
   options.latch = latched;
   options.has_header = type.has_header;
-  publisher_ = ros::NodeHandle().advertise(options);
+  publisher_ = StartedNode().advertise(options);
   if (!latched) publication_ = ros::TopicManager::instance()->lookupPublication(publisher_.getTopic());
 }
 

@@ -1,9 +1,9 @@
 #include "services.hpp"
 
-#include <ros/node_handle.h>
 #include <ros/service.h>
 
 #include "callbacks.hpp"
+#include "node.hpp"
 
 namespace robotteamsim::ros_transport {
 
@@ -21,14 +21,14 @@ ServiceServer::ServiceServer(const std::string& service, const ServiceType& type
   options.res_datatype = type.name + "Response";
   options.helper = boost::make_shared<ros::ServiceCallbackHelperT<Spec>>(call);
   options.callback_queue = &Threaded();
-  server_ = ros::NodeHandle().advertiseService(options);
+  server_ = StartedNode().advertiseService(options);
 }
 
 std::optional<RawMessage> CallService(const std::string& service, const ServiceType& type, const RawMessage& request,
                                       double timeout_s) {
   if (!ros::service::waitForService(service, ros::Duration(timeout_s))) return std::nullopt;
   ros::ServiceClientOptions options(service, type.md5sum, /*persistent=*/false, ros::M_string());
-  ros::ServiceClient client = ros::NodeHandle().serviceClient(options);
+  ros::ServiceClient client = StartedNode().serviceClient(options);
   RawMessage response;
   if (!client.call(request, response, type.md5sum)) return std::nullopt;
   return response;

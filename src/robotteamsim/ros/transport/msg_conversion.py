@@ -68,8 +68,7 @@ def pose_reading(message: geometry_msgs.msg.Pose) -> PoseReading:
     return PoseReading(message.position.x, message.position.y, message.orientation.z, message.orientation.w)
 
 
-def twist(message: geometry_msgs.msg.Twist) -> Twist:
-    """Return a velocity in the plane, which may hold NaN or infinity."""
+def _twist(message: geometry_msgs.msg.Twist) -> Twist:
     return Twist(message.linear.x, message.linear.y, message.angular.z)
 
 
@@ -78,7 +77,7 @@ def odometry_reading(message: nav_msgs.msg.Odometry) -> OdometryReading:
     of_pose, of_twist = message.pose.covariance, message.twist.covariance
     return OdometryReading(
         pose_reading(message.pose.pose),
-        twist(message.twist.twist),
+        _twist(message.twist.twist),
         pose_covariance=(of_pose[0], of_pose[1], of_pose[5], of_pose[7], of_pose[11], of_pose[35]),
         twist_variances=(of_twist[0], of_twist[7], of_twist[35]),
     )
