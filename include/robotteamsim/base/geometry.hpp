@@ -1,6 +1,6 @@
 #pragma once
 
-namespace robotteamsim {
+namespace robotteamsim::base {
 
 /// A point in the map frame [m].
 struct Point {
@@ -34,4 +34,4 @@ double NormaliseAngle(double angle);
 /// Returns the way from `from` to `to`, seen from `from`.
 Pose RelativePose(const Pose& from, const Pose& to);
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::base

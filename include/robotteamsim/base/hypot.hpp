@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace robotteamsim {
+namespace robotteamsim::base {
 
 namespace hypot_detail {
 
@@ -40,4 +40,4 @@ inline double Hypot(double x, double y) {
   return std::ldexp(hypot_detail::Hypot(std::ldexp(large, -exponent), std::ldexp(small, -exponent)), exponent);
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::base

@@ -5,7 +5,7 @@
 
 #include "robotteamsim/base/geometry.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::base {
 
 /// Returns the point nearest to a position; of equally near ones the first.
 /// Throws std::invalid_argument where there are no points.
@@ -18,4 +18,4 @@ Point NearestPoint(const Point& position, const std::vector<Point>& points);
 std::vector<std::pair<int, int>> ReachedPlaces(const std::vector<Point>& points, const std::vector<Point>& places,
                                                const std::vector<double>& reaches);
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::base

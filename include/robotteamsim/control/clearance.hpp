@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
-#include "robotteamsim/propagation/simd.hpp"
+#include "robotteamsim/base/simd.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::control {
 
 /// How a robot's laser looks: beams evenly spread over [angle_min, angle_max], `forward` metres ahead of base_link.
 struct LaserLayout {
@@ -36,8 +36,8 @@ struct Direction {
 /// How far a disc of `radius` [m] can move from (0, 0) in a direction before it touches a hit, at most `max_distance`
 /// [m]. A hit that is inside the disc already counts only when the way leads towards it (within 60 degrees), so that a
 /// robot can always slide along a wall or leave it. `simd` changes no bit of it.
-double FreeDistanceAmong(const std::vector<Point>& hits, const Direction& direction, double radius, double max_distance,
-                         Simd simd);
+double FreeDistanceAmong(const std::vector<base::Point>& hits, const Direction& direction, double radius,
+                         double max_distance, base::Simd simd);
 
 /// What one robot's laser says about the room around it.
 class ScanClearance {
@@ -45,10 +45,10 @@ class ScanClearance {
   explicit ScanClearance(const LaserLayout& layout);
 
   /// What the beams hit nearer than `max_distance` [m] to base_link, in base_link; beams without return are left out.
-  std::vector<Point> Hits(const Ranges& ranges, double max_distance) const;
+  std::vector<base::Point> Hits(const Ranges& ranges, double max_distance) const;
 
   /// The same, in the place of what `hits` held.
-  void FindHits(const Ranges& ranges, double max_distance, std::vector<Point>* hits) const;
+  void FindHits(const Ranges& ranges, double max_distance, std::vector<base::Point>* hits) const;
 
   /// The FreeDistanceAmong all hits from base_link towards `heading` [rad, base_link].
   double FreeDistance(const Ranges& ranges, double heading, double radius, double max_distance) const;
@@ -59,7 +59,7 @@ class ScanClearance {
 
  private:
   LaserLayout layout_;
-  std::vector<Point> directions_;  ///< of beams
+  std::vector<base::Point> directions_;  ///< of beams
 };
 
 /// Finds one robot's way past what its laser sees. Robots that meet head-on both keep right, and one that has begun to
@@ -83,7 +83,7 @@ class Sidestepper {
   ScanClearance clearance_;
   std::vector<Direction> directions_;
   int passing_side_ = 0;
-  std::vector<Point> hits_;  ///< of the last scan: kept, as its memory serves the next one
+  std::vector<base::Point> hits_;  ///< of the last scan: kept, as its memory serves the next one
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::control

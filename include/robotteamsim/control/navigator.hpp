@@ -12,7 +12,7 @@
 #include "robotteamsim/plan/grid.hpp"
 #include "robotteamsim/world/drive.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::control {
 
 /// The robot that a navigator drives.
 struct NavigatorBody {
@@ -28,12 +28,12 @@ struct NavigatorBody {
 class Navigator {
  public:
   /// Robots by their ids, and where they were last heard to be [m, map].
-  using Teammates = std::vector<std::pair<int, Point>>;
+  using Teammates = std::vector<std::pair<int, base::Point>>;
 
   /// What is known in one step.
   struct Situation {
-    const PlanningGrid& grid;
-    Pose pose;
+    const plan::PlanningGrid& grid;
+    base::Pose pose;
     const Ranges& ranges;
     double time;                                  ///< of the simulation [s]
     const std::function<Teammates()>& teammates;  ///< asked for only where the robot is stuck
@@ -45,17 +45,19 @@ class Navigator {
   /// Returns the command of this step. A goal [m, map] inside an obstacle stands for the nearest free point that can be
   /// reached. `speed` [m/s] is not exceeded. With another grid or goal than in the last step the way is looked for
   /// anew.
-  Twist Drive(const std::shared_ptr<const PlanningGrid>& grid, const Pose& pose, const Ranges& ranges,
-              const Point& goal, double speed, double time, const std::function<Teammates()>& teammates);
+  base::Twist Drive(const std::shared_ptr<const plan::PlanningGrid>& grid, const base::Pose& pose, const Ranges& ranges,
+                    const base::Point& goal, double speed, double time, const std::function<Teammates()>& teammates);
 
  private:
-  std::vector<Point> FindRoute(const PlanningGrid& grid, const Point& position, const Point& goal) const;
-  void FollowRoute(const PlanningGrid& grid, const Point& position);
+  std::vector<base::Point> FindRoute(const plan::PlanningGrid& grid, const base::Point& position,
+                                     const base::Point& goal) const;
+  void FollowRoute(const plan::PlanningGrid& grid, const base::Point& position);
   void WatchProgress(const Situation& now);
-  bool Yields(const Point& position, const Teammates& teammates) const;
-  Point FindEscape(const Situation& now, const Teammates& teammates) const;
-  double RoomAt(const Situation& now, const Point& point, double heading, const std::vector<Point>& near) const;
-  Twist Steer(const Pose& pose, const Ranges& ranges, const Point& point, double speed, bool is_last);
+  bool Yields(const base::Point& position, const Teammates& teammates) const;
+  base::Point FindEscape(const Situation& now, const Teammates& teammates) const;
+  double RoomAt(const Situation& now, const base::Point& point, double heading,
+                const std::vector<base::Point>& near) const;
+  base::Twist Steer(const base::Pose& pose, const Ranges& ranges, const base::Point& point, double speed, bool is_last);
   double ManoeuvringSpeed(const Ranges& ranges, double speed) const;
 
   NavigatorBody body_;
@@ -63,17 +65,17 @@ class Navigator {
   ScanClearance clearance_;
   Sidestepper sidestepper_;
 
-  std::shared_ptr<const PlanningGrid> grid_;
-  Point goal_;
-  std::vector<Point> route_;  ///< points to drive to, one after the other; at least one after the first step
-  std::size_t next_ = 0;      ///< of the route
+  std::shared_ptr<const plan::PlanningGrid> grid_;
+  base::Point goal_;
+  std::vector<base::Point> route_;  ///< points to drive to, one after the other; at least one after the first step
+  std::size_t next_ = 0;            ///< of the route
 
   /// Where and since when the robot makes no progress.
-  Point anchor_{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  base::Point anchor_{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   double anchor_time_ = 0.0;
-  std::optional<Point> escape_;
+  std::optional<base::Point> escape_;
   double escape_until_ = 0.0;
   int num_escapes_ = 0;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::control

@@ -8,12 +8,12 @@
 
 #include "robotteamsim/base/geometry.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::control {
 
 /// Where a robot was, and the loudest cell that it heard there; none if it heard nothing.
 struct HeardNote {
-  Point position;
-  std::optional<Point> loudest;
+  base::Point position;
+  std::optional<base::Point> loudest;
 };
 
 /// The square of 0.25 m in which a robot was and the loudest cell that it heard: notes that agree in both say the same.
@@ -24,7 +24,7 @@ struct HeardKey {
 
   double column, row;
   bool hears;
-  Point loudest;
+  base::Point loudest;
   std::size_t hash;
 };
 
@@ -56,13 +56,13 @@ class RuledOut {
   void Add(const HeardNote& note) { Add(note, HeardKey(note)); }
   void Add(const HeardNotes& heard);
 
-  bool Covers(const Point& place) const;
+  bool Covers(const base::Point& place) const;
 
  private:
   void Add(const HeardNote& note, const HeardKey& key);
   void Grow();
   std::size_t PlaceOf(const HeardKey& key) const;
-  bool RulesOut(const HeardNote& note, const Point& place) const;
+  bool RulesOut(const HeardNote& note, const base::Point& place) const;
   std::int64_t BucketOf(double x, double y, int d_column, int d_row) const;
 
   double radius_, cell_, next_to_, bucket_;
@@ -73,4 +73,4 @@ class RuledOut {
   std::unordered_map<std::int64_t, std::vector<HeardNote>> buckets_;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::control

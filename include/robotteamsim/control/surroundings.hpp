@@ -6,7 +6,7 @@
 #include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/control/clearance.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::control {
 
 /// Finds where there is room around a robot, among what some of its beams see.
 class Surroundings {
@@ -16,7 +16,7 @@ class Surroundings {
 
   /// Of the places seen free at half the sensing radius and at all of it, and the robot's own, the one farthest from
   /// what the beams hit [m, base_link]; nothing where they hit nothing within the radius.
-  std::optional<Point> ClearestPlace(const Ranges& ranges) const;
+  std::optional<base::Point> ClearestPlace(const Ranges& ranges) const;
 
  private:
   ScanClearance clearance_;
@@ -25,4 +25,4 @@ class Surroundings {
   std::vector<Direction> directions_;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::control

@@ -2,7 +2,7 @@
 
 #include "robotteamsim/network/link_bits.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::network {
 
 /// Relative error of a Fiedler value where the next eigenvalue is not within 1e-5 of it; 100 times that at most.
 constexpr double kFiedlerTolerance = 1e-9;
@@ -16,4 +16,4 @@ constexpr double kFiedlerTolerance = 1e-9;
 /// the iterations do not converge.
 double FiedlerValue(const Eigen::Ref<const Adjacency>& adjacency);
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::network

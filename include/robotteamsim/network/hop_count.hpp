@@ -6,7 +6,7 @@
 #include "robotteamsim/network/link_bits.hpp"
 #include "robotteamsim/propagation/cells.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::network {
 
 /// Hops between robots.
 using HopCount = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -20,6 +20,7 @@ HopCount CountHops(const Eigen::Ref<const Adjacency>& adjacency);
 
 /// Returns the link matrix L of eq. (16) where no path exists and 0 elsewhere: C_break after eq. (21).
 /// Throws std::invalid_argument where the two have different shapes.
-CellValues BreakMatrix(const Eigen::Ref<const CellValues>& link, const Eigen::Ref<const HopCount>& hops);
+propagation::CellValues BreakMatrix(const Eigen::Ref<const propagation::CellValues>& link,
+                                    const Eigen::Ref<const HopCount>& hops);
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::network

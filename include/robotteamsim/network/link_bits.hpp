@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace robotteamsim {
+namespace robotteamsim::network {
 
 /// A of eq. (17): whether robot i and robot j have a direct link.
 using Adjacency = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -58,4 +58,4 @@ struct Neighbors {
 /// have none keep their number, which must be negative.
 void SearchFrom(const Neighbors& neighbors, int first, std::vector<std::int32_t>* hops);
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::network

@@ -10,7 +10,7 @@
 #include "robotteamsim/propagation/face_set.hpp"
 #include "robotteamsim/propagation/radio.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::network {
 
 /// What makes a link, and what endangers it.
 struct LinkRule {
@@ -24,14 +24,16 @@ struct LinkRule {
 class TeamLinks {
  public:
   /// Args: faces: the walls, and the doors as they are in each step.
-  TeamLinks(std::shared_ptr<const FaceSet> faces, const RadioModel& model, const LinkRule& rule)
+  TeamLinks(std::shared_ptr<const propagation::FaceSet> faces, const propagation::RadioModel& model,
+            const LinkRule& rule)
       : faces_(std::move(faces)), model_(model), rule_(rule) {}
 
   /// Takes over the positions of the robots [m].
   /// Args: rssi: where to write the signals between all pairs of robots [dBm], 0 on the diagonal;
   ///       link: where to write L of eq. (16), 0 on the diagonal; for links by signal it is the same matrix.
   /// Throws std::invalid_argument, naming the robot, where a position is not finite.
-  void Step(const Eigen::Ref<const Positions>& positions, Eigen::Ref<CellValues> rssi, Eigen::Ref<CellValues> link);
+  void Step(const Eigen::Ref<const propagation::Positions>& positions, Eigen::Ref<propagation::CellValues> rssi,
+            Eigen::Ref<propagation::CellValues> link);
 
   /// Grows whenever a link comes or goes: equal versions mean equal links, hops and Fiedler values.
   std::int64_t version() const { return version_; }
@@ -44,10 +46,11 @@ class TeamLinks {
   double fiedler_value() const { return fiedler_value_; }
 
  private:
-  void FindLinks(const Eigen::Ref<const CellValues>& rssi, const Eigen::Ref<const CellValues>& link);
+  void FindLinks(const Eigen::Ref<const propagation::CellValues>& rssi,
+                 const Eigen::Ref<const propagation::CellValues>& link);
 
-  std::shared_ptr<const FaceSet> faces_;
-  RadioModel model_;
+  std::shared_ptr<const propagation::FaceSet> faces_;
+  propagation::RadioModel model_;
   LinkRule rule_;
   std::int64_t version_ = 0;
   std::int64_t endangered_version_ = 0;
@@ -56,4 +59,4 @@ class TeamLinks {
   double fiedler_value_ = 0.0;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::network

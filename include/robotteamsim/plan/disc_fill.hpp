@@ -6,7 +6,7 @@
 
 #include "robotteamsim/base/geometry.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::plan {
 
 /// Which cells of a grid can be reached inside a disc, found for whole rows of up to 64 cells at once.
 class DiscFill {
@@ -16,7 +16,7 @@ class DiscFill {
 
   /// A disc in units of cells: the middle of cell (row, col) is at (x, y) = (col + 0.5, row + 0.5).
   struct Disc {
-    Point center;
+    base::Point center;
     double radius;
   };
 
@@ -39,4 +39,4 @@ class DiscFill {
   std::vector<std::uint64_t> free_;  ///< bits, `words_` of 64 per row; the last is empty
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::plan

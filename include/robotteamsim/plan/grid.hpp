@@ -8,11 +8,11 @@
 #include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/plan/disc_fill.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::plan {
 
 /// Where the cells of a grid lie in the map frame [m]; row 0 has the lowest y, cells are stored row by row.
 struct GridShape {
-  Point origin;  ///< lower left corner of the lower left cell
+  base::Point origin;  ///< lower left corner of the lower left cell
   double resolution = 0.1;
   int rows = 0;
   int cols = 0;
@@ -27,7 +27,7 @@ class PlanningGrid {
  public:
   /// A place, and what counts there.
   struct Valued {
-    Point place;
+    base::Point place;
     double value;
   };
 
@@ -37,47 +37,48 @@ class PlanningGrid {
   const GridShape& shape() const { return shape_; }
   const std::vector<std::uint8_t>& blocked() const { return blocked_; }
 
-  bool IsFree(const Point& point) const;
+  bool IsFree(const base::Point& point) const;
 
   /// The centre of the free cell nearest to `point`, or `point` itself where it is free; none within `max_distance`:
   /// nothing.
-  std::optional<Point> NearestFree(const Point& point, double max_distance) const;
+  std::optional<base::Point> NearestFree(const base::Point& point, double max_distance) const;
 
   /// Whether the straight segment crosses free cells only; through a cell corner, both cells beside it count.
-  bool IsLineFree(const Point& a, const Point& b) const;
+  bool IsLineFree(const base::Point& a, const base::Point& b) const;
 
   /// Length of the shortest way from every cell to `goal` [m]; infinity where there is none or the cell is blocked.
-  std::vector<float> DistanceField(const Point& goal) const;
+  std::vector<float> DistanceField(const base::Point& goal) const;
 
   /// Value of `field` (a DistanceField of `size` cells) in the cell of a point; infinity beyond the grid.
-  double ValueAt(const float* field, std::size_t size, const Point& point) const;
+  double ValueAt(const float* field, std::size_t size, const base::Point& point) const;
 
   /// Cell centres of a shortest way, the cells of `from` and `to` included (A*). Empty if an end is blocked or no way
   /// of at most `max_length` [m] exists.
-  std::vector<Point> ShortestPath(const Point& from, const Point& to, double max_length) const;
+  std::vector<base::Point> ShortestPath(const base::Point& from, const base::Point& to, double max_length) const;
 
   /// The corners that remain of a way when every stretch with free line of sight becomes straight.
-  std::vector<Point> Shortcut(const std::vector<Point>& path) const;
+  std::vector<base::Point> Shortcut(const std::vector<base::Point>& path) const;
 
   /// Of the cells within `radius` [m] of `from` that can be reached from it inside that disc, the centre of the one
   /// with the least value of `field` (a DistanceField); nothing where `from` is blocked or all are infinite.
-  std::optional<Valued> LeastReachable(const float* field, std::size_t size, const Point& from, double radius) const;
+  std::optional<Valued> LeastReachable(const float* field, std::size_t size, const base::Point& from,
+                                       double radius) const;
 
   /// Of the same cells, the centre of the one nearest to `to`; nothing where `from` is blocked.
-  std::optional<Point> NearestReachable(const Point& from, const Point& to, double radius) const;
+  std::optional<base::Point> NearestReachable(const base::Point& from, const base::Point& to, double radius) const;
 
   /// `goal` where the straight way to it is free; else the place nearest to it that can be reached close by.
-  Point ReachableTowards(const Point& from, const Point& goal) const;
+  base::Point ReachableTowards(const base::Point& from, const base::Point& goal) const;
 
   /// Where a shortest way first bends, and its whole length [m]. The bend is `goal` itself, at its straight distance,
   /// where the straight way is free or there is no way of at most `max_length` [m].
-  Valued FirstStretch(const Point& from, const Point& goal, double max_length) const;
+  Valued FirstStretch(const base::Point& from, const base::Point& goal, double max_length) const;
 
   /// `goal` as the way to it begins: at the way's length, in the direction of its first stretch.
-  Point AlongWay(const Point& from, const Point& goal, double max_length) const;
+  base::Point AlongWay(const base::Point& from, const base::Point& goal, double max_length) const;
 
   /// Of all free cells within `radius` [m] of `center`, the centre of the one nearest to `to`, as the crow flies.
-  std::optional<Point> NearestInDisc(const Point& center, const Point& to, double radius) const;
+  std::optional<base::Point> NearestInDisc(const base::Point& center, const base::Point& to, double radius) const;
 
  private:
   struct Step {
@@ -98,11 +99,11 @@ class PlanningGrid {
   std::uint8_t ExitsOf(int cell) const;
   int RowOf(double y) const;
   int ColOf(double x) const;
-  int FreeCellOf(const Point& point) const;
-  Point Center(int row, int col) const;
-  Point Center(int cell) const;
+  int FreeCellOf(const base::Point& point) const;
+  base::Point Center(int row, int col) const;
+  base::Point Center(int cell) const;
   template <typename Value>
-  std::optional<Valued> BestReachable(const Point& from, double radius, const Value& value) const;
+  std::optional<Valued> BestReachable(const base::Point& from, double radius, const Value& value) const;
 
   GridShape shape_;
   std::vector<std::uint8_t> blocked_;
@@ -119,4 +120,4 @@ class PlanningGrid {
   mutable std::vector<DiscFill::Row> filled_;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::plan

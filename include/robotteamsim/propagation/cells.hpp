@@ -7,7 +7,7 @@
 #include "robotteamsim/plan/grid.hpp"
 #include "robotteamsim/propagation/face_set.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::propagation {
 
 /// Values of the cells of a grid, one matrix row per row of cells.
 using CellValues = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -16,7 +16,7 @@ using CellValues = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::
 using MapValues = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Returns the centre of a cell [m].
-inline Point CellCenter(const GridShape& grid, int row, int col) {
+inline base::Point CellCenter(const plan::GridShape& grid, int row, int col) {
   return {grid.origin.x + (col + 0.5) * grid.resolution, grid.origin.y + (row + 0.5) * grid.resolution};
 }
 
@@ -45,9 +45,9 @@ struct CellCentersMm {
   CentersMm y;  ///< of the rows
 
   /// Throws std::invalid_argument where the grid has no cell or no size, or lies beyond 1000 km.
-  explicit CellCentersMm(const GridShape& grid);
+  explicit CellCentersMm(const plan::GridShape& grid);
 
   PointMm At(int row, int col) const { return {x.at[col], y.at[row]}; }
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::propagation

@@ -8,7 +8,7 @@
 
 #include "robotteamsim/base/geometry.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::propagation {
 
 /// A point of the map frame in whole millimetres: the unit in which crossings are counted, without rounding errors.
 struct PointMm {
@@ -21,7 +21,7 @@ constexpr std::int64_t kMaxCoordinateMm = 1'000'000'000;
 
 /// Returns a point [m] rounded to whole millimetres, halves away from zero.
 /// Throws std::invalid_argument, naming `place`, where a coordinate is not finite or beyond 1000 km.
-PointMm RoundToMm(const Point& point, std::string_view place);
+PointMm RoundToMm(const base::Point& point, std::string_view place);
 
 /// Returns the distance between two points [m].
 double DistanceM(PointMm a, PointMm b);
@@ -91,4 +91,4 @@ class FaceSet {
   std::int64_t total_weight_ = 0;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::propagation

@@ -3,12 +3,12 @@
 #include <Eigen/Core>
 
 #include "robotteamsim/base/geometry.hpp"
+#include "robotteamsim/base/simd.hpp"
 #include "robotteamsim/propagation/cells.hpp"
 #include "robotteamsim/propagation/face_set.hpp"
-#include "robotteamsim/propagation/field_maps.hpp"
-#include "robotteamsim/propagation/simd.hpp"
+#include "robotteamsim/propagation/maps/field_maps.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::propagation {
 
 /// Faces for radio weigh in units of 0.05 dB: half of every loss in Table 3 is a whole number of them.
 constexpr double kRadioUnitsPerDb = 20.0;
@@ -39,13 +39,13 @@ double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, Poin
 /// Throws std::invalid_argument, naming the robot, where a position is not finite, and where the matrix is not of one
 /// row and one column per robot.
 void WriteRssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
-                        Eigen::Ref<CellValues> rssi_dbm, Simd simd = BestSimd());
+                        Eigen::Ref<CellValues> rssi_dbm, base::Simd simd = base::BestSimd());
 
 /// Returns what WriteRssiMatrixDbm writes, in fresh memory: a large matrix takes an eighth longer.
 CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
-                         Simd simd = BestSimd());
+                         base::Simd simd = base::BestSimd());
 
 /// Returns how the signal of a transmitter fades [dBm], for maps: tx power - L, within 4e-5 dB.
 Fading RadioFading(const RadioModel& model, int floors_crossed = 0);
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::propagation

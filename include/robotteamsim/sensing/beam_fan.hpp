@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 
 /// Returns a number in [0, 4] that grows with the angle of (x, y), counter-clockwise from the x axis, as atan2 does,
 /// but costs one division.
@@ -63,4 +63,4 @@ class BeamFan {
   std::vector<int> first_in_bin_;  // of pseudo-angles: the first beam that is in it or beyond
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

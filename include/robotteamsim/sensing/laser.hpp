@@ -8,7 +8,7 @@
 #include "robotteamsim/world/nearby_edges.hpp"
 #include "robotteamsim/world/world.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 
 /// What a planar laser range finder looks like.
 struct LaserModel {
@@ -32,13 +32,13 @@ class Laser {
  public:
   /// Args: solids, doors: of the worlds that it will scan.
   /// Throws std::invalid_argument on no beams, ranges that are not above 0, angles that are not finite.
-  Laser(const LaserModel& model, const std::vector<Solid>& solids, const std::vector<Door>& doors);
-  Laser(const LaserModel& model, const World& world) : Laser(model, world.solids(), world.doors()) {}
+  Laser(const LaserModel& model, const std::vector<world::Solid>& solids, const std::vector<world::Door>& doors);
+  Laser(const LaserModel& model, const world::World& world) : Laser(model, world.solids(), world.doors()) {}
 
   int NumBeams() const { return model_.beams; }
 
   /// Returns the range of each beam of a robot's laser [m]; infinity where nothing is within range_max.
-  std::vector<double> Scan(const World& world, int robot) const;
+  std::vector<double> Scan(const world::World& world, int robot) const;
 
   /// Writes what the laser reports [m] of the ranges of a scan. Args: noise: added to each [m], or null.
   void Report(const std::vector<double>& ranges, const double* noise, float* report) const;
@@ -53,7 +53,7 @@ class Laser {
   LaserModel model_;
   ReportWriter write_report_;  ///< for this machine
   BeamFan fan_;
-  NearbyEdges edges_;
+  world::NearbyEdges edges_;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

@@ -4,7 +4,7 @@
 
 #include "robotteamsim/world/drive.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 
 /// Variances of the odometry motion model [thrun2005, Table 5.6].
 struct OdometryModel {
@@ -57,12 +57,12 @@ class Odometry {
   Odometry(const OdometryModel& model, double step, bool omni = false) : model_(model), step_(step), omni_(omni) {}
 
   /// Adds one step. Args: motion: its way, seen from its beginning; twist: its mean velocity, in base_link.
-  void Step(const Pose& motion, const Twist& twist, const Noise& noise);
+  void Step(const base::Pose& motion, const base::Twist& twist, const Noise& noise);
 
   /// Where the robot believes to be, in `odom`.
-  const Pose& pose() const { return pose_; }
+  const base::Pose& pose() const { return pose_; }
   /// What its wheels measured in the last step, in base_link.
-  const Twist& twist() const { return twist_; }
+  const base::Twist& twist() const { return twist_; }
 
   /// How far that pose may be from the true one.
   const PoseCovariance& covariance() const { return covariance_; }
@@ -74,16 +74,16 @@ class Odometry {
   double turn_variance() const { return turn_variance_; }
 
  private:
-  void StepOmni(const Pose& motion, const Twist& twist, const Noise& noise);
+  void StepOmni(const base::Pose& motion, const base::Twist& twist, const Noise& noise);
 
   OdometryModel model_;
   double step_;
   bool omni_;
-  Pose pose_;
-  Twist twist_;
+  base::Pose pose_;
+  base::Twist twist_;
   PoseCovariance covariance_;
   double speed_variance_ = 0.0;
   double turn_variance_ = 0.0;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

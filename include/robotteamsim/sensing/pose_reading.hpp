@@ -2,7 +2,7 @@
 
 #include "robotteamsim/world/drive.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 
 /// A pose as ROS messages carry it: position [m] and the unit quaternion (0, 0, qz, qw).
 struct PoseReading {
@@ -13,9 +13,9 @@ struct PoseReading {
 };
 
 /// Returns the reading of a pose; qw >= 0 as its yaw is in (-pi, pi]. All is NaN where the pose is.
-PoseReading ReadingOf(const Pose& pose);
+PoseReading ReadingOf(const base::Pose& pose);
 
 /// Returns the pose of a reading, its yaw in (-pi, pi].
-Pose PoseOf(const PoseReading& reading);
+base::Pose PoseOf(const PoseReading& reading);
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

@@ -7,12 +7,12 @@
 #include "robotteamsim/sensing/pose_reading.hpp"
 #include "robotteamsim/world/world.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 
 /// What a robot's odometry reports.
 struct OdometryReading {
   PoseReading pose;                ///< in `odom`
-  Twist twist;                     ///< that the wheels measured, in base_link
+  base::Twist twist;               ///< that the wheels measured, in base_link
   PoseCovariance covariance;       ///< of the pose
   double forward_variance = 0.0;   ///< of the twist [m^2/s^2]
   double sideways_variance = 0.0;  ///< [m^2/s^2]
@@ -33,11 +33,11 @@ class TeamOdometry {
 
   /// Adds one step of all robots. Args: motions: seen from where they began; twists: mean velocities, in base_link.
   /// Throws std::invalid_argument where there is not one of each per robot.
-  std::vector<OdometryReading> Step(const std::vector<Pose>& motions, const std::vector<Twist>& twists,
+  std::vector<OdometryReading> Step(const std::vector<base::Pose>& motions, const std::vector<base::Twist>& twists,
                                     const std::vector<Odometry::Noise>& noise);
 
   /// The same for the last step of a world.
-  std::vector<OdometryReading> Follow(const World& world, const std::vector<Odometry::Noise>& noise) {
+  std::vector<OdometryReading> Follow(const world::World& world, const std::vector<Odometry::Noise>& noise) {
     return Step(world.motions(), world.twists(), noise);
   }
 
@@ -46,4 +46,4 @@ class TeamOdometry {
   std::vector<Odometry> team_;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

@@ -9,14 +9,14 @@
 #include "robotteamsim/sensing/team_odometry.hpp"
 #include "robotteamsim/world/world.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 
 /// What lasers report [m], one row per robot.
 using Scans = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Returns what the lasers of some robots of a world report.
 /// Args: noise: [m], one number per beam, robot by robot; null: none.
-Scans ScanTeam(const Laser& laser, const World& world, const std::vector<int>& robots, const double* noise);
+Scans ScanTeam(const Laser& laser, const world::World& world, const std::vector<int>& robots, const double* noise);
 
 /// The lasers of one kind, and the robots that have one.
 struct TeamLaser {
@@ -27,8 +27,8 @@ struct TeamLaser {
 /// What the sensors of all robots report after a step.
 struct TeamReadings {
   std::vector<PoseReading> ground_truth;  ///< NaN of a robot that is not there
-  std::vector<Point> positions;           ///< x, y of the ground truth
-  std::vector<Twist> twists;
+  std::vector<base::Point> positions;     ///< x, y of the ground truth
+  std::vector<base::Twist> twists;
   std::vector<OdometryReading> odometry;
   std::vector<Scans> scans;  ///< of each kind of laser, in the order of its robots
   Eigen::Array<bool, Eigen::Dynamic, 1> in_contact;
@@ -43,7 +43,7 @@ class TeamSensors {
 
   /// Returns the readings after the last step of a world.
   /// Args: odometry_noise: one per robot; laser_noise: of each kind of laser as ScanTeam takes it.
-  TeamReadings Read(const World& world, const std::vector<Odometry::Noise>& odometry_noise,
+  TeamReadings Read(const world::World& world, const std::vector<Odometry::Noise>& odometry_noise,
                     const std::vector<const double*>& laser_noise);
 
   const std::vector<TeamLaser>& lasers() const { return lasers_; }
@@ -53,4 +53,4 @@ class TeamSensors {
   std::vector<TeamLaser> lasers_;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

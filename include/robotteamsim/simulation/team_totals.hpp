@@ -5,7 +5,7 @@
 
 #include "robotteamsim/base/geometry.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::simulation {
 
 /// What one robot did in a trial.
 struct RobotTotals {
@@ -22,7 +22,7 @@ class TeamTotals {
 
   /// Takes in what a robot did in one more step. Staying counts only while the mission runs.
   /// Args: at: where it truly is, in `map` [m]; NaN where it is not there, and then nothing of it counts.
-  void Add(int robot, const Point& at, bool in_contact, bool is_excluded, bool is_running);
+  void Add(int robot, const base::Point& at, bool in_contact, bool is_excluded, bool is_running);
 
   int num_robots() const { return static_cast<int>(logs_.size()); }
   /// The sums so far.
@@ -33,12 +33,12 @@ class TeamTotals {
 
   struct Log {
     RobotTotals sums;
-    Point last{kNaN, kNaN};    // NaN: it was not there
-    Point anchor{kNaN, kNaN};  // where it stays
-    int stay = 0;              // steps that it has
+    base::Point last{kNaN, kNaN};    // NaN: it was not there
+    base::Point anchor{kNaN, kNaN};  // where it stays
+    int stay = 0;                    // steps that it has
   };
 
   std::vector<Log> logs_;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::simulation

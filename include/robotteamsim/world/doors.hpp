@@ -10,7 +10,7 @@
 class b2Body;
 class b2World;
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 
 /// The leaf of a door that swings or slides. It never pushes: it waits while anything is in its way.
 struct MovingLeaf {
@@ -48,7 +48,7 @@ class Doors {
   explicit Doors(std::vector<Door> doors);
 
   /// Begins again with the doors as they were first, in a new Box2D world that counts from origin.
-  void Place(b2World& box, const Point& origin);
+  void Place(b2World& box, const base::Point& origin);
 
   /// Has a door closed or opened: at once, or by its leaf in the steps to come.
   void SetClosed(int door, bool closed);
@@ -69,7 +69,7 @@ class Doors {
   /// How far any leaf that is on its way moves at most in a time [m].
   double Travel(double time) const;
   /// Whether a leaf that swings or slides is within a distance of a point.
-  bool IsLeafNear(const Point& point, double distance) const;
+  bool IsLeafNear(const base::Point& point, double distance) const;
 
  private:
   Polygon OutlineAt(const MovingLeaf& leaf, double opening) const;
@@ -78,7 +78,7 @@ class Doors {
   void GoOn(MovingLeaf& leaf, double time, const IsInTheWay& is_in_the_way);
 
   const std::vector<Door> first_;
-  Point origin_;
+  base::Point origin_;
   std::vector<Door> doors_;
   std::vector<MovingLeaf> leaves_;
   std::vector<b2Body*> bodies_;
@@ -86,4 +86,4 @@ class Doors {
   std::int64_t version_ = -1;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

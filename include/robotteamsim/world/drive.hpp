@@ -2,7 +2,7 @@
 
 #include "robotteamsim/base/geometry.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 
 /// How a robot moves.
 enum class DriveKind {
@@ -36,17 +36,17 @@ struct DriveSpeed {
 void CheckDrive(const DriveLimits& limits);
 
 /// Returns the greatest speed that a drive can have in any direction from now on under a command [m/s].
-double SpeedBound(const DriveSpeed& now, const Twist& command, const DriveLimits& limits);
+double SpeedBound(const DriveSpeed& now, const base::Twist& command, const DriveLimits& limits);
 
 /// Returns the speed after `dt` [s] of a drive that runs at `now` and shall run as `command` says. Speeds beyond the
 /// limits are out of its reach, and so is a sideways velocity unless it is omnidirectional. A car steers for the turn
 /// that is wanted at the speed that it then has; standing, it leaves its wheel as it is.
-DriveSpeed ReachedSpeed(const DriveSpeed& now, const Twist& command, const DriveLimits& limits, double dt);
+DriveSpeed ReachedSpeed(const DriveSpeed& now, const base::Twist& command, const DriveLimits& limits, double dt);
 
 /// Returns how fast a car turns that drives at a speed [m/s] with its front wheel as it is [rad/s].
 double CarTurn(double forward, double steering, const DriveLimits& limits);
 
 /// Returns the pose after `dt` [s] at constant speed: a circular arc, without rounding it to a polygon.
-Pose AdvancedPose(const Pose& pose, const DriveSpeed& speed, double dt);
+base::Pose AdvancedPose(const base::Pose& pose, const DriveSpeed& speed, double dt);
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

@@ -5,18 +5,18 @@
 #include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/world/solid.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 
 /// A side of an outline: what is solid lies left of the way from a to b.
 struct Edge {
   static constexpr int kNoDoor = -1;
 
-  Segment segment;
+  base::Segment segment;
   int door = kNoDoor;  ///< whose leaf it is a side of; it is there only while that door is closed
 };
 
 /// Returns the distance between a point and the nearest point of a segment [m].
-double DistanceToSegment(const Point& point, const Segment& segment);
+double DistanceToSegment(const base::Point& point, const base::Segment& segment);
 
 /// Returns the sides of all solids, and of the leaves that do not swing or slide.
 std::vector<Edge> EdgesOf(const std::vector<Solid>& solids, const std::vector<Door>& doors);
@@ -28,14 +28,14 @@ class NearbyEdges {
   NearbyEdges(std::vector<Edge> edges, double reach);
 
   /// Returns all edges within reach of the point, and some that are a little farther, in no particular order.
-  const std::vector<Edge>& Near(const Point& point) const;
+  const std::vector<Edge>& Near(const base::Point& point) const;
 
  private:
   int Column(double x) const;
   int Row(double y) const;
   void AddToCells(const Edge& edge, double reach);
 
-  Point origin_;
+  base::Point origin_;
   double cell_ = 1.0;
   int columns_ = 0;
   int rows_ = 0;
@@ -43,4 +43,4 @@ class NearbyEdges {
   std::vector<Edge> all_;  // for points beside the cells
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

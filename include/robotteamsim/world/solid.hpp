@@ -4,10 +4,10 @@
 
 #include "robotteamsim/base/geometry.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 
 /// A polygon in the map frame: corners counter-clockwise, not closed [m].
-using Polygon = std::vector<Point>;
+using Polygon = std::vector<base::Point>;
 
 /// Something that robots cannot enter. Box2D needs it in convex pieces; sensors look at the outline.
 struct Solid {
@@ -19,8 +19,8 @@ struct Solid {
 struct LeafMotion {
   double time = 0.0;  ///< from closed to open [s]; 0: at once, and then the leaf is there only while the door is closed
   double angle = 0.0;  ///< by which an open leaf has turned about the hinge, counter-clockwise [rad]
-  Point shift;         ///< by which an open leaf has shifted [m]
-  Point hinge;         ///< [m]
+  base::Point shift;   ///< by which an open leaf has shifted [m]
+  base::Point hinge;   ///< [m]
 };
 
 /// A door: a leaf that is across its gap while the door is closed.
@@ -30,4 +30,4 @@ struct Door {
   LeafMotion motion = {};
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

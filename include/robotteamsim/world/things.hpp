@@ -10,14 +10,14 @@
 class b2Body;
 class b2World;
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 
 /// Something that robots push: it slides and turns until the friction of the ground has stopped it.
 struct Thing {
   double radius = 0.2;    ///< [m]; a world makes it that of the disc around its middle that holds the corners
   double mass = 1.0;      ///< [kg]
   double friction = 0.5;  ///< of the ground, per weight
-  Pose start;             ///< of its middle
+  base::Pose start;       ///< of its middle
   Polygon corners = {};   ///< around its middle, 3 to 8 counter-clockwise [m]; none: it is round
 };
 
@@ -28,24 +28,24 @@ class Things {
   explicit Things(std::vector<Thing> things);
 
   /// Begins again with the first things, in a new Box2D world that counts from origin. The world has to outlive this.
-  void Place(b2World* box, const Point& origin);
+  void Place(b2World* box, const base::Point& origin);
 
   /// Adds a thing where it starts. Throws std::invalid_argument on one that cannot be.
   void Add(Thing thing);
   /// Takes a thing away; the indices of those behind it move up by one.
   void Remove(int thing);
   /// Puts a thing somewhere, at rest.
-  void SetPose(int thing, const Pose& pose);
+  void SetPose(int thing, const base::Pose& pose);
   /// Takes over where Box2D has moved the things in a step.
   void FinishStep();
 
   const std::vector<Thing>& all() const { return things_; }
-  const std::vector<Pose>& poses() const { return poses_; }
+  const std::vector<base::Pose>& poses() const { return poses_; }
   const DiscGrid& grid() const { return grid_; }
   double max_radius() const { return max_radius_; }
 
   /// Where a thing is now, within a step, too.
-  Pose PoseNow(int thing) const;
+  base::Pose PoseNow(int thing) const;
   /// Whether anything moves: what has rested for half a second sleeps until something touches it.
   bool AnyMoves() const;
   /// The longest way that any thing goes at its speed in a time [s].
@@ -57,13 +57,13 @@ class Things {
 
   const std::vector<Thing> first_;
   b2World* box_ = nullptr;
-  Point origin_;
+  base::Point origin_;
   b2Body* ground_ = nullptr;
   std::vector<Thing> things_;
   std::vector<b2Body*> bodies_;
-  std::vector<Pose> poses_;
+  std::vector<base::Pose> poses_;
   DiscGrid grid_;
   double max_radius_ = 0.0;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

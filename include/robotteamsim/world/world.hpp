@@ -16,14 +16,14 @@
 class b2Body;
 class b2World;
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 
 /// A robot: round, or a convex polygon that turns about base_link.
 struct Robot {
   double radius = 0.2;  ///< [m]; a world makes it that of the disc around base_link that holds the footprint
   double mass = 5.0;    ///< [kg]
   DriveLimits drive;
-  Pose start;
+  base::Pose start;
   Polygon footprint = {};  ///< in base_link, 3 to 8 corners counter-clockwise around it [m]; none: it is round
   bool is_present = true;  ///< whether it is there at the start
 };
@@ -46,7 +46,7 @@ class World {
 
   /// Advances by one step; commands are one per robot, in base_link.
   /// Throws std::invalid_argument on the wrong number of commands and on one that is not finite; nothing moves then.
-  void Step(const std::vector<Twist>& commands);
+  void Step(const std::vector<base::Twist>& commands);
 
   const std::vector<Solid>& solids() const { return solids_; }
   const std::vector<Door>& doors() const { return doors_.all(); }
@@ -68,19 +68,19 @@ class World {
   /// How far the largest thing reaches from its middle [m].
   double max_thing_radius() const { return things_.max_radius(); }
   /// Where the things are.
-  const std::vector<Pose>& thing_poses() const { return things_.poses(); }
+  const std::vector<base::Pose>& thing_poses() const { return things_.poses(); }
 
   /// Which robots are there. One that is not has no body, is met by no beam, and obeys no command.
   const std::vector<bool>& present() const { return present_; }
   /// How often each robot has come, its start included.
   const std::vector<int>& arrivals() const { return arrivals_; }
   /// Where the robots are; NaN of one that is not there.
-  const std::vector<Pose>& poses() const { return poses_; }
+  const std::vector<base::Pose>& poses() const { return poses_; }
   /// The mean velocity of the last step as each body really moved, in the base_link of every moment: a robot that is
   /// blocked has none.
-  const std::vector<Twist>& twists() const { return twists_; }
+  const std::vector<base::Twist>& twists() const { return twists_; }
   /// The way of the last step, seen from where it began; being set elsewhere between steps is no way.
-  const std::vector<Pose>& motions() const { return motions_; }
+  const std::vector<base::Pose>& motions() const { return motions_; }
   /// Whether a robot touched something (within 5 mm) in the last step.
   const std::vector<bool>& in_contact() const { return in_contact_; }
   /// In which directions from its middle a robot touched something when it last did so in the last step: angles in
@@ -88,11 +88,11 @@ class World {
   const std::vector<double>& contact_angles(int robot) const { return contact_angles_.at(robot); }
 
   /// Puts a robot somewhere, standing still.
-  void SetPose(int robot, const Pose& pose);
+  void SetPose(int robot, const base::Pose& pose);
   /// Takes a robot off the floor, with all that is told of it. One that is not there stays so.
   void RemoveRobot(int robot);
   /// Puts a robot that is not there somewhere, standing still; one that is there is set there.
-  void SpawnRobot(int robot, const Pose& pose);
+  void SpawnRobot(int robot, const base::Pose& pose);
   /// A robot in the way of a door that closes at once is pushed aside. A leaf that swings or slides goes there in the
   /// steps to come, and waits for what is in its way.
   void SetDoorClosed(int door, bool closed);
@@ -101,27 +101,27 @@ class World {
   /// Takes a thing away; the indices of those behind it move up by one.
   void RemoveThing(int thing);
   /// Puts a thing somewhere, at rest.
-  void SetThingPose(int thing, const Pose& pose);
+  void SetThingPose(int thing, const base::Pose& pose);
   /// Begins again as new, doors and things included.
   void Reset();
 
  private:
   struct Drive {
     DriveSpeed speed;
-    Pose target;          // where the substep ends if nothing is in the way
+    base::Pose target;    // where the substep ends if nothing is in the way
     bool is_busy = true;  // whether the robot could touch something in this step, so that Box2D has its body
   };
 
-  void CheckCommands(const std::vector<Twist>& commands) const;
+  void CheckCommands(const std::vector<base::Twist>& commands) const;
   void AddRobot(const Robot& robot);
   bool HoldsLeaf(const Polygon& now, const Polygon& next) const;
-  Point BodyPosition(int robot) const;
+  base::Point BodyPosition(int robot) const;
   void SetBodyPose(int robot);
   DriveSpeed BodySpeed(int robot) const;
-  double MaxTravel(const std::vector<Twist>& commands) const;
+  double MaxTravel(const std::vector<base::Twist>& commands) const;
   bool CouldTouch(int robot, double travel) const;
   void SetBusy(int robot, bool is_busy);
-  void StartDrive(int robot, const Twist& command);
+  void StartDrive(int robot, const base::Twist& command);
   void FinishDrive(int robot);
   void NoteContacts(int robot, double yaw);
 
@@ -131,7 +131,7 @@ class World {
   const int substeps_;
   const double dt_;
   // Where Box2D counts from, in the map frame: its floats keep half a millimetre for 4 km only.
-  const Point origin_;
+  const base::Point origin_;
   const double max_radius_;
   double max_travel_;  // of anything in a step [m]
   NearbyEdges edges_;
@@ -144,11 +144,11 @@ class World {
   std::vector<Drive> drives_;
   std::vector<bool> present_;
   std::vector<int> arrivals_;
-  std::vector<Pose> poses_;
-  std::vector<Twist> twists_;
-  std::vector<Pose> motions_;
+  std::vector<base::Pose> poses_;
+  std::vector<base::Twist> twists_;
+  std::vector<base::Pose> motions_;
   std::vector<bool> in_contact_;
   std::vector<std::vector<double>> contact_angles_;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace robotteamsim {
+namespace robotteamsim::control {
 namespace {
 
 /// So many beams or hits are looked at together. They lie in the order of directions: most blocks have many of those
@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kBlock = 16;
 
 /// Whether some of a block of hits are neither beside the way, nor behind, nor beyond what is free anyway.
-ROBOTTEAMSIM_INLINE bool SomeCount(const Point* hits, const Direction& way, double radius, double free) {
+ROBOTTEAMSIM_INLINE bool SomeCount(const base::Point* hits, const Direction& way, double radius, double free) {
   std::int64_t some = 0;
   for (std::size_t i = 0; i < kBlock; ++i) {
     const double along = hits[i].x * way.cos + hits[i].y * way.sin;
@@ -29,7 +29,7 @@ ROBOTTEAMSIM_INLINE bool SomeCount(const Point* hits, const Direction& way, doub
 }
 
 /// How far the disc can go for one hit; infinity where it does not count. Without a branch, for many at once.
-ROBOTTEAMSIM_INLINE double FreeBefore(const Point& hit, const Direction& way, double radius) {
+ROBOTTEAMSIM_INLINE double FreeBefore(const base::Point& hit, const Direction& way, double radius) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double along = hit.x * way.cos + hit.y * way.sin;
   const double across = hit.y * way.cos - hit.x * way.sin;
@@ -40,7 +40,7 @@ ROBOTTEAMSIM_INLINE double FreeBefore(const Point& hit, const Direction& way, do
   return (along > 0.0) & (half_chord_squared > 0.0) ? free : kInfinity;
 }
 
-ROBOTTEAMSIM_INLINE double FreeAmong(const Point* hits, std::size_t count, const Direction& way, double radius,
+ROBOTTEAMSIM_INLINE double FreeAmong(const base::Point* hits, std::size_t count, const Direction& way, double radius,
                                      double max_distance) {
   double free = max_distance;
   for (std::size_t first = 0; first < count; first += kBlock) {
@@ -55,30 +55,21 @@ ROBOTTEAMSIM_INLINE double FreeAmong(const Point* hits, std::size_t count, const
   return free;
 }
 
-using FreeAmongFunction = double (*)(const Point*, std::size_t, const Direction&, double, double);
+using FreeAmongFunction = double (*)(const base::Point*, std::size_t, const Direction&, double, double);
 
-double PortableFreeAmong(const Point* hits, std::size_t count, const Direction& way, double radius,
-                         double max_distance) {
-  return FreeAmong(hits, count, way, radius, max_distance);
+#define ROBOTTEAMSIM_FREE_AMONG(Name, attributes)                                                                    \
+  attributes double Name##FreeAmong(const base::Point* hits, std::size_t count, const Direction& way, double radius, \
+                                    double max_distance) {                                                           \
+    return FreeAmong(hits, count, way, radius, max_distance);                                                        \
+  }
+ROBOTTEAMSIM_FOR_EACH_SIMD(ROBOTTEAMSIM_FREE_AMONG)
+
+FreeAmongFunction FreeAmongFor(base::Simd simd) {
+  return base::SimdVersion<FreeAmongFunction>(simd, PortableFreeAmong, Avx2FreeAmong, Avx512FreeAmong);
 }
 
-#if ROBOTTEAMSIM_HAS_X86_TARGETS
-ROBOTTEAMSIM_AVX2 double Avx2FreeAmong(const Point* hits, std::size_t count, const Direction& way, double radius,
-                                       double max_distance) {
-  return FreeAmong(hits, count, way, radius, max_distance);
-}
-#endif
-
-FreeAmongFunction FreeAmongFor(Simd simd) {
-  if (!IsSupported(simd)) throw std::invalid_argument("this machine does not have the instruction set asked for");
-#if ROBOTTEAMSIM_HAS_X86_TARGETS
-  if (simd != Simd::kPortable) return Avx2FreeAmong;
-#endif
-  return PortableFreeAmong;
-}
-
-double FreeAmongHits(const std::vector<Point>& hits, const Direction& way, double radius, double max_distance) {
-  static const FreeAmongFunction free_among = FreeAmongFor(BestSimd());
+double FreeAmongHits(const std::vector<base::Point>& hits, const Direction& way, double radius, double max_distance) {
+  static const FreeAmongFunction free_among = FreeAmongFor(base::BestSimd());
   return free_among(hits.data(), hits.size(), way, radius, max_distance);
 }
 
@@ -97,8 +88,8 @@ constexpr double kAhead = 1.6;
 
 Direction::Direction(double angle) : heading(angle), cos(std::cos(angle)), sin(std::sin(angle)) {}
 
-double FreeDistanceAmong(const std::vector<Point>& hits, const Direction& direction, double radius, double max_distance,
-                         Simd simd) {
+double FreeDistanceAmong(const std::vector<base::Point>& hits, const Direction& direction, double radius,
+                         double max_distance, base::Simd simd) {
   return FreeAmongFor(simd)(hits.data(), hits.size(), direction, radius, max_distance);
 }
 
@@ -111,13 +102,13 @@ ScanClearance::ScanClearance(const LaserLayout& layout) : layout_(layout) {
   }
 }
 
-std::vector<Point> ScanClearance::Hits(const Ranges& ranges, double max_distance) const {
-  std::vector<Point> hits;
+std::vector<base::Point> ScanClearance::Hits(const Ranges& ranges, double max_distance) const {
+  std::vector<base::Point> hits;
   FindHits(ranges, max_distance, &hits);
   return hits;
 }
 
-void ScanClearance::FindHits(const Ranges& ranges, double max_distance, std::vector<Point>* hits) const {
+void ScanClearance::FindHits(const Ranges& ranges, double max_distance, std::vector<base::Point>* hits) const {
   if (ranges.size != directions_.size()) throw std::invalid_argument("there must be one range per beam");
   // A range this close to range_max is no return: float32 may round range_max itself to either side.
   const double longest = std::min(layout_.range_max * (1.0 - 1e-6), max_distance + std::abs(layout_.forward) + 1e-3);
@@ -128,7 +119,7 @@ void ScanClearance::FindHits(const Ranges& ranges, double max_distance, std::vec
     for (std::size_t beam = first; beam < std::min(ranges.size, first + kBlock); ++beam) {
       const double range = ranges.data[beam];
       if (!(range < longest)) continue;
-      const Point hit{layout_.forward + range * directions_[beam].x, range * directions_[beam].y};
+      const base::Point hit{layout_.forward + range * directions_[beam].x, range * directions_[beam].y};
       if (hit.x * hit.x + hit.y * hit.y < max_distance * max_distance) hits->push_back(hit);
     }
   }
@@ -140,7 +131,7 @@ double ScanClearance::FreeDistance(const Ranges& ranges, double heading, double 
 
 std::vector<double> ScanClearance::FreeDistances(const Ranges& ranges, const std::vector<Direction>& directions,
                                                  double radius, double max_distance) const {
-  const std::vector<Point> hits = Hits(ranges, max_distance + radius);
+  const std::vector<base::Point> hits = Hits(ranges, max_distance + radius);
   std::vector<double> free;
   for (const Direction& way : directions) free.push_back(FreeAmongHits(hits, way, radius, max_distance));
   return free;
@@ -180,4 +171,4 @@ Sidestepper::Way Sidestepper::Find(const Ranges& ranges, double wanted, double r
   });
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::control

@@ -6,7 +6,7 @@
 
 #include "robotteamsim/base/hypot.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::control {
 namespace {
 
 const double kTau = 2.0 * std::acos(-1.0);
@@ -34,9 +34,9 @@ constexpr double kNearTeammate = 1.0;      // [m]
 constexpr double kNearestFreeStart = 1.0;  // [m]
 constexpr double kNearestFreeGoal = 3.0;   // [m]
 
-double Distance(const Point& a, const Point& b) { return Hypot(a.x - b.x, a.y - b.y); }
+double Distance(const base::Point& a, const base::Point& b) { return base::Hypot(a.x - b.x, a.y - b.y); }
 
-Point PlaceOf(const Pose& pose) { return {pose.x, pose.y}; }
+base::Point PlaceOf(const base::Pose& pose) { return {pose.x, pose.y}; }
 
 bool IsSeen(double heading, const LaserLayout& laser) {
   return laser.angle_min <= heading && heading <= laser.angle_max;
@@ -58,9 +58,10 @@ std::vector<double> SidestepsOf(const LaserLayout& laser) {
 Navigator::Navigator(const NavigatorBody& body, bool by_path)
     : body_(body), by_path_(by_path), clearance_(body.laser), sidestepper_(clearance_, SidestepsOf(body.laser)) {}
 
-Twist Navigator::Drive(const std::shared_ptr<const PlanningGrid>& grid, const Pose& pose, const Ranges& ranges,
-                       const Point& goal, double speed, double time, const std::function<Teammates()>& teammates) {
-  const Point position = PlaceOf(pose);
+base::Twist Navigator::Drive(const std::shared_ptr<const plan::PlanningGrid>& grid, const base::Pose& pose,
+                             const Ranges& ranges, const base::Point& goal, double speed, double time,
+                             const std::function<Teammates()>& teammates) {
+  const base::Point position = PlaceOf(pose);
   if (grid != grid_ || goal.x != goal_.x || goal.y != goal_.y) {
     grid_ = grid;
     goal_ = goal;
@@ -73,26 +74,27 @@ Twist Navigator::Drive(const std::shared_ptr<const PlanningGrid>& grid, const Po
   return Steer(pose, ranges, route_[next_], speed, next_ + 1 == route_.size());
 }
 
-std::vector<Point> Navigator::FindRoute(const PlanningGrid& grid, const Point& position, const Point& goal) const {
+std::vector<base::Point> Navigator::FindRoute(const plan::PlanningGrid& grid, const base::Point& position,
+                                              const base::Point& goal) const {
   if (!by_path_) return {grid.NearestFree(goal, kNearestFreeGoal).value_or(goal)};
   if (grid.IsLineFree(position, goal)) return {goal};
-  const std::optional<Point> start = grid.NearestFree(position, kNearestFreeStart);
+  const std::optional<base::Point> start = grid.NearestFree(position, kNearestFreeStart);
   if (!start) return {goal};
-  std::vector<Point> corners = grid.Shortcut(grid.ShortestPath(*start, goal, kLongestPath));
+  std::vector<base::Point> corners = grid.Shortcut(grid.ShortestPath(*start, goal, kLongestPath));
   if (corners.size() < 2) return {grid.ReachableTowards(position, goal)};
   corners.erase(corners.begin());
   corners.back() = goal;
   return corners;
 }
 
-void Navigator::FollowRoute(const PlanningGrid& grid, const Point& position) {
+void Navigator::FollowRoute(const plan::PlanningGrid& grid, const base::Point& position) {
   while (next_ + 1 < route_.size() && grid.IsLineFree(position, route_[next_ + 1])) ++next_;
   if (next_ + 1 < route_.size() && Distance(position, route_[next_]) < kArrived) ++next_;
 }
 
 /// Starts an escape when the robot wants to move and does not, ends one when it is over.
 void Navigator::WatchProgress(const Situation& now) {
-  const Point position = PlaceOf(now.pose);
+  const base::Point position = PlaceOf(now.pose);
   const bool moved = Distance(position, anchor_) > kProgress;
   const bool arrived = Distance(position, route_.back()) < 2.0 * kArrived;
   if (escape_) {
@@ -117,28 +119,28 @@ void Navigator::WatchProgress(const Situation& now) {
 }
 
 /// Whether a teammate of lower id is near.
-bool Navigator::Yields(const Point& position, const Teammates& teammates) const {
+bool Navigator::Yields(const base::Point& position, const Teammates& teammates) const {
   return std::any_of(teammates.begin(), teammates.end(), [&](const auto& teammate) {
     return teammate.first < body_.robot_id && Distance(position, teammate.second) < kNearTeammate;
   });
 }
 
 /// Returns a point nearby with room around it. Robots, and one robot's attempts, begin to look at other sides.
-Point Navigator::FindEscape(const Situation& now, const Teammates& teammates) const {
-  const Point position = PlaceOf(now.pose);
+base::Point Navigator::FindEscape(const Situation& now, const Teammates& teammates) const {
+  const base::Point position = PlaceOf(now.pose);
   const bool is_free = now.grid.IsFree(position);
   // Those farther away leave all the room that counts.
   const double reach = 2.0 * kEscape + body_.radius + 1e-6;
-  std::vector<Point> near;
+  std::vector<base::Point> near;
   for (const auto& [robot_id, other] : teammates) {
     if (Distance(position, other) < reach) near.push_back(other);
   }
-  Point best = position;
+  base::Point best = position;
   double best_room = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < kEscapeHeadings; ++i) {
     const int side = (i + 5 * body_.robot_id + 3 * num_escapes_) % kEscapeHeadings;
     const double heading = kTau * side / kEscapeHeadings;
-    const Point point{position.x + kEscape * std::cos(heading), position.y + kEscape * std::sin(heading)};
+    const base::Point point{position.x + kEscape * std::cos(heading), position.y + kEscape * std::sin(heading)};
     if (!(is_free ? now.grid.IsLineFree(position, point) : now.grid.IsFree(point))) continue;
     const double room = RoomAt(now, point, heading, near);
     if (room > best_room + 1e-9) {
@@ -150,21 +152,22 @@ Point Navigator::FindEscape(const Situation& now, const Teammates& teammates) co
 }
 
 /// Returns how much room there is between others and a point, and on the way to it as far as the laser sees.
-double Navigator::RoomAt(const Situation& now, const Point& point, double heading,
-                         const std::vector<Point>& near) const {
+double Navigator::RoomAt(const Situation& now, const base::Point& point, double heading,
+                         const std::vector<base::Point>& near) const {
   double room = kEscape;
-  for (const Point& other : near) room = std::min(room, Distance(point, other) - body_.radius);
-  const double relative = NormaliseAngle(heading - now.pose.yaw);
+  for (const base::Point& other : near) room = std::min(room, Distance(point, other) - body_.radius);
+  const double relative = base::NormaliseAngle(heading - now.pose.yaw);
   if (!IsSeen(relative, body_.laser)) return room;
   return std::min(room, clearance_.FreeDistance(now.ranges, relative, body_.radius + kLaserMargin, kEscape));
 }
 
 /// Returns the command that leads towards a point in sight, around what stands in the way.
-Twist Navigator::Steer(const Pose& pose, const Ranges& ranges, const Point& point, double speed, bool is_last) {
+base::Twist Navigator::Steer(const base::Pose& pose, const Ranges& ranges, const base::Point& point, double speed,
+                             bool is_last) {
   const double dx = point.x - pose.x, dy = point.y - pose.y;
-  const double distance = Hypot(dx, dy);
+  const double distance = base::Hypot(dx, dy);
   if (distance < kArrived) return {};
-  const double wanted = NormaliseAngle(std::atan2(dy, dx) - pose.yaw);
+  const double wanted = base::NormaliseAngle(std::atan2(dy, dx) - pose.yaw);
   const double needed = std::min(distance, kLookAhead);
   const auto [heading, free] = sidestepper_.Find(ranges, wanted, body_.radius + kLaserMargin, needed);
   const double turn = std::clamp(kTurnGain * heading, -body_.max_turn, body_.max_turn);
@@ -181,4 +184,4 @@ double Navigator::ManoeuvringSpeed(const Ranges& ranges, double speed) const {
   return std::copysign(std::min({speed, body_.max_speed, kManoeuvring}), free >= kRoomToTurn ? 1.0 : -1.0);
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::control

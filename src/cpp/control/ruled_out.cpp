@@ -8,13 +8,13 @@
 
 #include "robotteamsim/base/hypot.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::control {
 namespace {
 
 constexpr double kSamePlace = 0.25;
 constexpr std::size_t kSmallestTable = 64;  // a power of two, as all are
 
-double Distance(const Point& a, const Point& b) { return Hypot(a.x - b.x, a.y - b.y); }
+double Distance(const base::Point& a, const base::Point& b) { return base::Hypot(a.x - b.x, a.y - b.y); }
 
 }  // namespace
 
@@ -22,7 +22,7 @@ HeardKey::HeardKey(const HeardNote& note)
     : column(std::nearbyint(note.position.x / kSamePlace)),
       row(std::nearbyint(note.position.y / kSamePlace)),
       hears(note.loudest.has_value()),
-      loudest(note.loudest.value_or(Point{})),
+      loudest(note.loudest.value_or(base::Point{})),
       hash(hears ? 1 : 0) {
   const std::hash<double> hash_of;  // takes 0.0 and -0.0 for one
   for (const double part : {column, row, loudest.x, loudest.y}) {
@@ -83,7 +83,7 @@ void RuledOut::Add(const HeardNotes& heard) {
   for (std::size_t i = 0; i < heard.notes().size(); ++i) Add(heard.notes()[i], heard.keys()[i]);
 }
 
-bool RuledOut::Covers(const Point& place) const {
+bool RuledOut::Covers(const base::Point& place) const {
   for (const int d_column : {-1, 0, 1}) {
     for (const int d_row : {-1, 0, 1}) {
       const auto bucket = buckets_.find(BucketOf(place.x, place.y, d_column, d_row));
@@ -96,7 +96,7 @@ bool RuledOut::Covers(const Point& place) const {
   return false;
 }
 
-bool RuledOut::RulesOut(const HeardNote& note, const Point& place) const {
+bool RuledOut::RulesOut(const HeardNote& note, const base::Point& place) const {
   // No distance is below its greater part.
   if (std::abs(place.x - note.position.x) >= bucket_ || std::abs(place.y - note.position.y) >= bucket_) return false;
   const double distance = Distance(place, note.position);
@@ -104,4 +104,4 @@ bool RuledOut::RulesOut(const HeardNote& note, const Point& place) const {
   return distance < radius_ && !(note.loudest && Distance(place, *note.loudest) < 0.5 * cell_);
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::control

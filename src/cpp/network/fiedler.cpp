@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace robotteamsim {
+namespace robotteamsim::network {
 namespace {
 
 /// Up to here all eigenvalues of a small dense matrix are the fastest.
@@ -167,4 +167,4 @@ double FiedlerValue(const Eigen::Ref<const Adjacency>& adjacency) {
   return ExtremeEigenvalue(DenseLaplacian(links), Spectra::SortRule::SmallestAlge, 20);
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::network

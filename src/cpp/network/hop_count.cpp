@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "robotteamsim/propagation/mirror.hpp"
+#include "robotteamsim/base/mirror.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::network {
 namespace {
 
 constexpr int kBits = LinkBits::kBitsPerWord;
@@ -193,15 +193,16 @@ HopCount CountHops(const Eigen::Ref<const Adjacency>& adjacency) {
   }
   BlockSearch search(links, neighbors);
   for (int first_source = 0; first_source < n; first_source += kSources) search.Run(first_source, &hops);
-  for (int top = 0; top < n; top += kMirroredRows) MirrorRows(top, top + kMirroredRows, &hops);
+  for (int top = 0; top < n; top += base::kMirroredRows) base::MirrorRows(top, top + base::kMirroredRows, &hops);
   return hops;
 }
 
-CellValues BreakMatrix(const Eigen::Ref<const CellValues>& link, const Eigen::Ref<const HopCount>& hops) {
+propagation::CellValues BreakMatrix(const Eigen::Ref<const propagation::CellValues>& link,
+                                    const Eigen::Ref<const HopCount>& hops) {
   if (link.rows() != hops.rows() || link.cols() != hops.cols()) {
     throw std::invalid_argument("links and hops must have the same shape");
   }
   return (hops.array() < 0).select(link, 0.0);
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::network

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace robotteamsim {
+namespace robotteamsim::network {
 namespace {
 
 constexpr int kBits = LinkBits::kBitsPerWord;
@@ -134,4 +134,4 @@ void SearchFrom(const Neighbors& neighbors, int first, std::vector<std::int32_t>
   }
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::network

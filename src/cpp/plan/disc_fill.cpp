@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace robotteamsim {
+namespace robotteamsim::plan {
 namespace {
 
 constexpr int kBits = 64;
@@ -92,4 +92,4 @@ bool DiscFill::Reach(const Disc& disc, int start_row, int start_col, std::vector
   return true;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::plan

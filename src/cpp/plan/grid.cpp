@@ -11,7 +11,7 @@
 
 #include "robotteamsim/base/hypot.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::plan {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -22,7 +22,9 @@ constexpr double kNearby = 1.0;
 /// Of the steps of a grid, those along a row or a column.
 constexpr std::array<std::size_t, 4> kStraightSteps{1, 3, 4, 6};
 
-double SquaredDistance(const Point& a, const Point& b) { return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y); }
+double SquaredDistance(const base::Point& a, const base::Point& b) {
+  return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
+}
 
 void CheckShape(const GridShape& shape, std::size_t num_cells) {
   if (!(shape.resolution > 0.0)) throw std::invalid_argument("resolution must be > 0");
@@ -112,17 +114,17 @@ int PlanningGrid::ColOf(double x) const {
   return col >= 0.0 && col < shape_.cols ? static_cast<int>(col) : -1;
 }
 
-int PlanningGrid::FreeCellOf(const Point& point) const {
+int PlanningGrid::FreeCellOf(const base::Point& point) const {
   const int row = RowOf(point.y);
   const int col = ColOf(point.x);
   return row >= 0 && col >= 0 && Free(row, col) ? row * shape_.cols + col : -1;
 }
 
-Point PlanningGrid::Center(int row, int col) const {
+base::Point PlanningGrid::Center(int row, int col) const {
   return {shape_.origin.x + (col + 0.5) * shape_.resolution, shape_.origin.y + (row + 0.5) * shape_.resolution};
 }
 
-Point PlanningGrid::Center(int cell) const { return Center(cell / shape_.cols, cell % shape_.cols); }
+base::Point PlanningGrid::Center(int cell) const { return Center(cell / shape_.cols, cell % shape_.cols); }
 
 std::uint8_t PlanningGrid::ExitsOf(int cell) const {
   const int row = cell / shape_.cols;
@@ -138,24 +140,25 @@ std::uint8_t PlanningGrid::ExitsOf(int cell) const {
   return exits;
 }
 
-bool PlanningGrid::IsFree(const Point& point) const { return FreeCellOf(point) >= 0; }
+bool PlanningGrid::IsFree(const base::Point& point) const { return FreeCellOf(point) >= 0; }
 
-std::optional<Point> PlanningGrid::NearestFree(const Point& point, double max_distance) const {
+std::optional<base::Point> PlanningGrid::NearestFree(const base::Point& point, double max_distance) const {
   if (IsFree(point)) return point;
   return NearestInDisc(point, point, max_distance);
 }
 
-std::optional<Point> PlanningGrid::NearestInDisc(const Point& center, const Point& to, double radius) const {
+std::optional<base::Point> PlanningGrid::NearestInDisc(const base::Point& center, const base::Point& to,
+                                                       double radius) const {
   const double low_row = (center.y - radius - shape_.origin.y) / shape_.resolution - 1.0;
   const double low_col = (center.x - radius - shape_.origin.x) / shape_.resolution - 1.0;
   const double high_row = (center.y + radius - shape_.origin.y) / shape_.resolution + 1.0;
   const double high_col = (center.x + radius - shape_.origin.x) / shape_.resolution + 1.0;
-  std::optional<Point> best;
+  std::optional<base::Point> best;
   double best_squared = kInfinity;
   for (int row = static_cast<int>(std::max(0.0, low_row)); row < std::min<double>(shape_.rows, high_row); ++row) {
     for (int col = static_cast<int>(std::max(0.0, low_col)); col < std::min<double>(shape_.cols, high_col); ++col) {
       if (!Free(row, col)) continue;
-      const Point cell = Center(row, col);
+      const base::Point cell = Center(row, col);
       const double squared = SquaredDistance(cell, to);
       if (squared >= best_squared || SquaredDistance(cell, center) > radius * radius) continue;
       best = cell;
@@ -165,7 +168,7 @@ std::optional<Point> PlanningGrid::NearestInDisc(const Point& center, const Poin
   return best;
 }
 
-bool PlanningGrid::IsLineFree(const Point& a, const Point& b) const {
+bool PlanningGrid::IsLineFree(const base::Point& a, const base::Point& b) const {
   if (FreeCellOf(a) < 0 || FreeCellOf(b) < 0) return false;
   int row = RowOf(a.y);
   int col = ColOf(a.x);
@@ -189,7 +192,7 @@ bool PlanningGrid::IsLineFree(const Point& a, const Point& b) const {
   return true;
 }
 
-std::vector<float> PlanningGrid::DistanceField(const Point& goal) const {
+std::vector<float> PlanningGrid::DistanceField(const base::Point& goal) const {
   const int start = FreeCellOf(goal);
   if (start < 0) throw std::invalid_argument("the goal of a distance field must be free");
   // Dijkstra with buckets as wide as the shortest step: no cell of a bucket can shorten another one's way, so the order
@@ -222,14 +225,15 @@ std::vector<float> PlanningGrid::DistanceField(const Point& goal) const {
   return {distance.begin(), distance.end()};
 }
 
-double PlanningGrid::ValueAt(const float* field, std::size_t size, const Point& point) const {
+double PlanningGrid::ValueAt(const float* field, std::size_t size, const base::Point& point) const {
   if (size != blocked_.size()) throw std::invalid_argument("the field must have one value per cell");
   const int row = RowOf(point.y);
   const int col = ColOf(point.x);
   return row >= 0 && col >= 0 ? static_cast<double>(field[row * shape_.cols + col]) : kInfinity;
 }
 
-std::vector<Point> PlanningGrid::ShortestPath(const Point& from, const Point& to, double max_length) const {
+std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, const base::Point& to,
+                                                    double max_length) const {
   const int start = FreeCellOf(from);
   const int goal = FreeCellOf(to);
   if (start < 0 || goal < 0) return {};
@@ -272,16 +276,16 @@ std::vector<Point> PlanningGrid::ShortestPath(const Point& from, const Point& to
       reach(entry.cell + steps_[s].offset, entry.cell, length + steps_[s].length);
     }
   }
-  std::vector<Point> path;
+  std::vector<base::Point> path;
   if (stamp_[goal] != search_) return path;
   for (int cell = goal; cell >= 0; cell = parent_[cell]) path.push_back(Center(cell));
   std::reverse(path.begin(), path.end());
   return path;
 }
 
-std::vector<Point> PlanningGrid::Shortcut(const std::vector<Point>& path) const {
+std::vector<base::Point> PlanningGrid::Shortcut(const std::vector<base::Point>& path) const {
   if (path.size() < 3) return path;
-  std::vector<Point> corners{path.front()};
+  std::vector<base::Point> corners{path.front()};
   for (std::size_t i = 2; i < path.size(); ++i) {
     if (!IsLineFree(corners.back(), path[i])) corners.push_back(path[i - 1]);
   }
@@ -290,7 +294,7 @@ std::vector<Point> PlanningGrid::Shortcut(const std::vector<Point>& path) const 
 }
 
 template <typename Value>
-std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const Point& from, double radius,
+std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const base::Point& from, double radius,
                                                                 const Value& value) const {
   const int start = FreeCellOf(from);
   if (start < 0) return std::nullopt;
@@ -301,7 +305,7 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const Point& fro
   double best_value = kInfinity;
   for (std::size_t i = 0; i < reached_.size(); ++i) {
     const auto [cell, row, col] = reached_[i];
-    const Point center = Center(row, col);
+    const base::Point center = Center(row, col);
     const double cell_value = value(cell, center);
     if (cell_value < best_value || (cell_value == best_value && best >= 0 && cell < best)) {
       best = cell;
@@ -312,7 +316,8 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const Point& fro
       const Step& step = steps_[s];
       const int next = cell + step.offset;
       if ((exits_[cell] >> s & 1U) == 0 || stamp_[next] == search_) continue;
-      const Point next_center{center.x + step.d_col * shape_.resolution, center.y + step.d_row * shape_.resolution};
+      const base::Point next_center{center.x + step.d_col * shape_.resolution,
+                                    center.y + step.d_row * shape_.resolution};
       if (SquaredDistance(next_center, from) > radius * radius) continue;
       stamp_[next] = search_;
       reached_.push_back({next, row + step.d_row, col + step.d_col});
@@ -323,14 +328,15 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const Point& fro
 }
 
 std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* field, std::size_t size,
-                                                                 const Point& from, double radius) const {
+                                                                 const base::Point& from, double radius) const {
   if (size != blocked_.size()) throw std::invalid_argument("the field must have one value per cell");
   const int start = FreeCellOf(from);
   if (start < 0) return std::nullopt;
-  const Point center{(from.x - shape_.origin.x) / shape_.resolution, (from.y - shape_.origin.y) / shape_.resolution};
+  const base::Point center{(from.x - shape_.origin.x) / shape_.resolution,
+                           (from.y - shape_.origin.y) / shape_.resolution};
   const DiscFill::Disc disc{center, radius / shape_.resolution};
   if (!disc_fill_.Reach(disc, start / shape_.cols, start % shape_.cols, &filled_)) {
-    return BestReachable(from, radius, [&](int cell, const Point&) { return static_cast<double>(field[cell]); });
+    return BestReachable(from, radius, [&](int cell, const base::Point&) { return static_cast<double>(field[cell]); });
   }
   int best = -1;
   float least = std::numeric_limits<float>::infinity();
@@ -354,40 +360,43 @@ std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* fi
   return Valued{Center(best), static_cast<double>(least)};
 }
 
-std::optional<Point> PlanningGrid::NearestReachable(const Point& from, const Point& to, double radius) const {
-  const auto best = BestReachable(from, radius, [&](int, const Point& center) { return SquaredDistance(center, to); });
+std::optional<base::Point> PlanningGrid::NearestReachable(const base::Point& from, const base::Point& to,
+                                                          double radius) const {
+  const auto best =
+      BestReachable(from, radius, [&](int, const base::Point& center) { return SquaredDistance(center, to); });
   if (!best) return std::nullopt;
   return best->place;
 }
 
-Point PlanningGrid::ReachableTowards(const Point& from, const Point& goal) const {
+base::Point PlanningGrid::ReachableTowards(const base::Point& from, const base::Point& goal) const {
   if (IsLineFree(from, goal)) return goal;
-  const std::optional<Point> start = NearestFree(from, kNearby);
+  const std::optional<base::Point> start = NearestFree(from, kNearby);
   if (!start) return goal;
-  const double radius = Hypot(start->x - goal.x, start->y - goal.y) + shape_.resolution;
+  const double radius = base::Hypot(start->x - goal.x, start->y - goal.y) + shape_.resolution;
   return NearestReachable(*start, goal, radius).value_or(goal);
 }
 
-PlanningGrid::Valued PlanningGrid::FirstStretch(const Point& from, const Point& goal, double max_length) const {
-  const Valued straight{goal, Hypot(from.x - goal.x, from.y - goal.y)};
+PlanningGrid::Valued PlanningGrid::FirstStretch(const base::Point& from, const base::Point& goal,
+                                                double max_length) const {
+  const Valued straight{goal, base::Hypot(from.x - goal.x, from.y - goal.y)};
   if (IsLineFree(from, goal)) return straight;
-  const std::optional<Point> start = NearestFree(from, kNearby), end = NearestFree(goal, kNearby);
+  const std::optional<base::Point> start = NearestFree(from, kNearby), end = NearestFree(goal, kNearby);
   if (!start || !end) return straight;
-  const std::vector<Point> corners = Shortcut(ShortestPath(*start, *end, max_length));
+  const std::vector<base::Point> corners = Shortcut(ShortestPath(*start, *end, max_length));
   if (corners.size() < 2) return straight;
   double length = 0.0;
   for (std::size_t i = 1; i < corners.size(); ++i) {
-    length += Hypot(corners[i - 1].x - corners[i].x, corners[i - 1].y - corners[i].y);
+    length += base::Hypot(corners[i - 1].x - corners[i].x, corners[i - 1].y - corners[i].y);
   }
   return {corners[1], length};
 }
 
-Point PlanningGrid::AlongWay(const Point& from, const Point& goal, double max_length) const {
+base::Point PlanningGrid::AlongWay(const base::Point& from, const base::Point& goal, double max_length) const {
   const auto [bend, length] = FirstStretch(from, goal, max_length);
-  const double bend_distance = Hypot(from.x - bend.x, from.y - bend.y);
+  const double bend_distance = base::Hypot(from.x - bend.x, from.y - bend.y);
   if ((bend.x == goal.x && bend.y == goal.y) || bend_distance == 0.0) return goal;
   const double stretch = length / bend_distance;
   return {from.x + stretch * (bend.x - from.x), from.y + stretch * (bend.y - from.y)};
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::plan

@@ -5,10 +5,10 @@
 #include <stdexcept>
 #include <string>
 
-namespace robotteamsim {
+namespace robotteamsim::propagation {
 namespace {
 
-PointMm RoundedCenter(const GridShape& grid, int row, int col) {
+PointMm RoundedCenter(const plan::GridShape& grid, int row, int col) {
   return RoundToMm(CellCenter(grid, row, col), "centre of a cell");
 }
 
@@ -32,7 +32,7 @@ int CentersMm::FirstFrom(std::int64_t position) const {
   return index;
 }
 
-CellCentersMm::CellCentersMm(const GridShape& grid) {
+CellCentersMm::CellCentersMm(const plan::GridShape& grid) {
   if (!(grid.resolution > 0.0)) {
     throw std::invalid_argument("resolution_m must be > 0, got " + std::to_string(grid.resolution));
   }
@@ -54,4 +54,4 @@ CellCentersMm::CellCentersMm(const GridShape& grid) {
   }
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::propagation

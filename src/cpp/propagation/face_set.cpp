@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-namespace robotteamsim {
+namespace robotteamsim::propagation {
 namespace {
 
 /// Where a point lies exactly on the line through a and b, the point moved by (eps, eps^2) lies to the left of it when
@@ -23,7 +23,7 @@ constexpr std::size_t kFacesPerBox = 8;
 
 }  // namespace
 
-PointMm RoundToMm(const Point& point, std::string_view place) {
+PointMm RoundToMm(const base::Point& point, std::string_view place) {
   const double x = std::round(point.x * 1000.0);
   const double y = std::round(point.y * 1000.0);
   const double limit = static_cast<double>(kMaxCoordinateMm);
@@ -142,4 +142,4 @@ std::int64_t FaceSet::WeightBetween(PointMm a, PointMm b) const {
   return sum;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::propagation

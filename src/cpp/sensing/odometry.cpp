@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 namespace {
 
 double Square(double value) { return value * value; }
@@ -14,7 +14,7 @@ struct Way {
   double heading;
 };
 
-Way WayOf(const Pose& motion) {
+Way WayOf(const base::Pose& motion) {
   const double distance = std::sqrt(motion.x * motion.x + motion.y * motion.y);
   if (motion.x < 0.0) return {-distance, std::atan2(-motion.y, -motion.x)};
   return {distance, std::atan2(motion.y, motion.x)};
@@ -49,7 +49,7 @@ PoseCovariance CarriedOmni(PoseCovariance p, double x, double y, double way_vari
 
 }  // namespace
 
-void Odometry::StepOmni(const Pose& motion, const Twist& twist, const Noise& noise) {
+void Odometry::StepOmni(const base::Pose& motion, const base::Twist& twist, const Noise& noise) {
   const double turn = twist.angular_z * step_, distance2 = Square(motion.x) + Square(motion.y);
   const double turn_variance = model_.alpha1 * Square(turn) + model_.alpha2 * distance2;
   const double way_variance = model_.alpha3 * distance2 + model_.alpha4 * Square(turn);
@@ -60,7 +60,7 @@ void Odometry::StepOmni(const Pose& motion, const Twist& twist, const Noise& noi
   const double course = pose_.yaw + heading, cos = std::cos(course), sin = std::sin(course);
   const double distance = std::sqrt(distance2) + along;
   const double x = distance * cos - aside * sin, y = distance * sin + aside * cos;
-  pose_ = {pose_.x + x, pose_.y + y, NormaliseAngle(pose_.yaw + turn + turn_error)};
+  pose_ = {pose_.x + x, pose_.y + y, base::NormaliseAngle(pose_.yaw + turn + turn_error)};
   covariance_ = CarriedOmni(covariance_, x, y, way_variance, turn_variance);
   twist_ = {twist.linear_x + (along * std::cos(seen) - aside * std::sin(seen)) / step_,
             twist.linear_y + (along * std::sin(seen) + aside * std::cos(seen)) / step_,
@@ -69,7 +69,7 @@ void Odometry::StepOmni(const Pose& motion, const Twist& twist, const Noise& noi
   turn_variance_ = turn_variance / Square(step_);
 }
 
-void Odometry::Step(const Pose& motion, const Twist& twist, const Noise& noise) {
+void Odometry::Step(const base::Pose& motion, const base::Twist& twist, const Noise& noise) {
   if (omni_) return StepOmni(motion, twist, noise);
   const Way way = WayOf(motion);
   const double turn = twist.angular_z * step_;
@@ -87,7 +87,7 @@ void Odometry::Step(const Pose& motion, const Twist& twist, const Noise& noise) 
   const double distance = way.distance + distance_error, cos = std::cos(course), sin = std::sin(course);
   pose_.x += distance * cos;
   pose_.y += distance * sin;
-  pose_.yaw = NormaliseAngle(course + rest + second_error);
+  pose_.yaw = base::NormaliseAngle(course + rest + second_error);
   covariance_ = Carried(covariance_, first_variance, distance, distance_variance, cos, sin, second_variance);
   twist_ = {twist.linear_x + distance_error / step_, twist.linear_y,
             twist.angular_z + (first_error + second_error) / step_};
@@ -95,4 +95,4 @@ void Odometry::Step(const Pose& motion, const Twist& twist, const Noise& noise) 
   turn_variance_ = (first_variance + second_variance) / Square(step_);
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
 // Two robots a cell on average: smaller cells would mostly be empty.
@@ -12,8 +12,8 @@ constexpr double kSmallestCell = 0.5;  // [m]
 
 }  // namespace
 
-void DiscGrid::Rebuild(const std::vector<Pose>& poses) {
-  const auto is_there = [](const Pose& pose) { return pose.x == pose.x; };
+void DiscGrid::Rebuild(const std::vector<base::Pose>& poses) {
+  const auto is_there = [](const base::Pose& pose) { return pose.x == pose.x; };
   const auto first = std::find_if(poses.begin(), poses.end(), is_there);
   const auto num_there = static_cast<std::size_t>(std::count_if(first, poses.end(), is_there));
   robots_.resize(num_there);
@@ -24,8 +24,8 @@ void DiscGrid::Rebuild(const std::vector<Pose>& poses) {
     return;
   }
   origin_ = {first->x, first->y};
-  Point high = origin_;
-  for (const Pose& pose : poses) {
+  base::Point high = origin_;
+  for (const base::Pose& pose : poses) {
     if (!is_there(pose)) continue;
     origin_ = {std::min(origin_.x, pose.x), std::min(origin_.y, pose.y)};
     high = {std::max(high.x, pose.x), std::max(high.y, pose.y)};
@@ -39,7 +39,7 @@ void DiscGrid::Rebuild(const std::vector<Pose>& poses) {
   columns_ = static_cast<int>(width * cells_per_metre_) + 1;
   rows_ = static_cast<int>(height * cells_per_metre_) + 1;
   start_.assign(static_cast<std::size_t>(columns_) * rows_ + 2, 0);
-  for (const Pose& pose : poses) {
+  for (const base::Pose& pose : poses) {
     if (is_there(pose)) ++start_[Cell(pose) + 2];
   }
   for (std::size_t cell_index = 2; cell_index < start_.size(); ++cell_index)
@@ -60,4 +60,4 @@ int DiscGrid::Row(double y) const {
   return static_cast<int>(std::clamp((y - origin_.y) * cells_per_metre_, 0.0, rows_ - 1.0));
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

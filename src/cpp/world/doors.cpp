@@ -11,7 +11,7 @@
 #include "robotteamsim/world/nearby_edges.hpp"
 #include "robotteamsim/world/outline.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
 // A leaf looks after every centimetre of its way [m] whether something is in it.
@@ -33,13 +33,15 @@ std::vector<Door> Checked(std::vector<Door> doors) {
 }
 
 // A leaf seen from its hinge.
-Polygon FromHinge(const Polygon& outline, const Point& hinge) { return Placed(outline, {-hinge.x, -hinge.y, 0.0}); }
+Polygon FromHinge(const Polygon& outline, const base::Point& hinge) {
+  return Placed(outline, {-hinge.x, -hinge.y, 0.0});
+}
 
 }  // namespace
 
 Doors::Doors(std::vector<Door> doors) : first_(Checked(std::move(doors))) {}
 
-void Doors::Place(b2World& box, const Point& origin) {
+void Doors::Place(b2World& box, const base::Point& origin) {
   origin_ = origin;
   doors_ = first_;
   leaves_.clear();
@@ -150,16 +152,16 @@ double Doors::Travel(double time) const {
   return travel;
 }
 
-bool Doors::IsLeafNear(const Point& point, double distance) const {
+bool Doors::IsLeafNear(const base::Point& point, double distance) const {
   for (const MovingLeaf& leaf : leaves_) {
-    const Point& hinge = doors_[leaf.door].motion.hinge;
+    const base::Point& hinge = doors_[leaf.door].motion.hinge;
     if (std::hypot(point.x - hinge.x, point.y - hinge.y) > leaf.reach + distance) continue;
     for (std::size_t i = 0; i < leaf.outline.size(); ++i) {
-      const Segment side{leaf.outline[i], leaf.outline[(i + 1) % leaf.outline.size()]};
+      const base::Segment side{leaf.outline[i], leaf.outline[(i + 1) % leaf.outline.size()]};
       if (DistanceToSegment(point, side) <= distance) return true;
     }
   }
   return false;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

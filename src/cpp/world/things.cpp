@@ -10,7 +10,7 @@
 #include "robotteamsim/world/box_bodies.hpp"
 #include "robotteamsim/world/outline.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
 // A thing that has gone less than this [m or rad] has not moved: that much may be rounding.
@@ -35,13 +35,13 @@ std::vector<Thing> AllChecked(std::vector<Thing> things) {
   return things;
 }
 
-Pose Normalised(const Pose& pose) { return {pose.x, pose.y, NormaliseAngle(pose.yaw)}; }
+base::Pose Normalised(const base::Pose& pose) { return {pose.x, pose.y, base::NormaliseAngle(pose.yaw)}; }
 
 }  // namespace
 
 Things::Things(std::vector<Thing> things) : first_(AllChecked(std::move(things))) {}
 
-void Things::Place(b2World* box, const Point& origin) {
+void Things::Place(b2World* box, const base::Point& origin) {
   box_ = box;
   origin_ = origin;
   ground_ = nullptr;
@@ -64,7 +64,7 @@ void Things::Build(const Thing& thing) {
   b2BodyDef def;
   def.type = b2_dynamicBody;
   def.position = ToBox(thing.start.x - origin_.x, thing.start.y - origin_.y);
-  def.angle = static_cast<float>(NormaliseAngle(thing.start.yaw));
+  def.angle = static_cast<float>(base::NormaliseAngle(thing.start.yaw));
   def.bullet = true;
   b2Body* body = box_->CreateBody(&def);
   if (thing.corners.empty()) {
@@ -91,7 +91,7 @@ void Things::Remove(int thing) {
   Changed();
 }
 
-void Things::SetPose(int thing, const Pose& pose) {
+void Things::SetPose(int thing, const base::Pose& pose) {
   poses_.at(thing) = Normalised(pose);
   b2Body* const body = bodies_[thing];
   body->SetTransform(ToBox(pose.x - origin_.x, pose.y - origin_.y), static_cast<float>(poses_[thing].yaw));
@@ -111,9 +111,9 @@ void Things::FinishStep() {
   bool any = false;
   for (std::size_t i = 0; i < things_.size(); ++i) {
     if (!bodies_[i]->IsAwake()) continue;
-    const Pose pose = PoseNow(static_cast<int>(i));
+    const base::Pose pose = PoseNow(static_cast<int>(i));
     // A thing that nobody has pushed yet stays where it was placed, in double precision.
-    const Pose way = RelativePose(poses_[i], pose);
+    const base::Pose way = base::RelativePose(poses_[i], pose);
     if (std::hypot(way.x, way.y) < kUnmoved && std::abs(way.yaw) < kUnmoved) continue;
     poses_[i] = pose;
     any = true;
@@ -121,10 +121,10 @@ void Things::FinishStep() {
   if (any) grid_.Rebuild(poses_);
 }
 
-Pose Things::PoseNow(int thing) const {
+base::Pose Things::PoseNow(int thing) const {
   const b2Body* const body = bodies_[thing];
   const b2Vec2& at = body->GetPosition();
-  return {origin_.x + at.x, origin_.y + at.y, NormaliseAngle(static_cast<double>(body->GetAngle()))};
+  return {origin_.x + at.x, origin_.y + at.y, base::NormaliseAngle(static_cast<double>(body->GetAngle()))};
 }
 
 bool Things::AnyMoves() const {
@@ -140,4 +140,4 @@ double Things::Travel(double time) const {
   return speed * time;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

@@ -11,7 +11,7 @@
 
 #include "robotteamsim/world/box_bodies.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
 constexpr int kVelocityIterations = 8;
@@ -40,7 +40,7 @@ bool IsTouching(const b2Body* body) {
 
 // The pose of a robot that is not there.
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr Pose kNowhere{kNaN, kNaN, kNaN};
+constexpr base::Pose kNowhere{kNaN, kNaN, kNaN};
 
 bool IsPositive(double value) { return value > 0.0 && std::isfinite(value); }
 
@@ -103,7 +103,7 @@ World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Rob
       step_(step),
       substeps_(CheckedSubsteps(robots_, step, substeps)),
       dt_(step_ / substeps_),
-      origin_(robots_.empty() ? Point{} : Point{robots_[0].start.x, robots_[0].start.y}),
+      origin_(robots_.empty() ? base::Point{} : base::Point{robots_[0].start.x, robots_[0].start.y}),
       max_radius_(MaxRadius(robots_)),
       max_travel_(MaxTravelOf(robots_, !things.empty(), step_)),
       edges_(EdgesOf(solids_, doors), max_radius_ + (max_travel_ + kMargin)),
@@ -146,7 +146,7 @@ void World::AddRobot(const Robot& robot) {
   def.position = ToBox(robot.start.x - origin_.x, robot.start.y - origin_.y);
   const bool is_round = robot.footprint.empty();
   def.fixedRotation = is_round;  // nothing turns a round body without friction: its drive alone does
-  def.angle = is_round ? 0.0F : static_cast<float>(NormaliseAngle(robot.start.yaw));
+  def.angle = is_round ? 0.0F : static_cast<float>(base::NormaliseAngle(robot.start.yaw));
   def.allowSleep = false;
   def.bullet = true;  // robots stop at each other as exactly as at walls
   b2Body* body = box_->CreateBody(&def);
@@ -160,16 +160,16 @@ void World::AddRobot(const Robot& robot) {
     body->SetMassData(&mass);
   }
   robot_bodies_.push_back(body);
-  poses_.push_back({robot.start.x, robot.start.y, NormaliseAngle(robot.start.yaw)});
+  poses_.push_back({robot.start.x, robot.start.y, base::NormaliseAngle(robot.start.yaw)});
 }
 
-void World::CheckCommands(const std::vector<Twist>& commands) const {
+void World::CheckCommands(const std::vector<base::Twist>& commands) const {
   if (commands.size() != robots_.size()) {
     throw std::invalid_argument("expected " + std::to_string(robots_.size()) + " twists, got " +
                                 std::to_string(commands.size()));
   }
   for (std::size_t i = 0; i < commands.size(); ++i) {
-    const Twist& twist = commands[i];
+    const base::Twist& twist = commands[i];
     if (!std::isfinite(twist.linear_x) || !std::isfinite(twist.linear_y) || !std::isfinite(twist.angular_z)) {
       throw std::invalid_argument("robot_" + std::to_string(i) + ": twist must be finite, got (" +
                                   std::to_string(twist.linear_x) + ", " + std::to_string(twist.linear_y) + ", " +
@@ -178,10 +178,10 @@ void World::CheckCommands(const std::vector<Twist>& commands) const {
   }
 }
 
-void World::Step(const std::vector<Twist>& commands) {
+void World::Step(const std::vector<base::Twist>& commands) {
   CheckCommands(commands);
   const int num_robots = static_cast<int>(robots_.size());
-  const std::vector<Pose> before = poses_;
+  const std::vector<base::Pose> before = poses_;
   twists_.assign(robots_.size(), {});
   in_contact_.assign(robots_.size(), false);
   for (std::vector<double>& angles : contact_angles_) angles.clear();
@@ -203,14 +203,14 @@ void World::Step(const std::vector<Twist>& commands) {
   }
   if (any_busy) things_.FinishStep();
   for (int i = 0; i < num_robots; ++i) {
-    if (present_[i]) motions_[i] = RelativePose(before[i], poses_[i]);
+    if (present_[i]) motions_[i] = base::RelativePose(before[i], poses_[i]);
   }
   if (!doors_.leaves().empty()) doors_.UpdateStates();
   grid_.Rebuild(poses_);
 }
 
 // The longest way that any robot drives in a step, and so the longest that any is pushed.
-double World::MaxTravel(const std::vector<Twist>& commands) const {
+double World::MaxTravel(const std::vector<base::Twist>& commands) const {
   double speed = 0.0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (!present_[i]) continue;
@@ -220,19 +220,19 @@ double World::MaxTravel(const std::vector<Twist>& commands) const {
 }
 
 bool World::CouldTouch(int robot, double travel) const {
-  const Point at{poses_[robot].x, poses_[robot].y};
+  const base::Point at{poses_[robot].x, poses_[robot].y};
   const double reach = robots_[robot].radius + travel + kMargin;
   for (const Edge& edge : edges_.Near(at)) {
     const bool is_there = edge.door == Edge::kNoDoor || doors_.all()[edge.door].closed;
     if (is_there && DistanceToSegment(at, edge.segment) <= reach) return true;
   }
   bool found = doors_.IsLeafNear(at, reach + doors_.Travel(step_));
-  grid_.ForEachNear(at, reach + travel + max_radius_, [&](int other, const Pose& pose) {
+  grid_.ForEachNear(at, reach + travel + max_radius_, [&](int other, const base::Pose& pose) {
     const double dx = pose.x - at.x, dy = pose.y - at.y, apart = reach + travel + robots_[other].radius;
     found = found || (other != robot && dx * dx + dy * dy <= apart * apart);
   });
   if (things().empty()) return found;
-  thing_grid().ForEachNear(at, reach + travel + max_thing_radius(), [&](int thing, const Pose& pose) {
+  thing_grid().ForEachNear(at, reach + travel + max_thing_radius(), [&](int thing, const base::Pose& pose) {
     found = found || std::hypot(pose.x - at.x, pose.y - at.y) <= reach + travel + things()[thing].radius;
   });
   return found;
@@ -248,32 +248,32 @@ void World::SetBusy(int robot, bool is_busy) {
 }
 
 void World::SetBodyPose(int robot) {
-  const Pose& pose = poses_[robot];
+  const base::Pose& pose = poses_[robot];
   const float angle = robots_[robot].footprint.empty() ? 0.0F : static_cast<float>(pose.yaw);
   robot_bodies_[robot]->SetTransform(ToBox(pose.x - origin_.x, pose.y - origin_.y), angle);
 }
 
-Point World::BodyPosition(int robot) const {
+base::Point World::BodyPosition(int robot) const {
   const b2Vec2& at = robot_bodies_[robot]->GetPosition();
   return {origin_.x + at.x, origin_.y + at.y};
 }
 
-void World::StartDrive(int robot, const Twist& command) {
+void World::StartDrive(int robot, const base::Twist& command) {
   Drive& drive = drives_[robot];
   drive.speed = ReachedSpeed(drive.speed, command, robots_[robot].drive, dt_);
   drive.target = AdvancedPose(poses_[robot], drive.speed, dt_);
   if (!drive.is_busy) return;
   b2Body* body = robot_bodies_[robot];
-  const Point at = BodyPosition(robot);
+  const base::Point at = BodyPosition(robot);
   body->SetLinearVelocity(ToBox((drive.target.x - at.x) / dt_, (drive.target.y - at.y) / dt_));
   if (robots_[robot].footprint.empty()) return;
-  const double turn = NormaliseAngle(drive.target.yaw - static_cast<double>(body->GetAngle()));
+  const double turn = base::NormaliseAngle(drive.target.yaw - static_cast<double>(body->GetAngle()));
   body->SetAngularVelocity(static_cast<float>(turn / dt_));
 }
 
 void World::FinishDrive(int robot) {
   Drive& drive = drives_[robot];
-  Pose& pose = poses_[robot];
+  base::Pose& pose = poses_[robot];
   DriveSpeed reached = drive.speed;
   if (drive.is_busy && IsTouching(robot_bodies_[robot])) {
     reached = BodySpeed(robot);
@@ -283,8 +283,8 @@ void World::FinishDrive(int robot) {
       drive.speed.forward = 0.0;
       drive.speed.left = 0.0;
     }
-    const Point at = BodyPosition(robot);
-    if (reached.turn != drive.speed.turn) drive.target.yaw = NormaliseAngle(pose.yaw + reached.turn * dt_);
+    const base::Point at = BodyPosition(robot);
+    if (reached.turn != drive.speed.turn) drive.target.yaw = base::NormaliseAngle(pose.yaw + reached.turn * dt_);
     if (reached.turn / drive.speed.turn < kStalled) drive.speed.turn = 0.0;
     drive.target.x = at.x;
     drive.target.y = at.y;
@@ -299,13 +299,13 @@ void World::FinishDrive(int robot) {
 
 // How a body that touches something moved in a substep, as a speed of its drive.
 DriveSpeed World::BodySpeed(int robot) const {
-  const Pose& pose = poses_[robot];
+  const base::Pose& pose = poses_[robot];
   const Robot& body = robots_[robot];
   DriveSpeed speed = drives_[robot].speed;
   if (!body.footprint.empty()) {
-    speed.turn = NormaliseAngle(static_cast<double>(robot_bodies_[robot]->GetAngle()) - pose.yaw) / dt_;
+    speed.turn = base::NormaliseAngle(static_cast<double>(robot_bodies_[robot]->GetAngle()) - pose.yaw) / dt_;
   }
-  const Point at = BodyPosition(robot);
+  const base::Point at = BodyPosition(robot);
   const double heading = pose.yaw + 0.5 * speed.turn * dt_;
   const double cos = std::cos(heading), sin = std::sin(heading);
   const double dx = at.x - pose.x, dy = at.y - pose.y;
@@ -331,7 +331,7 @@ void World::NoteContacts(int robot, double yaw) {
     const bool is_flat = edge->contact->GetManifold()->pointCount == 2;
     const b2Vec2 place = is_flat ? 0.5F * (manifold.points[0] + manifold.points[1]) : manifold.points[0];
     const b2Vec2 away = place - body->GetPosition();
-    angles.push_back(NormaliseAngle(std::atan2(static_cast<double>(away.y), static_cast<double>(away.x)) - yaw));
+    angles.push_back(base::NormaliseAngle(std::atan2(static_cast<double>(away.y), static_cast<double>(away.x)) - yaw));
   }
   std::sort(angles.begin(), angles.end());
   const auto is_same = [](double first, double next) { return next - first < kSamePlace; };
@@ -339,9 +339,9 @@ void World::NoteContacts(int robot, double yaw) {
   if (angles.size() > 1 && angles.front() + kFullTurn - angles.back() < kSamePlace) angles.pop_back();
 }
 
-void World::SetPose(int robot, const Pose& pose) {
-  Pose& stored = poses_.at(robot);
-  stored = {pose.x, pose.y, NormaliseAngle(pose.yaw)};
+void World::SetPose(int robot, const base::Pose& pose) {
+  base::Pose& stored = poses_.at(robot);
+  stored = {pose.x, pose.y, base::NormaliseAngle(pose.yaw)};
   if (pose.x == pose.x) SetBodyPose(robot);  // that of a robot that goes stays where it was, out of all reckoning
   drives_[robot].speed = {};
   twists_[robot] = {};
@@ -357,7 +357,7 @@ void World::RemoveRobot(int robot) {
   SetBusy(robot, false);
 }
 
-void World::SpawnRobot(int robot, const Pose& pose) {
+void World::SpawnRobot(int robot, const base::Pose& pose) {
   SetPose(robot, pose);
   if (present_[robot]) return;
   present_[robot] = true;
@@ -365,8 +365,8 @@ void World::SpawnRobot(int robot, const Pose& pose) {
 }
 
 bool World::HoldsLeaf(const Polygon& now, const Polygon& next) const {
-  const auto holds = [&](const Pose& pose, double radius, const Polygon& corners) {
-    const Point at{pose.x, pose.y};
+  const auto holds = [&](const base::Pose& pose, double radius, const Polygon& corners) {
+    const base::Point at{pose.x, pose.y};
     const double apart = GapBetween(next, at) - radius;
     if (apart >= kClearOfLeaves) return false;
     // What leans on a leaf that goes away does not hold it.
@@ -396,6 +396,6 @@ void World::AddThing(Thing thing) {
 
 void World::RemoveThing(int thing) { things_.Remove(thing); }
 
-void World::SetThingPose(int thing, const Pose& pose) { things_.SetPose(thing, pose); }
+void World::SetThingPose(int thing, const base::Pose& pose) { things_.SetPose(thing, pose); }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

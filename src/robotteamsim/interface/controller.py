@@ -1,4 +1,4 @@
-"""What every controller is: observation and messages in, decision out."""
+"""The protocol of every controller: observation and messages in, decision out."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robotteamsim.network.messages import Message
 
 
 class Controller(Protocol):
-    """One robot's controller, built once per trial and whenever its robot comes again, stepped once per loop step."""
+    """One robot's controller: built at the start of a trial and whenever the robot returns, stepped once per step."""
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
         """Take in what the robot perceives, the messages that arrived, and the mission's task."""

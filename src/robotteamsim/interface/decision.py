@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import msgspec
 
 from robotteamsim.geometry import Twist
 from robotteamsim.network.messages import Message
 
 OUTSIDE = -1
-"""In place of its swarm: the robot is socially excluded."""
+"""`Decision.swarm` of a robot that is socially excluded."""
 
 
-class Decision(NamedTuple):
-    """What a controller decides in one step.
+class Decision(msgspec.Struct, frozen=True, gc=False):
+    """All that one controller returns in one step.
 
-    twist:        command in `base_link`.
+    twist:        velocity command in `base_link`.
     outbox:       messages to send, delivered in the next step where a path of links exists.
     excluded:     whether the robot is socially excluded.
     goal_m:       where it drives to, in `map` [m]; None when it has no goal.
     local_best:   value of its local best (larger is better), for display.
     search_counter: SC of its swarm, for display.
-    swarm:        number of the swarm that it belongs to, OUTSIDE where excluded; 0 where there are no swarms.
-    fault:        why its controller was given up, in one line; "": it works. The robot then stands still.
+    swarm:        number of its swarm; OUTSIDE when excluded, 0 where there are no swarms.
+    fault:        why its controller was stopped, in one line; "" while it works. A stopped robot stands still.
     """
 
     twist: Twist = Twist()

@@ -1,18 +1,97 @@
-"""What a team finds: areas explored and victims reached."""
+"""Discoveries, and the messages by which robots announce them and the base acknowledges them."""
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+import functools
+import math
+from typing import Literal
+
+import msgspec
+
+from robotteamsim.interface.payload import Index, Point, read_payload, to_payload
+
+Kind = Literal["area", "victim"]
 
 
-class Discovery(NamedTuple):
+class Discovery(msgspec.Struct, frozen=True, gc=False):
     """An area explored or a victim reached.
 
-    position_m: of her, or of the area's centre, in `map` [m].  time_s: when, on the mission's clock [s].
+    name:       of the area or victim; "" where a robot does not know it.
+    position_m: of the victim, or of the area's centre, in `map` [m].
+    time_s:     when, on the mission's clock [s].
     """
 
-    kind: Literal["area", "victim"]
+    kind: Kind
     name: str
-    robot_id: int
-    position_m: tuple[float, float]
+    robot_id: Index
+    position_m: Point
     time_s: float
+
+
+class Announced(msgspec.Struct, frozen=True, gc=False, omit_defaults=True):
+    """What a message says of a discovery: its kind and its name; of a victim without a name at least the position.
+
+    Others of the attributes of `Discovery` may be there or not.
+    """
+
+    kind: Kind
+    name: str = ""
+    robot_id: Index | None = None
+    position_m: Point | None = None
+    time_s: float | None = None
+
+    def means(self, discovery: Discovery, within_m: float) -> bool:
+        """Whether it means a discovery: by kind and name, or, of a victim without a name, by its position.
+
+        Args: within_m: how far the position of a victim without a name may be from hers [m].
+        """
+        if self.kind == "victim" and not self.name and self.position_m is not None:
+            return discovery.kind == "victim" and math.dist(self.position_m, discovery.position_m) <= within_m
+        return (self.kind, self.name) == (discovery.kind, discovery.name)
+
+
+class Announcement(msgspec.Struct, frozen=True, gc=False):
+    """A message that announces discoveries. Messages of controllers may carry this key beside their own."""
+
+    discoveries: tuple[Announced, ...]
+
+
+class _Name(msgspec.Struct, frozen=True, gc=False):
+    kind: Kind
+    name: str
+
+
+class _Acknowledgement(msgspec.Struct, frozen=True, gc=False):
+    delivered: _Name
+
+
+_announcements = msgspec.json.Decoder(Announcement)
+_acknowledgements = msgspec.json.Decoder(_Acknowledgement)
+
+
+def announcement(discovery: Discovery) -> str:
+    """Return the payload by which a robot announces a discovery."""
+    return to_payload({"discoveries": [discovery]})
+
+
+# The same payload is sent again until the base has acknowledged it.
+@functools.lru_cache(maxsize=64)
+def announced_in(payload: str) -> tuple[Announced, ...]:
+    """Return the discoveries that a message announces; () where it announces none."""
+    if '"discoveries"' not in payload:
+        return ()
+    found = read_payload(_announcements, payload)
+    return found.discoveries if found else ()
+
+
+def acknowledgement(kind: Kind, name: str) -> str:
+    """Return the payload by which the base acknowledges that a discovery has been delivered to it."""
+    return to_payload(_Acknowledgement(_Name(kind, name)))
+
+
+def acknowledged_in(payload: str) -> tuple[Kind, str] | None:
+    """Return kind and name of the discovery that a message acknowledges; None where it is something else."""
+    if '"delivered"' not in payload:
+        return None
+    found = read_payload(_acknowledgements, payload)
+    return (found.delivered.kind, found.delivered.name) if found else None

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import msgspec
 
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
 
 
-class Observation(NamedTuple):
-    """All that a controller is told of the world in one step; sim_time_ns is the stamp of every part."""
+class Observation(msgspec.Struct, frozen=True, gc=False, eq=False):
+    """All that one controller perceives in one step; sim_time_ns is the stamp of every part."""
 
     robot_id: int
     sim_time_ns: int

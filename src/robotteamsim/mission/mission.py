@@ -6,13 +6,14 @@ import math
 from collections.abc import Sequence
 from itertools import repeat
 
+import msgspec
 import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.interface import Decision, Discovery, Task
-from robotteamsim.mission.base_watch import BaseWatch
+from robotteamsim.mission.base_station import BaseStation
 from robotteamsim.mission.status import Event, MissionEnd, MissionState, MissionStatus, VictimState
-from robotteamsim.mission.team_watch import TeamWatch
+from robotteamsim.mission.team_monitor import TeamMonitor
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
@@ -35,12 +36,12 @@ _MOTION: dict[LeafMotion, str] = {"still": "stands", "opens": "opens", "closes":
 
 
 class Mission:
-    """Judges one mission, step by step. What it needs is handed to `step`; it never looks at the world itself.
+    """Judges one mission, step by step, from the arguments of `step` alone; it never looks at the world itself.
 
     The mission's clock counts the steps in which the team was asked to run: it stands still before the start, while
-    paused and after the end. A victim counts as heard when a robot hears a voice and she is the unsaved victim
+    paused and after the end. A victim counts as heard when a robot hears a voice and they are the unsaved victim
     nearest to the loudest place which that robot perceives. Where there is a base, `scenario.mission.base`, a mission
-    whose areas are all explored goes on until the base has heard of everything found.
+    whose areas are all explored continues until all discoveries have been delivered to the base.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -51,7 +52,7 @@ class Mission:
         self._time_limit_ns = round(scenario.mission.time_limit_s * 1e9)
         self._autostart = scenario.mission.autostart
         self.noise_db = scenario.voice.noise_db
-        """Background noise as last told [dB]."""
+        """Background noise as last set [dB]."""
 
         self._doors = DoorStates.at_start(scenario.plan)
 
@@ -65,45 +66,44 @@ class Mission:
         self._note_who_is_saved()
         self._places_m, self._reaches_m = self._all_places()
         self._heard_places_m: set[tuple[float, float]] = set()
-        """Loudest places for which is known who is heard there, as of the victims who wait or were heard now."""
+        """Loudest places that have been judged since the last change of the victims."""
         self._epoch = 0
         self._endangered_links = 0
         self._endangered: np.ndarray | None = None
-        self._team = TeamWatch(scenario.mission.base)
+        self._team = TeamMonitor(scenario.mission.base)
         present = np.array(scenario.present_at_start, dtype=bool)
         self._num_robots = len(present)
         self._present = None if present.all() else present
         """Whether each robot was there in the last step; None: all were."""
-        self._base = BaseWatch(scenario)
+        self._base = BaseStation(scenario)
         self._refusals: set[Refusal] = set()
         self._events: list[Event] = []
         self.task = Task()
-        """What is asked of the team now; the same object until that changes."""
-        self._asked: tuple[object, ...] = ()
+        """What is asked of the team now."""
         self.status = self._make_status()
         """The mission as of now."""
 
     def start(self) -> None:
-        """Start a waiting mission; in any other state nothing happens."""
+        """Start a waiting mission; do nothing in any other state."""
         if self._state == "waiting":
             self._state = "running"
             areas, victims = counted(len(self._areas), "area"), counted(len(self.victims), "victim")
             detail = f"{areas}, {victims}, {self.noise_db:g} dB noise"
-            self._tell("start", "", NOBODY, f"mission starts: {detail}")
+            self._add_event("start", "", NOBODY, f"mission starts: {detail}")
             self.status = self._make_status()
 
     def pause(self) -> None:
-        """Stop robots and clock of a running mission; in any other state nothing happens."""
+        """Stop robots and clock of a running mission; do nothing in any other state."""
         if self._state == "running":
             self._state = "paused"
-            self._tell("pause", "", NOBODY, "mission is paused")
+            self._add_event("pause", "", NOBODY, "mission is paused")
             self.status = self._make_status()
 
     def resume(self) -> None:
-        """Let a paused mission go on; in any other state nothing happens."""
+        """Resume a paused mission; do nothing in any other state."""
         if self._state == "paused":
             self._state = "running"
-            self._tell("resume", "", NOBODY, "mission goes on")
+            self._add_event("resume", "", NOBODY, "mission goes on")
             self.status = self._make_status()
 
     def abort(self) -> None:
@@ -113,27 +113,28 @@ class Mission:
             self.status = self._make_status()
 
     def note(self, kind: str, subject: str, detail: str) -> None:
-        """Put something that happened outside the mission among its events."""
-        self._tell(kind, subject, NOBODY, detail)
+        """Add something that happened outside the mission to its events."""
+        self._add_event(kind, subject, NOBODY, detail)
 
     def set_door(self, name: str, closed: bool) -> None:
-        """Take note that a door was opened or closed, which changes the voice map."""
-        self._tell("door", name, NOBODY, f"door {name} is {'closed' if closed else 'opened'}")
+        """Note that a door was opened or closed, which changes the voice map."""
+        self._add_event("door", name, NOBODY, f"door {name} is {'closed' if closed else 'opened'}")
         self._change_task()
 
     def follow_doors(self, doors: DoorStates) -> None:
-        """Take note of what the doors of the world do now; one that was opened or closed changes the voice map."""
+        """Note what the doors of the world do now; one that was opened or closed changes the voice map."""
         for name, before, now in doors.changes_since(self._doors):
             if now.closed != before.closed:
                 self.set_door(name, now.closed)
             elif now.motion != before.motion:
-                self._tell("door_moves", name, NOBODY, f"door {name} {_MOTION[now.motion]}, {now.opening:.0%} open")
+                detail = f"door {name} {_MOTION[now.motion]}, {now.opening:.0%} open"
+                self._add_event("door_moves", name, NOBODY, detail)
         self._doors = doors
 
     def set_noise_db(self, noise_db: float) -> None:
-        """Take note of another background noise, which changes the voice map."""
+        """Note another background noise, which changes the voice map."""
         self.noise_db = noise_db
-        self._tell("noise", "", NOBODY, f"background noise is {noise_db:g} dB")
+        self._add_event("noise", "", NOBODY, f"background noise is {noise_db:g} dB")
         self._change_task()
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
@@ -146,7 +147,7 @@ class Mission:
         self._note_who_is_saved()
         self._places_m, self._reaches_m = self._all_places()
         self._heard_places_m.clear()
-        self._tell("victim", name, NOBODY, f"victim {name} calls at ({position_m[0]:.1f}, {position_m[1]:.1f})")
+        self._add_event("victim", name, NOBODY, f"victim {name} calls at ({position_m[0]:.1f}, {position_m[1]:.1f})")
         self._change_task()
 
     def step(
@@ -165,8 +166,8 @@ class Mission:
             sim_time_ns: stamp of the step [ns].
             positions_m: true positions of the robots in `map`, shape (n, 2) [m].
             voices, decisions: one per robot, in id order.
-            base_inbox: what the base receives in this step, where there is one.
-            present:    whether each robot is there, bool, shape (n,); None: all are. The others count for nothing.
+            base_inbox: what the base receives in this step, if there is one.
+            present:    whether each robot is there, bool, shape (n,); None: all are. Absent robots do not count.
         """
         if self._autostart and self._state == "waiting":
             self.start()
@@ -178,19 +179,18 @@ class Mission:
         if self._state == "running":
             self._judge_voices(voices)
             self._judge_places(positions_m)
-            if self._base.unreported:
-                self._judge_reports(base_inbox)
+            if self._base.undelivered:
+                self._judge_deliveries(base_inbox)
             if network.endangered is not self._endangered:
                 self._judge_links(network)
             if network.traffic.refused:
                 self._judge_messages(network.traffic)
             for change in self._team.changes(decisions, present):
-                self._tell(change.kind, change.subject, change.robot_id, change.detail)
+                self._add_event(change.kind, change.subject, change.robot_id, change.detail)
             self._judge_end()
         self._team_was_running = self._state == "running"
-        # Where nothing was told, nothing but the time is new.
-        if not self._events:
-            self.status = self.status.at(self._elapsed_ns / 1e9)
+        if not self._events:  # nothing but the time has changed
+            self.status = msgspec.structs.replace(self.status, time_s=self._elapsed_ns / 1e9)
             return ()
         self.status = self._make_status()
         events, self._events = tuple(self._events), []
@@ -199,10 +199,10 @@ class Mission:
     def _judge_voices(self, voices: Sequence[VoiceReading]) -> None:
         if "waiting" not in self._victim_states:
             return
-        for robot_id, (_, is_heard, loudest_m, level_db) in enumerate(voices):
-            if is_heard and loudest_m not in self._heard_places_m:
-                self._heard_places_m.add(loudest_m)
-                self._hear(robot_id, loudest_m, level_db)
+        for robot_id, voice in enumerate(voices):
+            if voice.heard and voice.local_best_m not in self._heard_places_m:
+                self._heard_places_m.add(voice.local_best_m)
+                self._hear(robot_id, voice.local_best_m, voice.local_best_level_db)
 
     def _judge_places(self, positions_m: np.ndarray) -> None:
         num_victims = len(self.victims)
@@ -218,15 +218,15 @@ class Mission:
         self._victim_states[index] = "saved"
         self._note_who_is_saved()
         self._heard_places_m.clear()
-        self._epoch += 1  # her voice leaves the map
+        self._epoch += 1  # the voice leaves the map
         count = f"{len(self.saved_victims)} of {len(self.victims)}"
-        self._tell("victim_saved", victim.name, robot_id, f"robot {robot_id} saves {victim.name} ({count})")
+        self._add_event("victim_saved", victim.name, robot_id, f"robot {robot_id} saves {victim.name} ({count})")
         self._base.add(Discovery("victim", victim.name, robot_id, victim.position, self._elapsed_ns / 1e9))
 
     def _note_who_is_saved(self) -> None:
         is_saved = [state == "saved" for state in self._victim_states]
         self.saved_victims = tuple([victim.name for victim, saved in zip(self.victims, is_saved, strict=True) if saved])
-        """Names of the victims who are saved, and therefore silent; the same object until that changes."""
+        """Names of the victims who are saved, and therefore silent; the same object until another one is."""
         self._unsaved = [index for index, saved in enumerate(is_saved) if not saved]
         self._unsaved_m = [self.victims[index].position for index in self._unsaved]
 
@@ -236,50 +236,50 @@ class Mission:
         if self._victim_states[index] == "waiting":
             self._victim_states[index] = "heard"
             name = self.victims[index].name
-            self._tell("victim_heard", name, robot_id, f"robot {robot_id} hears {name} at {level_db:.1f} dB")
+            self._add_event("victim_heard", name, robot_id, f"robot {robot_id} hears {name} at {level_db:.1f} dB")
 
     def _explore(self, robot_id: int) -> None:
         area = self._areas[self._num_explored]
         self._num_explored += 1
         self._epoch += 1
         count = f"{self._num_explored} of {len(self._areas)}"
-        self._tell("area_explored", area.name, robot_id, f"robot {robot_id} explores {area.name} ({count})")
+        self._add_event("area_explored", area.name, robot_id, f"robot {robot_id} explores {area.name} ({count})")
         self._base.add(Discovery("area", area.name, robot_id, area.center, self._elapsed_ns / 1e9))
 
-    def _judge_reports(self, base_inbox: Sequence[Message]) -> None:
+    def _judge_deliveries(self, base_inbox: Sequence[Message]) -> None:
         time_s = self._elapsed_ns / 1e9
-        for find in self._base.heard_of(base_inbox, time_s):
-            late = f"{time_s - find.time_s:.1f} s after robot {find.robot_id} found it"
-            self._tell("find_reported", find.name, find.robot_id, f"the base hears of {find.name}, {late}")
+        for found in self._base.deliver(base_inbox, time_s):
+            late = f"{time_s - found.time_s:.1f} s after robot {found.robot_id} found it"
+            self._add_event("find_reported", found.name, found.robot_id, f"the base hears of {found.name}, {late}")
 
     def _judge_links(self, network: NetworkState) -> None:
         before, self._endangered = self._endangered, network.endangered
-        if not np.count_nonzero(network.endangered):  # cheaper than any()
+        if not network.endangered.any():
             return
         fresh = network.endangered if before is None else network.endangered & ~before
         for i, j in np.argwhere(np.triu(fresh, 1)).tolist():
             self._endangered_links += 1
             level = f"{network.rssi_dbm[i, j]:.1f} dBm"
-            self._tell("link_endangered", f"{i}-{j}", NOBODY, f"link {i}-{j} is endangered at {level}")
+            self._add_event("link_endangered", f"{i}-{j}", NOBODY, f"link {i}-{j} is endangered at {level}")
 
     def _judge_messages(self, traffic: Traffic) -> None:
         for refusal in traffic.refused:
             if refusal not in self._refusals:
                 self._refusals.add(refusal)
                 size = f"{refusal.num_bytes} bytes, the limit is {refusal.limit_bytes}"
-                self._tell("message_too_large", "", refusal.sender, f"robot {refusal.sender} cannot send {size}")
+                self._add_event("message_too_large", "", refusal.sender, f"robot {refusal.sender} cannot send {size}")
 
     def _judge_presence(self, present: np.ndarray | None) -> None:
         before, self._present = self._present, present
         now = np.ones(self._num_robots, dtype=bool) if present is None else present
         then = np.ones(self._num_robots, dtype=bool) if before is None else before
         for robot_id in np.flatnonzero(then & ~now).tolist():
-            self._tell("robot_removed", "", robot_id, f"robot {robot_id} is gone")
+            self._add_event("robot_removed", "", robot_id, f"robot {robot_id} is gone")
         for robot_id in np.flatnonzero(now & ~then).tolist():
-            self._tell("robot_spawned", "", robot_id, f"robot {robot_id} has come")
+            self._add_event("robot_spawned", "", robot_id, f"robot {robot_id} has come")
 
     def _judge_end(self) -> None:
-        if self._areas and self._num_explored == len(self._areas) and not self._base.unreported:
+        if self._areas and self._num_explored == len(self._areas) and not self._base.undelivered:
             self._finish("areas_explored")
         elif self._elapsed_ns >= self._time_limit_ns:
             self._finish("time_limit")
@@ -292,10 +292,10 @@ class Mission:
         self._state, self._end = "ended", end
         saved = self._victim_states.count("saved")
         count = f"{self._num_explored}/{len(self._areas)} areas, {saved}/{len(self.victims)} victims"
-        self._tell("end", "", NOBODY, f"mission ends: {_END_DETAIL[end]}; {count}")
+        self._add_event("end", "", NOBODY, f"mission ends: {_END_DETAIL[end]}; {count}")
 
     def _all_places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return where the victims are and then the areas, shape (n, 2), and how near one must come, shape (n,) [m]."""
+        """Return the positions of victims, then of areas, shape (n, 2), and the reach of each, shape (n,) [m]."""
         places = [victim.position for victim in self.victims] + [area.center for area in self._areas]
         reaches = [self._save_distance_m] * len(self.victims) + [area.radius_m for area in self._areas]
         return np.array(places, dtype=np.float64).reshape(-1, 2), np.array(reaches, dtype=np.float64)
@@ -304,7 +304,7 @@ class Mission:
         self._epoch += 1
         self.status = self._make_status()
 
-    def _tell(self, kind: str, subject: str, robot_id: int, detail: str) -> None:
+    def _add_event(self, kind: str, subject: str, robot_id: int, detail: str) -> None:
         self._events.append(Event(self._elapsed_ns / 1e9, kind, subject, robot_id, detail))
 
     def _make_status(self) -> MissionStatus:
@@ -318,21 +318,17 @@ class Mission:
             target_area=self._num_explored if num_left else -1,
             endangered_links=self._endangered_links,
             task=self._make_task(),
-            reports=self._base.reports,
+            delivered=self._base.delivered,
         )
 
     def _make_task(self) -> Task:
-        """Return what is asked of the team: the same object until that changes."""
-        asked = (self._state, self._epoch, self._num_explored, self._base.unreported)
-        if asked == self._asked:
-            return self.task
-        self._asked = asked
+        """Return what is asked of the team, and keep it."""
         area = self._areas[self._num_explored] if self._num_explored < len(self._areas) else None
         self.task = Task(
             running=self._state == "running",
             epoch=self._epoch,
             area_center_m=area.center if area else None,
             area_radius_m=area.radius_m if area else 0.0,
-            unreported=self._base.unreported,
+            undelivered=self._base.undelivered,
         )
         return self.task

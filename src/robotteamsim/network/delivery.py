@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -10,14 +10,14 @@ import numpy as np
 
 from robotteamsim import rng
 from robotteamsim.network.graph import next_hop
-from robotteamsim.network.messages import EVERYBODY, NO_TRAFFIC, Message, NetworkState, Refusal, Traffic
+from robotteamsim.network.messages import EVERYBODY, NO_TRAFFIC, Batch, Inbox, Message, NetworkState, Refusal, Traffic
 from robotteamsim.scenario.sections import Network as NetworkSection
 
-Inboxes = list[tuple[Message, ...]]
+Inboxes = Sequence[Sequence[Message]]
 
 
 class Links(NamedTuple):
-    """What messages need to know of the network of one step; shapes (n, n), as in `NetworkState`.
+    """The part of the network of one step that routes messages; shapes (n, n), as in `NetworkState`.
 
     present: whether each robot is there, bool, shape (n,); None: all are.
     """
@@ -30,11 +30,11 @@ class Links(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class _Flight:
-    """A message on its way.
+    """A message under way.
 
     sent_step: the step in which it was sent.       number: its place in the outbox of that step.
-    hops:      that it has made.                    reached: bool, shape (n,): who has had it.
-    holders:   who pass it on in the next hop; of a message to one robot, the one that has it now.
+    hops:      made so far.                         reached: bool, shape (n,): who has received it.
+    holders:   ids of the robots that pass it on in the next hop.
     """
 
     message: Message
@@ -68,16 +68,15 @@ class Delivery:
     def __init__(self, network: NetworkSection, num_robots: int, seed: int, step_ns: int) -> None:
         self._section = network
         self._num_robots = num_robots
-        self._nothing: Inboxes = [()] * num_robots
         self._seed = seed
         self._step_ns = step_ns
         self._hop_delay_ns = round(network.hop_delay_s * 1e9)
-        # Then every message that can arrive does so in the step after, and nothing is drawn or kept.
+        # If so, every message arrives in the next step or never, and nothing is drawn or kept.
         self._is_instant = network.loss == "none" and self._hop_delay_ns * (num_robots - 1) <= step_ns
         self.reset()
 
     def reset(self) -> None:
-        """Forget messages on their way and begin with the first step."""
+        """Forget messages under way and begin with the first step."""
         self._step = 0
         self._flights: list[_Flight] = []
         self._generators: dict[int, np.random.Generator] = {}
@@ -89,16 +88,16 @@ class Delivery:
         outboxes: Sequence[Sequence[Message]],
         refused: tuple[Refusal, ...],
     ) -> tuple[Inboxes, Traffic]:
-        """Take what was sent in the last step, carry all that is on its way, and return what arrives in this one.
+        """Take what was sent in the last step, carry all messages under way, and return what arrives in this one.
 
-        Args: outboxes: one sequence per robot in id order; none at all where nobody sent anything.
+        Args: outboxes: one sequence per robot in id order; empty if nobody sent anything.
         """
         self._step += 1
         if not self._is_instant:
             links = Links(network.rssi_dbm, network.adjacency, network.hop_count, present)
             return self._carry(links, outboxes, refused)
         if not outboxes:
-            return self._nothing.copy(), NO_TRAFFIC
+            return [()] * self._num_robots, NO_TRAFFIC
         reach_all = present is None and network.fiedler_value > 0.0
         inboxes = deliver_at_once(network.hop_count, outboxes, reach_all)
         delivered = sum(map(len, inboxes))
@@ -110,8 +109,7 @@ class Delivery:
         )
 
     def _num_copies(self, outboxes: Sequence[Sequence[Message]], present: np.ndarray | None) -> int:
-        """Return how many robots should hear something, summed over messages; who is not there should hear nothing
-        that is for everybody."""
+        """Return how many robots each message is for, summed; absent robots do not count for broadcasts."""
         others = [self._num_robots - 1] * self._num_robots
         if present is not None:
             others = (int(np.count_nonzero(present)) - present).tolist()
@@ -157,7 +155,7 @@ class Delivery:
         return _Flight(message, self._step - 1, number, reached, np.array([message.sender]))
 
     def _advance(self, flight: _Flight, links: Links, loss: np.ndarray, arrivals: list[list[_Flight]]) -> bool:
-        """Let a message make the hops that are due and note whom it reaches; whether it is still on its way."""
+        """Let a message make the hops that are due and note whom it reaches; return whether it is still under way."""
         time_ns = (self._step - flight.sent_step) * self._step_ns
         due = self._num_robots if self._hop_delay_ns == 0 else time_ns // self._hop_delay_ns
         while flight.hops < due and len(flight.holders):
@@ -176,7 +174,7 @@ class Delivery:
         return len(flight.holders) > 0
 
     def _flood(self, flight: _Flight, links: Links, loss: np.ndarray) -> np.ndarray:
-        """Let all holders pass a message on; return the ids of those who get it for the first time."""
+        """Let all holders pass a message on; return the ids of those who receive it for the first time."""
         heard = links.adjacency[flight.holders] & ~flight.reached
         for row, holder in enumerate(flight.holders.tolist()):
             heard[row] &= self._survives(holder, loss)
@@ -185,7 +183,7 @@ class Delivery:
         return np.flatnonzero(fresh)
 
     def _pass_on(self, flight: _Flight, links: Links, loss: np.ndarray) -> np.ndarray:
-        """Let the one holder pass a message on towards its receiver; return who has it then: one robot or none."""
+        """Let the holder pass a message on towards its receiver; return the id of the next holder, or none."""
         holder = int(flight.holders[0])
         robot_id = next_hop(links.hop_count, links.rssi_dbm, holder, flight.message.receiver)
         if robot_id < 0 or not self._survives(holder, loss)[robot_id]:
@@ -194,7 +192,7 @@ class Delivery:
         return np.array([robot_id])
 
     def _survives(self, transmitter: int, loss: np.ndarray) -> np.ndarray:
-        """Draw for one transmission who in reach would get it; bool, shape (n,)."""
+        """Draw which robots in reach receive one transmission; bool, shape (n,)."""
         if not loss[transmitter].any():
             return np.ones(self._num_robots, dtype=bool)
         generator = self._generators.get(transmitter)
@@ -204,7 +202,7 @@ class Delivery:
         return np.asarray(generator.random(self._num_robots) >= loss[transmitter])
 
     def _missed(self, flight: _Flight, links: Links) -> tuple[int, int]:
-        """Return how many copies of an ended flight were lost on the way, and how many had no path of links."""
+        """Return how many copies of an ended flight were lost under way, and how many had no path of links."""
         sender, receiver, hops = flight.message.sender, flight.message.receiver, links.hop_count
         if receiver == EVERYBODY:
             missing = ~flight.reached if links.present is None else ~flight.reached & links.present
@@ -217,7 +215,9 @@ class Delivery:
 
 
 def deliver_at_once(hops: np.ndarray, outboxes: Sequence[Sequence[Message]], reach_all: bool) -> Inboxes:
-    """Return who gets what where every message arrives at everybody whom a path of links leads to.
+    """Return the inbox of each robot, where every message arrives at all receivers that a path of links leads to.
+
+    Robots that hear each other share a batch, unless there are messages to single robots.
 
     Args: hops: int32, shape (n, n), from `hop_count`.  reach_all: whether paths lead from everybody to everybody.
     """
@@ -227,21 +227,19 @@ def deliver_at_once(hops: np.ndarray, outboxes: Sequence[Sequence[Message]], rea
             tuple(m for m in sent if m.receiver in (receiver, EVERYBODY) and hops[m.sender, receiver] > 0)
             for receiver in range(len(hops))
         ]
-    if reach_all:  # As most often, all hear the same, but for what they sent themselves.
-        heard_by_all, inboxes, end = tuple(sent), [], 0
-        for outbox in outboxes:
-            begin, end = end, end + len(outbox)
-            inboxes.append(heard_by_all[:begin] + heard_by_all[end:])
-        return inboxes
-    # Those who have a path to each other do.
-    num_sent = np.array([len(outbox) for outbox in outboxes])
-    heard: dict[bytes, tuple[tuple[Message, ...], list[int]]] = {}
-    inboxes = []
-    for receiver, senders in enumerate(hops >= 0):
-        key = senders.tobytes()
-        if key not in heard:
-            messages = tuple(message for message in sent if senders[message.sender])
-            heard[key] = messages, np.cumsum(num_sent * senders).tolist()
-        messages, ends = heard[key]
-        inboxes.append(messages[: ends[receiver] - len(outboxes[receiver])] + messages[ends[receiver] :])
+    inboxes: list[Sequence[Message]] = [()] * len(hops)
+    for members in _connected_parts(hops, reach_all):
+        batch = Batch(tuple(message for robot_id in members for message in outboxes[robot_id]))
+        end = 0
+        for robot_id in members:
+            begin, end = end, end + len(outboxes[robot_id])
+            inboxes[robot_id] = Inbox(batch, begin, end)
     return inboxes
+
+
+def _connected_parts(hops: np.ndarray, reach_all: bool) -> Iterable[Sequence[int]]:
+    """Return the robots of each part of the network in id order; those who are not there are in none."""
+    if reach_all:
+        return [range(len(hops))]
+    rows = hops >= 0
+    return {row.tobytes(): np.flatnonzero(row).tolist() for row in rows}.values()

@@ -1,19 +1,19 @@
-"""What robots say to each other and what is known of the network in one step."""
+"""Messages between robots, and the state of the network in one step."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, overload
 
+import msgspec
 import numpy as np
 
 EVERYBODY = -1
-"""Receiver of a message that all reachable robots get."""
+"""Receiver of a message for all robots that a path of links leads to."""
 
 
-@dataclass(frozen=True, slots=True)
-class Message:
-    """One message; the payload is text (JSON by custom), so that it can be read in a bag."""
+class Message(msgspec.Struct, frozen=True, gc=False):
+    """One message; the payload is text (JSON by convention), so that it can be read in a bag."""
 
     sender: int
     receiver: int
@@ -21,21 +21,69 @@ class Message:
 
     @property
     def num_bytes(self) -> int:
-        """Size of the payload in UTF-8; what no UTF-8 has counts as one byte."""
+        """Size of the payload in UTF-8; a character that UTF-8 cannot encode counts as one byte."""
         return len(self.payload) if self.payload.isascii() else len(self.payload.encode(errors="replace"))
 
 
-@dataclass(frozen=True, slots=True)
-class Refusal:
-    """A message that was not sent, as it is larger than `network.max_message_bytes`, the limit."""
+class Batch(msgspec.Struct, frozen=True, gc=False, cache_hash=True):
+    """Messages that arrive together, sorted by sender, then in the order of sending."""
+
+    messages: tuple[Message, ...]
+
+
+class Inbox(Sequence[Message]):
+    """What one robot receives in one step: a batch without the messages that it sent itself.
+
+    Robots that hear each other share the batch, so what follows from it needs to be computed only once.
+    """
+
+    __slots__ = ("_begin", "_end", "batch")
+
+    def __init__(self, batch: Batch, begin: int, end: int) -> None:
+        """Args: begin, end: the messages of the batch from `begin` to before `end` are the robot's own."""
+        self.batch = batch
+        self._begin, self._end = begin, end
+
+    def __len__(self) -> int:
+        return len(self.batch.messages) - (self._end - self._begin)
+
+    @overload
+    def __getitem__(self, index: int) -> Message: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Message]: ...
+    def __getitem__(self, index: int | slice) -> Message | Sequence[Message]:
+        return self._received()[index]
+
+    def __iter__(self) -> Iterator[Message]:
+        return iter(self._received())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and self._received() == tuple(other)
+
+    def __hash__(self) -> int:
+        return hash(self._received())
+
+    def __repr__(self) -> str:
+        return f"Inbox{self._received()}"
+
+    def _received(self) -> tuple[Message, ...]:
+        return self.batch.messages[: self._begin] + self.batch.messages[self._end :]
+
+
+def batch_of(inbox: Sequence[Message]) -> Batch:
+    """Return the batch that an inbox is part of; the inbox itself where it is none of the network's."""
+    return inbox.batch if isinstance(inbox, Inbox) else Batch(tuple(inbox))
+
+
+class Refusal(msgspec.Struct, frozen=True, gc=False):
+    """A message that was not sent because it is larger than `network.max_message_bytes`, the limit."""
 
     sender: int
     num_bytes: int
     limit_bytes: int
 
 
-@dataclass(frozen=True, slots=True)
-class Traffic:
+class Traffic(msgspec.Struct, frozen=True, gc=False):
     """What became of messages in one step, counted per receiver.
 
     delivered:    arrived in this step.

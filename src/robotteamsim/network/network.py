@@ -14,11 +14,11 @@ from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.sections import Network as NetworkSection
 
 _NONE = np.zeros((0, 0))
-_NOBODY = NetworkState(_NONE, _NONE, _NONE, _NONE, _NONE, 0.0, _NONE)
+_EMPTY = NetworkState(_NONE, _NONE, _NONE, _NONE, _NONE, 0.0, _NONE)
 
 
 def _among_all(network: NetworkState, present: np.ndarray) -> NetworkState:
-    """Return the network of those who are there with rows and columns for all; present: bool, shape (n,)."""
+    """Return the network of the robots that are there with rows and columns for all; present: bool, shape (n,)."""
     there, shape = np.ix_(present, present), (len(present), len(present))
 
     def spread(matrix: np.ndarray, nothing: float, kind: type) -> np.ndarray:
@@ -41,8 +41,8 @@ class Network:
     """The undirected radio network of `num_robots` robots [dissertation, 5.2.2].
 
     A link exists where the signal is at least `lost_below_dbm`, or, for links by distance, where the distance is at
-    most `max_distance_m`. It is endangered where its signal is below `endangered_below_dbm`. How messages travel over
-    links stands in `Delivery`.
+    most `max_distance_m`. It is endangered where its signal is below `endangered_below_dbm`. `Delivery`
+    describes how messages travel over links.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Network:
         seed: int = 0,
         step_ns: int = 100_000_000,
     ) -> None:
-        """Make a network without any message on its way; `seed` is that of the losses, `step_ns` a step [ns]."""
+        """Make a network without any message under way; `seed` is that of the losses, `step_ns` a step [ns]."""
         self._radio_field = radio_field
         self._section = network
         self._num_robots = num_robots
@@ -64,7 +64,7 @@ class Network:
 
     def step(
         self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]], present: np.ndarray | None = None
-    ) -> tuple[NetworkState, list[tuple[Message, ...]]]:
+    ) -> tuple[NetworkState, Sequence[Sequence[Message]]]:
         """Return the network at these positions, and what each robot receives over it.
 
         Args:
@@ -72,7 +72,7 @@ class Network:
             outboxes:    messages sent in the step before, one sequence per robot in id order.
             present:     whether each robot is there, bool, shape (n,); None: all are.
         Returns: the state, and one inbox per robot in id order: what arrives in this step, sorted by sender, then in
-                 the order of sending. Nobody receives his own messages; one that is too large is refused.
+                 the order of sending. No robot receives its own messages; one that is too large is refused.
         Raises: ValueError: wrong number of robots; a position is not finite; a message with a sender that is not the
                 owner of the outbox, or a receiver that does not exist.
         """
@@ -89,17 +89,17 @@ class Network:
             limit = self._section.max_message_bytes
             outboxes = [[message for message in outbox if message.num_bytes <= limit] for outbox in outboxes]
         if present is not self._present:
-            # What is kept from step to step is of the same robots.
+            # The links that are kept from step to step are those of the same robots.
             self._links, self._present = TeamLinks(self._radio_field, self._section), present
         if present is None:
             state = self._links.step(positions_m)
         else:
-            state = _among_all(self._links.step(positions_m[present]) if present.any() else _NOBODY, present)
+            state = _among_all(self._links.step(positions_m[present]) if present.any() else _EMPTY, present)
         inboxes, traffic = self._delivery.step(state, present, outboxes, refused)
         return state if traffic is NO_TRAFFIC else state._replace(traffic=traffic), inboxes
 
     def reset(self) -> None:
-        """Forget the last links and messages on their way, as a new network."""
+        """Forget the last links and messages under way, as a new network."""
         self._links = TeamLinks(self._radio_field, self._section)
         self._delivery.reset()
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import platform
 from importlib import metadata
 from pathlib import Path
 from typing import Any
+
+import msgspec
 
 import robotteamsim
 from robotteamsim.mission.status import Event
@@ -50,14 +51,14 @@ class ResultWriter:
 
 def result_summary(result: Result) -> dict[str, Any]:
     """Return a result as plain values for JSON."""
-    return {**dataclasses.asdict(result), "robots": [dataclasses.asdict(robot) for robot in result.robots]}
+    return {**msgspec.structs.asdict(result), "robots": [msgspec.structs.asdict(robot) for robot in result.robots]}
 
 
 def mission_document(scenario: Scenario, result: Result, events: list[Event]) -> dict[str, Any]:
     """Return the contents of mission.json: result, events in order, versions, and the scenario with every default."""
     return {
         "result": result_summary(result),
-        "events": [dataclasses.asdict(event) for event in events],
+        "events": msgspec.to_builtins(events),
         "versions": versions(),
         "scenario": scenario.model_dump(mode="json", by_alias=True),
     }

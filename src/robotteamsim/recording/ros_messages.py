@@ -12,7 +12,7 @@ import numpy as np
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision, Discovery
-from robotteamsim.mission.status import Event, MissionStatus, Reports, VictimState
+from robotteamsim.mission.status import DeliveredDiscoveries, Event, MissionStatus, VictimState
 from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.plan import OccupancyGrid
@@ -27,7 +27,7 @@ MAP_FRAME = "map"
 _PLANE_OF_36 = np.array([0, 1, 5, 6, 7, 11, 30, 31, 35])
 _OF_TRIANGLE = np.array([0, 1, 2, 1, 3, 4, 2, 4, 5])
 _IDENTITY = PoseReading(0.0, 0.0, 0.0, 1.0)
-_NO_REPORTS = Reports()
+_NOTHING_DELIVERED = DeliveredDiscoveries()
 
 
 class Make(Protocol):
@@ -284,7 +284,7 @@ def controller_status(make: Make, time_ns: int, robot_id: int, decision: Decisio
 
 def mission_status(make: Make, time_ns: int, scenario_name: str, status: MissionStatus, noise_db: float) -> Any:
     """robotteamsim/MissionStatus."""
-    task, reports = status.task, status.reports
+    task, delivered = status.task, status.delivered or _NOTHING_DELIVERED
     return make(
         "robotteamsim/MissionStatus",
         header=header(make, time_ns, MAP_FRAME),
@@ -302,11 +302,11 @@ def mission_status(make: Make, time_ns: int, scenario_name: str, status: Mission
         has_area=task.area_center_m is not None,
         area_center=point(make, task.area_center_m or (0.0, 0.0)),
         area_radius_m=float(task.area_radius_m),
-        has_base=reports is not None,
-        finds_reported=(reports or _NO_REPORTS).reported,
-        mean_report_delay_s=(reports or _NO_REPORTS).mean_delay_s,
-        max_report_delay_s=(reports or _NO_REPORTS).max_delay_s,
-        unreported=[_discovery(make, find) for find in task.unreported],
+        has_base=status.delivered is not None,
+        finds_reported=delivered.count,
+        mean_report_delay_s=delivered.mean_delay_s,
+        max_report_delay_s=delivered.max_delay_s,
+        unreported=[_discovery(make, find) for find in task.undelivered],
     )
 
 

@@ -108,7 +108,7 @@ def _totals_table(result: Result) -> Table:
         ("end", END_WORDS[result.end]),
         ("areas explored", f"{result.areas_explored} of {result.num_areas}"),
         ("victims saved", f"{result.victims_saved} of {result.num_victims}"),
-        *delivery_rows(result.finds_reported, result.mean_report_delay_s, result.max_report_delay_s),
+        *delivery_rows(result.discoveries_delivered, result.mean_delivery_delay_s, result.max_delivery_delay_s),
         ("time", f"{result.time_s:.1f} s"),
         ("endangered links", str(result.endangered_links)),
         ("driven", f"{distances}{more} m"),

@@ -1,4 +1,4 @@
-"""What is between the robots: voices, radio and the messages that travel over it."""
+"""The media between robots: voices, radio and the messages that travel over it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Environment:
     def __init__(self, scenario: Scenario) -> None:
         self._radio = RadioField(scenario.plan, scenario.radio)
         self.voice = VoiceSensor(scenario.plan, scenario.voice, scenario.mission.victims, scenario.run.seed)
-        """What robots hear by."""
+        """The sensor of voices."""
         num_robots, run = scenario.num_robots, scenario.run
         self._network = Network(self._radio, scenario.network, num_robots, seed=run.seed, step_ns=run.step_ns)
         self._doors = DoorStates.at_start(scenario.plan)
@@ -40,23 +40,23 @@ class Environment:
         outboxes: Sequence[Sequence[Message]],
         saved: Collection[str],
         present: np.ndarray | None = None,
-    ) -> tuple[tuple[VoiceReading, ...], NetworkState, tuple[tuple[Message, ...], ...]]:
-        """Let each robot hear, and carry what robots sent on over the links of this step.
+    ) -> tuple[tuple[VoiceReading, ...], NetworkState, Sequence[Sequence[Message]]]:
+        """Let each robot hear, and carry messages over the links of this step.
 
         Args:
             positions_m: true positions in `map`, shape (n, 2) [m].
             outboxes:    messages sent in the last step, one sequence per robot in id order.
             saved:       names of the victims saved up to the last step; they are silent.
-            present:     whether each robot is there, bool, shape (n,); None: all are. The others hear nothing.
+            present:     whether each robot is there, bool, shape (n,); None: all are. Absent robots hear nothing.
         Returns: voice readings in id order, the network, and the inbox of each robot in id order.
         """
         self.voice.set_silenced(saved)
         network, inboxes = self._network.step(positions_m, outboxes, present)
         if present is None:
-            return self.voice.read_team(positions_m), network, tuple(inboxes)
+            return self.voice.read_team(positions_m), network, inboxes
         heard = iter(self.voice.read_team(positions_m[present]))
         voices = tuple(next(heard) if is_there else NOTHING_HEARD for is_there in present.tolist())
-        return voices, network, tuple(inboxes)
+        return voices, network, inboxes
 
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door for radio and voices. Raises: ValueError: no such door."""
@@ -76,5 +76,5 @@ class Environment:
         self.voice.set_noise_db(noise_db)
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
-        """Add a victim, or move the one of that name [m, map]; she calls (again)."""
+        """Add a victim, or move the one of that name [m, map]; they call (again)."""
         self.voice.set_victim(name, position_m)

@@ -1,11 +1,11 @@
-"""What a trial leaves behind: a record of each step, a result at the end, and who looks on."""
+"""The record of each step, the result of a trial, and the observers of both."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
+import msgspec
 import numpy as np
 
 from robotteamsim.interface import Decision
@@ -18,15 +18,15 @@ from robotteamsim.sensing.readings import RobotReading, VoiceReading
 from robotteamsim.world.doors import DoorStates
 
 
-class StepRecord(NamedTuple):
+class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     """All that happened in one step; sequences are in robot id order.
 
     step_index: 1 for the first step.     sim_time_ns: its stamp [ns].
     inboxes:    messages that arrived in this step, sent in the one before.
-    decisions:  what the controllers made of it; their outboxes arrive in the next step.
+    decisions:  of the controllers; their outboxes arrive in the next step.
     victims:    in the order of `mission.victims`, at their places.
     doors:      as they are after the step, by name, in the plan's order; the same object until one of them changes.
-    present:    whether each robot is there, bool, shape (n,); None: all are. What stands for the others means nothing.
+    present:    whether each robot is there, bool, shape (n,); None: all are. Entries of absent robots mean nothing.
     arrivals:   how often each robot has come, its start included; both are the same objects until that changes.
     voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
     """
@@ -36,7 +36,7 @@ class StepRecord(NamedTuple):
     readings: Sequence[RobotReading]
     voices: tuple[VoiceReading, ...]
     network: NetworkState
-    inboxes: tuple[tuple[Message, ...], ...]
+    inboxes: Sequence[Sequence[Message]]
     decisions: tuple[Decision, ...]
     mission: MissionStatus
     events: tuple[Event, ...]
@@ -57,9 +57,8 @@ class StepRecord(NamedTuple):
         return self.sim_time_ns / 1e9
 
 
-@dataclass(frozen=True, slots=True)
-class RobotTotals:
-    """What one robot did in a trial.
+class RobotTotals(msgspec.Struct, frozen=True, gc=False):
+    """Totals of one robot over a trial.
 
     distance_m: length of its true path.      contact_s: time in which it touched something.
     excluded_s: time as an excluded robot.    longest_stay_s: longest time within 0.5 m of one place.
@@ -71,13 +70,12 @@ class RobotTotals:
     longest_stay_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class Result:
-    """How a trial went.
+class Result(msgspec.Struct, frozen=True, gc=False):
+    """The outcome of a trial.
 
-    time_s: of the mission's clock.  wall_s: what computing it took, the one figure that differs between equal runs.
-    finds_reported: areas explored and victims reached that the base heard of; None: there is no base.
-    mean_report_delay_s, max_report_delay_s: how late it heard of those [s]; None: of none.
+    time_s: of the mission's clock.  wall_s: of the computation, the only value that differs between equal runs.
+    discoveries_delivered: discoveries delivered to the base; None: there is no base.
+    mean_delivery_delay_s, max_delivery_delay_s: from discovery to delivery [s]; None: none was delivered.
     """
 
     scenario: str
@@ -95,9 +93,9 @@ class Result:
     sim_time_s: float
     robots: tuple[RobotTotals, ...]
     wall_s: float
-    finds_reported: int | None = None
-    mean_report_delay_s: float | None = None
-    max_report_delay_s: float | None = None
+    discoveries_delivered: int | None = None
+    mean_delivery_delay_s: float | None = None
+    max_delivery_delay_s: float | None = None
 
     @property
     def speed(self) -> float:
@@ -106,16 +104,16 @@ class Result:
 
 
 class Observer(Protocol):
-    """Somebody who looks on: a recorder, a progress bar. After `begin` comes either `end` or `abandon`, once."""
+    """Receives each step of a trial: a recorder, a progress bar. After `begin`, `end` or `abandon` is called once."""
 
     def begin(self, scenario: Scenario) -> None:
         """A trial begins."""
 
     def step(self, record: StepRecord) -> None:
-        """One step is done."""
+        """A step is complete."""
 
     def end(self, result: Result) -> None:
         """The mission has ended."""
 
     def abandon(self) -> None:
-        """The trial broke off: let go of files and leave nothing half-written. Must not raise."""
+        """The trial was interrupted: close files and leave nothing half-written. Must not raise."""

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
+import msgspec
 import numpy as np
 
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.mission import Mission
-from robotteamsim.network.messages import Message
+from robotteamsim.mission.status import Event
+from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import RobotReading, TeamReadings, ground_truth_rows
+from robotteamsim.sensing.readings import RobotReading, TeamReadings, VoiceReading, ground_truth_rows
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.record import Observer, Result, StepRecord
@@ -26,7 +28,8 @@ from robotteamsim.world.placement import check_places, placed_robots
 class Simulation:
     """One trial of a scenario. Everything that it does follows from the scenario, its seed included.
 
-    The stages hand each other only what ROS messages of the same stamp, or of the step before, can carry: in step k
+    The world moves, the robots sense, the network delivers, the controllers decide, the mission judges.
+    The stages pass each other only what ROS messages of the same stamp, or of the step before, can carry: in step k
     the world moves by the twists of step k-1, the network delivers what was sent in step k-1, controllers know the
     mission's task as of step k-1. Nodes that wait for the same stamps therefore compute the same bits.
     """
@@ -51,55 +54,78 @@ class Simulation:
 
     def step(self) -> StepRecord:
         """Advance by one step and return all that happened in it."""
-        world, environment, mission = self.world, self.environment, self.mission
-        # The world moves.
-        twists, outboxes, *_ = zip(*self._decisions)  # noqa: B905
-        world.step(twists)
-        sim_time_ns, doors, present = world.sim_time_ns, world.door_states(), world.present
-        environment.follow_doors(doors)
-        mission.follow_doors(doors)
-        # The robots sense; the network delivers.
+        self._move_world()
         readings = self.sensors.read()
-        positions_m, of_robots = readings.positions_m, readings.one_by_one()
-        voices, network, inboxes = environment.step(positions_m, outboxes, self._saved, present)
-        # Each controller decides.
-        are_same = present is None and world.arrivals is self._arrivals
-        controllers = self.controllers if are_same else self._present_controllers(present)
-        task = self._task
-        for robot_id, controller in enumerate(controllers):
-            observation = Observation(robot_id, sim_time_ns, of_robots[robot_id], voices[robot_id])
-            controller.observe(observation, inboxes[robot_id], task)
-        decided = []
-        for controller in controllers:
-            decided.append(controller.decide())
-        self._decisions = decisions = tuple(decided)
-        # The mission judges.
-        base_inbox = () if self._base is None else inboxes[self._base]
-        events = mission.step(sim_time_ns, positions_m, voices, network, decisions, base_inbox, present)
-        self._task, self._saved = mission.task, mission.saved_victims
+        voices, network, inboxes = self._deliver(readings.positions_m)
+        self._decisions = self._decide(readings, voices, inboxes)
+        events = self._judge(readings.positions_m, voices, network, inboxes)
+        world, mission = self.world, self.mission
         return StepRecord(
-            world.step_index,
-            sim_time_ns,
-            readings,
-            voices,
-            network,
-            inboxes,
-            decisions,
-            mission.status,
-            events,
-            mission.victims,
-            mission.noise_db,
-            None if environment.voice.changes == self._voice_map_changes else self._fresh_voice_map(),
-            doors,
-            present,
-            world.arrivals,
+            step_index=world.step_index,
+            sim_time_ns=world.sim_time_ns,
+            readings=readings,
+            voices=voices,
+            network=network,
+            inboxes=inboxes,
+            decisions=self._decisions,
+            mission=mission.status,
+            events=events,
+            victims=mission.victims,
+            noise_db=mission.noise_db,
+            voice_map=self._fresh_voice_map(),
+            doors=world.door_states(),
+            present=world.present,
+            arrivals=world.arrivals,
         )
 
-    def run(self, observers: Sequence[Observer] = ()) -> Result:
-        """Run until the mission has ended, with observers looking on; a mission that waits is started.
+    def _move_world(self) -> None:
+        """Move the world by the last decisions; voice, radio and mission follow its doors."""
+        self.world.step([decision.twist for decision in self._decisions])
+        doors = self.world.door_states()
+        self.environment.follow_doors(doors)
+        self.mission.follow_doors(doors)
 
-        Whatever breaks the run off (an observer's RecordingError, an interrupt) is raised after every observer that
-        began was told to abandon.
+    def _deliver(
+        self, positions_m: np.ndarray
+    ) -> tuple[tuple[VoiceReading, ...], NetworkState, Sequence[Sequence[Message]]]:
+        """Let each robot hear, and deliver what was sent in the last step."""
+        outboxes = [decision.outbox for decision in self._decisions]
+        return self.environment.step(positions_m, outboxes, self._saved, self.world.present)
+
+    def _decide(
+        self,
+        readings: Sequence[RobotReading],
+        voices: Sequence[VoiceReading],
+        inboxes: Sequence[Sequence[Message]],
+    ) -> tuple[Decision, ...]:
+        """Let each controller observe, then each decide."""
+        sim_time_ns, task = self.world.sim_time_ns, self._task
+        controllers = self._present_controllers()
+        received = zip(controllers, readings, voices, inboxes, strict=True)
+        for robot_id, (controller, reading, voice, inbox) in enumerate(received):
+            controller.observe(Observation(robot_id, sim_time_ns, reading, voice), inbox, task)
+        return tuple([controller.decide() for controller in controllers])
+
+    def _judge(
+        self,
+        positions_m: np.ndarray,
+        voices: Sequence[VoiceReading],
+        network: NetworkState,
+        inboxes: Sequence[Sequence[Message]],
+    ) -> tuple[Event, ...]:
+        """Let the mission judge the step, and return its events."""
+        base_inbox = () if self._base is None else inboxes[self._base]
+        events = self.mission.step(
+            self.world.sim_time_ns, positions_m, voices, network, self._decisions, base_inbox, self.world.present
+        )
+        self._task, self._saved = self.mission.task, self.mission.saved_victims
+        return events
+
+    def run(self, observers: Sequence[Observer] = ()) -> Result:
+        """Run until the mission has ended, and report each step to the observers; a mission that waits is started.
+
+        Whatever interrupts the run (an observer's RecordingError, a signal) is raised after every observer that began
+        has abandoned the trial.
         """
         begun: list[Observer] = []
         try:
@@ -117,9 +143,9 @@ class Simulation:
             raise
 
     def set_door(self, name: str, closed: bool) -> None:
-        """Have a door opened or closed, see `World.set_door`. Raises: ValueError: no such door.
+        """Open or close a door, see `World.set_door`. Raises: ValueError: no such door.
 
-        The world alone knows whether it is: voice and radio follow at once, the mission with the next step.
+        Voice and radio follow the state of the world's door at once, the mission in the next step.
         """
         self.world.set_door(name, closed)
         self.environment.follow_doors(self.world.door_states())
@@ -130,22 +156,23 @@ class Simulation:
         self.mission.set_noise_db(noise_db)
 
     def remove_robot(self, robot_id: int) -> None:
-        """Take a robot off the floor, see `World.remove_robot`. What it sent last is lost.
+        """Remove a robot, see `World.remove_robot`. The messages that it sent last are lost.
 
         Raises: ValueError: no such robot, or it is not there.
         """
         self.world.remove_robot(robot_id)
 
     def spawn_robot(self, robot_id: int, pose: Pose | None = None) -> None:
-        """Put a robot that is not there somewhere, see `World.spawn_robot`; it begins anew, its controller included.
+        """Place a robot that is not there, see `World.spawn_robot`; it starts again, with a new controller.
 
         Raises: PlacementError: it cannot stand there.
                 ValueError: no such robot, it is there already, or the pose is not finite.
         """
         self.world.spawn_robot(robot_id, pose)
-        # What its controller decided before it left is no command for it now.
-        still = [d if i != robot_id else d._replace(twist=Twist()) for i, d in enumerate(self._decisions)]
-        self._decisions = tuple(still)
+        # The last command of its former controller must not move it.
+        decisions = list(self._decisions)
+        decisions[robot_id] = msgspec.structs.replace(decisions[robot_id], twist=Twist())
+        self._decisions = tuple(decisions)
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
         """Add a victim, or move the one of that name [m, map]."""
@@ -166,36 +193,39 @@ class Simulation:
     def _controller(self, robot_id: int, arrival: int) -> Guard:
         return Guard(robot_id, self.world.num_robots, partial(make_controller, robot_id, self.scenario, arrival))
 
-    def _present_controllers(self, present: np.ndarray | None) -> Sequence[Guard | _Nobody]:
-        """Return the controllers in id order, those of robots that have come anew; nobody asks who is not there."""
-        if self._arrivals is not self.world.arrivals:
-            arrivals = self.world.arrivals
+    def _present_controllers(self) -> Sequence[Guard | _Absent]:
+        """Return the controllers in id order, new ones of robots that have come since the last step."""
+        arrivals, present = self.world.arrivals, self.world.present
+        if arrivals != self._arrivals:
             for robot_id, (before, now) in enumerate(zip(self._arrivals, arrivals, strict=True)):
                 if before != now:
                     self.controllers[robot_id] = self._controller(robot_id, now)
             self._arrivals = arrivals
         if present is None:
             return self.controllers
-        who = zip(self.controllers, present.tolist(), strict=True)
-        return [controller if is_there else _NOBODY for controller, is_there in who]
+        pairs = zip(self.controllers, present.tolist(), strict=True)
+        return [controller if is_there else _ABSENT for controller, is_there in pairs]
 
-    def _fresh_voice_map(self) -> FieldMap:
+    def _fresh_voice_map(self) -> FieldMap | None:
+        """Return the voice map if it has changed since the last step."""
+        if self.environment.voice.changes == self._voice_map_changes:
+            return None
         self._voice_map_changes = self.environment.voice.changes
         return self.environment.voice_map()
 
 
-class _Nobody:
+class _Absent:
     """The controller of a robot that is not there."""
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Take no notice."""
+        """Ignore everything."""
 
     def decide(self) -> Decision:
         """Return no command and no message."""
         return Decision()
 
 
-_NOBODY = _Nobody()
+_ABSENT = _Absent()
 
 
 def true_positions_m(readings: Sequence[RobotReading]) -> np.ndarray:

@@ -1,14 +1,12 @@
-"""What is added up over a trial and becomes its result, in headless runs and in ROS runs alike."""
+"""The totals of a trial that become its result, in headless runs and in ROS runs."""
 
 from __future__ import annotations
 
 import time
-from itertools import chain
-from operator import itemgetter
 
+import msgspec
 import numpy as np
 
-from robotteamsim.interface import Decision
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import contact_flags, ground_truth_rows
 from robotteamsim.simulation.record import Result, StepRecord
@@ -16,17 +14,20 @@ from robotteamsim.simulation.team_totals import TeamTotals
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
 
 _PENDING_STEPS = 64
-"""So many steps are added up at once: one by one, between the other stages, each would find cold code."""
+"""Steps are added up in blocks of this many: NumPy calls cost about the same for one step as for many."""
 
-# By index, as names of a tuple's items take several times as long.
-_ADDED_UP = itemgetter(
-    *[StepRecord._fields.index(name) for name in ("sim_time_ns", "readings", "decisions", "mission")]
-)
-_EXCLUDED = itemgetter(Decision._fields.index("excluded"))
 
-_Step = tuple[int, np.ndarray, np.ndarray, list[bool], bool]
-"""What is added up of a step: its stamp [ns], the rows of true poses, who touches something, who is excluded, whether
-the mission runs; of readings no more than that, so that their memory is free for the next ones."""
+class _Step(msgspec.Struct, frozen=True, gc=False, eq=False):
+    """What is added up of a step; the rest of its readings is not kept, so that its memory is free for the next ones.
+
+    ground_truth: rows of true poses, as in `TeamReadings`.  running: whether the mission runs.
+    """
+
+    sim_time_ns: int
+    ground_truth: np.ndarray
+    in_contact: np.ndarray
+    excluded: list[bool]
+    running: bool
 
 
 class Tally:
@@ -35,7 +36,7 @@ class Tally:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._hash = TrajectoryHash()
-        self._figures = TeamTotals(scenario.num_robots, scenario.run.step_s)
+        self._totals = TeamTotals(scenario.num_robots, scenario.run.step_s)
         self._wall_start_s = time.perf_counter()
         self._last: StepRecord | None = None
         self._pending: list[_Step] = []
@@ -43,10 +44,14 @@ class Tally:
     def add(self, record: StepRecord) -> None:
         """Take in one step."""
         self._last = record
-        sim_time_ns, readings, decisions, mission = _ADDED_UP(record)
-        rows, in_contact = ground_truth_rows(readings), contact_flags(readings)
         self._pending.append(
-            (sim_time_ns, rows, in_contact, list(map(_EXCLUDED, decisions)), mission.state == "running")
+            _Step(
+                record.sim_time_ns,
+                ground_truth_rows(record.readings),
+                contact_flags(record.readings),
+                [decision.excluded for decision in record.decisions],
+                record.mission.state == "running",
+            )
         )
         if len(self._pending) >= _PENDING_STEPS:
             self._add_pending()
@@ -57,7 +62,7 @@ class Tally:
             raise ValueError("a trial without a step has no result")
         self._add_pending()
         record, status = self._last, self._last.mission
-        reports = status.reports
+        delivered = status.delivered
         return Result(
             scenario=self._scenario.name,
             seed=self._scenario.run.seed,
@@ -72,24 +77,24 @@ class Tally:
             trajectory_hash=self._hash.hexdigest(),
             steps=record.step_index,
             sim_time_s=record.sim_time_s,
-            robots=self._figures.result(),
+            robots=self._totals.result(),
             wall_s=time.perf_counter() - self._wall_start_s,
-            finds_reported=reports.reported if reports else None,
-            mean_report_delay_s=reports.mean_delay_s if reports and reports.reported else None,
-            max_report_delay_s=reports.max_delay_s if reports and reports.reported else None,
+            discoveries_delivered=delivered.count if delivered else None,
+            mean_delivery_delay_s=delivered.mean_delay_s if delivered and delivered.count else None,
+            max_delivery_delay_s=delivered.max_delay_s if delivered and delivered.count else None,
         )
 
     def _add_pending(self) -> None:
         if not self._pending:
             return
-        sim_times_ns, rows, in_contact, excluded, running = zip(*self._pending, strict=True)
-        shape = (len(rows), len(rows[0]))
-        ground_truth = np.concatenate(rows).reshape(*shape, 4)
-        self._hash.update_all(sim_times_ns, ground_truth)
-        self._figures.update(
+        steps = self._pending
+        shape = (len(steps), len(steps[0].excluded))
+        ground_truth = np.concatenate([step.ground_truth for step in steps]).reshape(*shape, 4)
+        self._hash.update_all([step.sim_time_ns for step in steps], ground_truth)
+        self._totals.update(
             ground_truth[:, :, :2],
-            np.concatenate(in_contact).reshape(shape),
-            np.fromiter(chain.from_iterable(excluded), bool).reshape(shape),
-            np.array(running),
+            np.concatenate([step.in_contact for step in steps]).reshape(shape),
+            np.array([step.excluded for step in steps], dtype=bool),
+            np.array([step.running for step in steps]),
         )
-        self._pending.clear()
+        self._pending = []

@@ -1,4 +1,4 @@
-"""Per-robot figures of a trial, gathered step by step."""
+"""Totals of each robot over a trial, gathered step by step."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ class TeamTotals:
         """Take in some steps, in id order. Staying counts only while the mission runs.
 
         Args:
-            positions_m: true ones, in `map` [m], float64, shape (steps, n, 2); NaN of a robot that is not there, of
-                         whom nothing counts.
-            in_contact:  whether each touches something, bool, shape (steps, n).
-            excluded:    likewise, whether it is excluded.
+            positions_m: true ones, in `map` [m], float64, shape (steps, n, 2); NaN of a robot that is not there, which
+                         does not count.
+            in_contact:  whether each robot touches something, bool, shape (steps, n).
+            excluded:    whether each robot is excluded, bool, shape (steps, n).
             running:     whether the mission runs, bool, shape (steps,).
         Raises: ValueError: the shapes do not fit.
         """
         self._core.add_steps(positions_m, in_contact, excluded, running)
 
     def result(self) -> tuple[RobotTotals, ...]:
-        """Return the figures so far, in id order."""
+        """Return the totals so far, in id order."""
         return tuple(
             RobotTotals(
                 distance_m=robot.distance_m,

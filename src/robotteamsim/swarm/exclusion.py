@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated
+
+import msgspec
+
+Count = Annotated[int, msgspec.Meta(ge=0, le=2**31 - 1)]
+"""A number of iterations or robots, in the range that messages accept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,17 +21,17 @@ class ExclusionRules:
     max_robots: int = 15
 
 
-class SwarmState(NamedTuple):
+class SwarmState(msgspec.Struct, frozen=True, gc=False):
     """The memory of one swarm.
 
     search_counter: SC, iterations without improvement.  num_killed: N_kill, robots excluded and not called back.
     """
 
-    search_counter: int = 0
-    num_killed: int = 0
+    search_counter: Count = 0
+    num_killed: Count = 0
 
 
-class Verdict(NamedTuple):
+class Verdict(msgspec.Struct, frozen=True, gc=False):
     """What an iteration does to a swarm: its new state, who has to leave and who is called in, in id order."""
 
     state: SwarmState
@@ -69,14 +74,13 @@ def punish(state: SwarmState, members: Mapping[int, float], rules: ExclusionRule
 
     SC rises by 1; at SC_max the worst member goes, and SC is set by (12), or all go where there are N_min or fewer.
     """
-    search_counter, num_killed = state
-    search_counter += 1
+    search_counter = state.search_counter + 1
     if search_counter < rules.search_counter_max:
-        return Verdict(SwarmState(search_counter, num_killed))
+        return Verdict(SwarmState(search_counter, state.num_killed))
     if len(members) <= rules.min_robots:
-        return Verdict(SwarmState(0, num_killed + len(members)), leaves=tuple(sorted(members)))
+        return Verdict(SwarmState(0, state.num_killed + len(members)), leaves=tuple(sorted(members)))
     worst = min(members, key=lambda robot_id: (members[robot_id], -robot_id))
-    num_killed += 1
+    num_killed = state.num_killed + 1
     search_counter = punished_search_counter(rules.search_counter_max, num_killed)
     return Verdict(SwarmState(search_counter, num_killed), leaves=(worst,))
 
@@ -88,8 +92,7 @@ def _rewarded(
     rules: ExclusionRules,
     uniform: Callable[[], float],
 ) -> Verdict:
-    search_counter, num_killed = state
-    search_counter = max(0, search_counter - 1)
+    search_counter, num_killed = max(0, state.search_counter - 1), state.num_killed
     has_room = bool(excluded) and len(members) < rules.max_robots
     if search_counter > 0 or not has_room or uniform() * (num_killed + 1) >= 1.0:
         return Verdict(SwarmState(search_counter, num_killed))

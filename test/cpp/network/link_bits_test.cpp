@@ -7,7 +7,7 @@
 
 #include "graphs.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::network {
 namespace {
 
 std::string MessageFor(const Adjacency& adjacency) {
@@ -101,4 +101,4 @@ TEST(SearchFrom, KeepsTheNumberOfRobotsOutOfReach) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::network

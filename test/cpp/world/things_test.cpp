@@ -7,11 +7,11 @@
 
 #include "robotteamsim/world/world.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
 const double kPi = std::acos(-1.0);
-const Twist kForward{0.7, 0.0, 0.0};
+const base::Twist kForward{0.7, 0.0, 0.0};
 const Polygon kCrate{{-0.3, -0.2}, {0.3, -0.2}, {0.3, 0.2}, {-0.3, 0.2}};
 
 Robot RobotAt(double x, double y, double yaw) {
@@ -25,7 +25,7 @@ World WorldOf(std::vector<Robot> robots, std::vector<Thing> things) {
   return World({{wall, {wall}}}, {}, std::move(robots), 0.1, 5, std::move(things));
 }
 
-void Drive(World& world, const std::vector<Twist>& commands, int steps) {
+void Drive(World& world, const std::vector<base::Twist>& commands, int steps) {
   for (int i = 0; i < steps; ++i) world.Step(commands);
 }
 
@@ -91,7 +91,7 @@ TEST(Things, PushOtherThings) {
 TEST(Things, RepeatThemselvesToTheBitAfterAReset) {
   World world = WorldOf({RobotAt(0.0, 0.0, 0.0), RobotAt(1.0, 1.5, -1.5)},
                         {{0.0, 2.0, 0.5, {1.0, 0.25, 0.4}, kCrate}, {0.25, 3.0, 0.3, {1.9, 0.2, 0.0}, {}}});
-  std::vector<std::vector<Pose>> rounds;
+  std::vector<std::vector<base::Pose>> rounds;
   for (int round = 0; round < 2; ++round) {
     std::mt19937 random(3);
     for (int i = 0; i < 100; ++i) {
@@ -101,7 +101,7 @@ TEST(Things, RepeatThemselvesToTheBitAfterAReset) {
     world.Reset();
     EXPECT_EQ(world.thing_poses()[0].yaw, 0.4);
   }
-  EXPECT_EQ(std::memcmp(rounds[0].data(), rounds[1].data(), 2 * sizeof(Pose)), 0);
+  EXPECT_EQ(std::memcmp(rounds[0].data(), rounds[1].data(), 2 * sizeof(base::Pose)), 0);
 }
 
 TEST(Things, WithoutMassOrGroundAreRefused) {
@@ -111,4 +111,4 @@ TEST(Things, WithoutMassOrGroundAreRefused) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

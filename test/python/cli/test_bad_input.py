@@ -88,7 +88,7 @@ def test_bad_value_is_refused_in_one_line_with_exit_status_2(capsys, settings, l
         (
             "SaysNonsense",
             "controller_failed",
-            "robot 1 is stopped: decide returned local_best = 'high'; wanted a number",
+            "robot 1 is stopped: decide returned local_best = 'high'; expected a number",
         ),
         ("SaysTooMuch", "message_too_large", "robot 1 cannot send 70000 bytes, the limit is 65507"),
     ],

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Sequence
 
+import msgspec
 import pytest
 
 from robotteamsim.control import make_controller
@@ -54,7 +54,7 @@ class Team:
             self.step()
 
     def new_epoch(self, **changes: object) -> None:
-        self.task = dataclasses.replace(self.task, epoch=self.task.epoch + 1, **changes)
+        self.task = msgspec.structs.replace(self.task, epoch=self.task.epoch + 1, **changes)
 
 
 @pytest.fixture

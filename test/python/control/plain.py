@@ -10,7 +10,7 @@ import numpy as np
 
 from robotteamsim.geometry import Pose, Twist, normalise_angle
 from robotteamsim.scenario.sections import Laser, Robot
-from robotteamsim.swarm import Vector, obstacle_attractor
+from robotteamsim.swarm import Vector
 
 ARRIVED_M = 0.05
 LASER_MARGIN_M = 0.04
@@ -257,10 +257,15 @@ class PlainSurroundings:
             for reach_m in (0.5 * self._radius_m, self._radius_m)
             if reach_m <= self._clearance.free_distance(ranges_m, heading_rad, 0.05, self._radius_m)
         ]
-        hits_m = np.array(self._clearance.hits(ranges_m, 2.0 * self._radius_m))
-        x, y = obstacle_attractor((0.0, 0.0), hits_m, np.array(candidates_m).reshape(-1, 2))
+        hits_m = self._clearance.hits(ranges_m, 2.0 * self._radius_m)
+        x, y = plain_farthest(hits_m, [(0.0, 0.0), *candidates_m])
         cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
         return pose.x_m + cos * x - sin * y, pose.y_m + sin * x + cos * y
+
+
+def plain_farthest(hits_m: list[Vector], places_m: list[Vector]) -> Vector:
+    """Return the first of the places whose nearest hit is farthest away."""
+    return max(places_m, key=lambda place: min(math.dist(place, hit) for hit in hits_m))
 
 
 class PlainRuledOut:

@@ -11,15 +11,12 @@ from scipy import ndimage
 
 from robotteamsim import _core
 from robotteamsim.control.driving.known_map import KnownMap
-from robotteamsim.control.driving.localisation import Localiser
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.rdpso.obstacles import Surroundings
-from robotteamsim.geometry import Pose, PoseReading, Twist
-from robotteamsim.scenario import load
+from robotteamsim.geometry import Pose
 from robotteamsim.scenario.drives import CarDrive, Drive
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan
 from robotteamsim.scenario.sections import Laser, PlacedRobot
-from robotteamsim.sensing.readings import RobotReading
 
 SIZE_M = 12.0
 
@@ -83,14 +80,6 @@ def test_nearest_place_is_the_first_of_the_nearest():
         assert nearest == min(places, key=lambda other, position=position: math.dist(position, other))
     with pytest.raises(ValueError, match="points must not be empty"):
         _core.base.nearest_point((0.0, 0.0), [])
-
-
-def test_localiser_reads_a_pose_as_the_reading_does():
-    rng = np.random.default_rng(2)
-    localiser = Localiser(0, load("garage_sar", ["control.localisation=ground_truth"]))
-    for pose in [Pose(0.0, 0.0, math.pi), *(Pose(*row) for row in rng.uniform(-4.0, 4.0, (200, 3)).tolist())]:
-        reading = RobotReading(PoseReading.from_pose(pose), Twist(), None, None, False)
-        assert localiser.map_T_base_link(reading) == reading.ground_truth.pose
 
 
 @pytest.mark.parametrize("beams", [5, 61, 181, 360])

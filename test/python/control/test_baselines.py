@@ -69,7 +69,7 @@ def test_pso_has_an_inertia_in_place_of_the_memory_and_neither_obstacles_nor_net
     control = of("pso", c3=0.3, c4=0.4, inertia=0.7, alpha=0.9)
     pso = make_controller(0, hall_scenario(control=control))
     assert pso._momentum.coefficients == (0.7,)
-    assert pso._settings.weights == (0.08, 0.11, 0.0, 0.0)
+    assert pso._weights == (0.08, 0.11, 0.0, 0.0)
     assert pso._links._c4 == 0.0
     assert not pso._membership._enabled
 
@@ -77,7 +77,7 @@ def test_pso_has_an_inertia_in_place_of_the_memory_and_neither_obstacles_nor_net
 def test_rpso_is_pso_with_the_obstacle_term(hall_scenario):
     rpso = make_controller(0, hall_scenario(control=of("rpso", c3=0.3, inertia=0.5)))
     assert rpso._momentum.coefficients == (0.5,)
-    assert rpso._settings.weights.obstacle == 0.3
+    assert rpso._weights.obstacle == 0.3
     assert rpso._links._c4 == 0.0
     assert not rpso._membership._enabled
 

@@ -1,4 +1,4 @@
-"""Robots that cover the floor and tell the base of what they find."""
+"""Robots that cover the floor and announce victims to the base."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from robotteamsim.control.cover.controller import CoverController
-from robotteamsim.control.cover.update import CoverUpdate, Find, parse_cover_update
+from robotteamsim.control.cover.update import CoverUpdate, parse_cover_update
 from robotteamsim.errors import ScenarioError
-from robotteamsim.interface import Observation
+from robotteamsim.interface import Discovery, Observation
 from robotteamsim.network import EVERYBODY, Message
 from robotteamsim.scenario import load
 from robotteamsim.scenario.sections import Control, Mission, PlacedRobot, Victim, Voice
 from robotteamsim.simulation import Simulation, StepRecord
 
-REPORT = CoverUpdate(2, (1.0 / 3.0, 4.0), (7.0, 8.0), "00ff", (Find((1.5, 2.5), 4, 12.3),))
+UPDATE = CoverUpdate(2, (1.0 / 3.0, 4.0), (7.0, 8.0), "00ff", (Discovery("victim", "", 4, (1.5, 2.5), 12.3),))
 
 
 def _simulation(hall_scenario, **control) -> Simulation:
@@ -32,16 +32,16 @@ def _simulation(hall_scenario, **control) -> Simulation:
     return simulation
 
 
-def test_report_keeps_every_bit_as_a_message():
-    assert parse_cover_update(REPORT.to_json()) == REPORT
+def test_update_keeps_every_bit_as_a_message():
+    assert parse_cover_update(UPDATE.to_json()) == UPDATE
 
 
-@pytest.mark.parametrize("payload", ["", "3", "{}", "[]", '{"cover": {"robot_id": 1}}', '{"cover": 1}', "ä"])
-def test_other_messages_are_no_reports(payload):
+@pytest.mark.parametrize("payload", ["", "3", "{}", "[]", '{"type": "cover", "robot_id": 1}', '{"type": 1}', "ä"])
+def test_other_messages_are_not_updates(payload):
     assert parse_cover_update(payload) is None
 
 
-def test_team_covers_the_hall_and_the_base_hears_of_the_find(hall_scenario):
+def test_team_covers_the_hall_and_announces_the_victim_to_the_base(hall_scenario):
     simulation = _simulation(hall_scenario)
     heard = []
     for _ in range(900):
@@ -49,10 +49,10 @@ def test_team_covers_the_hall_and_the_base_hears_of_the_find(hall_scenario):
         heard += [parse_cover_update(m.payload) for m in record.inboxes[0]]
     base, *others = simulation.controllers
     assert record.mission.victims == ("saved",)
-    assert [find.robot_id for find in base.finds] == [find.robot_id for find in heard[-1].finds]
-    assert len(base.finds) == 1
-    assert np.hypot(*np.subtract(base.finds[0].position, (9.0, 4.0))) < 0.5
-    assert all(controller.finds == base.finds for controller in others)
+    assert base.found == heard[-1].discoveries
+    assert len(base.found) == 1
+    assert np.hypot(*np.subtract(base.found[0].position_m, (9.0, 4.0))) < 0.5
+    assert all(controller.found == base.found for controller in others)
     # All that is left is what nobody can see into.
     assert all(controller.covered_share > 0.95 for controller in simulation.controllers)
 
@@ -72,10 +72,10 @@ def test_message_of_another_floor_or_of_nonsense_is_left_alone(hall_scenario):
     controller: CoverController = simulation.controllers[1]
     before = controller.covered_share
     observation = _observation(record)
-    payloads = [REPORT.to_json(), "nonsense", json.dumps({"cover": {"robot_id": 2}})]
+    payloads = [UPDATE.to_json(), "nonsense", json.dumps({"type": "cover", "robot_id": 2})]
     controller.observe(observation, [Message(2, EVERYBODY, text) for text in payloads], record.mission.task)
     assert controller.covered_share == before
-    assert controller.finds == ()
+    assert controller.found == ()
 
 
 def test_partition_splits_what_robots_know_and_heals(hall_scenario):
@@ -83,13 +83,14 @@ def test_partition_splits_what_robots_know_and_heals(hall_scenario):
     for _ in range(5):
         record = simulation.step()
     first, second = simulation.controllers[1:]
-    find = CoverUpdate(0, (1.0, 1.0), None, first._cover.to_hex(), (Find((15.0, 5.0), 0, 1.0),))
+    victim = Discovery("victim", "", 0, (15.0, 5.0), 1.0)
+    update = CoverUpdate(0, (1.0, 1.0), None, first._cover.to_hex(), (victim,))
     observation = _observation(record)
-    first.observe(observation, [Message(0, EVERYBODY, find.to_json())], record.mission.task)
-    assert (len(first.finds), len(second.finds)) == (1, 0)
-    for _ in range(12):  # the next reports
+    first.observe(observation, [Message(0, EVERYBODY, update.to_json())], record.mission.task)
+    assert (len(first.found), len(second.found)) == (1, 0)
+    for _ in range(12):  # the next updates
         simulation.step()
-    assert len(second.finds) == len(simulation.controllers[0].finds) == 1
+    assert len(second.found) == len(simulation.controllers[0].found) == 1
 
 
 def test_base_that_does_not_exist_is_refused():

@@ -7,7 +7,9 @@ import pytest
 
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
+from robotteamsim.control.rdpso.update import Sighting
 from robotteamsim.geometry import Pose
+from robotteamsim.scenario.control_tuning import DoorTuning
 from robotteamsim.scenario.floor_plan import Door, FloorPlan, Wall
 from robotteamsim.scenario.sections import Area, Laser, Mission, PlacedRobot, Run
 from robotteamsim.sensing.robots import RobotSensors
@@ -36,24 +38,24 @@ def look(plan: FloorPlan, beliefs: DoorBeliefs, x: float, y: float, closed: bool
 
 
 def test_robot_sees_that_an_open_door_was_closed(plan):
-    beliefs = DoorBeliefs(plan, Laser())
+    beliefs = DoorBeliefs(plan, Laser(), DoorTuning())
     look(plan, beliefs, 8.0, 2.2, closed=False)
     assert beliefs.changed == ()
     look(plan, beliefs, 8.0, 2.2, closed=True, iteration=7)
     assert beliefs.changed == (("a", True),)
-    assert beliefs.sightings == (("a", True, 7),)
+    assert beliefs.sightings == (Sighting("a", True, 7),)
 
 
 def test_robot_sees_that_the_door_is_open_again(plan):
-    beliefs = DoorBeliefs(plan, Laser())
+    beliefs = DoorBeliefs(plan, Laser(), DoorTuning())
     look(plan, beliefs, 8.0, 2.2, closed=True, iteration=7)
     look(plan, beliefs, 8.5, 1.8, closed=False, iteration=9)
     assert beliefs.changed == ()
-    assert beliefs.sightings == (("a", False, 9),)
+    assert beliefs.sightings == (Sighting("a", False, 9),)
 
 
 def test_door_out_of_sight_stays_as_believed(plan):
-    beliefs = DoorBeliefs(plan, Laser())
+    beliefs = DoorBeliefs(plan, Laser(), DoorTuning())
     look(plan, beliefs, 3.0, 2.0, closed=True)
     assert beliefs.sightings == ()
 
@@ -61,26 +63,30 @@ def test_door_out_of_sight_stays_as_believed(plan):
 def test_robot_in_the_doorway_is_no_closed_door(plan):
     robots = [PlacedRobot(start_pose=(8.0, 2.0, 0.0)), PlacedRobot(start_pose=(10.0, 2.0, 0.0))]
     reading = RobotSensors(World(plan, robots, Run()), robots, 1).read()[0]
-    beliefs = DoorBeliefs(plan, Laser())
+    beliefs = DoorBeliefs(plan, Laser(), DoorTuning())
     beliefs.look(Pose(8.0, 2.0, 0.0), reading.ranges_m, 1)
     assert beliefs.sightings == ()
 
 
 def test_later_sighting_of_a_teammate_is_taken_over(plan):
-    beliefs = DoorBeliefs(plan, Laser())
-    beliefs.hear((("a", True, 5),))
-    beliefs.hear((("a", False, 3), ("unknown", True, 9)))
+    beliefs = DoorBeliefs(plan, Laser(), DoorTuning())
+    beliefs.hear((Sighting("a", True, 5),))
+    beliefs.hear((Sighting("a", False, 3), Sighting("unknown", True, 9)))
     assert beliefs.changed == (("a", True),)
 
 
 def test_sightings_heard_in_either_order_give_one_belief(plan):
-    sightings = [(("a", True, 5),), (("a", False, 5),), (("b", True, 2), ("a", False, 4))]
-    forward, backward = DoorBeliefs(plan, Laser()), DoorBeliefs(plan, Laser())
+    sightings = [
+        (Sighting("a", True, 5),),
+        (Sighting("a", False, 5),),
+        (Sighting("b", True, 2), Sighting("a", False, 4)),
+    ]
+    forward, backward = (DoorBeliefs(plan, Laser(), DoorTuning()) for _ in range(2))
     for heard in sightings:
         forward.hear(heard)
     for heard in reversed(sightings):
         backward.hear(heard)
-    assert forward.sightings == backward.sightings == (("a", True, 5), ("b", True, 2))
+    assert forward.sightings == backward.sightings == (Sighting("a", True, 5), Sighting("b", True, 2))
 
 
 def test_closed_door_lengthens_the_path(plan):
@@ -105,6 +111,6 @@ def test_team_finds_the_other_door_when_the_nearer_one_was_closed(team, hall_sce
 
 
 def test_scan_with_infinite_ranges_is_read(plan):
-    beliefs = DoorBeliefs(plan, Laser(no_return="inf"))
+    beliefs = DoorBeliefs(plan, Laser(no_return="inf"), DoorTuning())
     beliefs.look(Pose(8.0, 2.0, 0.0), np.full(181, np.inf, dtype=np.float32), 1)
     assert beliefs.sightings == ()

@@ -11,7 +11,7 @@ from robotteamsim.control.rdpso.common_view import CommonView
 from robotteamsim.control.rdpso.membership import Membership
 from robotteamsim.control.rdpso.update import Best, RdpsoUpdate
 from robotteamsim.interface import OUTSIDE
-from robotteamsim.mission.team_watch import TeamWatch
+from robotteamsim.mission.team_monitor import TeamMonitor
 from robotteamsim.scenario.sections import Area, Control, Mission, PlacedRobot, SocialExclusion, Swarms
 from robotteamsim.swarm import SwarmState
 
@@ -37,7 +37,7 @@ def members(hall_scenario):
 
 def iterate(team: list[Membership], iteration: int, improved: set[int], heard: tuple[int, ...] = tuple(range(NUM))):
     """Let all of `heard` hear each other in one iteration; the lower the id, the better the robot."""
-    reports = {
+    updates = {
         i: RdpsoUpdate(
             robot_id=i,
             iteration=iteration,
@@ -52,10 +52,10 @@ def iterate(team: list[Membership], iteration: int, improved: set[int], heard: t
         for i in heard
     }
     in_use = {member.swarm_id for member in team}
-    shared = CommonView(tuple(reports.values()))
+    shared = CommonView(tuple(updates.values()))
     for i in heard:
         alone = copy.copy(team[i])
-        alone.judge(iteration, CommonView(tuple(reports.values())), improved, in_use)
+        alone.judge(iteration, CommonView(tuple(updates.values())), improved, in_use)
         team[i].judge(iteration, shared, improved, in_use)
         assert (team[i].swarm_id, team[i].state) == (alone.swarm_id, alone.state)
 
@@ -159,11 +159,11 @@ def test_swarms_on_robots_are_excluded_founded_and_told_of(team, hall_scenario):
     mission = Mission(areas=(Area(name="here", center=(3.0, 4.5)),))
     settings = control(sc_max=4, max=4)
     hall = team(hall_scenario(robots=robots, mission=mission, control=settings))
-    watch, kinds = TeamWatch(), set()
+    monitor, kinds = TeamMonitor(), set()
     for step in range(1500):
         if step % 70 == 69:
             hall.new_epoch(area_center_m=(16.0, 5.0) if step % 140 < 70 else (3.0, 4.5))
-        kinds |= {change.kind for change in watch.changes(hall.step())}
+        kinds |= {change.kind for change in monitor.changes(hall.step())}
     assert kinds >= {"robot_excluded", "robot_included", "swarm_dissolved"}
 
 

@@ -1,4 +1,4 @@
-"""The swarm in the hall: reports, bests, exclusion, and what moves the robots."""
+"""The swarm in the hall: updates, bests, exclusion, and what moves the robots."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def heard(level_db: float, x: float, y: float) -> VoiceReading:
     return VoiceReading(level_db, True, (x, y), level_db)
 
 
-def report(robot_id: int, iteration: int, **changes: object) -> Message:
+def update(robot_id: int, iteration: int, **changes: object) -> Message:
     fields: dict[str, object] = {
         "robot_id": robot_id,
         "iteration": iteration,
@@ -91,7 +91,7 @@ def test_robot_stands_still_and_is_silent_while_the_task_does_not_run(robot):
     assert decision == Decision()
 
 
-def test_robot_reports_to_everybody_once_per_iteration(robot):
+def test_robot_sends_an_update_to_everybody_once_per_iteration(robot):
     decisions = drive(robot, *((observation(step), [], RUNNING) for step in range(1, 31)))
     assert [step for step, decision in enumerate(decisions, 1) if decision.outbox] == [1, 10, 20, 30]
     (message,) = decisions[0].outbox
@@ -114,7 +114,7 @@ def test_voice_is_better_than_any_distance(robot):
 
 
 def test_robot_goes_to_the_best_of_its_teammate(robot):
-    better = report(1, 0, local_best=Best(30.0, (3.0, 9.0)))
+    better = update(1, 0, local_best=Best(30.0, (3.0, 9.0)))
     decisions = drive(robot, (observation(1), [], RUNNING), (observation(2), [better], RUNNING))
     d_x, d_y = decisions[1].goal_m[0] - 3.0, decisions[1].goal_m[1] - 4.0
     assert d_y > 0.0
@@ -124,13 +124,13 @@ def test_robot_goes_to_the_best_of_its_teammate(robot):
 
 
 def test_best_of_another_epoch_is_not_comparable(robot):
-    stale = report(1, 0, epoch=0, local_best=Best(30.0, (3.0, 9.0)))
+    stale = update(1, 0, epoch=0, local_best=Best(30.0, (3.0, 9.0)))
     drive(robot, (observation(1), [], RUNNING), (observation(2), [stale], RUNNING))
     assert not sent(drive(robot, (observation(10), [], RUNNING))[0]).known_best.is_voice
 
 
 def test_best_is_remembered_until_the_epoch_changes(robot):
-    better = report(1, 0, local_best=Best(30.0, (3.0, 9.0)))
+    better = update(1, 0, local_best=Best(30.0, (3.0, 9.0)))
     drive(robot, (observation(1), [], RUNNING), (observation(2), [better], RUNNING))
     assert sent(drive(robot, (observation(10), [], RUNNING))[0]).known_best == Best(30.0, (3.0, 9.0))
     next_task = Task(running=True, epoch=2, area_center_m=AREA, area_radius_m=2.0)
@@ -138,7 +138,7 @@ def test_best_is_remembered_until_the_epoch_changes(robot):
 
 
 def test_memory_survives_a_pause(robot):
-    better = report(1, 0, local_best=Best(30.0, (3.0, 9.0)))
+    better = update(1, 0, local_best=Best(30.0, (3.0, 9.0)))
     drive(robot, (observation(1), [], RUNNING), (observation(2), [better], RUNNING))
     paused = Task(running=False, epoch=1, area_center_m=AREA)
     decisions = drive(robot, *((observation(step), [], paused) for step in range(3, 60)))
@@ -158,22 +158,6 @@ def test_what_others_write_into_messages_does_no_harm(robot):
     nonsense = [Message(1, EVERYBODY, text) for text in ("", "hello", "[]", '{"robot": 1}', '{"robot": "x"}', "3")]
     decisions = drive(robot, (observation(1), nonsense, RUNNING), (observation(2), nonsense, RUNNING))
     assert decisions[1].goal_m is not None
-
-
-def test_report_keeps_every_bit():
-    original = RdpsoUpdate(
-        robot_id=3,
-        iteration=17,
-        epoch=2,
-        position=(0.1 + 0.2, -1e-17),
-        loudest=(1.0 / 3.0, 2.0),
-        local_best=None,
-        known_best=Best(-math.pi, (math.e, 1e9)),
-        swarm_id=-1,
-        swarm=SwarmState(7, 1),
-        doors=(("door_a", True, 4),),
-    )
-    assert parse_update(original.to_json()) == original
 
 
 def test_robot_by_odometry_takes_its_start_and_what_it_drove_for_its_pose(hall_scenario):
@@ -239,17 +223,17 @@ def test_all_robots_agree_on_who_is_excluded(team, hall_scenario):
     assert [sum(excluded) for excluded in changes] == [1, 2, 3]
 
 
-def test_excluded_robots_wander_and_keep_reporting(team, hall_scenario):
+def test_excluded_robots_wander_and_keep_sending_updates(team, hall_scenario):
     mission = Mission(areas=(Area(name="here", center=(3.5, 5.0)),))
     hall = team(three(hall_scenario, mission=mission))
     hall.run(45.0)
     assert all(decision.excluded for decision in hall.decisions)
     before = [(pose.x_m, pose.y_m) for pose in hall.world.poses()]
-    reports = 0
+    num_updates = 0
     for _ in range(100):
-        reports += sum(len(decision.outbox) for decision in hall.step())
+        num_updates += sum(len(decision.outbox) for decision in hall.step())
     after = [(pose.x_m, pose.y_m) for pose in hall.world.poses()]
-    assert reports == 30
+    assert num_updates == 30
     assert all(math.dist(a, b) > 0.5 for a, b in zip(before, after, strict=True))
 
 

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -314,7 +313,7 @@ def test_two_missions_with_equal_inputs_tell_equal_events(hall_scenario):
     def events() -> list:
         course = Course(Mission(hall_scenario()))
         walk = [FAR_M, ANN_M, BOB_M, AREA_EAST_M, AREA_WEST_M]
-        return [dataclasses.asdict(event) for place in walk for event in course.step(positions=[place])]
+        return [event for place in walk for event in course.step(positions=[place])]
 
     assert events() == events()
 

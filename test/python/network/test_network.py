@@ -8,6 +8,7 @@ import pytest
 
 from robotteamsim import rng
 from robotteamsim.network import EVERYBODY, Message, Network, connectivity_matrix
+from robotteamsim.network.messages import Batch, Inbox, batch_of
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.sections import Network as NetworkSection
@@ -246,3 +247,25 @@ def test_last_words_of_a_robot_that_goes_reach_nobody():
     state, inboxes = _network().step(_IN_A_ROW, outboxes, np.array([True, False, True]))
     assert inboxes == [(), (), ()]
     assert state.traffic.cut_off == 2
+
+
+def test_robots_that_hear_each_other_share_a_batch_and_miss_their_own_messages():
+    positions_m = np.array([[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [100.0, 0.0], [110.0, 0.0]])
+    outboxes = [tuple(Message(i, EVERYBODY, f"{i} {j}") for j in range(i % 3)) for i in range(5)]
+    _, inboxes = _network(5, link="distance", max_distance_m=15.0).step(positions_m, outboxes)
+    assert inboxes[0].batch is inboxes[1].batch is inboxes[2].batch
+    assert inboxes[3].batch is inboxes[4].batch
+    expected = [["1 0", "2 0", "2 1"], ["2 0", "2 1"], ["1 0"], ["4 0"], []]
+    assert [[message.payload for message in inbox] for inbox in inboxes] == expected
+    assert [len(inbox) for inbox in inboxes] == [3, 2, 1, 1, 0]
+    assert inboxes[0][-1] == outboxes[2][1]
+    assert inboxes[0][:2] == (outboxes[1][0], outboxes[2][0])
+
+
+def test_inbox_equals_the_sequence_of_its_messages():
+    messages = tuple(Message(i, EVERYBODY, str(i)) for i in range(3))
+    inbox = Inbox(Batch(messages), 1, 2)
+    assert inbox == (messages[0], messages[2]) == tuple(inbox)
+    assert inbox != messages
+    assert batch_of(inbox).messages == messages
+    assert batch_of([messages[0]]).messages == messages[:1]

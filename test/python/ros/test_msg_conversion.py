@@ -11,7 +11,7 @@ from std_msgs.msg import Header
 
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Discovery, Task
-from robotteamsim.mission.status import Event, MissionStatus, Reports
+from robotteamsim.mission.status import DeliveredDiscoveries, Event, MissionStatus
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import ros_messages
@@ -181,10 +181,10 @@ def test_mission_status_keeps_its_task(make, task):
     assert conversion.task(message) == task
 
 
-def test_mission_status_keeps_what_the_base_has_heard_of_and_what_not(make):
+def test_mission_status_keeps_delivered_and_undelivered_discoveries(make):
     finds = (Discovery("victim", "ann", 1, (9.0, 0.1 + 0.2), 1.0 / 3.0), Discovery("area", "east", 0, (16.0, 5.0), 7.0))
-    reports = Reports(2, 0.1 + 0.2, 1.0 / 3.0)
-    status = MissionStatus("running", "", 8.0, (True,), ("saved",), -1, 0, Task(unreported=finds), reports)
+    delivered = DeliveredDiscoveries(2, 0.1 + 0.2, 1.0 / 3.0)
+    status = MissionStatus("running", "", 8.0, (True,), ("saved",), -1, 0, Task(undelivered=finds), delivered)
     assert conversion.mission_status(sent(ros_messages.mission_status(make, TIME_NS, "hall", status, 10.0))) == status
 
 

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.analysis.runs.totals import (
     MissionTotals,
@@ -28,7 +30,7 @@ def document(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> di
     """Return the totals and events of all bags as plain values for JSON; null for values that a bag lacks."""
     return {
         "bags": [
-            dataclasses.asdict(totals) | {"events": [dataclasses.asdict(event) for _, event in run.events]}
+            dataclasses.asdict(totals) | {"events": [msgspec.structs.asdict(event) for _, event in run.events]}
             for run, totals in zip(runs, all_totals, strict=True)
         ]
     }
@@ -45,7 +47,7 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
         "robots": (("bag", *_names(RobotTotals)), (row for totals in all_totals for row in _robot_rows(totals))),
         "events": (
             ("bag", "time_s", "kind", "subject", "robot_id", "detail"),
-            ((run.name, *dataclasses.astuple(event)) for run in runs for _, event in run.events),
+            ((run.name, *msgspec.structs.astuple(event)) for run in runs for _, event in run.events),
         ),
         "progress": (
             (

@@ -31,7 +31,7 @@ from robotteamsim.analysis.runs.tracks import (
     from_truth,
 )
 from robotteamsim.errors import RecordingError
-from robotteamsim.mission.status import Event, Reports
+from robotteamsim.mission.status import DeliveredDiscoveries, Event
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.scenario.plan import OccupancyGrid
 
@@ -271,8 +271,8 @@ def _status(stamp_ns: int, message: Any) -> RecordedStatus:
     )
 
 
-def _delivered(message: Any) -> Reports:
-    return Reports(int(message.finds_reported), message.mean_report_delay_s, message.max_report_delay_s)
+def _delivered(message: Any) -> DeliveredDiscoveries:
+    return DeliveredDiscoveries(int(message.finds_reported), message.mean_report_delay_s, message.max_report_delay_s)
 
 
 def _event(stamp_ns: int, message: Any) -> Event:

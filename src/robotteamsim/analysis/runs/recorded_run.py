@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robotteamsim.analysis.runs.tracks import Track
-from robotteamsim.mission.status import Event, Reports
+from robotteamsim.mission.status import DeliveredDiscoveries, Event
 from robotteamsim.scenario.plan import OccupancyGrid
 
 
@@ -64,7 +64,7 @@ class RecordedStatus:
     victims: tuple[str, ...]
     endangered_links: int
     noise_db: float
-    delivered: Reports | None = None
+    delivered: DeliveredDiscoveries | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -178,9 +178,9 @@ def _mission(run: RecordedRun) -> MissionTotals | None:
         victims_saved=last.victims.count("saved"),
         num_victims=len(last.victims),
         endangered_links=last.endangered_links,
-        discoveries_delivered=delivered.reported if delivered else None,
-        mean_delivery_delay_s=delivered.mean_delay_s if delivered and delivered.reported else None,
-        max_delivery_delay_s=delivered.max_delay_s if delivered and delivered.reported else None,
+        discoveries_delivered=delivered.count if delivered else None,
+        mean_delivery_delay_s=delivered.mean_delay_s if delivered and delivered.count else None,
+        max_delivery_delay_s=delivered.max_delay_s if delivered and delivered.count else None,
     )
 
 

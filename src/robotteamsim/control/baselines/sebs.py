@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import functools
-import json
 import math
-from dataclasses import dataclass
+from typing import Annotated
+
+import msgspec
 
 from robotteamsim.control.baselines.patrol_graph import patrol_graph
 from robotteamsim.control.driving.localisation import body_of
@@ -13,6 +14,7 @@ from robotteamsim.control.driving.path_controller import PathController
 from robotteamsim.control.runtime.streams import robot_stream
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Decision
+from robotteamsim.interface.payload import Index, read_payload, to_payload
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.scenario import Scenario
@@ -22,32 +24,30 @@ LONGEST_TIMED_M = 1000.0
 """Places without a free path to them are far beyond this: for them, the timeout must end as well."""
 
 
-@dataclass(frozen=True, slots=True)
-class Visit:
-    """What a robot tells: the vertex that it has reached (-1: none yet) and the one that it goes to."""
+class Visit(msgspec.Struct, frozen=True, gc=False, tag="sebs"):
+    """What a robot sends its team: the vertex that it has reached (-1: none yet) and the one that it goes to."""
 
-    robot_id: int
-    reached: int
-    intends: int
+    robot_id: Index
+    reached: Annotated[int, msgspec.Meta(ge=-1, le=2**31 - 1)]
+    intends: Index
 
     def to_json(self) -> str:
         """Return the visit as one line of JSON."""
-        return json.dumps({"sebs": [self.robot_id, self.reached, self.intends]})
+        return to_payload(self)
 
 
-# All robots of one process parse the same text.
+_decoder = msgspec.json.Decoder(Visit)
+
+
+# The robots of one process receive the same payloads.
 @functools.lru_cache(maxsize=8192)
 def parse_visit(payload: str) -> Visit | None:
-    """Return the visit that a message carries; none where it carries something else."""
-    try:
-        robot_id, reached, intends = map(int, json.loads(payload)["sebs"])
-    except (ValueError, KeyError, TypeError):
-        return None
-    return Visit(robot_id, reached, intends)
+    """Return the visit that a message carries; None where it carries something else."""
+    return read_payload(_decoder, payload)
 
 
 def gain(idleness_s: float, length_m: float, patrol: Patrol) -> float:
-    """Return what going to a vertex is worth: its idleness over the length of the edge [s/m]."""
+    """Return the gain of going to a vertex: its idleness over the length of the edge [s/m]."""
     return idleness_s / max(length_m, patrol.edge_min_m)
 
 
@@ -67,10 +67,10 @@ def visit_probability(gain_s_per_m: float, num_intending: int, team_size: int, p
 
 
 class SebsController(PathController):
-    """Goes from vertex to vertex, each time to the neighbour that is likeliest to be worth it, and tells the others.
+    """Goes from vertex to vertex, each time to the neighbour of highest posterior, and sends its team each visit.
 
-    What it knows of idleness and intentions is what it did and heard. Voices and areas do not matter to it: victims are
-    found because it passes by.
+    It knows idleness and intentions from its own visits and those that it heard of. It ignores voices and areas:
+    victims are found because it passes by.
     """
 
     def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
@@ -87,7 +87,7 @@ class SebsController(PathController):
         self._until_s = 0.0
 
     def decide(self) -> Decision:
-        """Return the command towards the vertex chosen, and, when one is reached, what to tell the others."""
+        """Return the command towards the chosen vertex, and the visit when one is reached."""
         if not self.is_running:
             return Decision()
         self._listen()
@@ -95,30 +95,30 @@ class SebsController(PathController):
         position = (pose.x_m, pose.y_m)
         if self._goal < 0:
             self._go_to(self._graph.nearest(position), position)
-            return self._tell(pose)
+            return self._send_visit(pose)
         if math.dist(position, self._graph.places[self._goal]) < self._patrol.arrived_m:
             self._visited_s[self._goal] = self.time_s
             self._at = self._goal
             self._go_to(self._next_vertex(self._at), position)
-            return self._tell(pose)
+            return self._send_visit(pose)
         if self.time_s > self._until_s:
-            # The way is shut: from where it is, any vertex nearby is as good.
+            # The path is blocked: any vertex nearby is as good.
             self._go_to(self._next_vertex(self._goal), position)
-            return self._tell(pose)
+            return self._send_visit(pose)
         return self.drive(pose, self._graph.places[self._goal])
 
     def _listen(self) -> None:
         last = len(self._visited_s) - 1
         for message in self.inbox:
             visit = parse_visit(message.payload)
-            if visit is None or not (-1 <= visit.reached <= last and 0 <= visit.intends <= last):
+            if visit is None or visit.reached > last or visit.intends > last:
                 continue
             self._intentions[visit.robot_id] = visit.intends
             if visit.reached >= 0:
                 self._visited_s[visit.reached] = self.time_s
 
     def _next_vertex(self, vertex: int) -> int:
-        """Return the neighbour of highest posterior; equals are told apart by the dice."""
+        """Return the neighbour of highest posterior; of equal ones a random one."""
         edges = self._graph.edges[vertex]
         if not edges:
             return vertex
@@ -141,7 +141,7 @@ class SebsController(PathController):
         travel_s = self._patrol.timeout_factor * min(distance_m, LONGEST_TIMED_M) / self.speed_mps
         self._until_s = self.time_s + self._patrol.timeout_s + travel_s
 
-    def _tell(self, pose: Pose) -> Decision:
+    def _send_visit(self, pose: Pose) -> Decision:
         visit = Visit(self.robot_id, self._at, self._goal)
         message = Message(self.robot_id, EVERYBODY, visit.to_json())
         return self.drive(pose, self._graph.places[self._goal], (message,))

@@ -7,14 +7,14 @@ import math
 from collections.abc import Sequence
 
 from robotteamsim.control.cover.floor_cover import CELL_M, FloorCover
-from robotteamsim.control.cover.update import CoverUpdate, Find, parse_cover_update
+from robotteamsim.control.cover.update import CoverUpdate, parse_cover_update
 from robotteamsim.control.driving.known_map import KnownMap, known_map
 from robotteamsim.control.driving.localisation import Localiser, body_of
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.rdpso.communication import LinkKeeper
 from robotteamsim.control.rdpso.ruled_out import RuledOut
-from robotteamsim.geometry import Pose, Twist
-from robotteamsim.interface import Decision, Observation, Task
+from robotteamsim.geometry import Pose
+from robotteamsim.interface import Decision, Discovery, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import VoiceReading
@@ -31,7 +31,7 @@ class CoverController:
     The base, `mission.base`, stands still, listens and reports as all others do.
     """
 
-    reports_victims = True
+    announces_victims = True
 
     def __init__(self, robot_id: int, scenario: Scenario) -> None:
         control, body = scenario.control, body_of(robot_id, scenario)
@@ -54,9 +54,9 @@ class CoverController:
         self._loudest: Vector | None = None
         """The loudest cell of the step before, where it was as loud as a victim is at 1 m or nearer."""
         self._team: dict[int, tuple[float, CoverUpdate]] = {}
-        """The last report of every teammate, and when it came [s]."""
+        """The last update of every teammate, and when it came [s]."""
         self._teammates: dict[int, Vector] = {}
-        self._finds: list[Find] = []
+        self._found: list[Discovery] = []
         self._iteration = -1
         self._goal: Vector | None = None
         self._goal_m, self._goal_since_s = math.inf, 0.0
@@ -68,9 +68,9 @@ class CoverController:
         self._speed_mps = control.max_step_speed_mps
 
     @property
-    def finds(self) -> tuple[Find, ...]:
-        """All finds that the robot knows of."""
-        return tuple(self._finds)
+    def found(self) -> tuple[Discovery, ...]:
+        """All victims that the robot knows to be found; it does not know their names."""
+        return tuple(self._found)
 
     @property
     def covered_share(self) -> float:
@@ -81,56 +81,57 @@ class CoverController:
         """Take in what the robot perceives, the messages that arrived, and the mission's task."""
         if task.epoch != self._task.epoch:
             self._ruled_out.clear()
-            self._note_find(observation)
+            self._note_victim(observation)
         self._observation, self._task = observation, task
         voice = observation.voice
         is_beside = voice.heard and voice.local_best_level_db >= self._level_at_1_m_db
         self._loudest = voice.local_best_m if is_beside else None
         for message in inbox:
-            report = parse_cover_update(message.payload)
-            if report is None or report.robot_id == self._robot_id or not self._cover.merge(report.covered):
+            update = parse_cover_update(message.payload)
+            if update is None or update.robot_id == self._robot_id or not self._cover.merge(update.covered):
                 continue
-            self._team[report.robot_id] = observation.sim_time_ns * 1e-9, report
-            self._teammates[report.robot_id] = report.position
-            for find in report.finds:
-                self._add_find(find)
+            self._team[update.robot_id] = observation.sim_time_ns * 1e-9, update
+            self._teammates[update.robot_id] = update.position
+            for victim in update.discoveries:
+                self._add_victim(victim)
 
     def decide(self) -> Decision:
         """Return command and messages for this step."""
         if self._observation is None or not self._task.running:
             return Decision()
-        _, sim_time_ns, robot, voice = self._observation
+        sim_time_ns, robot = self._observation.sim_time_ns, self._observation.robot
         pose = self._localiser.map_T_base_link(robot)
         outbox: tuple[Message, ...] = ()
         iteration = sim_time_ns // self._iteration_ns
         if iteration != self._iteration:
             self._iteration = iteration
-            self._choose(pose, voice, sim_time_ns * 1e-9)
-            outbox = (Message(self._robot_id, EVERYBODY, self._report(pose).to_json()),)
+            self._choose(pose, self._observation.voice, sim_time_ns * 1e-9)
+            outbox = (Message(self._robot_id, EVERYBODY, self._update(pose).to_json()),)
         if self._target is None:
             return Decision(outbox=outbox)
-        twist: Twist = self._navigator.drive(
+        twist = self._navigator.drive(
             self._map.grid, pose, robot.ranges_m, self._target, self._speed_mps, sim_time_ns, lambda: self._teammates
         )
         return Decision(twist=twist, outbox=outbox, goal_m=self._goal)
 
-    def _report(self, pose: Pose) -> CoverUpdate:
+    def _update(self, pose: Pose) -> CoverUpdate:
         position = (pose.x_m, pose.y_m)
-        return CoverUpdate(self._robot_id, position, self._goal, self._cover.to_hex(), tuple(self._finds))
+        return CoverUpdate(self._robot_id, position, self._goal, self._cover.to_hex(), tuple(self._found))
 
-    def _note_find(self, observation: Observation) -> None:
-        """A voice that falls silent beside the robot was that of a victim whom it has found."""
+    def _note_victim(self, observation: Observation) -> None:
+        """Note a victim whom the robot has found: a voice beside it that falls silent."""
         if self._loudest is None:
             return
         pose, voice = self._localiser.map_T_base_link(observation.robot), observation.voice
         is_silent = not voice.heard or math.dist(voice.local_best_m, self._loudest) > self._found_within_m
         if is_silent and math.dist((pose.x_m, pose.y_m), self._loudest) <= self._found_within_m:
-            self._add_find(Find(self._loudest, self._robot_id, observation.sim_time_ns * 1e-9))
+            time_s = observation.sim_time_ns * 1e-9
+            self._add_victim(Discovery("victim", "", self._robot_id, self._loudest, time_s))
 
-    def _add_find(self, find: Find) -> None:
-        """Keep a find, unless one at that place is known already."""
-        if all(math.dist(find.position, known.position) > self._found_within_m for known in self._finds):
-            self._finds.append(find)
+    def _add_victim(self, victim: Discovery) -> None:
+        """Keep a victim, unless one at that place is known already."""
+        if all(math.dist(victim.position_m, known.position_m) > self._found_within_m for known in self._found):
+            self._found.append(victim)
 
     def _choose(self, pose: Pose, voice: VoiceReading, time_s: float) -> None:
         """Look around, set the goal and, towards it, the point for this iteration."""
@@ -174,17 +175,17 @@ class CoverController:
         """Whether a teammate goes there that is nearer, or as near and of lower id."""
         own = (math.dist(place, position), self._robot_id)
         return any(
-            report.goal is not None
-            and math.dist(place, report.goal) < self._tuning.apart_m
-            and (math.dist(place, report.position), robot_id) < own
-            for robot_id, (_, report) in self._team.items()
+            update.goal is not None
+            and math.dist(place, update.goal) < self._tuning.apart_m
+            and (math.dist(place, update.position), robot_id) < own
+            for robot_id, (_, update) in self._team.items()
         )
 
     def _best_place(self, position: Vector) -> Vector | None:
         """Return where the robot covers most for the way; none where nothing is left to it."""
         left_out = [(place, self._tuning.avoided_m) for place, _ in self._avoided]
-        left_out += [(report.goal, self._tuning.apart_m) for _, report in self._team.values() if report.goal]
-        in_reach = self._links.in_reach([report.position for _, report in self._team.values()], CELL_M)
+        left_out += [(update.goal, self._tuning.apart_m) for _, update in self._team.values() if update.goal]
+        in_reach = self._links.in_reach([update.position for _, update in self._team.values()], CELL_M)
         if in_reach is not None:
             place = self._cover.best_place(position, left_out, self._tuning.nearness_m, in_reach)
             if place:

@@ -1,4 +1,4 @@
-"""Where a robot takes itself to be."""
+"""Where a robot believes itself to be."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from robotteamsim.swarm import Vector
 
 
 class Navigator:
-    """Drives one robot to a goal that may change in any step. How is told in `src/cpp/control/navigator.cpp`."""
+    """Drives one robot to a goal that may change in any step. `src/cpp/control/navigator.cpp` describes how."""
 
     def __init__(self, body: Robot, robot_id: int, mode: Literal["path", "straight"]) -> None:
         self._core = _core.control.Navigator(
@@ -42,14 +42,13 @@ class Navigator:
         Args: grid: of the known map.
               goal: in `map` [m]; one inside an obstacle stands for the nearest free point that can be reached.
               speed_mps: not to be exceeded.  sim_time_ns: the observation's stamp.
-              teammates: returns where other robots were last heard to be, in `map` [m]; called where the robot is
-                         stuck.
+              teammates: returns where other robots were last heard to be, in `map` [m]; called when the robot is stuck.
         """
         return Twist(*self._core.drive(grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates))
 
 
 def laser_layout(laser: Laser) -> _core.control.LaserLayout:
-    """Return what the library must know of a laser to read its scans."""
+    """Return the layout of a laser's beams, as the library reads its scans."""
     return _core.control.LaserLayout(
         beams=laser.beams,
         angle_min_rad=laser.angle_min_rad,

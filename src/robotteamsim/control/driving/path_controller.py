@@ -1,4 +1,4 @@
-"""What the simpler controllers share: a robot that knows where it is, holds the map, and drives to a point."""
+"""The base of the simpler controllers: a robot that knows where it is, has the map, and drives to a point."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from robotteamsim.swarm import Vector
 
 
 class PathController:
-    """Base of a controller that says where to go; the way there, and standing still on demand, are done here."""
+    """Base of a controller that chooses goals; it drives there, or wanders where there is no goal."""
 
     def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
         body = body_of(robot_id, scenario)
@@ -46,7 +46,7 @@ class PathController:
 
     @property
     def is_running(self) -> bool:
-        """Whether there is anything to do."""
+        """Whether the mission runs and the robot has perceived something."""
         return self._observation is not None and self.task.running
 
     @property
@@ -55,7 +55,7 @@ class PathController:
         return self.observation.sim_time_ns * 1e-9
 
     def pose(self) -> Pose:
-        """Return where the robot takes itself to be, in `map`."""
+        """Return where the robot believes itself to be, in `map`."""
         return self._localiser.map_T_base_link(self.observation.robot)
 
     def drive(
@@ -72,8 +72,14 @@ class PathController:
             goal = self._wander.goal(self.map, (pose.x_m, pose.y_m), self.time_s)
         else:
             self._wander.stop()
-        _, sim_time_ns, robot, _ = self.observation
+        observation = self.observation
         twist = self._navigator.drive(
-            self.map.grid, pose, robot.ranges_m, goal, self.speed_mps, sim_time_ns, lambda: teammates or {}
+            self.map.grid,
+            pose,
+            observation.robot.ranges_m,
+            goal,
+            self.speed_mps,
+            observation.sim_time_ns,
+            lambda: teammates or {},
         )
         return Decision(twist, outbox, goal_m=goal, local_best=local_best)

@@ -21,9 +21,6 @@ from robotteamsim.swarm import (
     robot_proximity_by_signal,
 )
 
-ENDANGERED_FRACTION = 0.8
-"""With links by distance, one longer than this part of d_max is endangered (ours; no source says)."""
-
 
 class LinkKeeper:
     """The communication term of eq. (22) for one robot, silent while its link to the swarm is safe.
@@ -39,6 +36,7 @@ class LinkKeeper:
         self._c4 = scenario.control.c4
         self._keeps_tree = scenario.control.kept_link == "tree"
         self._network = scenario.network
+        self._endangered_fraction = scenario.control.communication.endangered_fraction
         self._links_by_distance = scenario.network.link == "distance"
         self._tx_power_dbm, self._slope_db = scenario.radio.tx_power_dbm, scenario.radio.slope_db
         lost_dbm, endangered_dbm = scenario.network.lost_below_dbm, scenario.network.endangered_below_dbm
@@ -87,7 +85,7 @@ class LinkKeeper:
         x_m = cells.origin_m[0] + (np.arange(columns) + 0.5) * resolution_m
         y_m = cells.origin_m[1] + (np.arange(rows) + 0.5) * resolution_m
         near = [np.hypot(x_m[None, :] - x, y_m[:, None] - y) for x, y in places]
-        return np.min(near, axis=0) <= ENDANGERED_FRACTION * self._network.max_distance_m
+        return np.min(near, axis=0) <= self._endangered_fraction * self._network.max_distance_m
 
     def _weakest_of_tree(self, position: Vector, places: list[Vector]) -> Vector:
         """Return the other end of the weakest link that a robot has in the strongest tree of it and these places."""
@@ -104,7 +102,8 @@ class LinkKeeper:
         """Return P_n of a link, that of an endangered one, and its signal [dBm]; 0 for links by distance."""
         if self._links_by_distance:
             away_m = math.dist(position, neighbour)
-            return robot_proximity_by_distance(away_m, self._network.max_distance_m), 1.0 - ENDANGERED_FRACTION, 0.0
+            proximity = robot_proximity_by_distance(away_m, self._network.max_distance_m)
+            return proximity, 1.0 - self._endangered_fraction, 0.0
         assert self._field is not None
         signal_dbm = self._tx_power_dbm - self._field.path_loss_db(position, neighbour)
         proximity = robot_proximity_by_signal(signal_dbm, self._lost_dbm, self._reference_dbm)
@@ -113,7 +112,7 @@ class LinkKeeper:
     def _range_m(self, position: Vector, neighbour: Vector, signal_dbm: float) -> float:
         """Return the range that x_CB keeps on a link [m]."""
         if self._links_by_distance:
-            return ENDANGERED_FRACTION * self._network.max_distance_m
+            return self._endangered_fraction * self._network.max_distance_m
         return math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db)
 
 

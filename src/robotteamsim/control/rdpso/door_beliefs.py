@@ -1,4 +1,4 @@
-"""Doors as a robot believes them: the plan says how they were, lasers and teammates say how they are."""
+"""Doors as a robot believes them to be: as in the plan, until its laser or a teammate sees otherwise."""
 
 from __future__ import annotations
 
@@ -8,26 +8,24 @@ import numpy as np
 
 from robotteamsim.control.rdpso.update import Sighting
 from robotteamsim.geometry import Pose
+from robotteamsim.scenario.control_tuning import DoorTuning
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.sections import Laser
 from robotteamsim.swarm import Vector
 
-LEAF_TOLERANCE_M = 0.12
-FEWEST_BEAMS = 5
-CLEAR_MAJORITY = 0.8
-
 
 class DoorBeliefs:
-    """Which doors a robot takes to be closed. Newer sightings replace older ones; all robots keep the same rule."""
+    """Which doors a robot believes to be closed. Newer sightings replace older ones, by the same rule on all robots."""
 
-    def __init__(self, plan: FloorPlan, laser: Laser) -> None:
+    def __init__(self, plan: FloorPlan, laser: Laser, tuning: DoorTuning) -> None:
+        self._tuning = tuning
         self._doors = [(door, _middle(door)) for door in plan.doors]
         self._planned = {door.name: door.closed for door in plan.doors}
         self._sightings: dict[str, Sighting] = {}
         self.sightings: tuple[Sighting, ...] = ()
-        """All that was seen or heard of doors, by name."""
+        """The last sighting of each door by the robot or its teammates, in the order of names."""
         self.changed: tuple[tuple[str, bool], ...] = ()
-        """The doors that are not as the plan says, by name, with whether they are closed."""
+        """The doors that are not as in the plan, in the order of names, with whether they are closed."""
         self._laser = laser
         self._range_m = laser.range_max_m
         self._beam_angles_rad = np.linspace(laser.angle_min_rad, laser.angle_max_rad, laser.beams)
@@ -40,25 +38,26 @@ class DoorBeliefs:
                 continue
             closed = self._seen_closed(door, pose, ranges_m)
             if closed is not None and closed != self._believed(door.name):
-                self._note((door.name, closed, iteration))
+                self._note(Sighting(door.name, closed, iteration))
 
     def hear(self, sightings: tuple[Sighting, ...]) -> None:
-        """Take over what a teammate saw later; of sightings in the same iteration, the closed door counts."""
-        for name, closed, iteration in sightings:
-            known = self._sightings.get(name)
-            if name in self._planned and (known is None or (iteration, closed) > (known[2], known[1])):
-                self._note((name, closed, iteration))
+        """Take over what teammates saw later; of sightings in the same iteration, the closed door counts."""
+        for seen in sightings:
+            known = self._sightings.get(seen.door)
+            is_newer = known is None or (seen.iteration, seen.closed) > (known.iteration, known.closed)
+            if is_newer and seen.door in self._planned:
+                self._note(seen)
 
     def _note(self, sighting: Sighting) -> None:
-        self._sightings[sighting[0]] = sighting
-        self.sightings = tuple([self._sightings[name] for name in sorted(self._sightings)])
-        self.changed = tuple([(name, closed) for name, closed, _ in self.sightings if closed != self._planned[name]])
+        self._sightings[sighting.door] = sighting
+        self.sightings = tuple(self._sightings[name] for name in sorted(self._sightings))
+        self.changed = tuple((s.door, s.closed) for s in self.sightings if s.closed != self._planned[s.door])
 
     def _believed(self, name: str) -> bool:
-        return self._sightings[name][1] if name in self._sightings else self._planned[name]
+        return self._sightings[name].closed if name in self._sightings else self._planned[name]
 
     def _seen_closed(self, door: Door, pose: Pose, ranges_m: np.ndarray) -> bool | None:
-        """Return whether beams end at the leaf or go on behind it; none where too few tell."""
+        """Return whether beams end at the leaf or continue behind it; None where too few of them do either."""
         cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
         laser_x = pose.x_m + cos * self._laser.forward_m
         laser_y = pose.y_m + sin * self._laser.forward_m
@@ -67,16 +66,16 @@ class DoorBeliefs:
         leaf_x, leaf_y = door.end[0] - door.start[0], door.end[1] - door.start[1]
         to_x, to_y = door.start[0] - laser_x, door.start[1] - laser_y
         across = beam_x * leaf_y - beam_y * leaf_x
-        # Beams that graze the leaf tell little of where they end.
+        # A beam that grazes the leaf meets it at an uncertain range.
         steep = np.abs(across) > 0.3 * math.hypot(leaf_x, leaf_y)
         across = np.where(steep, across, 1.0)
         range_m = (to_x * leaf_y - to_y * leaf_x) / across
         place = (to_x * beam_y - to_y * beam_x) / across
-        meets = steep & (range_m > 0.0) & (range_m < self._laser.range_max_m - 2.0 * LEAF_TOLERANCE_M)
+        meets = steep & (range_m > 0.0) & (range_m < self._laser.range_max_m - 2.0 * self._tuning.leaf_tolerance_m)
         meets &= (place > 0.1) & (place < 0.9)
-        num_ends = int(np.count_nonzero(meets & (np.abs(ranges_m - range_m) < LEAF_TOLERANCE_M)))
-        num_passes = int(np.count_nonzero(meets & (ranges_m >= range_m + LEAF_TOLERANCE_M)))
-        fewest = max(FEWEST_BEAMS, CLEAR_MAJORITY * (num_ends + num_passes))
+        num_ends = int(np.count_nonzero(meets & (np.abs(ranges_m - range_m) < self._tuning.leaf_tolerance_m)))
+        num_passes = int(np.count_nonzero(meets & (ranges_m >= range_m + self._tuning.leaf_tolerance_m)))
+        fewest = max(self._tuning.fewest_beams, self._tuning.clear_majority * (num_ends + num_passes))
         if num_ends >= fewest:
             return True
         return False if num_passes >= fewest else None

@@ -16,7 +16,6 @@ class LocalBestFinder:
     """Finds the best place around a robot."""
 
     def __init__(self, scenario: Scenario) -> None:
-        # Read once: asked of the scenario, each takes several times as long.
         self._radius_m = scenario.voice.local_best_radius_m
         self._by_path = scenario.control.navigation == "path"
 
@@ -27,9 +26,8 @@ class LocalBestFinder:
 
         A voice that is ruled out counts as none; without an area, nothing draws the robot then. Places in `map` [m].
         """
-        _, is_heard, loudest, level_db = voice
-        if is_heard and not ruled_out.covers(loudest):
-            return Best(level_db, loudest)
+        if voice.heard and not ruled_out.covers(voice.local_best_m):
+            return Best(voice.local_best_level_db, voice.local_best_m)
         if area is None:
             return None
         if not self._by_path:

@@ -1,8 +1,8 @@
 """Which swarm a robot belongs to: social exclusion and inclusion, dissolution and new swarms [5.2.2].
 
-No robot is in charge. Each knows the reports that reached it in this iteration, finds by the same rules what becomes of
-every swarm in them, and does what concerns itself. Those who heard the same come to the same verdict; where the team
-was split, each part goes on by itself, and what a robot is in the end is what it says of itself.
+No robot is in charge. Each knows the updates that reached it in this iteration, judges every swarm in them by the same
+rules, and applies the verdict to itself. Robots that heard the same come to the same verdict; where the team was split,
+each part goes on by itself, and each robot's own statement of its swarm counts.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from robotteamsim.scenario.sections import Team
 from robotteamsim.swarm import ExclusionRules, SwarmState, Verdict, judge
 
 Values = dict[int, float]
-"""Value of the local best by robot id."""
+"""Values of local bests by robot id."""
 
 
 class Membership:
@@ -34,7 +34,7 @@ class Membership:
         self._swarms = swarms
         limits = exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots
         self._settings = self._seed, *limits, swarms.min, swarms.max, swarms.new_robots
-        """All that a verdict depends on, but for reports."""
+        """All that a verdict depends on beside the updates."""
         self.swarm_id = robot_id * swarms.initial // num_robots
         """OUTSIDE where it is excluded."""
         self.state = SwarmState()
@@ -46,15 +46,15 @@ class Membership:
         return self.swarm_id == OUTSIDE
 
     def judge(self, iteration: int, view: CommonView, improved: Collection[int], in_use: Collection[int]) -> None:
-        """Let the rules act on all swarms heard of, in the order of their numbers.
+        """Apply the rules to all swarms heard of, in the order of their numbers.
 
-        Args: view: of the reports of this iteration, the own one included.
-              improved: swarms that improved their best; OUTSIDE in it where the excluded did.
+        Args: view: of the updates of this iteration, the own one included.
+              improved: swarms that improved their best, with OUTSIDE if the excluded did.
               in_use: numbers of all swarms known of, heard in this iteration or before.
         """
         if not self._enabled:
             return
-        # Those who share a view come to the same verdict, so one of them finds it for all.
+        # Robots that share a view come to the same verdict: the first of them computes it for all.
         key = self._settings, tuple(improved), frozenset(in_use)
         verdict = view.verdicts.get(key)
         if verdict is None:
@@ -75,16 +75,14 @@ class Membership:
         states: dict[int, SwarmState] = {}
         for swarm_id, members in sorted(swarms.items()):
             dice = partial(self._dice, iteration, swarm_id)
-            free = {i: value for i, value in outside.items() if i not in moves} if outside else outside
+            free = {i: value for i, value in outside.items() if i not in moves}
             has_improved = swarm_id in improved
             verdict = judge(view.states[swarm_id], has_improved, members, free, self._rules, dice)
             if len(verdict.leaves) == len(members):
                 verdict, num_swarms = self._dissolved_or_not(verdict, num_swarms)
-            state, leaves, joins = verdict
-            if leaves or joins:
-                moves |= dict.fromkeys(leaves, OUTSIDE) | dict.fromkeys(joins, swarm_id)
-            states[swarm_id] = state
-            if has_improved and state.search_counter == 0:
+            moves |= dict.fromkeys(verdict.leaves, OUTSIDE) | dict.fromkeys(verdict.joins, swarm_id)
+            states[swarm_id] = verdict.state
+            if has_improved and verdict.state.search_counter == 0:
                 asking.append(len(members))
         if OUTSIDE in improved:
             asking.append(len(outside))
@@ -93,7 +91,7 @@ class Membership:
         return moves, states
 
     def _dissolved_or_not(self, verdict: Verdict, num_swarms: int) -> tuple[Verdict, int]:
-        """Let a swarm that all leave go, or begin anew where too few swarms would be left."""
+        """Dissolve a swarm that all leave, or restart it where too few swarms would be left."""
         if num_swarms > self._swarms.min:
             return verdict, num_swarms - 1
         return Verdict(SwarmState(0, verdict.state.num_killed - len(verdict.leaves))), num_swarms
@@ -107,9 +105,9 @@ class Membership:
         num_swarms: int,
         taken: set[int],
     ) -> None:
-        """Make swarms of the best excluded robots: once for each that asks, with a chance that grows with its size.
+        """Found swarms of the best excluded robots: one per swarm that asks, with a chance that grows with its size.
 
-        That is f N_s / N_max, f uniform in [0, 1]; an excluded team whose best improved asks as well.
+        The chance is f N_s / N_max, f uniform in [0, 1]. The excluded ask as well when their best improved.
         """
         dice = None
         for num_asking in asking:
@@ -126,7 +124,7 @@ class Membership:
                 num_swarms += 1
 
     def _move(self, swarm_id: int, states: Mapping[int, SwarmState]) -> None:
-        """Go to a swarm and take over its memory; an excluded robot goes on with that of the swarm it left."""
+        """Go to a swarm and take over its memory; an excluded robot keeps that of the swarm that it left."""
         if swarm_id not in (OUTSIDE, self.swarm_id):
             self.state = SwarmState()  # of a new swarm
         self.swarm_id = swarm_id
@@ -135,6 +133,6 @@ class Membership:
         self.state = states.get(self._last_swarm_id, self.state)
 
     def _dice(self, iteration: int, swarm_id: int) -> float:
-        """Return the number that all robots draw alike for a swarm in an iteration."""
+        """Return the random number that all robots draw identically for a swarm in an iteration."""
         name = (iteration, swarm_id) if swarm_id else (iteration,)
         return float(rng.stream(self._seed, "swarm", *name).random())

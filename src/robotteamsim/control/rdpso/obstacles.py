@@ -1,8 +1,6 @@
-"""What stands around a robot, as its laser sees it: the obstacle term of eq. (22)."""
+"""What is around a robot, as its laser sees it: the obstacle term of eq. (22)."""
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 import numpy as np
 
@@ -13,9 +11,10 @@ from robotteamsim.scenario.sections import Laser
 from robotteamsim.swarm import Vector
 
 _BEAMS = 60
-"""So many beams, at least, are enough to tell where there is room."""
+"""At least this many beams are read: at r_s, with a field of view of 270 degrees, one every 4.5 degrees."""
 
 _HEADINGS = 13
+"""Directions in which places are compared: 12 equal sectors of the field of view."""
 
 
 class Surroundings:
@@ -27,16 +26,16 @@ class Surroundings:
         low_rad = last_rad = laser.angle_min_rad
         if laser.beams > 1:
             last_rad += (beams - 1) * stride * (laser.angle_max_rad - low_rad) / (laser.beams - 1)
-        core = _core.control.Surroundings(
+        self._core = _core.control.Surroundings(
             laser=laser_layout(laser.model_copy(update={"beams": beams, "angle_max_rad": last_rad})),
             stride=stride,
             sensing_radius_m=sensing_radius_m,
             headings_rad=np.linspace(low_rad, laser.angle_max_rad, _HEADINGS).tolist(),
         )
-        # Not wrapped: every robot asks in every iteration.
-        self.attractor: Callable[[Pose, np.ndarray], Vector | None] = core.clearest_place
-        """Returns x_OB in `map` [m]; none where nothing is within the sensing radius (then c3 = 0).
 
-        Of a pose and ranges [m], it is the `obstacle_attractor` of the places along 13 headings, at half the radius and
-        at all of it.
+    def attractor(self, pose: Pose, ranges_m: np.ndarray) -> Vector | None:
+        """Return x_OB in `map` [m]; None where nothing is within the sensing radius (then c3 = 0).
+
+        It is the `obstacle_attractor` of the places along 13 headings, at half the radius and at all of it.
         """
+        return self._core.clearest_place(pose, ranges_m)

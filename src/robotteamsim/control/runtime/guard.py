@@ -1,25 +1,23 @@
-"""One robot's faulty controller stops that robot, not the mission."""
+"""A faulty controller stops its own robot, not the mission."""
 
 from __future__ import annotations
 
 import logging
-import math
 import re
 import traceback
 from collections.abc import Callable, Sequence
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Twist
-from robotteamsim.interface import OUTSIDE, Controller, Decision, Observation, Task
-from robotteamsim.network.messages import EVERYBODY, Message
+from robotteamsim.interface import EVERYBODY, OUTSIDE, Controller, Decision, Message, Observation, Task
 
 _LARGEST = 2**31 - 1
-"""Numbers of swarms, and what they count, are of 32 bits in messages."""
+"""ROS messages and bags hold numbers of swarms and search counters in 32 bits."""
 
-# Of bool | np.bool_, written where it is asked, Python would make a new object each time.
 _TRUTHS = (bool, np.bool_)
 _NUMBERS = (float, int, np.number)
 
@@ -29,9 +27,10 @@ _logger = logging.getLogger(__name__)
 
 
 class Guard:
-    """Runs a controller until it raises, or decides what no robot can do; from then on the robot stands still.
+    """Runs a controller until it raises or returns an invalid decision; from then on the robot stands still.
 
-    Why is told in each further decision, `Decision.fault`. A mistake of the user (`errors.py`) passes: it concerns all.
+    All later decisions carry the reason in `Decision.fault`. A mistake of the user (`errors.py`) is not caught: it
+    concerns all robots.
     """
 
     def __init__(self, robot_id: int, num_robots: int, make: Callable[[], Controller]) -> None:
@@ -46,7 +45,7 @@ class Guard:
         except RobotTeamSimError:
             raise
         except (Exception, SystemExit) as error:
-            self._note(error)
+            self._stop(error)
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
         """Let the controller take in what the robot perceives."""
@@ -55,21 +54,20 @@ class Guard:
         try:
             self.controller.observe(observation, inbox, task)
         except (Exception, SystemExit) as error:
-            self._note(error)
+            self._stop(error)
 
     def decide(self) -> Decision:
-        """Return the controller's decision; standing still, with the reason, once it has failed."""
-        if not self._fault and self.controller is not None:
-            try:
-                decision = self.controller.decide()
-                self._fault = problem_of(decision, self._robot_id, self._num_robots)
-                if not self._fault:
-                    return decision
-            except (Exception, SystemExit) as error:
-                self._note(error)
-        return Decision(fault=self._fault)
+        """Return the controller's decision; once it has failed, the decision to stand still, with the reason."""
+        if self._fault or self.controller is None:
+            return Decision(fault=self._fault)
+        try:
+            decision = self.controller.decide()
+            self._fault = problem_of(decision, self._robot_id, self._num_robots)
+        except (Exception, SystemExit) as error:
+            self._stop(error)
+        return Decision(fault=self._fault) if self._fault else decision
 
-    def _note(self, error: BaseException) -> None:
+    def _stop(self, error: BaseException) -> None:
         *_, last = traceback.extract_tb(error.__traceback__)
         text = ": ".join(filter(None, (type(error).__name__, " ".join(str(error).split()))))
         self._fault = f"{text} ({Path(last.filename).name}:{last.lineno})"
@@ -77,60 +75,59 @@ class Guard:
 
 
 def problem_of(decision: Decision, robot_id: int, num_robots: int) -> str:
-    """Return what is wrong with a decision, in a few words; "": nothing."""
+    """Return what is wrong with a decision, in a few words; "" where nothing is."""
     if not isinstance(decision, Decision):
-        return f"decide returned {_shown(decision)}; wanted a Decision"
-    twist, goal_m = decision.twist, decision.goal_m
-    if not isinstance(twist, Twist) or not _are_finite(twist):
-        return f"decide returned {twist!r:.120}; wanted a Twist of finite numbers"
-    if goal_m is not None and not (isinstance(goal_m, tuple) and len(goal_m) == 2 and _are_finite(goal_m)):
-        return f"decide returned the goal {_shown(goal_m)}; wanted finite (x, y), or None"
+        return f"decide returned {_shown(decision)}; expected a Decision"
+    if not isinstance(decision.twist, Twist) or not _is_finite_twist(decision.twist):
+        return f"decide returned {decision.twist!r:.120}; expected a Twist of finite numbers"
+    if decision.goal_m is not None and not _is_finite_point(decision.goal_m):
+        return f"decide returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
     if not isinstance(decision.outbox, (tuple, list)):
-        return f"decide returned the outbox {_shown(decision.outbox)}; wanted a tuple of Messages"
+        return f"decide returned the outbox {_shown(decision.outbox)}; expected a tuple of Messages"
     for message in decision.outbox:
-        wrong = _problem_of_message(message, robot_id, num_robots)
-        if wrong:
-            return wrong
-    return _problem_of_what_is_told(decision)
+        problem = _problem_of_message(message, robot_id, num_robots)
+        if problem:
+            return problem
+    return _problem_of_status(decision)
 
 
 def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:
     if not isinstance(message, Message) or not isinstance(message.payload, str):
-        return f"decide returned {_shown(message)} to send; wanted a Message with text"
+        return f"decide returned {_shown(message)} to send; expected a Message with text"
     if not message.payload.isascii() and not _has_utf8(message.payload):
-        return f"decide returned the text {message.payload!r:.60} to send, which UTF-8 does not have"
+        return f"decide returned the text {message.payload!r:.60} to send, which cannot be encoded as UTF-8"
     if not _is_whole(message.sender) or message.sender != robot_id:
-        return f"decide returned a message from sender {message.sender!r}; wanted {robot_id}, the robot itself"
+        return f"decide returned a message from sender {message.sender!r}; expected {robot_id}, the robot itself"
     if not _is_whole(message.receiver) or not EVERYBODY <= message.receiver < num_robots:
         return (
-            f"decide returned a message to receiver {message.receiver!r}; wanted 0 to {num_robots - 1}, or "
+            f"decide returned a message to receiver {message.receiver!r}; expected 0 to {num_robots - 1}, or "
             f"{EVERYBODY} for everybody"
         )
     return ""
 
 
-def _problem_of_what_is_told(decision: Decision) -> str:
-    """Return what is wrong with what others are told of a decision: messages of ROS and bags hold it as it is."""
+def _problem_of_status(decision: Decision) -> str:
+    """Return what is wrong with the status in a decision, which ROS messages and bags hold as it is."""
     if not isinstance(decision.excluded, _TRUTHS):
-        return f"decide returned excluded = {decision.excluded!r:.60}; wanted True or False"
+        return f"decide returned excluded = {decision.excluded!r:.60}; expected True or False"
     if not _is_whole(decision.swarm) or not OUTSIDE <= decision.swarm <= _LARGEST:
-        return f"decide returned swarm = {decision.swarm!r:.60}; wanted a number from 0 on, or {OUTSIDE} for none"
+        return f"decide returned swarm = {decision.swarm!r:.60}; expected a number from 0 on, or {OUTSIDE} for none"
     if not _is_whole(decision.search_counter) or not 0 <= decision.search_counter <= _LARGEST:
-        return f"decide returned search_counter = {decision.search_counter!r:.60}; wanted a number from 0 on"
+        return f"decide returned search_counter = {decision.search_counter!r:.60}; expected a number from 0 on"
     if not isinstance(decision.local_best, _NUMBERS):
-        return f"decide returned local_best = {decision.local_best!r:.60}; wanted a number"
+        return f"decide returned local_best = {decision.local_best!r:.60}; expected a number"
     if not isinstance(decision.fault, str):
-        return f"decide returned fault = {decision.fault!r:.60}; wanted text"
+        return f"decide returned fault = {decision.fault!r:.60}; expected text"
     return ""
 
 
 def _shown(value: object) -> str:
-    """Return the beginning of a value's text, without the place in memory that differs between equal runs."""
+    """Return the beginning of a value's text, without memory addresses, which differ between equal runs."""
     return _ADDRESS.sub("", repr(value))[:60]
 
 
 def _is_whole(value: object) -> bool:
-    return type(value) is int or isinstance(value, np.integer)
+    return type(value) is int or isinstance(value, np.integer)  # bool is a subclass of int
 
 
 def _has_utf8(text: str) -> bool:
@@ -141,8 +138,15 @@ def _has_utf8(text: str) -> bool:
     return True
 
 
-def _are_finite(values: tuple[float, ...]) -> bool:
+def _is_finite_twist(twist: Twist) -> bool:
     try:
-        return all(map(math.isfinite, values))
+        return isfinite(twist.linear_x_mps) and isfinite(twist.linear_y_mps) and isfinite(twist.angular_z_radps)
+    except TypeError:
+        return False
+
+
+def _is_finite_point(point: object) -> bool:
+    try:
+        return isinstance(point, tuple) and len(point) == 2 and isfinite(point[0]) and isfinite(point[1])
     except TypeError:
         return False

@@ -18,7 +18,7 @@ import robotteamsim.msg
 from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Discovery, Task
-from robotteamsim.mission.status import MissionStatus, Reports
+from robotteamsim.mission.status import DeliveredDiscoveries, MissionStatus
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
 from robotteamsim.world.doors import DoorState, DoorStates
@@ -175,7 +175,7 @@ def mission_status(message: robotteamsim.msg.MissionStatus) -> MissionStatus:
         target_area=message.target_area,
         endangered_links=message.endangered_links,
         task=task(message),
-        reports=reports(message),
+        delivered=delivered(message),
     )
 
 
@@ -186,18 +186,18 @@ def task(message: robotteamsim.msg.MissionStatus) -> Task:
         epoch=message.epoch,
         area_center_m=_point(message.area_center) if message.has_area else None,
         area_radius_m=message.area_radius_m,
-        unreported=tuple(
+        undelivered=tuple(
             Discovery(find.kind, find.name, find.robot_id, _point(find.position), find.time_s)
             for find in message.unreported
         ),
     )
 
 
-def reports(message: robotteamsim.msg.MissionStatus) -> Reports | None:
+def delivered(message: robotteamsim.msg.MissionStatus) -> DeliveredDiscoveries | None:
     """Return what the base has received; None: there is no base."""
     if not message.has_base:
         return None
-    return Reports(message.finds_reported, message.mean_report_delay_s, message.max_report_delay_s)
+    return DeliveredDiscoveries(message.finds_reported, message.mean_report_delay_s, message.max_report_delay_s)
 
 
 def _point(message: geometry_msgs.msg.Point) -> tuple[float, float]:

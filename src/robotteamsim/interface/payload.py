@@ -1,0 +1,33 @@
+"""Payloads of messages: typed JSON, written and read by msgspec. Floats keep every bit."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, TypeVar
+
+import msgspec
+
+Content = TypeVar("Content")
+
+Index = Annotated[int, msgspec.Meta(ge=0, le=2**31 - 1)]
+"""An id, a count or a number of iterations."""
+
+Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
+"""A coordinate in `map` [m]; no plan reaches farther than 1000 km."""
+
+Point = tuple[Coordinate, Coordinate]
+"""x and y in `map` [m]."""
+
+_encoder = msgspec.json.Encoder()
+
+
+def to_payload(content: Any) -> str:
+    """Return a record as one line of JSON."""
+    return _encoder.encode(content).decode()
+
+
+def read_payload(decoder: msgspec.json.Decoder[Content], payload: str) -> Content | None:
+    """Return what a payload says; None where it is no JSON or says something else. Its numbers are finite."""
+    try:
+        return decoder.decode(payload)
+    except (ValueError, RecursionError):  # nested too deep
+        return None

@@ -1,0 +1,47 @@
+"""Which discoveries have been delivered to the base, judged from the messages that reach it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from robotteamsim.interface import Discovery, Message
+from robotteamsim.interface.discovery import announced_in
+from robotteamsim.mission.status import DeliveredDiscoveries
+from robotteamsim.scenario.scenario import Scenario
+
+
+class BaseStation:
+    """Keeps discoveries until a message that announces them reaches the base; without a base it keeps nothing."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.base = scenario.mission.base
+        self.undelivered: tuple[Discovery, ...] = ()
+        """What has not been delivered to the base, in the order of discovery."""
+        self.delivered = None if self.base is None else DeliveredDiscoveries()
+        # A robot that covers the floor knows where a victim is up to a cell of the voice map.
+        self._within_m = scenario.mission.save_distance_m + scenario.voice.map_resolution_m
+
+    def add(self, discovery: Discovery) -> None:
+        """Take note of a discovery; it replaces an undelivered one of the same kind and name."""
+        if self.base is not None:
+            key = discovery.kind, discovery.name
+            others = (known for known in self.undelivered if (known.kind, known.name) != key)
+            self.undelivered = (*others, discovery)
+
+    def deliver(self, inbox: Sequence[Message], time_s: float) -> list[Discovery]:
+        """Return what is delivered now: what the base's inbox announces, and what the base discovered itself.
+
+        Args: time_s: of the mission's clock [s].
+        """
+        if self.delivered is None:
+            return []
+        announced = [found for message in inbox for found in announced_in(message.payload)]
+        now = [
+            discovery
+            for discovery in self.undelivered
+            if discovery.robot_id == self.base or any(found.means(discovery, self._within_m) for found in announced)
+        ]
+        self.undelivered = tuple(discovery for discovery in self.undelivered if discovery not in now)
+        for discovery in now:
+            self.delivered = self.delivered.with_delay(time_s - discovery.time_s)
+        return now

@@ -1,0 +1,92 @@
+"""Events of the team's swarms and controllers, derived from the robots' decisions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import msgspec
+import numpy as np
+
+from robotteamsim.interface import OUTSIDE, Decision
+
+_ABSENT = -2
+"""In place of its swarm: the robot is not there."""
+
+
+class Change(msgspec.Struct, frozen=True, gc=False):
+    """One event of the team; see `mission.status.Event`."""
+
+    kind: str
+    subject: str
+    robot_id: int
+    detail: str
+
+
+class TeamMonitor:
+    """Compares each step's decisions with those of the step before.
+
+    A swarm consists of the robots whose decisions name it. Each robot decides for itself, so those who leave, join or
+    found a swarm together may do so in different steps. The base and absent robots belong to no swarm.
+    """
+
+    def __init__(self, base: int | None = None) -> None:
+        """Args: base: the robot that is the base; None: none is."""
+        self._base = base
+        self.all_excluded = False
+        """Whether no robot that is there belongs to a swarm."""
+        self._swarms: list[int] = []
+        self._faults: list[str] = []
+
+    def changes(self, decisions: Sequence[Decision], present: np.ndarray | None = None) -> list[Change]:
+        """Return what has changed since the last step, in id order; a swarm's end follows after who left it.
+
+        Args: present: whether each robot is there, bool, shape (n,); None: all are.
+        """
+        swarms = self._swarms_in(decisions, present)
+        faults = [decision.fault for decision in decisions]
+        if swarms == self._swarms and faults == self._faults:
+            return []
+        before = self._swarms or self._at_first(swarms)
+        found = [*_changes_of_swarms(before, swarms), *_new_faults(self._faults or [""] * len(faults), faults)]
+        self._swarms, self._faults = swarms, faults
+        self.all_excluded = all(swarm in (OUTSIDE, _ABSENT) for swarm in swarms)
+        return found
+
+    def _swarms_in(self, decisions: Sequence[Decision], present: np.ndarray | None) -> list[int]:
+        swarms = [OUTSIDE if decision.excluded else decision.swarm for decision in decisions]
+        if self._base is not None:
+            swarms[self._base] = OUTSIDE
+        if present is not None:
+            swarms = [swarm if there else _ABSENT for swarm, there in zip(swarms, present.tolist(), strict=True)]
+        return swarms
+
+    def _at_first(self, swarms: list[int]) -> list[int]:
+        """Return the swarms before the first step: a robot that is excluded in it has been in swarm 0."""
+        return [0 if swarm == OUTSIDE and i != self._base else swarm for i, swarm in enumerate(swarms)]
+
+
+def _changes_of_swarms(before: list[int], now: list[int]) -> Iterator[Change]:
+    there, left = set(before) - {OUTSIDE, _ABSENT}, set(now) - {OUTSIDE, _ABSENT}
+    for robot_id, (old, new) in enumerate(zip(before, now, strict=True)):
+        if _ABSENT in (old, new):
+            continue  # Robots that leave or come have events of their own.
+        if old != new and old != OUTSIDE:
+            yield Change("robot_excluded", _name(old), robot_id, f"robot {robot_id} is excluded from {_name(old)}")
+        if old != new and new in there:
+            yield Change("robot_included", _name(new), robot_id, f"robot {robot_id} is taken into {_name(new)}")
+    for swarm in sorted(left - there):
+        founders = [str(robot_id) for robot_id, new in enumerate(now) if new == swarm]
+        who = f"robot{'s' if len(founders) > 1 else ''} {', '.join(founders)}"
+        yield Change("swarm_founded", _name(swarm), int(founders[0]), f"{_name(swarm)} is founded by {who}")
+    for swarm in sorted(there - left):
+        yield Change("swarm_dissolved", _name(swarm), -1, f"{_name(swarm)} is dissolved")
+
+
+def _new_faults(before: list[str], now: list[str]) -> Iterator[Change]:
+    for robot_id, (old, new) in enumerate(zip(before, now, strict=True)):
+        if new and not old:
+            yield Change("controller_failed", "", robot_id, f"robot {robot_id} is stopped: {new}")
+
+
+def _name(swarm: int) -> str:
+    return f"swarm {swarm}"
