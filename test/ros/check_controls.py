@@ -161,8 +161,8 @@ class ControlsTest(unittest.TestCase):
             (box, (*self.starts[1], 0.0), "is inside robot_1"),
             (box, (14.2, 4.5, 0.0), "box 'box': pose (14.20, 4.50) is inside barrel 'drum'"),
             (box, (-5.0, 4.5, 0.0), "box 'box': pose (-5.00, 4.50) is outside the plan"),
-            (drum, (12.0, 3.0, 0.0), "there is a barrel 'drum' already"),
-            ({"name": "box"}, (12.0, 3.0, 0.0), "there is no object 'box', only drum"),
+            (drum, (12.0, 3.0, 0.0), "there is already a barrel 'drum'"),
+            ({"name": "box"}, (12.0, 3.0, 0.0), "unknown object 'box'; known: drum"),
             ({"name": "drum"}, (math.nan, 3.0, 0.0), "barrel 'drum': pose must be finite"),
             ({**box, "kind": "bo"}, (12.0, 3.0, 0.0), "kind: 'bo' is not one of box, barrel"),
             ({**box, "width_m": 0.001}, (12.0, 3.0, 0.0), "size_m: 0.001 is not within 0.02 to 5"),
@@ -174,7 +174,7 @@ class ControlsTest(unittest.TestCase):
             self.assertIn(reason, refused.message)
             self.assertNotIn("\n", refused.message)
         refused = call("/remove_object", RemoveObject, name="crate")
-        self.assertEqual((refused.success, refused.message), (False, "there is no object 'crate', only drum"))
+        self.assertEqual((refused.success, refused.message), (False, "unknown object 'crate'; known: drum"))
 
     def test_speed_is_obeyed_from_now_on(self) -> None:
         self.addCleanup(call, "/set_speed", SetSpeed, speed=SPEED)

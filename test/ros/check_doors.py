@@ -100,7 +100,7 @@ class DoorsTest(unittest.TestCase):
 
     def test_unknown_door_is_refused_with_the_names_of_those_there_are(self) -> None:
         self.assertFalse(self.refused.success)
-        self.assertEqual(self.refused.message, "there is no door 'no_such_door', only plant_door, stair_door")
+        self.assertEqual(self.refused.message, "unknown door 'no_such_door'; known: plant_door, stair_door")
 
     def test_z_reset_puts_the_doors_back_in_every_node(self) -> None:
         begin = len(self.doors.messages)

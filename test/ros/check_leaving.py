@@ -126,8 +126,8 @@ class LeavingTest(unittest.TestCase):
     def test_what_cannot_be_is_refused_with_the_reason(self) -> None:
         reasons = [
             "robot_id must be in 0..3, got 4",
-            "robot_3 is not there; it cannot be removed",
-            "robot_1 is there already; it cannot be spawned",
+            "robot_3 is not present; it cannot be removed",
+            "robot_1 is already present; it cannot be spawned",
             "robot_3: pose (10.00, 0.20) is inside wall 'south'; wanted 0.2 m of clearance",
             "robot_3: pose must be finite",
             "robot_id: 3; that robot is not there",

@@ -98,7 +98,7 @@ def make_design(
         raise CampaignError(f"--trials: {trials} is below 1")
     num_trials = trials * len(groups) * math.prod(len(factor.values) for factor in factors)
     if num_trials > MAX_TRIALS:
-        raise CampaignError(f"{num_trials} trials in all are too many; wanted at most {MAX_TRIALS}")
+        raise CampaignError(f"{num_trials} trials in all are too many; expected at most {MAX_TRIALS}")
     if not 0 <= seed < _NUM_SEEDS:
         raise CampaignError(f"--seed: {seed} is not between 0 and 2^53")
     base = _load(scenario_name, overrides)

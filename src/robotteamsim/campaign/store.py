@@ -144,7 +144,7 @@ def read_store(folder: Path) -> StoredCampaign:
         known = dict(database.execute("SELECT name, value FROM campaign").fetchall())
         if (number := int(known["format"])) != _FORMAT:
             lacks = f", which lacks {_LACKS[number]}" if number in _LACKS else ""
-            raise CampaignError(f"{path}: has format {number}{lacks}; wanted {_FORMAT}: choose another folder")
+            raise CampaignError(f"{path}: has format {number}{lacks}; expected {_FORMAT}: choose another folder")
         return StoredCampaign(json.loads(known["settings"]), json.loads(known["versions"]), _outcomes(database))
 
 
@@ -177,7 +177,7 @@ def _check_ours(folder: Path) -> None:
         raise CampaignError(f"{folder}: cannot be written")
     others = sorted(set(os.listdir(folder)) - _OUR_FILES)
     if others:
-        raise CampaignError(f"{folder}: holds '{others[0]}' and no campaign; wanted a new or an empty folder")
+        raise CampaignError(f"{folder}: holds '{others[0]}' and no campaign; expected a new or an empty folder")
 
 
 def _check_same(folder: Path, stored: StoredCampaign, design: Design) -> None:

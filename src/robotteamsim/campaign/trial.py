@@ -80,7 +80,7 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
     Raises: CampaignError: this process has another version.
     """
     if robotteamsim.__version__ != version:
-        raise CampaignError(f"a worker has robotteamsim {robotteamsim.__version__}, wanted {version}")
+        raise CampaignError(f"a worker has robotteamsim {robotteamsim.__version__}, expected {version}")
     start_s = time.perf_counter()
     seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": trial.seed})})
     times, paths = _EventTimes(), PathLog()

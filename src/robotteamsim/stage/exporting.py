@@ -52,7 +52,7 @@ def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTI
     check_places(scenario)
     robots = placed_robots(scenario)
     if any(robot.drive.kind == "car" for robot in robots):
-        text = "robots.drive.kind: a car of Stage takes a steering angle for a turn: wanted another drive"
+        text = "robots.drive.kind: a car of Stage takes a steering angle for a turn: expected another drive"
         raise ScenarioError(f"{scenario.name}: {text}")
     pixels = math.prod(grid_shape(scenario.plan, resolution_m))
     if pixels > MAX_PIXELS:

@@ -65,7 +65,7 @@ class StageImport:
 def import_world(world: str | os.PathLike[str]) -> StageImport:
     """Return the scenario of a Stage world file, as Stage 4 and stage_ros read it.
 
-    Raises: ScenarioError: one line with file, line, key and what was wanted. PlacementError: likewise, a robot stands
+    Raises: ScenarioError: one line with file, line, key and what was expected. PlacementError: likewise, a robot stands
             outside the plan, in a wall or in another robot.
     """
     path = Path(world)
@@ -75,7 +75,7 @@ def import_world(world: str | os.PathLike[str]) -> StageImport:
     positions = root.of_kind("position")
     if not 1 <= len(positions) <= MAX_ROBOTS:
         raise ScenarioError(
-            f"{path}: {len(positions)} robots, as models of kind position are; wanted 1 to {MAX_ROBOTS}"
+            f"{path}: {len(positions)} robots, as models of kind position are; expected 1 to {MAX_ROBOTS}"
         )
     reader = RobotReader(values, notes, values.number(root, "interval_sim", "f", DEFAULT_STEP_MS))
     robots = tuple(reader.read(position) for position in positions)
@@ -122,7 +122,7 @@ def _plan(root: Entity, path: Path, tallest_m: float, values: Values, notes: Not
     corners = [corner for wall in reader.walls for corner in wall_corners(wall)]
     corners += [corner for block in reader.blocks for corner in block.polygon]
     if not corners:
-        raise ScenarioError(f"{path}: no model bounds the world; wanted one with a bitmap, blocks or boundary 1")
+        raise ScenarioError(f"{path}: no model bounds the world; expected one with a bitmap, blocks or boundary 1")
     low, high = (np.round(edge, 6).tolist() for edge in (np.min(corners, axis=0), np.max(corners, axis=0)))
     keys = {"name": path.stem, "bounds": {"min": low, "max": high}, "walls": reader.walls, "blocks": reader.blocks}
     try:

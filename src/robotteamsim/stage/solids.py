@@ -136,7 +136,7 @@ class SolidReader:
         rows, columns = solid.shape
         cell = (size[0] / columns, size[1] / rows)
         if not (min(cell) >= MIN_PIXEL_M and max(cell) <= MAX_PIXEL_M):
-            text = f"its pixels would be {cell[0]:.3g} x {cell[1]:.3g} m; wanted {MIN_PIXEL_M:g} to {MAX_PIXEL_M:g} m"
+            text = f"its pixels would be {cell[0]:.3g} x {cell[1]:.3g} m; expected {MIN_PIXEL_M:g} to {MAX_PIXEL_M:g} m"
             raise entity.place_of("size").wrong(f"size: {text}")
         walls, blocks = walls_and_blocks(solid_pieces(solid, (-0.5 * size[0], -0.5 * size[1]), cell))
         body = compose(pose, self._values.pose(entity, "origin")[0])

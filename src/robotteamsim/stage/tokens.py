@@ -83,7 +83,7 @@ def _with_includes(
             continue
         name = next(tokens, None)
         if name is None or name.kind != "text":
-            raise token.place.wrong('include: wanted a file name in quotes, such as include "robots.inc"')
+            raise token.place.wrong('include: expected a file name in quotes, such as include "robots.inc"')
         included = folder / name.value
         if not is_file(included):
             raise name.place.wrong(f"include: there is no file {shown(name.value)}")

@@ -64,7 +64,7 @@ def read_world_file(path: Path, file: str) -> Entity:
     """Return the root of a world file: its properties are the world's, its children the models.
 
     Args:   file: what error messages call it.
-    Raises: ScenarioError: one line with file, line and what was wanted.
+    Raises: ScenarioError: one line with file, line and what was expected.
     """
     return _Parser(read_tokens(path, file), Place(file, 1)).world()
 
@@ -91,7 +91,7 @@ class _Parser:
     def _define(self, start: Token) -> None:
         name, kind = self._word(start, "define"), self._word(start, "define")
         if not self._peek("mark", "("):
-            raise kind.place.wrong(f"define: wanted '(' after '{name.value} {kind.value}'")
+            raise kind.place.wrong(f"define: expected '(' after '{name.value} {kind.value}'")
         entity = self._entity(kind, 1)
         entity.called = name.value
         self._defined[name.value] = entity
@@ -99,7 +99,7 @@ class _Parser:
     def _item(self, parent: Entity, depth: int) -> None:
         name = self._take()
         if name.kind != "word":
-            closing = "no '(' is open here" if name.value == ")" else "wanted a key or the name of a model"
+            closing = "no '(' is open here" if name.value == ")" else "expected a key or the name of a model"
             raise name.place.wrong(f"'{name.value}': {closing}")
         if self._peek("mark", "("):
             parent.children.append(self._entity(name, depth))
@@ -145,7 +145,7 @@ class _Parser:
 
     def _value(self, name: Token) -> Value:
         if self._next == len(self._tokens):
-            raise name.place.wrong(f"{name.value}: the file ends where a value was wanted")
+            raise name.place.wrong(f"{name.value}: the file ends where a value was expected")
         token = self._take()
         if token.kind == "text":
             return token.value
@@ -160,7 +160,7 @@ class _Parser:
     def _word(self, start: Token, what: str) -> Token:
         token = self._take() if self._next < len(self._tokens) else start
         if token is start or token.kind != "word":
-            raise start.place.wrong(f"{what}: wanted a name and a kind, such as define pioneer position ( ... )")
+            raise start.place.wrong(f"{what}: expected a name and a kind, such as define pioneer position ( ... )")
         return token
 
     def _peek(self, kind: str, value: str) -> bool:

@@ -118,7 +118,7 @@ def test_store_of_another_version_is_refused(short_design, tmp_path, monkeypatch
 
 def test_folder_of_something_else_is_refused_and_left_alone(short_design, tmp_path):
     (tmp_path / "thesis.tex").touch()
-    wanted = f"{tmp_path}: holds 'thesis.tex' and no campaign; wanted a new or an empty folder"
+    wanted = f"{tmp_path}: holds 'thesis.tex' and no campaign; expected a new or an empty folder"
     assert refusal(tmp_path, short_design(SWEEP)) == wanted
     assert os.listdir(tmp_path) == ["thesis.tex"]
 
@@ -165,7 +165,7 @@ def test_store_of_an_older_format_is_refused_with_what_it_lacks(short_design, tm
         pass
     with contextlib.closing(sqlite3.connect(path)) as database, database:
         database.execute("UPDATE campaign SET value = ? WHERE name = 'format'", (str(number),))
-    wanted = f"{path}: has format {number}, which lacks {lack}; wanted 3: choose another folder"
+    wanted = f"{path}: has format {number}, which lacks {lack}; expected 3: choose another folder"
     assert refusal(tmp_path, short_design(SWEEP)) == wanted
     with pytest.raises(CampaignError, match=f"which lacks {lack}"):
         read_store(tmp_path)

@@ -273,8 +273,8 @@ def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
         (ROOM + ROBOT.replace("[ 0 5 ]", "[ 5 5 ]"), "a.world:2: range: range_max_m: 5 is not above range_min_m, 5"),
         (ROOM + ROBOT.replace("ranger(", "ranger( pose [0 0.1 0 0]"), "a.world:2: pose: 'ranger' stands 0.1 m beside"),
         (ROOM + "position( ranger() )", "a.world:2: ranger: a ranger without a sensor( ... ) measures nothing"),
-        (ROOM + "ranger()", "a.world: 0 robots, as models of kind position are; wanted 1 to 3000"),
-        (ROBOT, "a.world: no model bounds the world; wanted one with a bitmap, blocks or boundary 1"),
+        (ROOM + "ranger()", "a.world: 0 robots, as models of kind position are; expected 1 to 3000"),
+        (ROBOT, "a.world: no model bounds the world; expected one with a bitmap, blocks or boundary 1"),
         (ROOM + "puck()" + ROBOT, "a.world:2: puck: a 'puck' is not simulated"),
         (
             ROOM + "model( position() )" + ROBOT,
@@ -299,7 +299,7 @@ def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
         ),
         (
             ROBOT + "model( size [ 2000 1 1 ] )",
-            "a.world:2: model: bounds.max: x 1000 is more than 1000 m from that of min",
+            "a.world:2: model: bounds.max: x 1000 is more than 1000 m from min",
         ),
     ],
 )

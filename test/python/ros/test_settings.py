@@ -5,17 +5,18 @@ from typing import Any
 import pytest
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.ros.transport import node
-from robotteamsim.ros.transport.node import ParameterError, parameter, read_seed, read_settings
+from robotteamsim.ros.transport import node, settings
+from robotteamsim.ros.transport.node import ParameterError, parameter
+from robotteamsim.ros.transport.settings import read_seed, read_settings
 
 
 @pytest.fixture
 def parameters(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """The parameter server."""
     values: dict[str, Any] = {"/robotteamsim/scenario": "garage_sar"}
-    monkeypatch.setattr(node.rospy, "get_param", lambda name, default: values.get(name, default))
-    monkeypatch.setattr(node.rospy, "resolve_name", lambda name: name.replace("~", "/node/"))
-    monkeypatch.setattr(node.rospy, "get_name", lambda: "/world")
+    monkeypatch.setattr(node, "read_parameter", values.get)
+    monkeypatch.setattr(node.roscpp, "resolved_name", lambda name: name.replace("~", "/node/"))
+    monkeypatch.setattr(settings, "node_name", lambda: "/world")
     return values
 
 
@@ -29,7 +30,7 @@ def test_parameter_takes_the_type_of_its_default(parameters, value, default, exp
 @pytest.mark.parametrize(("value", "default"), [("fast", 1.0), (1.5, 1), (1, True), ("true", False)])
 def test_parameter_of_another_type_is_refused_by_its_full_name(parameters, value, default):
     parameters["~p"] = value
-    with pytest.raises(ParameterError, match=rf"/node/p: {value!r}; wanted {type(default).__name__}"):
+    with pytest.raises(ParameterError, match=rf"/node/p: {value!r}; expected {type(default).__name__}"):
         parameter("~p", default)
 
 
@@ -40,23 +41,23 @@ def test_settings_follow_the_parameters(parameters):
         "/robotteamsim/lockstep": True,
         "/robotteamsim/teleop": 1,
     }
-    settings = read_settings()
-    assert (settings.scenario.run.seed, settings.scenario.voice.noise_db) == (7, 20.0)
-    assert (settings.num_robots, settings.lockstep, settings.step_ns) == (5, True, 100_000_000)
-    assert [settings.drives(robot_id) for robot_id in range(6)] == [True, False, True, True, True, False]
+    read = read_settings()
+    assert (read.scenario.run.seed, read.scenario.voice.noise_db) == (7, 20.0)
+    assert (read.num_robots, read.lockstep, read.step_ns) == (5, True, 100_000_000)
+    assert [read.drives(robot_id) for robot_id in range(6)] == [True, False, True, True, True, False]
 
 
-def test_seed_of_a_reset_reaches_the_nodes_that_begin_anew(parameters):
+def test_seed_of_a_reset_reaches_the_nodes_that_start_again(parameters):
     parameters["/robotteamsim/set"] = "run.seed=7 run.step_s=0.05"
-    settings = read_settings()
-    assert read_seed(settings) == settings
+    read = read_settings()
+    assert read_seed(read) == read
     parameters["/robotteamsim/seed"] = str(2**40)
-    assert read_seed(settings).scenario.run.seed == read_settings().scenario.run.seed == 2**40
-    assert read_seed(settings).with_seed(7) == settings
+    assert read_seed(read).scenario.run.seed == read_settings().scenario.run.seed == 2**40
+    assert read_seed(read).with_seed(7) == read
 
 
 @pytest.mark.parametrize(("seed", "line"), [("-1", "seed: -1 is below 0"), ("x", "seed: 'x' is not a whole number")])
-def test_wrong_seed_is_told(parameters, seed, line):
+def test_wrong_seed_is_reported(parameters, seed, line):
     parameters["/robotteamsim/seed"] = seed
     with pytest.raises(ParameterError, match=rf"/robotteamsim/{line}"):
         read_settings()
@@ -64,14 +65,14 @@ def test_wrong_seed_is_told(parameters, seed, line):
 
 def test_without_controllers_every_robot_is_driven_by_others(parameters):
     parameters["/robotteamsim/controllers"] = False
-    settings = read_settings()
-    assert list(settings.controlled) == []
-    assert not settings.drives(0)
+    read = read_settings()
+    assert list(read.controlled) == []
+    assert not read.drives(0)
 
 
 def test_robot_driven_by_hand_must_be_one_of_the_team(parameters):
     parameters["/robotteamsim/teleop"] = 3
-    with pytest.raises(ParameterError, match=r"/robotteamsim/teleop: 3; wanted 0 to 2"):
+    with pytest.raises(ParameterError, match=r"/robotteamsim/teleop: 3; expected 0 to 2"):
         read_settings()
 
 
@@ -81,13 +82,13 @@ def test_team_of_none_is_refused(parameters):
         read_settings()
 
 
-def test_missing_scenario_is_told(parameters):
+def test_missing_scenario_is_reported(parameters):
     del parameters["/robotteamsim/scenario"]
-    with pytest.raises(ParameterError, match=r"/robotteamsim/scenario: is not set; wanted the name or file of a"):
+    with pytest.raises(ParameterError, match=r"/robotteamsim/scenario: is not set; expected the name or file of a"):
         read_settings()
 
 
-def test_wrong_override_is_told(parameters):
+def test_wrong_override_is_reported(parameters):
     parameters["/robotteamsim/set"] = "voice.noise_bd=20"
     with pytest.raises(ScenarioError, match=r"--set: voice.noise_bd: unknown key; did you mean 'noise_db'"):
         read_settings()
@@ -95,19 +96,19 @@ def test_wrong_override_is_told(parameters):
 
 def test_other_nodes_leave_a_mistake_to_the_world(parameters, monkeypatch):
     waited_s: list[float] = []
-    monkeypatch.setattr(node, "wait_for_shutdown", waited_s.append)
-    monkeypatch.setattr(node.rospy, "get_name", lambda: "/robot_0/controller")
+    monkeypatch.setattr(settings, "wait_for_shutdown", waited_s.append)
+    monkeypatch.setattr(settings, "node_name", lambda: "/robot_0/controller")
     parameters["/robotteamsim/set"] = "voice.noise_db=99"
     with pytest.raises(ScenarioError, match="99 is above 80"):
         read_settings()
-    assert waited_s == [node.WORLD_TELLS_S]
+    assert waited_s == [settings.WORLD_REPORTS_S]
 
 
 def test_number_of_robots_must_fit_a_list_of_robots(parameters, tmp_path):
     file = tmp_path / "two.yaml"
     file.write_text("name: two\nplan: garage\nrobots: [{start_pose: [4, 5, 0]}, {start_pose: [6, 5, 0]}]\n")
     parameters |= {"/robotteamsim/scenario": str(file), "/robotteamsim/robots": 3}
-    with pytest.raises(ParameterError, match=r"/robotteamsim/robots: 3; wanted 2, the length of the robots' list"):
+    with pytest.raises(ParameterError, match=r"/robotteamsim/robots: 3; expected 2, the length of the robots' list"):
         read_settings()
     parameters["/robotteamsim/robots"] = 2
     assert read_settings().num_robots == 2
