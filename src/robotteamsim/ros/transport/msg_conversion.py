@@ -188,7 +188,7 @@ def task(message: robotteamsim.msg.MissionStatus) -> Task:
         area_radius_m=message.area_radius_m,
         undelivered=tuple(
             Discovery(find.kind, find.name, find.robot_id, _point(find.position), find.time_s)
-            for find in message.unreported
+            for find in message.undelivered
         ),
     )
 
@@ -197,7 +197,9 @@ def delivered(message: robotteamsim.msg.MissionStatus) -> DeliveredDiscoveries |
     """Return what the base has received; None: there is no base."""
     if not message.has_base:
         return None
-    return DeliveredDiscoveries(message.finds_reported, message.mean_report_delay_s, message.max_report_delay_s)
+    return DeliveredDiscoveries(
+        message.discoveries_delivered, message.mean_delivery_delay_s, message.max_delivery_delay_s
+    )
 
 
 def _point(message: geometry_msgs.msg.Point) -> tuple[float, float]:
