@@ -249,8 +249,10 @@ class Mission:
     def _judge_deliveries(self, base_inbox: Sequence[Message]) -> None:
         time_s = self._elapsed_ns / 1e9
         for found in self._base.deliver(base_inbox, time_s):
-            late = f"{time_s - found.time_s:.1f} s after robot {found.robot_id} found it"
-            self._add_event("find_reported", found.name, found.robot_id, f"the base hears of {found.name}, {late}")
+            delay = f"{time_s - found.time_s:.1f} s after its discovery by robot {found.robot_id}"
+            self._add_event(
+                "discovery_delivered", found.name, found.robot_id, f"the base learns of {found.name}, {delay}"
+            )
 
     def _judge_links(self, network: NetworkState) -> None:
         before, self._endangered = self._endangered, network.endangered

@@ -19,7 +19,7 @@ class Event(msgspec.Struct, frozen=True, gc=False):
     kind:     start, pause, resume, end, area_explored, victim_heard, victim_saved, link_endangered, robot_excluded,
               robot_included, robot_removed, robot_spawned, swarm_founded, swarm_dissolved, controller_failed,
               message_too_large,
-              find_reported (the discovery of an area or victim by robot_id was delivered to the base),
+              discovery_delivered (the discovery of an area or victim by robot_id was delivered to the base),
               door (opened or closed), door_moves (its leaf sets off, is held up or arrives), noise, ...
     subject:  name of the area, victim, door, link ("0-2") or swarm ("swarm 1") it happened to; "" for the mission.
     robot_id: who did it; -1 for nobody.

@@ -29,7 +29,7 @@ END_WORDS: dict[MissionEnd, str] = {
 _STYLES = {
     "victim_saved": "green",
     "area_explored": "cyan",
-    "find_reported": "blue",
+    "discovery_delivered": "blue",
     "victim_heard": "yellow",
     "link_endangered": "red",
     "robot_excluded": "magenta",
