@@ -49,6 +49,44 @@ TwistParts Drive(control::Navigator& navigator, std::shared_ptr<const plan::Plan
   return {twist.linear_x, twist.linear_y, twist.angular_z};
 }
 
+void BindParameters(nb::module_& m) {
+  nb::class_<control::NavigatorParameters>(m, "NavigatorParameters")
+      .def(
+          "__init__",
+          [](control::NavigatorParameters* self, double arrived_m, double laser_margin_m, double look_ahead_m,
+             double longest_path_m, double turn_in_place_rad, double turn_gain_per_s, double braking_mps2,
+             double manoeuvring_mps, double room_to_turn_m, double progress_m, double stuck_timeout_s,
+             double yield_timeout_s, double escape_m, double escape_time_s, int escape_headings, double near_teammate_m,
+             double nearest_free_start_m, double nearest_free_goal_m, double sidestep_left_penalty,
+             double sidestep_change_penalty, double sidestep_ahead_rad) {
+            new (self)
+                control::NavigatorParameters{arrived_m,
+                                             laser_margin_m,
+                                             look_ahead_m,
+                                             longest_path_m,
+                                             turn_in_place_rad,
+                                             turn_gain_per_s,
+                                             braking_mps2,
+                                             manoeuvring_mps,
+                                             room_to_turn_m,
+                                             progress_m,
+                                             stuck_timeout_s,
+                                             yield_timeout_s,
+                                             escape_m,
+                                             escape_time_s,
+                                             escape_headings,
+                                             near_teammate_m,
+                                             nearest_free_start_m,
+                                             nearest_free_goal_m,
+                                             {sidestep_left_penalty, sidestep_change_penalty, sidestep_ahead_rad}};
+          },
+          nb::kw_only(), "arrived_m"_a, "laser_margin_m"_a, "look_ahead_m"_a, "longest_path_m"_a, "turn_in_place_rad"_a,
+          "turn_gain_per_s"_a, "braking_mps2"_a, "manoeuvring_mps"_a, "room_to_turn_m"_a, "progress_m"_a,
+          "stuck_timeout_s"_a, "yield_timeout_s"_a, "escape_m"_a, "escape_time_s"_a, "escape_headings"_a,
+          "near_teammate_m"_a, "nearest_free_start_m"_a, "nearest_free_goal_m"_a, "sidestep_left_penalty"_a,
+          "sidestep_change_penalty"_a, "sidestep_ahead_rad"_a);
+}
+
 void BindNavigator(nb::module_& m) {
   nb::class_<control::LaserLayout>(m, "LaserLayout")
       .def(
@@ -62,12 +100,13 @@ void BindNavigator(nb::module_& m) {
       .def(
           "__init__",
           [](control::Navigator* self, int robot_id, double radius_m, const control::LaserLayout& laser,
-             double max_speed_mps, double max_turn_radps, bool is_car, bool by_path) {
+             double max_speed_mps, double max_turn_radps, bool is_car, bool by_path,
+             const control::NavigatorParameters& parameters) {
             const control::NavigatorBody body{robot_id, radius_m, laser, max_speed_mps, max_turn_radps, is_car};
-            new (self) control::Navigator(body, by_path);
+            new (self) control::Navigator(body, by_path, parameters);
           },
           nb::kw_only(), "robot_id"_a, "radius_m"_a, "laser"_a, "max_speed_mps"_a, "max_turn_radps"_a, "is_car"_a,
-          "by_path"_a)
+          "by_path"_a, "parameters"_a)
       .def("drive", &Drive, "grid"_a, "pose"_a, "ranges_m"_a, "goal_m"_a, "speed_mps"_a, "sim_time_ns"_a,
            "teammates"_a);
 }
@@ -113,6 +152,7 @@ void BindRuledOut(nb::module_& m) {
 }  // namespace
 
 void BindControl(nb::module_& m) {
+  BindParameters(m);
   BindNavigator(m);
   nb::class_<control::Surroundings>(m, "Surroundings")
       .def(

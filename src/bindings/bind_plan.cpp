@@ -61,7 +61,7 @@ void BindPlan(nb::module_& m) {
       .def(
           "distance_map",
           [](const plan::PlanningGrid& grid, const base::Point& goal) {
-            return CellsOf(grid.DistanceField(goal), grid.shape());
+            return CellsOf(grid.DistanceMap(goal), grid.shape());
           },
           "goal_m"_a)
       .def(
@@ -78,7 +78,7 @@ void BindPlan(nb::module_& m) {
           },
           "start_m"_a, "goal_m"_a, "max_length_m"_a)
       .def("first_stretch", &FirstStretch, "start_m"_a, "goal_m"_a, "max_length_m"_a)
-      .def("along_path", &plan::PlanningGrid::AlongWay, "start_m"_a, "goal_m"_a, "max_length_m"_a)
+      .def("along_path", &plan::PlanningGrid::AlongPath, "start_m"_a, "goal_m"_a, "max_length_m"_a)
       .def("least_reachable", &LeastReachable, "distances_m"_a, "start_m"_a, "radius_m"_a)
       .def("nearest_reachable", &plan::PlanningGrid::NearestReachable, "start_m"_a, "goal_m"_a, "radius_m"_a)
       .def("reachable_towards", &plan::PlanningGrid::ReachableTowards, "start_m"_a, "goal_m"_a)

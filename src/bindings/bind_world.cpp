@@ -42,7 +42,7 @@ const char* NameOf(world::LeafActivity activity) {
 }
 
 int CheckedObject(const world::World& world, int object) {
-  if (object < 0 || object >= static_cast<int>(world.things().size())) throw std::out_of_range("no such object");
+  if (object < 0 || object >= static_cast<int>(world.objects().size())) throw std::out_of_range("no such object");
   return object;
 }
 
@@ -102,12 +102,12 @@ void BindParts(nb::module_& m) {
              bool present) { new (self) world::Robot{radius_m, mass_kg, drive, start, footprint_m, present}; },
           nb::kw_only(), "radius_m"_a, "mass_kg"_a, "drive"_a, "start"_a, "footprint_m"_a = world::Polygon(),
           "present"_a = true);
-  nb::class_<world::Thing>(m, "MovableObject")
+  nb::class_<world::MovableObject>(m, "MovableObject")
       .def(
           "__init__",
-          [](world::Thing* self, double radius_m, double mass_kg, double friction, const base::Pose& start,
+          [](world::MovableObject* self, double radius_m, double mass_kg, double friction, const base::Pose& start,
              const world::Polygon& corners_m) {
-            new (self) world::Thing{radius_m, mass_kg, friction, start, corners_m};
+            new (self) world::MovableObject{radius_m, mass_kg, friction, start, corners_m};
           },
           nb::kw_only(), "radius_m"_a, "mass_kg"_a, "friction"_a, "start"_a, "corners_m"_a);
 }
@@ -118,11 +118,12 @@ void BindWorld(nb::module_& m) {
   BindParts(m);
   nb::class_<world::World>(m, "World")
       .def(nb::init<std::vector<world::Solid>, std::vector<world::Door>, std::vector<world::Robot>, double, int,
-                    std::vector<world::Thing>>(),
-           "solids"_a, "doors"_a, "robots"_a, "step_s"_a, "substeps"_a, "objects"_a = std::vector<world::Thing>())
+                    std::vector<world::MovableObject>>(),
+           "solids"_a, "doors"_a, "robots"_a, "step_s"_a, "substeps"_a,
+           "objects"_a = std::vector<world::MovableObject>())
       .def("step", &StepByRows, "twists"_a)
       .def("step", &world::World::Step, "twists"_a)
-      .def("object_poses", [](const world::World& world) { return RowsOf<3>(world.thing_poses()); })
+      .def("object_poses", [](const world::World& world) { return RowsOf<3>(world.object_poses()); })
       .def("poses", [](const world::World& world) { return RowsOf<3>(world.poses()); })
       .def("twists", [](const world::World& world) { return RowsOf<3>(world.twists()); })
       .def("motions", [](const world::World& world) { return RowsOf<3>(world.motions()); })
@@ -136,14 +137,14 @@ void BindWorld(nb::module_& m) {
       .def("set_door", &world::World::SetDoorClosed, "door"_a, "closed"_a)
       .def_prop_ro("doors_version", &world::World::doors_version)
       .def("door_states", &world::World::door_states)
-      .def("add_object", &world::World::AddThing, "added"_a)
+      .def("add_object", &world::World::AddObject, "added"_a)
       .def(
-          "remove_object", [](world::World& world, int object) { world.RemoveThing(CheckedObject(world, object)); },
+          "remove_object", [](world::World& world, int object) { world.RemoveObject(CheckedObject(world, object)); },
           "index"_a)
       .def(
           "set_object_pose",
           [](world::World& world, int object, const base::Pose& pose) {
-            world.SetThingPose(CheckedObject(world, object), pose);
+            world.SetObjectPose(CheckedObject(world, object), pose);
           },
           "index"_a, "pose"_a)
       .def("reset", &world::World::Reset);

@@ -218,7 +218,7 @@ inline void FuzzPropagation(const std::uint8_t* data, std::size_t size) {
   try {
     CheckMaps(*faces, sources, grid);
   } catch (const std::invalid_argument&) {
-    // The only thing left to refuse: sums that 32 bits cannot hold.
+    // The only object left to refuse: sums that 32 bits cannot hold.
     Check(faces->TotalWeight() > 500'000'000, "maps are refused only where the weights are too large");
     return;
   }

@@ -62,26 +62,35 @@ class ScanClearance {
   std::vector<base::Point> directions_;  ///< of beams
 };
 
+/// How a robot passes obstacles.
+struct SidestepParameters {
+  double left_penalty =
+      0.25;  ///< cost of a heading to the left, so that robots that meet head-on both keep right [rad]
+  double change_penalty = 0.35;  ///< cost of the other side than in the last step, against dithering [rad]
+  double ahead = 1.6;            ///< a wanted heading beyond this is turned to on the spot [rad]
+};
+
 /// Finds one robot's way past what its laser sees. Robots that meet head-on both keep right, and one that has begun to
 /// pass an obstacle on one side stays on it.
 class Sidestepper {
  public:
   /// `headings` [rad, base_link] are those that it may take instead of the wanted one; at least one.
-  Sidestepper(ScanClearance clearance, const std::vector<double>& headings);
+  Sidestepper(ScanClearance clearance, const std::vector<double>& headings, const SidestepParameters& parameters);
 
   /// A heading [rad, base_link] and how far it is free for a disc of `radius` [m], at most `needed` [m].
-  struct Way {
+  struct FreeHeading {
     double heading;
     double free;
   };
 
   /// The wanted heading where it is free as far as needed, or behind; else the one nearest to it that is free so far;
   /// else the one that is free the farthest.
-  Way Find(const Ranges& ranges, double wanted, double radius, double needed);
+  FreeHeading Find(const Ranges& ranges, double wanted, double radius, double needed);
 
  private:
   ScanClearance clearance_;
   std::vector<Direction> directions_;
+  SidestepParameters parameters_;
   int passing_side_ = 0;
   std::vector<base::Point> hits_;  ///< of the last scan: kept, as its memory serves the next one
 };

@@ -14,6 +14,31 @@
 
 namespace robotteamsim::control {
 
+/// How a navigator drives.
+struct NavigatorParameters {
+  double arrived = 0.05;        ///< a robot this near to a point is there [m]
+  double laser_margin = 0.04;   ///< kept between the body and the laser's returns; below the map's margin, or planned
+                                ///< paths would be refused [m]
+  double look_ahead = 0.5;      ///< how far ahead a heading must be free [m]
+  double longest_path = 200.0;  ///< the longest path that is searched for [m]
+  double turn_in_place = 0.8;   ///< the robot turns on the spot to headings beyond this [rad]
+  double turn_gain = 3.0;       ///< yaw rate per angle to the heading [1/s]
+  double braking = 1.0;         ///< planned deceleration before obstacles [m/s^2]
+  double manoeuvring_speed = 0.3;  ///< of a car that must turn far [m/s]
+  double room_to_turn = 0.4;       ///< with less room ahead, a car that must turn far drives back [m]
+
+  double progress = 0.2;            ///< a robot that moves less is stuck [m]
+  double stuck_timeout = 4.0;       ///< a robot that is stuck for longer escapes [s]
+  double yield_timeout = 2.0;       ///< the same beside a teammate of lower id, which has the right of way [s]
+  double escape = 0.7;              ///< length of an escape [m]
+  double escape_time = 3.0;         ///< an escape ends after this time [s]
+  int escape_headings = 16;         ///< number of directions tried around the robot
+  double near_teammate = 1.0;       ///< a teammate this near is beside the robot [m]
+  double nearest_free_start = 1.0;  ///< how far from a blocked position a path may begin [m]
+  double nearest_free_goal = 3.0;   ///< how far from a blocked goal a straight drive may end [m]
+  SidestepParameters sidestep;
+};
+
 /// The robot that a navigator drives.
 struct NavigatorBody {
   int robot_id = 0;
@@ -40,7 +65,7 @@ class Navigator {
   };
 
   /// Without `by_path` it drives straight towards its goals, as if there were no map.
-  Navigator(const NavigatorBody& body, bool by_path);
+  Navigator(const NavigatorBody& body, bool by_path, const NavigatorParameters& parameters);
 
   /// Returns the command of this step. A goal [m, map] inside an obstacle stands for the nearest free point that can be
   /// reached. `speed` [m/s] is not exceeded. With another grid or goal than in the last step the way is looked for
@@ -61,6 +86,7 @@ class Navigator {
   double ManoeuvringSpeed(const Ranges& ranges, double speed) const;
 
   NavigatorBody body_;
+  NavigatorParameters parameters_;
   bool by_path_;
   ScanClearance clearance_;
   Sidestepper sidestepper_;

@@ -47,9 +47,9 @@ class PlanningGrid {
   bool IsLineFree(const base::Point& a, const base::Point& b) const;
 
   /// Length of the shortest way from every cell to `goal` [m]; infinity where there is none or the cell is blocked.
-  std::vector<float> DistanceField(const base::Point& goal) const;
+  std::vector<float> DistanceMap(const base::Point& goal) const;
 
-  /// Value of `field` (a DistanceField of `size` cells) in the cell of a point; infinity beyond the grid.
+  /// Value of `field` (a DistanceMap of `size` cells) in the cell of a point; infinity beyond the grid.
   double ValueAt(const float* field, std::size_t size, const base::Point& point) const;
 
   /// Cell centres of a shortest way, the cells of `from` and `to` included (A*). Empty if an end is blocked or no way
@@ -60,7 +60,7 @@ class PlanningGrid {
   std::vector<base::Point> Shortcut(const std::vector<base::Point>& path) const;
 
   /// Of the cells within `radius` [m] of `from` that can be reached from it inside that disc, the centre of the one
-  /// with the least value of `field` (a DistanceField); nothing where `from` is blocked or all are infinite.
+  /// with the least value of `field` (a DistanceMap); nothing where `from` is blocked or all are infinite.
   std::optional<Valued> LeastReachable(const float* field, std::size_t size, const base::Point& from,
                                        double radius) const;
 
@@ -75,7 +75,7 @@ class PlanningGrid {
   Valued FirstStretch(const base::Point& from, const base::Point& goal, double max_length) const;
 
   /// `goal` as the way to it begins: at the way's length, in the direction of its first stretch.
-  base::Point AlongWay(const base::Point& from, const base::Point& goal, double max_length) const;
+  base::Point AlongPath(const base::Point& from, const base::Point& goal, double max_length) const;
 
   /// Of all free cells within `radius` [m] of `center`, the centre of the one nearest to `to`, as the crow flies.
   std::optional<base::Point> NearestInDisc(const base::Point& center, const base::Point& to, double radius) const;

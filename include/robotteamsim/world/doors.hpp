@@ -42,7 +42,7 @@ struct DoorState {
 class Doors {
  public:
   /// Whether a leaf that goes from its first to its second outline comes nearer to something in its way.
-  using IsInTheWay = std::function<bool(const Polygon& now, const Polygon& next)>;
+  using IsBlocked = std::function<bool(const Polygon& now, const Polygon& next)>;
 
   /// Throws std::invalid_argument on a motion that cannot be.
   explicit Doors(std::vector<Door> doors);
@@ -54,7 +54,7 @@ class Doors {
   void SetClosed(int door, bool closed);
 
   /// Moves the leaves on by a time [s], as far as nothing is in the way.
-  void Advance(double time, const IsInTheWay& is_in_the_way);
+  void Advance(double time, const IsBlocked& is_blocked);
 
   const std::vector<Door>& all() const { return doors_; }
   const std::vector<MovingLeaf>& leaves() const { return leaves_; }
@@ -75,7 +75,7 @@ class Doors {
   Polygon OutlineAt(const MovingLeaf& leaf, double opening) const;
   double Pace(const MovingLeaf& leaf) const;
   void PutBody(const MovingLeaf& leaf);
-  void GoOn(MovingLeaf& leaf, double time, const IsInTheWay& is_in_the_way);
+  void GoOn(MovingLeaf& leaf, double time, const IsBlocked& is_blocked);
 
   const std::vector<Door> first_;
   base::Point origin_;

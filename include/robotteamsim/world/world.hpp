@@ -8,10 +8,10 @@
 #include "robotteamsim/world/disc_grid.hpp"
 #include "robotteamsim/world/doors.hpp"
 #include "robotteamsim/world/drive.hpp"
+#include "robotteamsim/world/movable_objects.hpp"
 #include "robotteamsim/world/nearby_edges.hpp"
 #include "robotteamsim/world/outline.hpp"
 #include "robotteamsim/world/solid.hpp"
-#include "robotteamsim/world/things.hpp"
 
 class b2Body;
 class b2World;
@@ -41,7 +41,7 @@ class World {
   /// Throws std::invalid_argument on a piece that is not convex, counter-clockwise and of 3 to 8 corners, and on sizes
   /// that are not above 0.
   World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps,
-        std::vector<Thing> things = {});
+        std::vector<MovableObject> objects = {});
   ~World();
 
   /// Advances by one step; commands are one per robot, in base_link.
@@ -56,19 +56,19 @@ class World {
   const std::vector<DoorState>& door_states() const { return doors_.states(); }
   std::int64_t doors_version() const { return doors_.version(); }
   const std::vector<Robot>& robots() const { return robots_; }
-  const std::vector<Thing>& things() const { return things_.all(); }
+  const std::vector<MovableObject>& objects() const { return objects_.all(); }
 
   /// Which robots are near a point.
   const DiscGrid& grid() const { return grid_; }
   /// How far the largest robot reaches from its base_link [m].
   double max_radius() const { return max_radius_; }
 
-  /// Which things are near a point.
-  const DiscGrid& thing_grid() const { return things_.grid(); }
-  /// How far the largest thing reaches from its middle [m].
-  double max_thing_radius() const { return things_.max_radius(); }
-  /// Where the things are.
-  const std::vector<base::Pose>& thing_poses() const { return things_.poses(); }
+  /// Which objects are near a point.
+  const DiscGrid& object_grid() const { return objects_.grid(); }
+  /// How far the largest object reaches from its middle [m].
+  double max_object_radius() const { return objects_.max_radius(); }
+  /// Where the objects are.
+  const std::vector<base::Pose>& object_poses() const { return objects_.poses(); }
 
   /// Which robots are there. One that is not has no body, is met by no beam, and obeys no command.
   const std::vector<bool>& present() const { return present_; }
@@ -96,13 +96,13 @@ class World {
   /// A robot in the way of a door that closes at once is pushed aside. A leaf that swings or slides goes there in the
   /// steps to come, and waits for what is in its way.
   void SetDoorClosed(int door, bool closed);
-  /// Adds a thing behind the others. Throws std::invalid_argument on one that cannot be.
-  void AddThing(Thing thing);
-  /// Takes a thing away; the indices of those behind it move up by one.
-  void RemoveThing(int thing);
-  /// Puts a thing somewhere, at rest.
-  void SetThingPose(int thing, const base::Pose& pose);
-  /// Begins again as new, doors and things included.
+  /// Adds an object behind the others. Throws std::invalid_argument on one that cannot be.
+  void AddObject(MovableObject object);
+  /// Takes an object away; the indices of those behind it move up by one.
+  void RemoveObject(int object);
+  /// Puts an object somewhere, at rest.
+  void SetObjectPose(int object, const base::Pose& pose);
+  /// Begins again as new, doors and objects included.
   void Reset();
 
  private:
@@ -139,7 +139,7 @@ class World {
   std::unique_ptr<b2World> box_;
   std::vector<b2Body*> robot_bodies_;
   Doors doors_;
-  Things things_;
+  MovableObjects objects_;
   DiscGrid grid_;
   std::vector<Drive> drives_;
   std::vector<bool> present_;

@@ -192,7 +192,7 @@ bool PlanningGrid::IsLineFree(const base::Point& a, const base::Point& b) const 
   return true;
 }
 
-std::vector<float> PlanningGrid::DistanceField(const base::Point& goal) const {
+std::vector<float> PlanningGrid::DistanceMap(const base::Point& goal) const {
   const int start = FreeCellOf(goal);
   if (start < 0) throw std::invalid_argument("the goal of a distance field must be free");
   // Dijkstra with buckets as wide as the shortest step: no cell of a bucket can shorten another one's way, so the order
@@ -391,7 +391,7 @@ PlanningGrid::Valued PlanningGrid::FirstStretch(const base::Point& from, const b
   return {corners[1], length};
 }
 
-base::Point PlanningGrid::AlongWay(const base::Point& from, const base::Point& goal, double max_length) const {
+base::Point PlanningGrid::AlongPath(const base::Point& from, const base::Point& goal, double max_length) const {
   const auto [bend, length] = FirstStretch(from, goal, max_length);
   const double bend_distance = base::Hypot(from.x - bend.x, from.y - bend.y);
   if ((bend.x == goal.x && bend.y == goal.y) || bend_distance == 0.0) return goal;

@@ -198,10 +198,10 @@ std::vector<double> Laser::Scan(const world::World& world, int robot) const {
                              const world::Robot& body = world.robots()[other];
                              if (other != robot) view.MeetBody(body.footprint, pose, body.radius, model_.range_max);
                            });
-  if (!world.things().empty()) {
-    const double reach = model_.range_max + world.max_thing_radius();
-    world.thing_grid().ForEachNear(view.origin(), reach, [&](int thing, const base::Pose& pose) {
-      view.MeetBody(world.things()[thing].corners, pose, world.things()[thing].radius, model_.range_max);
+  if (!world.objects().empty()) {
+    const double reach = model_.range_max + world.max_object_radius();
+    world.object_grid().ForEachNear(view.origin(), reach, [&](int object, const base::Pose& pose) {
+      view.MeetBody(world.objects()[object].corners, pose, world.objects()[object].radius, model_.range_max);
     });
   }
   return view.Take(model_.range_max);

@@ -117,13 +117,13 @@ double Doors::Pace(const MovingLeaf& leaf) const {
   return (std::abs(motion.angle) * leaf.reach + std::hypot(motion.shift.x, motion.shift.y)) / motion.time;
 }
 
-void Doors::Advance(double time, const IsInTheWay& is_in_the_way) {
+void Doors::Advance(double time, const IsBlocked& is_blocked) {
   for (MovingLeaf& leaf : leaves_) {
-    if (!leaf.IsThere()) GoOn(leaf, time, is_in_the_way);
+    if (!leaf.IsThere()) GoOn(leaf, time, is_blocked);
   }
 }
 
-void Doors::GoOn(MovingLeaf& leaf, double time, const IsInTheWay& is_in_the_way) {
+void Doors::GoOn(MovingLeaf& leaf, double time, const IsBlocked& is_blocked) {
   Door& door = doors_[leaf.door];
   const int parts = static_cast<int>(std::ceil(Pace(leaf) * time / kGlance));
   const double end = leaf.shall_close ? 0.0 : 1.0;
@@ -133,7 +133,7 @@ void Doors::GoOn(MovingLeaf& leaf, double time, const IsInTheWay& is_in_the_way)
     const double further = leaf.opening + part;
     const double next = std::abs(end - further) < kAtEnd ? end : std::clamp(further, 0.0, 1.0);
     Polygon outline = OutlineAt(leaf, next);
-    if (is_in_the_way(leaf.outline, outline)) {
+    if (is_blocked(leaf.outline, outline)) {
       leaf.is_held = true;
     } else {
       leaf.opening = next;

@@ -86,8 +86,8 @@ double MaxRadius(const std::vector<Robot>& robots) {
   return radius;
 }
 
-// The longest way of anything in a step [m]. Nothing pushes anything to more than its own speed, but a thing's far end
-// may turn as fast again.
+// The longest way of anything in a step [m]. Nothing pushes anything to more than its own speed, but an object's far
+// end may turn as fast again.
 double MaxTravelOf(const std::vector<Robot>& robots, bool are_there_things, double step) {
   double speed = 0.0;
   for (const Robot& robot : robots) speed = std::max(speed, robot.drive.max_speed + MaxCornerSpeed(robot));
@@ -97,7 +97,7 @@ double MaxTravelOf(const std::vector<Robot>& robots, bool are_there_things, doub
 }  // namespace
 
 World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps,
-             std::vector<Thing> things)
+             std::vector<MovableObject> objects)
     : solids_(std::move(solids)),
       robots_(WithReach(std::move(robots))),
       step_(step),
@@ -105,10 +105,10 @@ World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Rob
       dt_(step_ / substeps_),
       origin_(robots_.empty() ? base::Point{} : base::Point{robots_[0].start.x, robots_[0].start.y}),
       max_radius_(MaxRadius(robots_)),
-      max_travel_(MaxTravelOf(robots_, !things.empty(), step_)),
+      max_travel_(MaxTravelOf(robots_, !objects.empty(), step_)),
       edges_(EdgesOf(solids_, doors), max_radius_ + (max_travel_ + kMargin)),
       doors_(std::move(doors)),
-      things_(std::move(things)) {
+      objects_(std::move(objects)) {
   Reset();
 }
 
@@ -124,7 +124,7 @@ void World::Reset() {
   robot_bodies_.clear();
   poses_.clear();
   for (const Robot& robot : robots_) AddRobot(robot);
-  things_.Place(box_.get(), origin_);
+  objects_.Place(box_.get(), origin_);
   drives_.assign(robots_.size(), {});
   twists_.assign(robots_.size(), {});
   motions_.assign(robots_.size(), {});
@@ -185,8 +185,8 @@ void World::Step(const std::vector<base::Twist>& commands) {
   twists_.assign(robots_.size(), {});
   in_contact_.assign(robots_.size(), false);
   for (std::vector<double>& angles : contact_angles_) angles.clear();
-  const double travel = std::min(std::max(MaxTravel(commands), things_.Travel(step_)), max_travel_);
-  bool any_busy = things_.AnyMoves();
+  const double travel = std::min(std::max(MaxTravel(commands), objects_.Travel(step_)), max_travel_);
+  bool any_busy = objects_.AnyMoves();
   for (int i = 0; i < num_robots; ++i) {
     SetBusy(i, present_[i] && CouldTouch(i, travel));
     any_busy = any_busy || drives_[i].is_busy;
@@ -201,7 +201,7 @@ void World::Step(const std::vector<base::Twist>& commands) {
       if (present_[i]) FinishDrive(i);
     }
   }
-  if (any_busy) things_.FinishStep();
+  if (any_busy) objects_.FinishStep();
   for (int i = 0; i < num_robots; ++i) {
     if (present_[i]) motions_[i] = base::RelativePose(before[i], poses_[i]);
   }
@@ -231,9 +231,9 @@ bool World::CouldTouch(int robot, double travel) const {
     const double dx = pose.x - at.x, dy = pose.y - at.y, apart = reach + travel + robots_[other].radius;
     found = found || (other != robot && dx * dx + dy * dy <= apart * apart);
   });
-  if (things().empty()) return found;
-  thing_grid().ForEachNear(at, reach + travel + max_thing_radius(), [&](int thing, const base::Pose& pose) {
-    found = found || std::hypot(pose.x - at.x, pose.y - at.y) <= reach + travel + things()[thing].radius;
+  if (objects().empty()) return found;
+  object_grid().ForEachNear(at, reach + travel + max_object_radius(), [&](int object, const base::Pose& pose) {
+    found = found || std::hypot(pose.x - at.x, pose.y - at.y) <= reach + travel + objects()[object].radius;
   });
   return found;
 }
@@ -378,24 +378,24 @@ bool World::HoldsLeaf(const Polygon& now, const Polygon& next) const {
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (present_[i] && holds(poses_[i], robots_[i].radius, robots_[i].footprint)) return true;
   }
-  for (std::size_t i = 0; i < things().size(); ++i) {
-    if (holds(things_.PoseNow(static_cast<int>(i)), things()[i].radius, things()[i].corners)) return true;
+  for (std::size_t i = 0; i < objects().size(); ++i) {
+    if (holds(objects_.PoseNow(static_cast<int>(i)), objects()[i].radius, objects()[i].corners)) return true;
   }
   return false;
 }
 
 void World::SetDoorClosed(int door, bool closed) { doors_.SetClosed(door, closed); }
 
-void World::AddThing(Thing thing) {
-  things_.Add(std::move(thing));
+void World::AddObject(MovableObject object) {
+  objects_.Add(std::move(object));
   const double travel = MaxTravelOf(robots_, true, step_);
   if (travel == max_travel_) return;
   max_travel_ = travel;
   edges_ = NearbyEdges(EdgesOf(solids_, doors_.all()), max_radius_ + (max_travel_ + kMargin));
 }
 
-void World::RemoveThing(int thing) { things_.Remove(thing); }
+void World::RemoveObject(int object) { objects_.Remove(object); }
 
-void World::SetThingPose(int thing, const base::Pose& pose) { things_.SetPose(thing, pose); }
+void World::SetObjectPose(int object, const base::Pose& pose) { objects_.SetPose(object, pose); }
 
 }  // namespace robotteamsim::world

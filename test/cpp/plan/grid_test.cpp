@@ -80,7 +80,7 @@ TEST(PlanningGrid, LineThroughTheCornerOfAnObstacleIsNotFree) {
 
 TEST(PlanningGrid, DistanceFieldGoesAroundTheWall) {
   const PlanningGrid grid = Drawn(kWallWithGap);
-  const std::vector<float> field = grid.DistanceField({4.5, 0.5});
+  const std::vector<float> field = grid.DistanceMap({4.5, 0.5});
   EXPECT_EQ(field[4], 0.0F);
   EXPECT_EQ(field[3], 1.0F);
   EXPECT_TRUE(std::isinf(field[2]));
@@ -92,7 +92,7 @@ TEST(PlanningGrid, DistanceFieldGoesAroundTheWall) {
 }
 
 TEST(PlanningGrid, DistanceFieldRefusesABlockedGoal) {
-  EXPECT_THROW(Drawn(kWallWithGap).DistanceField({2.5, 0.5}), std::invalid_argument);
+  EXPECT_THROW(Drawn(kWallWithGap).DistanceMap({2.5, 0.5}), std::invalid_argument);
 }
 
 TEST(PlanningGrid, ShortestPathHasTheLengthOfTheField) {
@@ -102,7 +102,7 @@ TEST(PlanningGrid, ShortestPathHasTheLengthOfTheField) {
   for (std::size_t i = 1; i < path.size(); ++i) {
     length += std::hypot(path[i].x - path[i - 1].x, path[i].y - path[i - 1].y);
   }
-  EXPECT_NEAR(length, grid.DistanceField({4.5, 0.5})[0], 1e-6);
+  EXPECT_NEAR(length, grid.DistanceMap({4.5, 0.5})[0], 1e-6);
   EXPECT_TRUE(grid.ShortestPath({0.5, 0.5}, {4.5, 0.5}, 8.5).empty());
   EXPECT_TRUE(grid.ShortestPath({0.5, 0.5}, {2.5, 0.5}, 100.0).empty());
   EXPECT_EQ(grid.ShortestPath({0.5, 0.5}, {0.6, 0.6}, 100.0).size(), 1U);
@@ -123,7 +123,7 @@ TEST(PlanningGrid, ShortcutKeepsOnlyTheCorners) {
 
 TEST(PlanningGrid, ReachableCellsEndAtAWallInsideTheDisc) {
   const PlanningGrid grid = Drawn(kWallWithGap);
-  const std::vector<float> field = grid.DistanceField({4.5, 0.5});
+  const std::vector<float> field = grid.DistanceMap({4.5, 0.5});
   // Across the wall there are nearer cells within 3 m, but the disc holds no way to them.
   const base::Point least = grid.LeastReachable(field.data(), field.size(), {1.5, 0.5}, 2.5)->place;
   EXPECT_EQ(least.x, 1.5);

@@ -37,8 +37,8 @@ Robot RobotAt(double x, double y, double yaw, Polygon footprint = {}) {
   return robot;
 }
 
-World WorldOf(const Door& door, std::vector<Robot> robots, std::vector<Thing> things = {}) {
-  return World({}, {door}, std::move(robots), 0.1, 5, std::move(things));
+World WorldOf(const Door& door, std::vector<Robot> robots, std::vector<MovableObject> objects = {}) {
+  return World({}, {door}, std::move(robots), 0.1, 5, std::move(objects));
 }
 
 void Step(World& world, int steps, const base::Twist& twist = {}) {
@@ -104,13 +104,13 @@ TEST(Doors, WaitForARobotInTheWayWithoutMovingItAndGoOnWhenItHasGone) {
   }
 }
 
-TEST(Doors, WaitForAThingInTheWayWithoutMovingIt) {
+TEST(Doors, WaitForAnObjectInTheWayWithoutMovingIt) {
   World world = WorldOf(SwingDoor(false), {RobotAt(0.0, -3.0, 0.0)}, {{0.2, 1.0, 0.1, {0.7, 0.2, 0.0}, {}}});
   world.SetDoorClosed(0, true);
   Step(world, 40);
   EXPECT_TRUE(world.leaves()[0].is_held);
-  EXPECT_EQ(world.thing_poses()[0].x, 0.7);
-  EXPECT_EQ(world.thing_poses()[0].y, 0.2);
+  EXPECT_EQ(world.object_poses()[0].x, 0.7);
+  EXPECT_EQ(world.object_poses()[0].y, 0.2);
 }
 
 TEST(Doors, LetGoOfARobotThatLeansOnThem) {
