@@ -196,7 +196,7 @@ def test_new_subscriber_is_greeted_with_a_message_of_its_own():
     output = Output("/greeting", String, greeting=lambda: String(next(greetings)))
     first = Peer("/greeting", String)
     assert first.next().data == "hello"
-    assert Peer("/greeting", String).next().data == "hello again"
+    assert Wire("/greeting", String).next() == serialized(String("hello again"))
     assert first.is_silent()
     output.publish(String("to all"))
     assert first.next().data == "to all"
@@ -301,7 +301,8 @@ class TeamPeers:
 
     @staticmethod
     def latched(robot_id: int, name: str) -> object:
-        return Peer(f"/robot_{robot_id}/{name}", TEAM_TOPICS[name]).next()
+        wire = Wire(f"/robot_{robot_id}/{name}", TEAM_TOPICS[name])
+        return deserialized(TEAM_TOPICS[name], wire.next())
 
 
 def expected_messages(make: RosTypes, robots: list[PlacedRobot], readings: TeamReadings, i: int) -> dict[str, object]:
@@ -501,7 +502,8 @@ def test_log_reaches_rosout():
 
 
 def test_topics_are_remapped():
-    Output("/remapped", String, latched=True).publish(String("here"))
+    output = Output("/remapped", String, latched=True)
+    output.publish(String("here"))
     assert f"{NODE}/elsewhere" in published_topics()
     assert Peer(f"{NODE}/elsewhere", String).next().data == "here"
 
