@@ -63,6 +63,7 @@ sensing::TeamReadings Read(sensing::TeamSensors& sensors, const world::World& wo
   const std::vector<sensing::TeamLaser>& lasers = sensors.lasers();
   if (laser_noise_m.size() != lasers.size()) throw std::invalid_argument("each kind of laser must have its noise");
   std::vector<const double*> noise;
+  noise.reserve(lasers.size());
   for (std::size_t i = 0; i < lasers.size(); ++i) {
     noise.push_back(CheckedNoise(laser_noise_m[i], *lasers[i].laser, lasers[i].robots));
   }
@@ -84,6 +85,7 @@ void BindOdometry(nb::module_& m) {
           [](sensing::TeamOdometry* self, const std::vector<std::array<double, 4>>& alphas, double step_s,
              const std::vector<bool>& omni) {
             std::vector<sensing::OdometryModel> models;
+            models.reserve(alphas.size());
             for (const auto& [alpha1, alpha2, alpha3, alpha4] : alphas)
               models.push_back({alpha1, alpha2, alpha3, alpha4});
             new (self) sensing::TeamOdometry(models, step_s, omni);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
@@ -19,7 +20,7 @@ class DiscGrid {
     const int first_column = Column(point.x - reach), last_column = Column(point.x + reach);
     const int first_row = Row(point.y - reach), last_row = Row(point.y + reach);
     for (int row = first_row; row <= last_row; ++row) {
-      const int* const start = &start_[row * columns_];
+      const int* const start = start_.data() + static_cast<std::ptrdiff_t>(row) * columns_;
       for (int k = start[first_column]; k < start[last_column + 1]; ++k) meet(robots_[k], poses_[k]);
     }
   }

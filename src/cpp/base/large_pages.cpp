@@ -16,7 +16,8 @@ void AskForLargePages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_
   const auto start = reinterpret_cast<std::uintptr_t>(memory);
   const std::uintptr_t first_page = (start + kPage - 1) / kPage * kPage;
   // It is a wish: where it is refused, all works as without.
-  (void)madvise(reinterpret_cast<void*>(first_page), (start + bytes - first_page) / kPage * kPage, MADV_HUGEPAGE);
+  void* const pages = static_cast<char*>(memory) + (first_page - start);
+  (void)madvise(pages, (start + bytes - first_page) / kPage * kPage, MADV_HUGEPAGE);
 #endif
 }
 

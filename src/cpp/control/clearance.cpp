@@ -35,7 +35,8 @@ ROBOTTEAMSIM_INLINE double FreeBefore(const base::Point& hit, const Direction& d
   const double across = hit.y * direction.cos - hit.x * direction.sin;
   const double half_chord_squared = radius * radius - across * across;
   const double touch = along - std::sqrt(half_chord_squared > 0.0 ? half_chord_squared : 0.0);
-  const double free_inside = along * along > 0.25 * (along * along + across * across) ? 0.0 : kInfinity;
+  const bool is_ahead = along * along > 0.25 * (along * along + across * across);
+  const double free_inside = is_ahead ? 0.0 : kInfinity;
   const double free = touch >= 0.0 ? touch : free_inside;
   return (along > 0.0) & (half_chord_squared > 0.0) ? free : kInfinity;
 }
@@ -129,6 +130,7 @@ std::vector<double> ScanClearance::FreeDistances(const Ranges& ranges, const std
                                                  double radius, double max_distance) const {
   const std::vector<base::Point> hits = Hits(ranges, max_distance + radius);
   std::vector<double> free;
+  free.reserve(directions.size());
   for (const Direction& direction : directions) free.push_back(FreeAmongHits(hits, direction, radius, max_distance));
   return free;
 }

@@ -132,7 +132,7 @@ class BlockSearch {
           const std::uint64_t word = Reached(k)[robot].words[w];
           for (int byte = 0; byte < 8; ++byte) counts[byte] += bits_as_bytes_[word >> 8 * byte & 0xFF];
         }
-        std::memcpy(times_reached + w * kBits, counts, sizeof counts);
+        std::memcpy(times_reached + std::ptrdiff_t{w} * kBits, counts, sizeof counts);
       }
       AddHops(times_reached, kept, num_sources_, counted_, &(*hops)(robot, first_source_));
     }

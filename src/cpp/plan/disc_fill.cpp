@@ -56,7 +56,7 @@ std::uint64_t DiscFill::FreeCells(int row, int first_col) const {
 
 bool DiscFill::Reach(const Disc& disc, int start_row, int start_col, std::vector<Row>* reached) const {
   reached->clear();
-  if (!(disc.radius < kBits / 2 - 2)) return false;
+  if (!(disc.radius < 0.5 * kBits - 2.0)) return false;
   const int reach = static_cast<int>(disc.radius) + 1;
   const int first_row = std::max(0, start_row - reach), last_row = std::min(rows_ - 1, start_row + reach);
   const int first_col = start_col - reach;

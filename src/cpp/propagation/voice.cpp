@@ -39,6 +39,7 @@ void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vec
     return;
   }
   std::vector<FieldSource> field_sources;
+  field_sources.reserve(sources.size());
   for (const VoiceSource& source : sources) {
     field_sources.push_back({RoundToMm(source.position, "position of a voice"), FadingOf(model, source)});
   }

@@ -43,6 +43,7 @@ void WriteColumns(const std::vector<const PreparedSource*>& sources, base::Simd 
   std::vector<Weight> changes(static_cast<std::size_t>(band_rows) * width);
   std::vector<Weight> running(sources.size() * width);
   std::vector<ShadowSweep> sweeps;
+  sweeps.reserve(sources.size());
   for (const PreparedSource* source : sources) sweeps.emplace_back(source->shadows, cols);
   for (int row = 0; row < num_rows; row += band_rows) {
     const IndexRange rows{row, std::min(row + band_rows, num_rows)};
@@ -68,6 +69,7 @@ std::vector<IndexRange> PartsOf(int cols, int threads) {
   const int blocks = (cols + kFadingBlock - 1) / kFadingBlock;
   const int parts = std::min(blocks, base::NumThreads(threads));
   std::vector<IndexRange> columns;
+  columns.reserve(static_cast<std::size_t>(parts));
   for (int i = 0; i < parts; ++i) {
     columns.push_back({blocks * i / parts * kFadingBlock, std::min(blocks * (i + 1) / parts * kFadingBlock, cols)});
   }
@@ -95,6 +97,7 @@ void WriteHighest(const FaceSet& faces, const std::vector<FieldSource>& sources,
   std::vector<std::optional<PreparedSource>> prepared(sources.size());
   base::ForEachInParallel(count, work.threads, [&](int i) { prepared[i].emplace(faces, sources[i], cells); });
   std::vector<const PreparedSource*> all;
+  all.reserve(prepared.size());
   for (const std::optional<PreparedSource>& source : prepared) all.push_back(&*source);
   const bool narrow = FitsNarrow(faces);
   const std::vector<IndexRange> parts = PartsOf(grid.cols, work.threads);
