@@ -1,8 +1,13 @@
 #include "node.hpp"
 
+#include <netinet/in.h>
+#include <ros/connection_manager.h>
 #include <ros/ros.h>
+#include <ros/xmlrpc_manager.h>
+#include <sys/socket.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 
 #include "callbacks.hpp"
@@ -13,6 +18,31 @@ namespace {
 constexpr double kServiceTimeoutS = 5.0;
 // A parameter that says whether the time comes from /clock, where a node looks for it instead of at /use_sim_time.
 constexpr const char* kOwnUseSimTime = "/use_sim_time:=/robotteamsim/use_sim_time";
+
+// So many connections may wait at once to be accepted.
+constexpr int kMaxWaiting = 4096;
+
+bool ListensOn(int socket, std::uint32_t port) {
+  int listens = 0;
+  socklen_t size = sizeof listens;
+  if (getsockopt(socket, SOL_SOCKET, SO_ACCEPTCONN, &listens, &size) != 0 || listens == 0) return false;
+  sockaddr_in address{};
+  size = sizeof address;
+  // The port lies at the same place in addresses of IPv6.
+  return getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0 && ntohs(address.sin_port) == port;
+}
+
+// roscpp lets 5 callers wait, and 100 subscribers. When hundreds come at once, the kernel resets the connections of
+// others, and not all clients try again.
+void AcceptHundredsAtOnce() {
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    const int file = std::stoi(entry.path().filename());
+    if (ListensOn(file, ros::XMLRPCManager::instance()->getServerPort()) ||
+        ListensOn(file, ros::ConnectionManager::instance()->getTCPPort())) {
+      listen(file, kMaxWaiting);
+    }
+  }
+}
 
 }  // namespace
 
@@ -25,6 +55,7 @@ void StartNode(const std::string& name, std::vector<std::string> arguments) {
   int argc = static_cast<int>(argv.size());
   ros::init(argc, argv.data(), name, ros::init_options::NoSigintHandler);
   ros::start();
+  AcceptHundredsAtOnce();
 }
 
 ros::NodeHandle StartedNode() {

@@ -137,7 +137,7 @@ def test_recorded_bag_is_analysed_to_the_totals_of_the_run(run: Run) -> None:
     assert mission == {name: result[name] for name in mission}
     assert [robot.distance_m for robot in analysed.robots] == [robot["distance_m"] for robot in result["robots"]]
     assert [robot.contact_s for robot in analysed.robots] == [robot["contact_s"] for robot in result["robots"]]
-    assert (analysed.trajectory_hash, analysed.left_out) == (result["trajectory_hash"], ())
+    assert (analysed.trajectory_hash, analysed.omitted) == (result["trajectory_hash"], ())
 
 
 def test_recorded_bag_is_analysed_as_the_headless_bag_of_the_same_seed(run: Run, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Literal
 
 import msgspec
@@ -11,6 +12,15 @@ from robotteamsim.interface import Task
 MissionState = Literal["waiting", "running", "paused", "ended"]
 MissionEnd = Literal["", "areas_explored", "time_limit", "all_excluded", "none_left", "aborted"]
 VictimState = Literal["waiting", "heard", "saved"]
+
+END_TEXTS: Mapping[str, str] = {
+    "areas_explored": "all areas are explored",
+    "time_limit": "time limit reached",
+    "all_excluded": "all robots are excluded",
+    "none_left": "no robots left",
+    "aborted": "aborted",
+}
+"""Each MissionEnd as a text for users."""
 
 
 class Event(msgspec.Struct, frozen=True, gc=False):

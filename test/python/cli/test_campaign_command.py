@@ -61,7 +61,7 @@ def test_json_and_quiet(capsys, tmp_path, on_two_workers):
     assert main([*command, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert [cell["settings"] for cell in document["cells"]] == [{"voice.noise_db": 10.0}, {"voice.noise_db": 20.0}]
-    assert document["cells"][0]["figures"]["time_s"] == {"mean": 1.0, "sd": None, "low": None, "high": None}
+    assert document["cells"][0]["statistics"]["time_s"] == {"mean": 1.0, "sd": None, "low": None, "high": None}
     assert (document["failed"], document["given_up"]) == ([], [])
 
 
@@ -167,9 +167,9 @@ def test_wrong_value_in_a_design_file_is_named_with_the_file(refusal, tmp_path):
 def test_folder_of_something_else_is_refused(refusal, tmp_path):
     (tmp_path / "file").touch()
     line = refusal("campaign", "garage_sar", "--out", str(tmp_path))
-    assert line == f"{tmp_path}: holds 'file' and no campaign; expected a new or an empty folder"
+    assert line == f"{tmp_path}: contains 'file' and no campaign; expected a new or an empty folder"
     line = refusal("campaign", "garage_sar", "--out", str(tmp_path / "file" / "c"))
-    assert line == f"{tmp_path}/file/c: cannot be made: {tmp_path}/file is no folder"
+    assert line == f"{tmp_path}/file/c: cannot be created: {tmp_path}/file is not a folder"
 
 
 def test_other_commands_do_not_wait_for_dask():

@@ -60,7 +60,7 @@ def test_campaign_without_missions_is_refused_and_nothing_is_written(refusal, ca
 
 
 def test_folders_without_a_campaign_are_refused(refusal, tmp_path):
-    wanted = "holds no campaign: there is no campaign.sqlite"
+    wanted = "contains no campaign: there is no campaign.sqlite"
     assert refusal("report", tmp_path) == f"{tmp_path}: {wanted}"
     assert refusal("report", tmp_path / "nowhere") == f"{tmp_path / 'nowhere'}: {wanted}"
     (tmp_path / "campaign.sqlite").write_text("no database" * 100)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import geometry_msgs.msg
 import nav_msgs.msg
@@ -18,7 +18,7 @@ import robotteamsim.msg
 from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Discovery, Task
-from robotteamsim.mission.status import DeliveredDiscoveries, MissionStatus
+from robotteamsim.mission.status import DeliveredDiscoveries, MissionEnd, MissionState, MissionStatus
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
 from robotteamsim.world.doors import DoorState, DoorStates
@@ -60,7 +60,7 @@ def _plain(values: np.ndarray) -> Any:
 def stamp_ns(message: Any) -> int:
     """Return the stamp of a message with a header [ns]."""
     stamp = message.header.stamp
-    return stamp.secs * 10**9 + stamp.nsecs
+    return int(stamp.secs * 10**9 + stamp.nsecs)
 
 
 def pose_reading(message: geometry_msgs.msg.Pose) -> PoseReading:
@@ -106,7 +106,7 @@ def read_twist_stamped(data: bytes) -> Twist:
 
 def sonar_m(message: sensor_msgs.msg.Range) -> float:
     """Return the range that a sonar measured, a float32 [m]."""
-    return message.range
+    return float(message.range)
 
 
 def fix(message: sensor_msgs.msg.NavSatFix) -> Fix:
@@ -167,8 +167,8 @@ def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
 def mission_status(message: robotteamsim.msg.MissionStatus) -> MissionStatus:
     """Return the mission and the task it sets."""
     return MissionStatus(
-        state=message.state,
-        end=message.end,
+        state=cast("MissionState", message.state),
+        end=cast("MissionEnd", message.end),
         time_s=message.time_s,
         explored=tuple(map(bool, message.explored)),
         victims=tuple(message.victims),
