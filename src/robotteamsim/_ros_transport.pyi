@@ -1,12 +1,11 @@
 """Nodes in Python whose topics and services are roscpp's."""
 
-from collections.abc import Callable, Mapping, Sequence
 import enum
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated
 
 import numpy
 from numpy.typing import NDArray
-
 
 class Level(enum.Enum):
     """How grave a line of the log is."""
