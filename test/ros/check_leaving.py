@@ -128,7 +128,7 @@ class LeavingTest(unittest.TestCase):
             "robot_id must be in 0..3, got 4",
             "robot_3 is not present; it cannot be removed",
             "robot_1 is already present; it cannot be spawned",
-            "robot_3: pose (10.00, 0.20) is inside wall 'south'; wanted 0.2 m of clearance",
+            "robot_3: pose (10.00, 0.20) is inside wall 'south'; expected 0.2 m of clearance",
             "robot_3: pose must be finite",
             "robot_id: 3; that robot is not there",
         ]

@@ -100,8 +100,9 @@ class Peer:
 class Wire:
     """A subscriber of one topic that reads its socket only when it is asked to."""
 
-    def __init__(self, topic: str, message_class: type) -> None:
-        uri = rosgraph.Master("/test").lookupNode(NODE)
+    def __init__(self, topic: str, message_class: type, uri: str = "") -> None:
+        """Args: uri: of the node that publishes; empty: the master is asked."""
+        uri = uri or rosgraph.Master("/test").lookupNode(NODE)
         _, _, (_, host, port) = xmlrpc.client.ServerProxy(uri).requestTopic("/wire", topic, [["TCPROS"]])
         self.socket = socket.create_connection((host, port), TIMEOUT_S)
         fields = {"callerid": "/wire", "topic": topic, "type": message_class._type, "md5sum": message_class._md5sum}
@@ -217,9 +218,10 @@ def test_subscriber_whose_greeting_is_left_out_or_fails_gets_what_is_published_l
 
 def test_hundreds_of_subscribers_can_connect_at_once():
     outputs = [publisher(f"/many/topic_{i}", UInt32) for i in range(300)]
+    uri = rosgraph.Master("/test").lookupNode(NODE)
     connected: queue.Queue[Wire] = queue.Queue()
     threads = [
-        threading.Thread(target=lambda i=i: connected.put(Wire(f"/many/topic_{i}", UInt32)))
+        threading.Thread(target=lambda i=i: connected.put(Wire(f"/many/topic_{i}", UInt32, uri)))
         for i in range(len(outputs))
     ]
     for thread in threads:
