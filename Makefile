@@ -1,5 +1,5 @@
-# make garage_sar   runs the garage mission in ROS; make test runs every test; make help lists the rest.
-# Each installs and builds what is missing first, and does nothing twice.
+# make garage_sar runs the garage mission in ROS, make test every test; make help lists all targets.
+# Each target first installs and builds what is missing.
 
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
@@ -12,24 +12,24 @@ JOBS ?= $(shell nproc)
 SPEED ?= 5
 FUZZ := $(BUILD)/fuzz
 FUZZ_SECONDS ?= 60
-# Whole missions are left out: with the sanitizers they take many minutes, and nothing in the C++ is theirs alone.
+# Whole missions are excluded: with the sanitizers they take many minutes, and no C++ is used only by them.
 SANITIZED := $(addprefix test/python/,propagation network sensing world swarm control)
 ARGS ?=
-# Everything that ROS and Python must know of the build, whatever the user's shell has set.
+# The environment of the build for ROS and Python, independent of the user's shell.
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint bench bench_ros exactness build_fuzz fuzz sanitize wheel pictures clean
+.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness build_fuzz fuzz sanitize wheel pictures clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
-	@echo "  options: SPEED=5 (times real time, 0 flat out), ARGS='robots:=5 noise:=20' or ARGS='--noise 20', JOBS=2"
+	@echo "  options: SPEED=5 (times real time, 0: as fast as possible), ARGS='robots:=5 noise:=20' or ARGS='--noise 20', JOBS=2"
 
-setup: $(VENV)/.ready ## install what is missing: Debian packages, PyPI packages into .venv
+setup: $(VENV)/.ready ## install missing packages: Debian packages, PyPI packages into .venv
 
 $(VENV)/.debian: setup/debian-packages.txt setup/install-debian-packages.sh
 	@setup/install-debian-packages.sh setup/debian-packages.txt
-	@# Debian's own interpreter: the one that has rospy, whatever python3 comes first on PATH.
+	@# Debian's own interpreter has rospy; another python3 may come first on PATH.
 	@test -x $(PYTHON) || { echo "-- making $(VENV)"; /usr/bin/python3 -m venv --system-site-packages $(VENV); }
 	@touch $@
 
@@ -48,7 +48,7 @@ build: $(VENV)/.ready ## build messages, C++ library and nodes into build/
 	@printf '#!%s\nimport sys\n\nfrom robotteamsim.cli import main\n\nif __name__ == "__main__":\n    sys.exit(main())\n' $(CURDIR)/$(PYTHON) > $(VENV)/bin/robotteamsim
 	@chmod +x $(VENV)/bin/robotteamsim
 
-garage_sar: build ## run the garage mission under roslaunch, with rviz where there is a display
+garage_sar: build ## run the garage mission with roslaunch, and rviz if there is a display
 	@$(ENV) roslaunch robotteamsim garage_sar.launch lockstep:=true speed:=$(SPEED) $(ARGS)
 
 run: build ## run the garage mission headless
@@ -63,7 +63,7 @@ test_cpp: build ## GoogleTest
 test_python: build ## pytest
 	@$(ENV) $(PYTHON) -m pytest test/python -n $(JOBS) --dist loadfile $(ARGS)
 
-test_ros: build ## rostest, each test on a master of its own
+test_ros: build ## rostest, each test with its own master
 	@$(ENV) $(PYTHON) -m pytest test/ros -n $(JOBS) --dist loadfile $(ARGS)
 
 lint: build ## ruff, mypy, clang-format, yamllint
@@ -74,27 +74,32 @@ lint: build ## ruff, mypy, clang-format, yamllint
 	@yamllint --strict scenarios maps
 	@echo "-- linters: clean"
 
-bench: build ## measure the speed of the parts, as ratios, into bench/results/speed.csv
+tidy: build ## clang-tidy over the C++ code; about four minutes on two cores
+	@run-clang-tidy-14 -quiet -p $(BUILD) -j$(JOBS) '^$(CURDIR)/src/(cpp|bindings)/' > $(BUILD)/tidy.log 2>&1 \
+		|| { grep -A3 "error:" $(BUILD)/tidy.log; exit 1; }
+	@echo "-- clang-tidy: clean"
+
+bench: build ## measure the speed of each part as a ratio, into bench/results/speed.csv
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_bench > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/run.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_bench --csv bench/results/speed.csv $(ARGS)
 	@$(ENV) for script in bench/world_bench.py $(filter-out bench/ros_bench.py bench/world_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
 
-bench_ros: build ## measure how fast worlds and missions run in ROS, with a client that hears all
+bench_ros: build ## measure the speed of worlds and missions in ROS, with a client that receives everything
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_ros_listener > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/ros_bench.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_ros_listener $(ARGS)
 
-exactness: build ## compare fast maps with one ray per cell, on 50 million cells; links with their way back
+exactness: build ## compare maps with one ray per cell on 50 million cells, and links with their reverse
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_exactness > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@set -o pipefail; $(BUILD)/devel/lib/robotteamsim/robotteamsim_exactness $(ARGS) | tee bench/results/exactness.txt
 
 build_fuzz: build
-	@command -v clang++-14 > /dev/null || { echo "it needs clang-14 and libclang-rt-14-dev (apt-get install)"; exit 1; }
+	@command -v clang++-14 > /dev/null || { echo "this needs clang-14 and libclang-rt-14-dev (apt-get install)"; exit 1; }
 	@mkdir -p $(FUZZ)
 	@echo "-- building under ASan and UBSan"
 	@{ cmake -S test/fuzz -B $(FUZZ) -DCMAKE_CXX_COMPILER=clang++-14 -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) && \
 		cmake --build $(FUZZ) -j$(JOBS); } > $(FUZZ)/build.log 2>&1 || { cat $(FUZZ)/build.log; exit 1; }
 
-fuzz: build_fuzz ## throw odd inputs at propagation, network and import under ASan and UBSan, FUZZ_SECONDS=60 each
+fuzz: build_fuzz ## fuzz propagation, network and import under ASan and UBSan, FUZZ_SECONDS=60 each
 	@for name in propagation network; do mkdir -p $(FUZZ)/corpus_$$name; echo "-- $$name"; \
 		$(FUZZ)/$${name}_fuzzer -max_total_time=$(FUZZ_SECONDS) -max_len=400 -len_control=0 -verbosity=0 \
 		-print_final_stats=1 -artifact_prefix=$(FUZZ)/ $(FUZZ)/corpus_$$name test/fuzz/corpus/$$name || exit 1; done
@@ -102,18 +107,18 @@ fuzz: build_fuzz ## throw odd inputs at propagation, network and import under AS
 		$(PYTHON) test/fuzz/import_fuzz.py --seconds $(FUZZ_SECONDS) --core $(FUZZ)/_core*.so 2> $(FUZZ)/import.log \
 		|| { tail -60 $(FUZZ)/import.log; exit 1; }
 
-sanitize: build_fuzz ## run tests of the parts that are C++ under ASan and UBSan; ARGS="test/python/world -k door" some
+sanitize: build_fuzz ## run the tests of C++ parts under ASan and UBSan; ARGS="test/python/world -k door" for some
 	@$(ENV) ROBOTTEAMSIM_CORE=$$(ls $(CURDIR)/$(FUZZ)/_core*.so) PYTHONPATH=test/fuzz:$$PYTHONPATH \
 		ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD=$$(cat $(FUZZ)/preloaded) $(PYTHON) -m pytest -q -s -p no:cacheprovider -p sanitized_core \
 		$(or $(ARGS),$(SANITIZED))
 
-wheel: $(VENV)/.ready ## build dist/*.whl that carries Box2D inside and needs no compiler
+wheel: $(VENV)/.ready ## build dist/*.whl, which includes Box2D and needs no compiler
 	@rm -rf dist && mkdir -p dist/raw
 	@$(PYTHON) -m pip wheel --quiet --no-deps --wheel-dir dist/raw .
 	@PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PYTHON) -m auditwheel repair --wheel-dir dist dist/raw/*.whl
 	@rm -rf dist/raw && ls dist/*.whl
 
-pictures: build ## make the pictures of README and docs anew
+pictures: build ## make the pictures of README and docs again
 	@$(ENV) $(PYTHON) docs/draw_cases.py
 	@$(ENV) $(PYTHON) docs/draw_swarm.py
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field radio garage_sar --at 4,5 --at 30,36 --at 50,18 --png docs/images/field.png

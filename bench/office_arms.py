@@ -70,7 +70,7 @@ class Watcher:
         for event in record.events:
             if event.kind == "victim_saved":
                 self._found_s[event.subject] = record.sim_time_s
-            if event.kind == "find_reported":
+            if event.kind == "discovery_delivered":
                 self._reported_s[event.subject] = record.sim_time_s
         if record.step_index % round(1.0 / self._step_s) == 0:
             for reading in record.readings:

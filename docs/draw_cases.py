@@ -1,6 +1,6 @@
-"""Draw what a straight way pays in each case of docs/propagation.md: docs/images/propagation_cases.png.
+"""Draw the loss of a straight line in each case of docs/propagation.md: docs/images/propagation_cases.png.
 
-Every number in the picture is computed by the library when it is drawn. Run by `make pictures`; needs no display.
+Every number in the picture is computed by the library. Run by `make pictures`; needs no display.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ BOUNDS = Bounds(max=(4.0, 3.0))
 RADIO = Radio()
 UNITS_PER_DB = 20
 MOVED_MM = (1e-3, 1e-6)
-"""Faces stand here where a way meets a corner or runs along a face: (eps, eps^2)."""
+"""Faces are moved by (eps, eps^2) to decide ties at corners and along faces."""
 
 INK = "#16202e"
 PAID = "#c2410c"
@@ -46,21 +46,21 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A plan, the ways through it (a, b and where the sum is written [m]), and the losses of its solids."""
+    """A floor plan, rays through it (a, b, position of the sum [m]), and notes about the losses of its solids."""
 
     title: str
     plan: FloorPlan
-    ways: tuple[tuple[Point, Point, Point], ...]
+    rays: tuple[tuple[Point, Point, Point], ...]
     notes: tuple[Note, ...]
 
 
 def plan(**elements: tuple[Wall | Block | Door, ...]) -> FloorPlan:
-    """Return a plan of one panel."""
+    """Return the floor plan of one panel."""
     return FloorPlan.model_validate({"name": "case", "bounds": BOUNDS, **elements})
 
 
 def class_text(element: Wall | Block) -> str:
-    """Return a solid's thickness and its loss, as the library has them."""
+    """Return the thickness and the loss of a solid, from the library."""
     alone = plan(walls=(element,)) if isinstance(element, Wall) else plan(blocks=(element,))
     loss_db = 2.0 * float(radio_faces(alone, RADIO).weights.max()) / UNITS_PER_DB
     width_m = element.thickness_m or float(np.min(np.ptp(element.polygon, axis=0)))
@@ -70,86 +70,109 @@ def class_text(element: Wall | Block) -> str:
 
 def cases() -> tuple[Case, ...]:
     """Return the six cases."""
+    return (oblique_wall(), corner(), along_a_wall(), pillar(), end_inside_a_wall(), doors())
+
+
+def oblique_wall() -> Case:
+    """Case 1."""
     thin = Wall(name="thin", start=(2.0, 0.0), end=(2.0, 3.0))
+    return Case(
+        "1  oblique wall",
+        plan(walls=(thin,)),
+        (((0.4, 2.4), (3.6, 2.4), (3.0, 2.5)), ((1.0, 0.4), (3.0, 1.9), (2.75, 1.35))),
+        (Note(class_text(thin), (2.2, 0.15)),),
+    )
+
+
+def corner() -> Case:
+    """Case 2."""
     level = Wall(name="level", start=(0.0, 2.2), end=(2.85, 2.2))
     thick = Wall(name="thick", start=(2.55, 2.3), end=(2.55, 0.0), thickness_m=0.6)
+    return Case(
+        "2  corner",
+        plan(walls=(level, thick)),
+        (((1.5, 2.8), (3.5, 1.2), (3.1, 2.15)), ((0.5, 0.45), (3.6, 0.45), (3.1, 0.6))),
+        (Note(class_text(level), (0.1, 1.85)), Note(class_text(thick), (0.5, 1.1))),
+    )
+
+
+def along_a_wall() -> Case:
+    """Case 3."""
     long = Wall(name="long", start=(0.9, 1.5), end=(3.1, 1.5), thickness_m=0.8)
-    pillar = Block(name="pillar", kind="pillar", polygon=((1.7, 1.2), (2.3, 1.2), (2.3, 1.8), (1.7, 1.8)))
+    return Case(
+        "3  along a wall",
+        plan(walls=(long,)),
+        tuple(((0.35, y), (3.65, y), (1.75, above)) for y, above in ((1.9, 2.0), (1.5, 1.6), (1.1, 0.85))),
+        (Note(class_text(long), (0.9, 0.45)),),
+    )
+
+
+def pillar() -> Case:
+    """Case 4."""
+    block = Block(name="pillar", kind="pillar", polygon=((1.7, 1.2), (2.3, 1.2), (2.3, 1.8), (1.7, 1.8)))
+    return Case(
+        "4  pillar",
+        plan(blocks=(block,)),
+        (((0.4, 1.3), (3.6, 1.3), (3.05, 1.02)), ((1.2, 2.2), (2.9, 1.5), (2.05, 2.05))),
+        (Note(class_text(block), (0.3, 0.6)),),
+    )
+
+
+def end_inside_a_wall() -> Case:
+    """Case 5."""
     around = Wall(name="around", start=(2.0, 0.0), end=(2.0, 3.0), thickness_m=0.4)
+    return Case(
+        "5  end inside a wall",
+        plan(walls=(around,)),
+        (((2.0, 2.2), (3.6, 2.2), (2.8, 2.3)), ((0.4, 1.2), (2.05, 0.9), (0.55, 0.75))),
+        (Note(class_text(around), (2.3, 0.3)),),
+    )
+
+
+def doors() -> Case:
+    """Case 6."""
     parts = tuple(
         Wall(name=f"part_{i}", start=(2.0, low), end=(2.0, high))
         for i, (low, high) in enumerate([(0.0, 0.35), (1.25, 1.75), (2.65, 3.0)])
     )
-    doors = (
+    two_doors = (
         Door(name="closed", start=(2.0, 0.35), end=(2.0, 1.25), closed=True),
         Door(name="open", start=(2.0, 2.65), end=(2.0, 1.75)),
     )
-    return (
-        Case(
-            "1  oblique wall",
-            plan(walls=(thin,)),
-            (((0.4, 2.4), (3.6, 2.4), (3.0, 2.5)), ((1.0, 0.4), (3.0, 1.9), (2.75, 1.35))),
-            (Note(class_text(thin), (2.2, 0.15)),),
-        ),
-        Case(
-            "2  corner",
-            plan(walls=(level, thick)),
-            (((1.5, 2.8), (3.5, 1.2), (3.1, 2.15)), ((0.5, 0.45), (3.6, 0.45), (3.1, 0.6))),
-            (Note(class_text(level), (0.1, 1.85)), Note(class_text(thick), (0.5, 1.1))),
-        ),
-        Case(
-            "3  along a wall",
-            plan(walls=(long,)),
-            tuple(((0.35, y), (3.65, y), (1.75, above)) for y, above in ((1.9, 2.0), (1.5, 1.6), (1.1, 0.85))),
-            (Note(class_text(long), (0.9, 0.45)),),
-        ),
-        Case(
-            "4  pillar",
-            plan(blocks=(pillar,)),
-            (((0.4, 1.3), (3.6, 1.3), (3.05, 1.02)), ((1.2, 2.2), (2.9, 1.5), (2.05, 2.05))),
-            (Note(class_text(pillar), (0.3, 0.6)),),
-        ),
-        Case(
-            "5  end inside a wall",
-            plan(walls=(around,)),
-            (((2.0, 2.2), (3.6, 2.2), (2.8, 2.3)), ((0.4, 1.2), (2.05, 0.9), (0.55, 0.75))),
-            (Note(class_text(around), (2.3, 0.3)),),
-        ),
-        Case(
-            "6  door open and closed",
-            plan(walls=parts, doors=doors),
-            (((0.4, 2.1), (3.6, 2.1), (3.1, 2.2)), ((0.4, 0.8), (3.6, 0.8), (3.1, 0.9))),
-            (Note(class_text(parts[0]), (2.2, 0.1)),),
-        ),
+    return Case(
+        "6  door open and closed",
+        plan(walls=parts, doors=two_doors),
+        (((0.4, 2.1), (3.6, 2.1), (3.1, 2.2)), ((0.4, 0.8), (3.6, 0.8), (3.1, 0.9))),
+        (Note(class_text(parts[0]), (2.2, 0.1)),),
     )
 
 
 def crossings(case: Case, a: Point, b: Point) -> list[tuple[Point, float]]:
-    """Return where a way crosses faces and doors that weigh something, and what each costs [dB], from a to b."""
+    """Return where a ray from a to b crosses faces and closed doors, and the loss at each [dB]."""
     faces = radio_faces(case.plan, RADIO)
-    way = shapely.LineString([a, b])
+    ray = shapely.LineString([a, b])
     found = []
     for index, (ends_mm, weight) in enumerate(zip(faces.ends_mm.reshape(-1, 2, 2), faces.weights, strict=True)):
         door = index - (len(faces.weights) - len(faces.doors))
         if door >= 0 and not list(faces.doors.values())[door]:
             continue
-        meeting = way.intersection(shapely.LineString((ends_mm + MOVED_MM) / MM_PER_M))
+        meeting = ray.intersection(shapely.LineString((ends_mm + MOVED_MM) / MM_PER_M))
         if not meeting.is_empty:
             found.append(((meeting.x, meeting.y), weight / UNITS_PER_DB))
     return sorted(found, key=lambda crossing: float(np.hypot(*np.subtract(crossing[0], a))))
 
 
 def checked_sum_db(case: Case, a: Point, b: Point, losses_db: list[float]) -> float:
-    """Return what the library says that walls and doors cost on a way; the crossings drawn must add up to it."""
+    """Return the loss of walls and doors on a ray from the library, which must equal the sum of the crossings [dB]."""
     free_db = RadioField(plan(), RADIO).path_loss_db(a, b)
     total_db = RadioField(case.plan, RADIO).path_loss_db(a, b) - free_db
     if abs(total_db - sum(losses_db)) > 1e-9:
-        sys.exit(f"draw_cases: {case.title}: the library says {total_db:g} dB, the crossings drawn {losses_db}")
+        sys.exit(f"draw_cases: {case.title}: the library has {total_db:g} dB, the crossings drawn {losses_db}")
     return abs(total_db)
 
 
-def write_beside(axes: Axes, text: str, point: Point, offset_points: np.ndarray, colour: str) -> None:
-    """Write beside a point."""
+def write_next_to(axes: Axes, text: str, point: Point, offset_points: np.ndarray, colour: str) -> None:
+    """Write a text next to a point."""
     axes.annotate(
         text,
         point,
@@ -169,19 +192,19 @@ def draw(axes: Axes, case: Case) -> None:
     axes.set_facecolor(FLOOR)
     draw_solids(axes, case.plan)
     draw_doors(axes, case.plan)
-    for a, b, text_at in case.ways:
+    for a, b, text_at in case.rays:
         found = crossings(case, a, b)
         total_db = checked_sum_db(case, a, b, [loss_db for _, loss_db in found])
         axes.plot(*zip(a, b, strict=True), "-", color=ROBOT, linewidth=1.6, zorder=5, path_effects=HALO)
         ahead = np.subtract(b, a) / np.hypot(*np.subtract(b, a))
         for name, end, outward in (("a", a, -ahead), ("b", b, ahead)):
             axes.plot(*end, "o", color=ROBOT, markersize=6, markeredgecolor="white", zorder=6)
-            write_beside(axes, name, end, 10.0 * outward, ROBOT)
+            write_next_to(axes, name, end, 10.0 * outward, ROBOT)
         for point, loss_db in found:
             axes.plot(*point, "o", color=PAID, markersize=7, markeredgecolor="white", zorder=7)
             side = -1.0 if math.dist(point, a) < math.dist(found[-1][0], a) else 1.0
             below = -1.0 if side * ahead[1] >= 0.0 else 1.0
-            write_beside(axes, f"{loss_db:g}", point, np.array([side * 17.0, below * 9.0]), PAID)
+            write_next_to(axes, f"{loss_db:g}", point, np.array([side * 17.0, below * 9.0]), PAID)
         text = f"{total_db:g} dB"
         axes.text(*text_at, text, color=PAID, fontsize=11, weight="bold", zorder=8, path_effects=HALO)
     for note in case.notes:

@@ -1,6 +1,6 @@
-"""Draw where swarms come to rest, by memory and coefficients: docs/images/swarm_stability.png.
+"""Draw where swarms converge, by memory and coefficients: docs/images/swarm_stability.png.
 
-Every number in the picture is computed by the library when it is drawn. Run by `make pictures`; needs no display.
+Every number in the picture is computed by the library. Run by `make pictures`; needs no display.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ SUMS = np.linspace(0.1, 5.0, 50)
 """c1 + c2, half of it each."""
 
 BOUND = 1.0 - 1e-9
-"""At alpha = 1 the exact memory has a radius of 1 and no side to fall on."""
+"""Just below 1, because at alpha = 1 the exact memory has a radius of exactly 1."""
 
 INK = "#16202e"
 COLOURS = ("#ffffff", "#f6c98f", "#9cc5e0")
-"""Diverges; the mean alone converges; comes to rest."""
+"""Diverges; only the mean converges; mean and variance converge."""
 MARK = "#b3261e"
 
 
@@ -39,7 +39,7 @@ def kinds(mode: MemoryMode, terms: int) -> np.ndarray:
     for column, alpha in enumerate(ALPHAS.tolist()):
         memory = memory_coefficients(mode, alpha, terms)
         for row, c in enumerate((SUMS / 2.0).tolist()):
-            # Where the mean diverges, so does the variance: it need not be asked for.
+            # If the mean diverges, the variance does, too.
             if mean_radius(memory, c, c) < BOUND:
                 found[row, column] = 2 if variance_radius(memory, c, c) < BOUND else 1
     return found
@@ -73,7 +73,7 @@ def main() -> None:
     patches = [
         Patch(facecolor=colour, edgecolor=INK, lw=0.5, label=label)
         for colour, label in zip(
-            reversed(COLOURS), ("comes to rest", "mean converges, swings widen", "diverges"), strict=True
+            reversed(COLOURS), ("converges", "mean converges, variance diverges", "diverges"), strict=True
         )
     ]
     figure.legend(handles=[*patches, *handles], loc="outside lower center", ncols=5, fontsize=9, frameon=False)

@@ -1,6 +1,6 @@
-"""Make the pictures of README and docs anew: run missions in ROS, halt them at a good moment, and look with rviz.
+"""Make the pictures of README and docs: run missions in ROS, stop them at a chosen step, and show them in rviz.
 
-Needs no display: rviz draws on a virtual one, by software. Run by `make pictures`; takes about five minutes.
+Needs no display, because rviz draws on a virtual one. Run by `make pictures`; takes about five minutes.
 Usage: python docs/make_pictures.py [NAME...]     names of pictures without `.png`; all by default
 """
 
@@ -38,15 +38,15 @@ CONFIG = ROOT / "rviz" / "robotteamsim.rviz"
 
 SIZE = (1600, 900)
 FINER = 2
-"""rviz draws this many times as large; reducing the picture smooths its edges."""
+"""rviz draws larger by this factor; reducing the picture smooths its edges."""
 RUN = ("lockstep:=true", "speed:=20", "rviz:=false", "mission_stays:=true")
-PATIENCE_S = 120.0
+TIMEOUT_S = 120.0
 
-LOOK_PERIOD_S = 1.5
-STILL_LOOKS = 3
-"""So many looks in a row must be equal: rviz fills the scene in bit by bit."""
+SCREENSHOT_PERIOD_S = 1.5
+EQUAL_SCREENSHOTS = 3
+"""Number of equal screenshots in a row before a picture is taken, because rviz builds the scene gradually."""
 MIN_COLOURS = 200
-"""A blank screen and rviz's splash have fewer."""
+"""Least number of colours of a complete scene; a blank screen and rviz's splash have fewer."""
 
 
 def orbit(x_m: float, y_m: float, distance_m: float, pitch_rad: float, yaw_rad: float) -> dict[str, Any]:
@@ -78,14 +78,14 @@ def from_above(x_m: float, y_m: float, pixels_per_m: float) -> dict[str, Any]:
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """A run in ROS, halted after some steps, and the pictures taken then; a view of None is rviz's own."""
+    """A run in ROS, stopped after some steps, and the views to draw; None is the default view of rviz."""
 
     launch: str
     arguments: tuple[str, ...]
     steps: int
     views: dict[str, dict[str, Any] | None]
     close: str | None = None
-    """Name of a picture from near by, with the middle of the team and the nearest victim in its middle."""
+    """Name of a close-up between the centre of the team and the nearest victim."""
 
 
 MOMENTS = (
@@ -108,7 +108,7 @@ MOMENTS = (
 
 
 def main() -> None:
-    """Write all pictures, or those of the moments that have one of the names given."""
+    """Write all pictures, or those of the moments with one of the given names."""
     IMAGES.mkdir(parents=True, exist_ok=True)
     names = set(sys.argv[1:])
     chosen = [moment for moment in MOMENTS if not names or names & {*moment.views, moment.close}]
@@ -133,7 +133,7 @@ def take_pictures(moment: Moment, screen: str, scratch: Path) -> None:
         running(launch, scratch / "launch.log"),
         running(["rosrun", "robotteamsim", "scene"], scratch / "scene.log"),
     ):
-        x_m, y_m = halt_after(moment.steps)
+        x_m, y_m = pause_after(moment.steps)
         views = moment.views | ({moment.close: orbit(x_m, y_m, 14.0, 0.8, 4.4)} if moment.close else {})
         for name, view in views.items():
             path = IMAGES / f"{name}.png"
@@ -143,7 +143,7 @@ def take_pictures(moment: Moment, screen: str, scratch: Path) -> None:
 
 @contextmanager
 def running(command: list[str], log: Path, **options: Any) -> Iterator[subprocess.Popen[bytes]]:
-    """Run a program and end it, and it alone, by its process id."""
+    """Run a program, and terminate it by its process id."""
     with log.open("wb") as output:
         process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, **options)
         try:
@@ -155,7 +155,7 @@ def running(command: list[str], log: Path, **options: Any) -> Iterator[subproces
 
 @contextmanager
 def virtual_display() -> Iterator[str]:
-    """Start Xvfb on a display that is free and yield its name."""
+    """Start Xvfb on a free display and yield its name."""
     width, height = (FINER * pixels for pixels in SIZE)
     reader, writer = os.pipe()
     screen = ["-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp", "-displayfd", str(writer)]
@@ -166,51 +166,51 @@ def virtual_display() -> Iterator[str]:
 
 
 def free_port() -> int:
-    """Return a port that nobody listens on."""
+    """Return a free port."""
     with socket.socket() as listener:
         listener.bind(("localhost", 0))
         return int(listener.getsockname()[1])
 
 
-def halt_after(steps: int) -> tuple[float, float]:
-    """Let the mission, which begins with the first step, run from its start for some steps and stand still.
+def pause_after(steps: int) -> tuple[float, float]:
+    """Let the mission run for some steps from its start and pause it.
 
-    Returns: the point midway between the middle of the team and the victim nearest to it [m].
+    Returns: the midpoint between the centre of the team and the nearest victim [m].
     """
-    rospy.wait_for_message("/scene/robots", MarkerArray, PATIENCE_S)
-    rospy.wait_for_message("/mission/status", MissionStatus, PATIENCE_S)
-    for name in ("/pause", "/reset"):  # the scene may have missed the first steps, which would cut the trails
+    rospy.wait_for_message("/scene/robots", MarkerArray, TIMEOUT_S)
+    rospy.wait_for_message("/mission/status", MissionStatus, TIMEOUT_S)
+    for name in ("/pause", "/reset"):  # The scene may have missed the first steps, which would shorten the trails.
         call(name, Trigger)
     call("/step", Step, steps)
     positions_m = [
-        rospy.wait_for_message(f"/robot_{robot_id}/base_pose_ground_truth", Odometry, PATIENCE_S).pose.pose.position
+        rospy.wait_for_message(f"/robot_{robot_id}/base_pose_ground_truth", Odometry, TIMEOUT_S).pose.pose.position
         for robot_id in range(rospy.get_param("/robotteamsim/robots"))
     ]
     x_m, y_m = (sum(getattr(p, axis) for p in positions_m) / len(positions_m) for axis in "xy")
-    victims = rospy.wait_for_message("/mission/victims", Victims, PATIENCE_S).victims
+    victims = rospy.wait_for_message("/mission/victims", Victims, TIMEOUT_S).victims
     nearest = min((v.position for v in victims), key=lambda p: math.dist((p.x, p.y), (x_m, y_m)))
     return (x_m + nearest.x) / 2.0, (y_m + nearest.y) / 2.0
 
 
 def call(name: str, kind: type, *arguments: Any) -> None:
     """Call a service that must succeed."""
-    rospy.wait_for_service(name, PATIENCE_S)
+    rospy.wait_for_service(name, TIMEOUT_S)
     answer = rospy.ServiceProxy(name, kind)(*arguments)
     if not answer.success:
         sys.exit(f"make_pictures: {name}: {answer.message}")
 
 
 def wait_for_master() -> None:
-    """Wait until the master that roslaunch starts is up."""
-    deadline_s = time.monotonic() + PATIENCE_S
+    """Wait until the ROS master answers."""
+    deadline_s = time.monotonic() + TIMEOUT_S
     while not master_answers():
         if time.monotonic() > deadline_s:
-            sys.exit("make_pictures: roslaunch starts no master")
+            sys.exit("make_pictures: the ROS master does not start")
         time.sleep(0.2)
 
 
 def master_answers() -> bool:
-    """Whether the master is up."""
+    """Whether the ROS master answers."""
     try:
         rospy.get_master().getPid()
     except OSError:
@@ -221,7 +221,7 @@ def master_answers() -> bool:
 def take_picture(
     screen: str, view: dict[str, Any] | None, scratch: Path, path: Path, hidden: tuple[str, ...] = ()
 ) -> None:
-    """Look at the scene without its hidden displays, wait until it stands still, and write what is seen."""
+    """Show the scene without the hidden displays, wait until it no longer changes, and write a picture."""
     config = fitted(CONFIG, load(rospy.get_param(f"{PARAMETERS}/scenario")).plan.bounds)
     if view is not None:
         config["Visualization Manager"]["Views"]["Current"] = view
@@ -235,18 +235,18 @@ def take_picture(
     rviz = ["rviz", "--fullscreen", "-d", str(config_path)]
     environment = os.environ | {"DISPLAY": screen, "LIBGL_ALWAYS_SOFTWARE": "1", "QT_QPA_PLATFORM": "xcb"}
     with running(rviz, scratch / "rviz.log", env=environment):
-        picture = still_picture(screen, scratch / "screen.png")
+        picture = settled_picture(screen, scratch / "screen.png")
     picture.convert("RGB").resize(SIZE, Image.Resampling.LANCZOS).save(path, optimize=True)
 
 
-def still_picture(screen: str, path: Path) -> Image.Image:
-    """Return the screen once it shows something and has not changed for a while."""
-    deadline_s = time.monotonic() + PATIENCE_S
+def settled_picture(screen: str, path: Path) -> Image.Image:
+    """Return the screen once it shows a scene that no longer changes."""
+    deadline_s = time.monotonic() + TIMEOUT_S
     last, same = b"", 0
-    while same < STILL_LOOKS:
+    while same < EQUAL_SCREENSHOTS:
         if time.monotonic() > deadline_s:
-            sys.exit("make_pictures: rviz does not come to rest")
-        time.sleep(LOOK_PERIOD_S)
+            sys.exit("make_pictures: the scene in rviz keeps changing")
+        time.sleep(SCREENSHOT_PERIOD_S)
         subprocess.run(["import", "-display", screen, "-window", "root", str(path)], check=True)
         with Image.open(path) as grabbed:
             picture = grabbed.convert("RGB")

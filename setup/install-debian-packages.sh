@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs the packages of a list that are missing, and says so; does nothing when all are there.
+# Installs the missing packages of a list and prints their names.
 # usage: install-debian-packages.sh LIST
 set -eu
 missing=$(sed 's/#.*//' "$1" | while read -r package; do
@@ -7,13 +7,13 @@ missing=$(sed 's/#.*//' "$1" | while read -r package; do
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || echo "$package"
 done)
 if [ -z "$missing" ]; then
-  echo "-- Debian packages: all there"
+  echo "-- Debian packages: all installed"
   exit 0
 fi
 echo "-- Debian packages: installing" $missing
 root=
 if [ "$(id -u)" != 0 ]; then
-  command -v sudo >/dev/null || { echo "not root and no sudo: as root, run 'apt-get install" $missing"'" >&2; exit 1; }
+  command -v sudo >/dev/null || { echo "sudo is not installed; as root, run 'apt-get install" $missing"'" >&2; exit 1; }
   root="sudo"
 fi
 export DEBIAN_FRONTEND=noninteractive

@@ -30,7 +30,7 @@ inline const bool kToldCompiler = [] {
 }();
 
 /// 960,000 cells on a floor of 60 x 40 m.
-inline const GridShape kGrid{{0.0, 0.0}, 0.05, 800, 1200};
+inline const plan::GridShape kGrid{{0.0, 0.0}, 0.05, 800, 1200};
 
 inline double Seconds(clockid_t clock, const std::function<void()>& work) {
   const auto now = [clock] {
@@ -50,7 +50,7 @@ inline double Median(std::vector<double> values) {
 
 /// Times work(turn) against a memset of the first `map` that it writes.
 /// Args: share: the part of a turn that counts as one; items: cells, links, ... of that part.
-inline void Run(benchmark::State& state, MapValues* map, int items, const std::function<void(int)>& work,
+inline void Run(benchmark::State& state, propagation::MapValues* map, int items, const std::function<void(int)>& work,
                 double share = 1.0, int threads = 1) {
   const clockid_t clock = threads == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
   std::vector<double> work_s;

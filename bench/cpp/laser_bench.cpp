@@ -18,47 +18,47 @@ constexpr int kBeams = 181;
 constexpr double kRange = 5.0;
 constexpr double kRadius = 0.2;
 
-Solid Rectangle(double x, double y, double width, double height) {
-  const Polygon corners{{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}};
+world::Solid Rectangle(double x, double y, double width, double height) {
+  const world::Polygon corners{{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}};
   return {corners, {corners}};
 }
 
-std::vector<Solid> Floor(std::mt19937* random) {
+std::vector<world::Solid> Floor(std::mt19937* random) {
   std::uniform_real_distribution<double> x(1.0, 56.0), y(1.0, 36.0), size(0.2, 3.0);
-  std::vector<Solid> solids{Rectangle(0.0, 0.0, 60.0, 0.2), Rectangle(0.0, 39.8, 60.0, 0.2),
-                            Rectangle(0.0, 0.2, 0.2, 39.6), Rectangle(59.8, 0.2, 0.2, 39.6)};
+  std::vector<world::Solid> solids{Rectangle(0.0, 0.0, 60.0, 0.2), Rectangle(0.0, 39.8, 60.0, 0.2),
+                                   Rectangle(0.0, 0.2, 0.2, 39.6), Rectangle(59.8, 0.2, 0.2, 39.6)};
   while (solids.size() < 80) solids.push_back(Rectangle(x(*random), y(*random), size(*random), size(*random)));
   return solids;
 }
 
-bool IsFree(const std::vector<Solid>& solids, const std::vector<Robot>& robots, const Pose& pose) {
-  for (const Solid& solid : solids) {
-    const Point &low = solid.outline[0], &high = solid.outline[2];
+bool IsFree(const std::vector<world::Solid>& solids, const std::vector<world::Robot>& robots, const base::Pose& pose) {
+  for (const world::Solid& solid : solids) {
+    const base::Point &low = solid.outline[0], &high = solid.outline[2];
     if (pose.x > low.x - 0.3 && pose.x < high.x + 0.3 && pose.y > low.y - 0.3 && pose.y < high.y + 0.3) return false;
   }
-  for (const Robot& other : robots) {
+  for (const world::Robot& other : robots) {
     if (std::hypot(pose.x - other.start.x, pose.y - other.start.y) < 0.5) return false;
   }
   return true;
 }
 
-World MakeWorld(int num_robots) {
+world::World MakeWorld(int num_robots) {
   std::mt19937 random(7);
-  const std::vector<Solid> solids = Floor(&random);
+  const std::vector<world::Solid> solids = Floor(&random);
   std::uniform_real_distribution<double> x(0.5, 59.5), y(0.5, 39.5), yaw(-kPi, kPi);
-  std::vector<Robot> robots;
+  std::vector<world::Robot> robots;
   while (static_cast<int>(robots.size()) < num_robots) {
-    Robot robot;
+    world::Robot robot;
     robot.radius = kRadius;
     robot.start = {x(random), y(random), yaw(random)};
     if (IsFree(solids, robots, robot.start)) robots.push_back(robot);
   }
-  return World(solids, {}, robots, 0.1, 5);
+  return world::World(solids, {}, robots, 0.1, 5);
 }
 
 void LaserScans(benchmark::State& state) {
-  const World world = MakeWorld(static_cast<int>(state.range(0)));
-  const Laser laser({kBeams, -0.5 * kPi, 0.5 * kPi, 0.1, 0.05, kRange, 0.05, kRange}, world);
+  const world::World world = MakeWorld(static_cast<int>(state.range(0)));
+  const sensing::Laser laser({kBeams, -0.5 * kPi, 0.5 * kPi, 0.1, 0.05, kRange, 0.05, kRange}, world);
   std::vector<float> report(kBeams);
   for (auto _ : state) {
     for (int robot = 0; robot < state.range(0); ++robot) {
@@ -86,19 +86,19 @@ class Nearest : public b2RayCastCallback {
 
 b2Vec2 ToBox(double x, double y) { return {static_cast<float>(x), static_cast<float>(y)}; }
 
-std::vector<b2Body*> Fill(const World& world, b2World* box) {
+std::vector<b2Body*> Fill(const world::World& world, b2World* box) {
   b2BodyDef still;
-  for (const Solid& solid : world.solids()) {
+  for (const world::Solid& solid : world.solids()) {
     b2PolygonShape shape;
     std::vector<b2Vec2> corners;
-    for (const Point& corner : solid.outline) corners.push_back(ToBox(corner.x, corner.y));
+    for (const base::Point& corner : solid.outline) corners.push_back(ToBox(corner.x, corner.y));
     shape.Set(corners.data(), static_cast<int>(corners.size()));
     box->CreateBody(&still)->CreateFixture(&shape, 0.0F);
   }
   std::vector<b2Body*> robots;
   b2CircleShape disc;
   disc.m_radius = kRadius;
-  for (const Pose& pose : world.poses()) {
+  for (const base::Pose& pose : world.poses()) {
     b2BodyDef def;
     def.type = b2_dynamicBody;
     def.position = ToBox(pose.x, pose.y);
@@ -109,12 +109,12 @@ std::vector<b2Body*> Fill(const World& world, b2World* box) {
 }
 
 void LaserScansPlain(benchmark::State& state) {
-  const World world = MakeWorld(static_cast<int>(state.range(0)));
+  const world::World world = MakeWorld(static_cast<int>(state.range(0)));
   b2World box(b2Vec2(0.0F, 0.0F));
   const std::vector<b2Body*> bodies = Fill(world, &box);
   for (auto _ : state) {
     for (std::size_t robot = 0; robot < bodies.size(); ++robot) {
-      const Pose& pose = world.poses()[robot];
+      const base::Pose& pose = world.poses()[robot];
       const b2Vec2 from = ToBox(pose.x + 0.1 * std::cos(pose.yaw), pose.y + 0.1 * std::sin(pose.yaw));
       for (int beam = 0; beam < kBeams; ++beam) {
         const double angle = pose.yaw - 0.5 * kPi + beam * kPi / (kBeams - 1);

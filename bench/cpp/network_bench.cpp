@@ -7,29 +7,29 @@
 #include <vector>
 
 #include "../../test/cpp/propagation/scenes.hpp"
+#include "robotteamsim/base/large_pages.hpp"
 #include "robotteamsim/network/fiedler.hpp"
 #include "robotteamsim/network/hop_count.hpp"
-#include "robotteamsim/propagation/large_pages.hpp"
 #include "robotteamsim/propagation/radio.hpp"
 
 namespace robotteamsim {
 namespace {
 
-const RadioModel kModel;
+const propagation::RadioModel kModel;
 constexpr double kWeakestLinkDbm = -80.0;
 
-const FaceSet& Garage() {
-  static const FaceSet faces = [] {
+const propagation::FaceSet& Garage() {
+  static const propagation::FaceSet faces = [] {
     std::mt19937 generator(3);
-    return scenes::Walls(&generator, 107, 10, 6000);
+    return propagation::scenes::Walls(&generator, 107, 10, 6000);
   }();
   return faces;
 }
 
-Positions Team(int num_robots) {
+propagation::Positions Team(int num_robots) {
   std::mt19937 generator(5);
   std::uniform_real_distribution<double> x(0.0, 60.0), y(0.0, 40.0);
-  Positions positions(num_robots, 2);
+  propagation::Positions positions(num_robots, 2);
   for (int i = 0; i < num_robots; ++i) positions.row(i) << x(generator), y(generator);
   return positions;
 }
@@ -39,31 +39,31 @@ void CountLinks(benchmark::State& state) {
 }
 
 void Links(benchmark::State& state) {
-  const Positions positions = Team(static_cast<int>(state.range(0)));
-  CellValues rssi_dbm(positions.rows(), positions.rows());
-  AskForLargePages(rssi_dbm.data(), static_cast<std::size_t>(rssi_dbm.size()) * sizeof(double));  // as NumPy does
+  const propagation::Positions positions = Team(static_cast<int>(state.range(0)));
+  propagation::CellValues rssi_dbm(positions.rows(), positions.rows());
+  base::AskForLargePages(rssi_dbm.data(), static_cast<std::size_t>(rssi_dbm.size()) * sizeof(double));  // as NumPy does
   for (auto _ : state) {
-    WriteRssiMatrixDbm(Garage(), kModel, positions, rssi_dbm);
+    propagation::WriteRssiMatrixDbm(Garage(), kModel, positions, rssi_dbm);
     benchmark::ClobberMemory();
   }
   CountLinks(state);
 }
 
 void LinksInFreshMemory(benchmark::State& state) {
-  const Positions positions = Team(static_cast<int>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(RssiMatrixDbm(Garage(), kModel, positions));
+  const propagation::Positions positions = Team(static_cast<int>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(propagation::RssiMatrixDbm(Garage(), kModel, positions));
   CountLinks(state);
 }
 
 void LinksPlain(benchmark::State& state) {
-  const Positions positions = Team(static_cast<int>(state.range(0)));
-  std::vector<PointMm> points;
+  const propagation::Positions positions = Team(static_cast<int>(state.range(0)));
+  std::vector<propagation::PointMm> points;
   for (Eigen::Index i = 0; i < positions.rows(); ++i)
-    points.push_back(RoundToMm({positions(i, 0), positions(i, 1)}, ""));
+    points.push_back(propagation::RoundToMm({positions(i, 0), positions(i, 1)}, ""));
   for (auto _ : state) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       for (std::size_t j = i + 1; j < points.size(); ++j) {
-        benchmark::DoNotOptimize(PathLossDb(Garage(), kModel, points[i], points[j]));
+        benchmark::DoNotOptimize(propagation::PathLossDb(Garage(), kModel, points[i], points[j]));
       }
     }
   }
@@ -71,36 +71,37 @@ void LinksPlain(benchmark::State& state) {
 }
 
 /// The links that carry at least so much: with -80 dBm most pairs have one, with -65 dBm those within a few metres.
-Adjacency LinksOf(int num_robots, double weakest_dbm) {
-  Adjacency adjacency = (RssiMatrixDbm(Garage(), kModel, Team(num_robots)).array() >= weakest_dbm).matrix();
+network::Adjacency LinksOf(int num_robots, double weakest_dbm) {
+  network::Adjacency adjacency =
+      (propagation::RssiMatrixDbm(Garage(), kModel, Team(num_robots)).array() >= weakest_dbm).matrix();
   for (int i = 0; i < num_robots; ++i) adjacency(i, i) = false;
   return adjacency;
 }
 
 void Hops(benchmark::State& state, double weakest_dbm) {
-  const Adjacency adjacency = LinksOf(static_cast<int>(state.range(0)), weakest_dbm);
-  for (auto _ : state) benchmark::DoNotOptimize(CountHops(adjacency));
+  const network::Adjacency adjacency = LinksOf(static_cast<int>(state.range(0)), weakest_dbm);
+  for (auto _ : state) benchmark::DoNotOptimize(network::CountHops(adjacency));
 }
 
 void HopsPlain(benchmark::State& state, double weakest_dbm) {
-  const Adjacency adjacency = LinksOf(static_cast<int>(state.range(0)), weakest_dbm);
+  const network::Adjacency adjacency = LinksOf(static_cast<int>(state.range(0)), weakest_dbm);
   for (auto _ : state) {
-    const Neighbors neighbors{LinkBits(adjacency)};
+    const network::Neighbors neighbors{network::LinkBits(adjacency)};
     for (Eigen::Index first = 0; first < adjacency.rows(); ++first) {
       std::vector<std::int32_t> hops(adjacency.rows(), -1);
-      SearchFrom(neighbors, static_cast<int>(first), &hops);
+      network::SearchFrom(neighbors, static_cast<int>(first), &hops);
       benchmark::DoNotOptimize(hops.data());
     }
   }
 }
 
 void Fiedler(benchmark::State& state, double weakest_dbm) {
-  const Adjacency adjacency = LinksOf(static_cast<int>(state.range(0)), weakest_dbm);
-  for (auto _ : state) benchmark::DoNotOptimize(FiedlerValue(adjacency));
+  const network::Adjacency adjacency = LinksOf(static_cast<int>(state.range(0)), weakest_dbm);
+  for (auto _ : state) benchmark::DoNotOptimize(network::FiedlerValue(adjacency));
 }
 
 void FiedlerPlain(benchmark::State& state, double weakest_dbm) {
-  const Adjacency adjacency = LinksOf(static_cast<int>(state.range(0)), weakest_dbm);
+  const network::Adjacency adjacency = LinksOf(static_cast<int>(state.range(0)), weakest_dbm);
   for (auto _ : state) {
     Eigen::MatrixXd laplacian = -adjacency.cast<double>();
     laplacian.diagonal() = adjacency.cast<double>().rowwise().sum();

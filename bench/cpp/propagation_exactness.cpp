@@ -9,15 +9,15 @@
 
 #include "../../test/cpp/propagation/reference.hpp"
 #include "../../test/cpp/propagation/scenes.hpp"
-#include "robotteamsim/propagation/field_maps.hpp"
+#include "robotteamsim/propagation/maps/field_maps.hpp"
 #include "robotteamsim/propagation/radio.hpp"
 
 namespace robotteamsim {
 namespace {
 
-using scenes::Draw;
+using propagation::scenes::Draw;
 
-const RadioModel kRadio{0.0, 47.4, 23.2, 0.1, 18.3, 0.46};
+const propagation::RadioModel kRadio{0.0, 47.4, 23.2, 0.1, 18.3, 0.46};
 
 /// Floats are this fine up to here [dB].
 constexpr double kFineBelowDb = 128.0;
@@ -31,14 +31,16 @@ struct Count {
 };
 
 /// Compares kept weights, and the values of a map, with one ray and one logarithm per cell.
-void Compare(const FaceSet& faces, const WeightMap& kept, const GridShape& grid, Simd simd, Count* count) {
-  const Fading fading = RadioFading(kRadio);
-  MapValues map(grid.rows, grid.cols);
-  WriteHighest(faces, {{kept.Source(), fading}}, grid, map, {1, simd});
+void Compare(const propagation::FaceSet& faces, const propagation::WeightMap& kept, const plan::GridShape& grid,
+             base::Simd simd, Count* count) {
+  const propagation::Fading fading = propagation::RadioFading(kRadio);
+  propagation::MapValues map(grid.rows, grid.cols);
+  propagation::WriteHighest(faces, {{kept.Source(), fading}}, grid, map, {1, simd});
   for (int row = 0; row < grid.rows; ++row) {
     for (int col = 0; col < grid.cols; ++col) {
-      const std::int64_t weight = reference::Weight(faces, kept.Source(), kept.Cells(), row, col);
-      const double value_db = reference::ValueBehind(weight, kept.Source(), fading, kept.Cells().At(row, col));
+      const std::int64_t weight = propagation::reference::Weight(faces, kept.Source(), kept.Cells(), row, col);
+      const double value_db =
+          propagation::reference::ValueBehind(weight, kept.Source(), fading, kept.Cells().At(row, col));
       const double error_db = std::abs(map(row, col) - value_db);
       ++count->compared;
       if (kept.At(row, col) != weight || error_db > kSameWallsDb) ++count->differing;
@@ -48,17 +50,18 @@ void Compare(const FaceSet& faces, const WeightMap& kept, const GridShape& grid,
 }
 
 /// Draws an instruction set of this machine.
-Simd DrawSimd(std::mt19937* generator) {
-  constexpr std::array<Simd, 3> kAll = {Simd::kPortable, Simd::kAvx2, Simd::kAvx512};
-  const Simd drawn = kAll[Draw(generator, 0, 2)];
-  return IsSupported(drawn) ? drawn : Simd::kPortable;
+base::Simd DrawSimd(std::mt19937* generator) {
+  constexpr std::array<base::Simd, 3> kAll = {base::Simd::kPortable, base::Simd::kAvx2, base::Simd::kAvx512};
+  const base::Simd drawn = kAll[Draw(generator, 0, 2)];
+  return base::IsSupported(drawn) ? drawn : base::Simd::kPortable;
 }
 
 /// A map of one plan, then of the same with some faces switched off, kept up to date; another instruction set each
 /// time.
-void CompareOne(FaceSet faces, PointMm source, const GridShape& grid, std::mt19937* generator, Count* count) {
-  const Simd simd = DrawSimd(generator);
-  WeightMap kept(faces, source, grid, {1, simd});
+void CompareOne(propagation::FaceSet faces, propagation::PointMm source, const plan::GridShape& grid,
+                std::mt19937* generator, Count* count) {
+  const base::Simd simd = DrawSimd(generator);
+  propagation::WeightMap kept(faces, source, grid, {1, simd});
   Compare(faces, kept, grid, simd, count);
   for (int i = 0; i < 5; ++i) {
     faces.SetActive(Draw(generator, 0, static_cast<std::int64_t>(faces.Size()) - 1), false);
@@ -69,8 +72,9 @@ void CompareOne(FaceSet faces, PointMm source, const GridShape& grid, std::mt199
 
 /// Lattice points: sources on vertices, rays through vertices and along faces, cells on the lattice or between.
 void CompareLattice(std::mt19937* generator, Count* count) {
-  const FaceSet faces = scenes::Lattice(generator, static_cast<int>(Draw(generator, 1, 40)), 30, 9);
-  PointMm source{Draw(generator, -5, 35), Draw(generator, -5, 35)};
+  const propagation::FaceSet faces =
+      propagation::scenes::Lattice(generator, static_cast<int>(Draw(generator, 1, 40)), 30, 9);
+  propagation::PointMm source{Draw(generator, -5, 35), Draw(generator, -5, 35)};
   if (Draw(generator, 0, 1) == 0) source = faces.Vertices().front();
   const double resolution = Draw(generator, 0, 3) == 0 ? 0.0017 : 0.001;
   CompareOne(faces, source, {{-0.004, -0.005}, resolution, 50, 120}, generator, count);
@@ -79,30 +83,34 @@ void CompareLattice(std::mt19937* generator, Count* count) {
 /// Buildings: oblique walls, sources in walls and outside, any resolution in whole millimetres and some that are not.
 void CompareBuilding(std::mt19937* generator, Count* count) {
   const auto walls = static_cast<int>(Draw(generator, 1, 110));
-  const FaceSet faces = scenes::Walls(generator, walls, static_cast<int>(Draw(generator, 0, 100)));
-  PointMm source{Draw(generator, -10'000, 70'000), Draw(generator, -10'000, 50'000)};
+  const propagation::FaceSet faces =
+      propagation::scenes::Walls(generator, walls, static_cast<int>(Draw(generator, 0, 100)));
+  propagation::PointMm source{Draw(generator, -10'000, 70'000), Draw(generator, -10'000, 50'000)};
   if (Draw(generator, 0, 3) == 0) {
     source = {faces.At(0).start.x + Draw(generator, -40, 40), faces.At(0).start.y + 20};
   }
   const double finer = Draw(generator, 0, 9) == 0 ? 0.001 / 3.0 : 0.0;
   const double resolution = static_cast<double>(Draw(generator, 20, 300)) / 1000.0 + finer;
-  const GridShape grid{{static_cast<double>(Draw(generator, -5000, 20'000)) / 1000.0, -1.0},
-                       resolution,
-                       static_cast<int>(Draw(generator, 1, 200)),
-                       static_cast<int>(Draw(generator, 1, 300))};
+  const plan::GridShape grid{{static_cast<double>(Draw(generator, -5000, 20'000)) / 1000.0, -1.0},
+                             resolution,
+                             static_cast<int>(Draw(generator, 1, 200)),
+                             static_cast<int>(Draw(generator, 1, 300))};
   CompareOne(faces, source, grid, generator, count);
 }
 
-PointMm Anywhere(std::mt19937* generator) { return {Draw(generator, 0, 60'000), Draw(generator, 0, 40'000)}; }
+propagation::PointMm Anywhere(std::mt19937* generator) {
+  return {Draw(generator, 0, 60'000), Draw(generator, 0, 40'000)};
+}
 
 /// Losses of both ways between two points, to the bit.
-void CompareWays(const FaceSet& faces, PointMm a, PointMm b, Count* count) {
+void CompareWays(const propagation::FaceSet& faces, propagation::PointMm a, propagation::PointMm b, Count* count) {
   ++count->compared;
-  if (PathLossDb(faces, kRadio, a, b) != PathLossDb(faces, kRadio, b, a)) ++count->differing;
+  if (propagation::PathLossDb(faces, kRadio, a, b) != propagation::PathLossDb(faces, kRadio, b, a)) ++count->differing;
 }
 
 /// The walls of a ray that is made longer in equal steps; its ends lie exactly on one line.
-void CompareAlong(const FaceSet& faces, PointMm from, PointMm step, Count* count) {
+void CompareAlong(const propagation::FaceSet& faces, propagation::PointMm from, propagation::PointMm step,
+                  Count* count) {
   std::int64_t before = 0;
   for (int k = 1; k <= 40; ++k) {
     const std::int64_t weight = faces.WeightBetween(from, {from.x + k * step.x, from.y + k * step.y});
@@ -113,7 +121,7 @@ void CompareAlong(const FaceSet& faces, PointMm from, PointMm step, Count* count
 }
 
 void CompareMaps(long long wanted, std::mt19937* generator, Count* lattice, Count* building, Count* many) {
-  const FaceSet twenty_thousand = scenes::Walls(generator, 5000, 50, 600);
+  const propagation::FaceSet twenty_thousand = propagation::scenes::Walls(generator, 5000, 50, 600);
   while (many->compared < wanted / 500) {
     CompareOne(twenty_thousand, Anywhere(generator), {{0.0, 0.0}, 1.0, 40, 60}, generator, many);
   }
@@ -122,15 +130,15 @@ void CompareMaps(long long wanted, std::mt19937* generator, Count* lattice, Coun
 }
 
 void CompareRays(long long wanted, std::mt19937* generator, Count* ways, Count* lattice_ways, Count* along) {
-  FaceSet walls({}, {});
-  FaceSet triangles({}, {});
-  const auto on_lattice = [&] { return PointMm{Draw(generator, -1, 9), Draw(generator, -1, 9)}; };
+  propagation::FaceSet walls({}, {});
+  propagation::FaceSet triangles({}, {});
+  const auto on_lattice = [&] { return propagation::PointMm{Draw(generator, -1, 9), Draw(generator, -1, 9)}; };
   for (long long i = 0; i < wanted; ++i) {
-    if (i % 5000 == 0) walls = scenes::Walls(generator, 60, 50);
-    if (i % 200 == 0) triangles = scenes::Lattice(generator, 12, 9, 9);
-    const PointMm a = Anywhere(generator);
+    if (i % 5000 == 0) walls = propagation::scenes::Walls(generator, 60, 50);
+    if (i % 200 == 0) triangles = propagation::scenes::Lattice(generator, 12, 9, 9);
+    const propagation::PointMm a = Anywhere(generator);
     CompareWays(walls, a, Anywhere(generator), ways);
-    const PointMm corner = on_lattice();
+    const propagation::PointMm corner = on_lattice();
     CompareWays(triangles, corner, on_lattice(), lattice_ways);
     if (i % 20 != 0) continue;
     CompareAlong(walls, a, {Draw(generator, -900, 900), Draw(generator, -900, 900)}, along);
@@ -139,13 +147,14 @@ void CompareRays(long long wanted, std::mt19937* generator, Count* ways, Count* 
 }
 
 /// The links of a team, found together, with the single losses; another instruction set each time.
-void CompareTeam(const FaceSet& faces, const Positions& positions, std::mt19937* generator, Count* count) {
-  const CellValues rssi_dbm = RssiMatrixDbm(faces, kRadio, positions, DrawSimd(generator));
+void CompareTeam(const propagation::FaceSet& faces, const propagation::Positions& positions, std::mt19937* generator,
+                 Count* count) {
+  const propagation::CellValues rssi_dbm = propagation::RssiMatrixDbm(faces, kRadio, positions, DrawSimd(generator));
   for (Eigen::Index i = 0; i < positions.rows(); ++i) {
-    const PointMm a = RoundToMm({positions(i, 0), positions(i, 1)}, "a");
+    const propagation::PointMm a = propagation::RoundToMm({positions(i, 0), positions(i, 1)}, "a");
     for (Eigen::Index j = i + 1; j < positions.rows(); ++j) {
-      const PointMm b = RoundToMm({positions(j, 0), positions(j, 1)}, "b");
-      const double expected_dbm = kRadio.tx_power_dbm - PathLossDb(faces, kRadio, a, b);
+      const propagation::PointMm b = propagation::RoundToMm({positions(j, 0), positions(j, 1)}, "b");
+      const double expected_dbm = kRadio.tx_power_dbm - propagation::PathLossDb(faces, kRadio, a, b);
       ++count->compared;
       if (rssi_dbm(i, j) != expected_dbm || rssi_dbm(j, i) != expected_dbm) ++count->differing;
     }
@@ -155,7 +164,7 @@ void CompareTeam(const FaceSet& faces, const Positions& positions, std::mt19937*
 /// Teams in buildings, and on lattices of triangles or rings of four with robots on corners and faces.
 void CompareTeams(long long wanted, std::mt19937* generator, Count* building, Count* lattice) {
   const auto team = [&](std::int64_t width, std::int64_t height) {
-    Positions positions(Draw(generator, 9, 300), 2);
+    propagation::Positions positions(Draw(generator, 9, 300), 2);
     for (Eigen::Index i = 0; i < positions.rows(); ++i) {
       positions(i, 0) = static_cast<double>(Draw(generator, -1, width)) / 1000.0;
       positions(i, 1) = static_cast<double>(Draw(generator, -1, height)) / 1000.0;
@@ -164,15 +173,16 @@ void CompareTeams(long long wanted, std::mt19937* generator, Count* building, Co
   };
   while (building->compared < wanted) {
     const auto walls = static_cast<int>(Draw(generator, 1, 110));
-    const FaceSet faces = scenes::Walls(generator, walls, static_cast<int>(Draw(generator, 0, 100)));
+    const propagation::FaceSet faces =
+        propagation::scenes::Walls(generator, walls, static_cast<int>(Draw(generator, 0, 100)));
     CompareTeam(faces, team(60'000, 40'000), generator, building);
   }
   while (lattice->compared < wanted) {
     const std::int64_t size = Draw(generator, 2, 14);
     const auto count = static_cast<int>(Draw(generator, 1, 40));
     const bool is_of_four = Draw(generator, 0, 1) == 0;
-    const FaceSet faces =
-        is_of_four ? scenes::LatticeQuads(generator, count, size, 9) : scenes::Lattice(generator, count, size, 9);
+    const propagation::FaceSet faces = is_of_four ? propagation::scenes::LatticeQuads(generator, count, size, 9)
+                                                  : propagation::scenes::Lattice(generator, count, size, 9);
     CompareTeam(faces, team(size, size), generator, lattice);
   }
 }

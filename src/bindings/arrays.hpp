@@ -40,8 +40,8 @@ Array<double, -1, count> RowsOf(const std::vector<Record>& records) {
 }
 
 /// The points of an array with one per row.
-inline std::vector<Point> PointsOf(const Points& rows) {
-  const auto* const points = reinterpret_cast<const Point*>(rows.data());
+inline std::vector<base::Point> PointsOf(const Points& rows) {
+  const auto* const points = reinterpret_cast<const base::Point*>(rows.data());
   return {points, points + rows.shape(0)};
 }
 

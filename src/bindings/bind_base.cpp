@@ -21,7 +21,7 @@ namespace {
 Array<double, -1> HypotOf(const Array<const double, -1>& x, const Array<const double, -1>& y) {
   if (x.size() != y.size()) throw std::invalid_argument("x and y must have the same length");
   auto lengths = NewArray<double, -1>({x.size()});
-  for (std::size_t i = 0; i < x.size(); ++i) lengths.data()[i] = Hypot(x.data()[i], y.data()[i]);
+  for (std::size_t i = 0; i < x.size(); ++i) lengths.data()[i] = base::Hypot(x.data()[i], y.data()[i]);
   return lengths;
 }
 
@@ -29,12 +29,12 @@ Array<double, -1> HypotOf(const Array<const double, -1>& x, const Array<const do
 
 void BindBase(nb::module_& m) {
   m.def("hypot", &HypotOf, "x"_a, "y"_a);
-  m.def("nearest_point", &NearestPoint, "position_m"_a, "points_m"_a);
+  m.def("nearest_point", &base::NearestPoint, "position_m"_a, "points_m"_a);
   m.def(
       "reached_places",
       [](const Points& points_m, const Points& places_m, const Array<const double, -1>& reaches_m) {
-        return ReachedPlaces(PointsOf(points_m), PointsOf(places_m),
-                             {reaches_m.data(), reaches_m.data() + reaches_m.size()});
+        return base::ReachedPlaces(PointsOf(points_m), PointsOf(places_m),
+                                   {reaches_m.data(), reaches_m.data() + reaches_m.size()});
       },
       "points_m"_a, "places_m"_a, "reaches_m"_a);
 }

@@ -32,91 +32,134 @@ namespace robotteamsim::bindings {
 namespace {
 
 using Scan = Array<const float, -1>;
-using Heard = std::vector<std::pair<Point, std::optional<Point>>>;
+using Heard = std::vector<std::pair<base::Point, std::optional<base::Point>>>;
 using TwistParts = std::tuple<double, double, double>;
 
-Ranges RangesOf(const Scan& scan) { return {scan.data(), scan.size()}; }
+control::Ranges RangesOf(const Scan& scan) { return {scan.data(), scan.size()}; }
 
-TwistParts Drive(Navigator& navigator, std::shared_ptr<const PlanningGrid> grid, const Pose& pose, const Scan& ranges_m,
-                 const Point& goal_m, double speed_mps, std::int64_t sim_time_ns,
-                 const std::function<std::map<int, Point>()>& teammates) {
+TwistParts Drive(control::Navigator& navigator, const std::shared_ptr<const plan::PlanningGrid>& grid,
+                 const base::Pose& pose, const Scan& ranges_m, const base::Point& goal_m, double speed_mps,
+                 std::int64_t sim_time_ns, const std::function<std::map<int, base::Point>()>& teammates) {
   const auto ask = [&teammates] {
-    const std::map<int, Point> places = teammates();
-    return Navigator::Teammates(places.begin(), places.end());
+    const std::map<int, base::Point> places = teammates();
+    return control::Navigator::Teammates(places.begin(), places.end());
   };
   const double time_s = static_cast<double>(sim_time_ns) * 1e-9;
-  const Twist twist = navigator.Drive(grid, pose, RangesOf(ranges_m), goal_m, speed_mps, time_s, ask);
+  const base::Twist twist = navigator.Drive(grid, pose, RangesOf(ranges_m), goal_m, speed_mps, time_s, ask);
   return {twist.linear_x, twist.linear_y, twist.angular_z};
 }
 
-void BindNavigator(nb::module_& m) {
-  nb::class_<LaserLayout>(m, "LaserLayout")
+void BindParameters(nb::module_& m) {
+  nb::class_<control::NavigatorParameters>(m, "NavigatorParameters")
       .def(
           "__init__",
-          [](LaserLayout* self, int beams, double angle_min_rad, double angle_max_rad, double forward_m,
+          [](control::NavigatorParameters* self, double arrived_m, double laser_margin_m, double look_ahead_m,
+             double longest_path_m, double turn_in_place_rad, double turn_gain_per_s, double braking_mps2,
+             double manoeuvring_mps, double room_to_turn_m, double progress_m, double stuck_timeout_s,
+             double yield_timeout_s, double escape_m, double escape_time_s, int escape_headings, double near_teammate_m,
+             double nearest_free_start_m, double nearest_free_goal_m, double sidestep_left_penalty,
+             double sidestep_change_penalty, double sidestep_ahead_rad) {
+            new (self)
+                control::NavigatorParameters{arrived_m,
+                                             laser_margin_m,
+                                             look_ahead_m,
+                                             longest_path_m,
+                                             turn_in_place_rad,
+                                             turn_gain_per_s,
+                                             braking_mps2,
+                                             manoeuvring_mps,
+                                             room_to_turn_m,
+                                             progress_m,
+                                             stuck_timeout_s,
+                                             yield_timeout_s,
+                                             escape_m,
+                                             escape_time_s,
+                                             escape_headings,
+                                             near_teammate_m,
+                                             nearest_free_start_m,
+                                             nearest_free_goal_m,
+                                             {sidestep_left_penalty, sidestep_change_penalty, sidestep_ahead_rad}};
+          },
+          nb::kw_only(), "arrived_m"_a, "laser_margin_m"_a, "look_ahead_m"_a, "longest_path_m"_a, "turn_in_place_rad"_a,
+          "turn_gain_per_s"_a, "braking_mps2"_a, "manoeuvring_mps"_a, "room_to_turn_m"_a, "progress_m"_a,
+          "stuck_timeout_s"_a, "yield_timeout_s"_a, "escape_m"_a, "escape_time_s"_a, "escape_headings"_a,
+          "near_teammate_m"_a, "nearest_free_start_m"_a, "nearest_free_goal_m"_a, "sidestep_left_penalty"_a,
+          "sidestep_change_penalty"_a, "sidestep_ahead_rad"_a);
+}
+
+void BindNavigator(nb::module_& m) {
+  nb::class_<control::LaserLayout>(m, "LaserLayout")
+      .def(
+          "__init__",
+          [](control::LaserLayout* self, int beams, double angle_min_rad, double angle_max_rad, double forward_m,
              double range_max_m) {
-            new (self) LaserLayout{beams, angle_min_rad, angle_max_rad, forward_m, range_max_m};
+            new (self) control::LaserLayout{beams, angle_min_rad, angle_max_rad, forward_m, range_max_m};
           },
           nb::kw_only(), "beams"_a, "angle_min_rad"_a, "angle_max_rad"_a, "forward_m"_a, "range_max_m"_a);
-  nb::class_<Navigator>(m, "Navigator")
+  nb::class_<control::Navigator>(m, "Navigator")
       .def(
           "__init__",
-          [](Navigator* self, int robot_id, double radius_m, const LaserLayout& laser, double max_speed_mps,
-             double max_turn_radps, bool is_car, bool by_path) {
-            const NavigatorBody body{robot_id, radius_m, laser, max_speed_mps, max_turn_radps, is_car};
-            new (self) Navigator(body, by_path);
+          [](control::Navigator* self, int robot_id, double radius_m, const control::LaserLayout& laser,
+             double max_speed_mps, double max_turn_radps, bool is_car, bool by_path,
+             const control::NavigatorParameters& parameters) {
+            const control::NavigatorBody body{robot_id, radius_m, laser, max_speed_mps, max_turn_radps, is_car};
+            new (self) control::Navigator(body, by_path, parameters);
           },
           nb::kw_only(), "robot_id"_a, "radius_m"_a, "laser"_a, "max_speed_mps"_a, "max_turn_radps"_a, "is_car"_a,
-          "by_path"_a)
+          "by_path"_a, "parameters"_a)
       .def("drive", &Drive, "grid"_a, "pose"_a, "ranges_m"_a, "goal_m"_a, "speed_mps"_a, "sim_time_ns"_a,
            "teammates"_a);
 }
 
 // In `map`, where the robot is at `pose`.
-std::optional<Point> ClearestPlace(const Surroundings& surroundings, const Pose& pose, const Scan& ranges_m) {
-  const std::optional<Point> place = surroundings.ClearestPlace(RangesOf(ranges_m));
+std::optional<base::Point> ClearestPlace(const control::Surroundings& surroundings, const base::Pose& pose,
+                                         const Scan& ranges_m) {
+  const std::optional<base::Point> place = surroundings.ClearestPlace(RangesOf(ranges_m));
   if (!place) return std::nullopt;
   const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
-  return Point{pose.x + cos * place->x - sin * place->y, pose.y + sin * place->x + cos * place->y};
+  return base::Point{pose.x + cos * place->x - sin * place->y, pose.y + sin * place->x + cos * place->y};
 }
 
-void InitNotes(HeardNotes* self, const Heard& heard) {
-  std::vector<HeardNote> notes;
+void InitNotes(control::HeardNotes* self, const Heard& heard) {
+  std::vector<control::HeardNote> notes;
   for (const auto& [position, loudest] : heard) notes.push_back({position, loudest});
-  new (self) HeardNotes(std::move(notes));
+  new (self) control::HeardNotes(std::move(notes));
 }
 
-Heard PairsOf(const HeardNotes& heard) {
+Heard PairsOf(const control::HeardNotes& heard) {
   Heard pairs;
-  for (const HeardNote& note : heard.notes()) pairs.emplace_back(note.position, note.loudest);
+  for (const control::HeardNote& note : heard.notes()) pairs.emplace_back(note.position, note.loudest);
   return pairs;
 }
 
 void BindRuledOut(nb::module_& m) {
-  nb::class_<HeardNotes>(m, "HeardNotes").def("__init__", &InitNotes, "heard"_a).def_prop_ro("notes", &PairsOf);
-  nb::class_<RuledOut>(m, "RuledOut")
+  nb::class_<control::HeardNotes>(m, "HeardNotes")
+      .def("__init__", &InitNotes, "heard"_a)
+      .def_prop_ro("notes", &PairsOf);
+  nb::class_<control::RuledOut>(m, "RuledOut")
       .def(nb::init<double, double, double>(), nb::kw_only(), "radius_m"_a, "cell_m"_a, "next_to_m"_a)
-      .def("clear", &RuledOut::Clear)
+      .def("clear", &control::RuledOut::Clear)
       .def(
           "add",
-          [](RuledOut& ruled_out, const Point& position, const std::optional<Point>& loudest) {
-            ruled_out.Add(HeardNote{position, loudest});
+          [](control::RuledOut& ruled_out, const base::Point& position, const std::optional<base::Point>& loudest) {
+            ruled_out.Add(control::HeardNote{position, loudest});
           },
           "position_m"_a, "loudest_m"_a.none())
-      .def("add_all", nb::overload_cast<const HeardNotes&>(&RuledOut::Add), "heard"_a)
-      .def("covers", &RuledOut::Covers, "place_m"_a);
+      .def("add_all", nb::overload_cast<const control::HeardNotes&>(&control::RuledOut::Add), "heard"_a)
+      .def("covers", &control::RuledOut::Covers, "place_m"_a);
 }
 
 }  // namespace
 
 void BindControl(nb::module_& m) {
+  BindParameters(m);
   BindNavigator(m);
-  nb::class_<Surroundings>(m, "Surroundings")
+  nb::class_<control::Surroundings>(m, "Surroundings")
       .def(
           "__init__",
-          [](Surroundings* self, const LaserLayout& laser, int stride, double sensing_radius_m,
+          [](control::Surroundings* self, const control::LaserLayout& laser, int stride, double sensing_radius_m,
              const std::vector<double>& headings_rad) {
-            new (self) Surroundings(ScanClearance(laser), stride, sensing_radius_m, headings_rad);
+            new (self) control::Surroundings(control::ScanClearance(laser), stride, sensing_radius_m, headings_rad);
           },
           nb::kw_only(), "laser"_a, "stride"_a, "sensing_radius_m"_a, "headings_rad"_a)
       .def("clearest_place", &ClearestPlace, "pose"_a, "ranges_m"_a);

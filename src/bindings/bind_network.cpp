@@ -17,26 +17,27 @@ using namespace nb::literals;
 namespace robotteamsim::bindings {
 
 void BindNetwork(nb::module_& m) {
-  m.def("hop_count", &CountHops, "adjacency"_a);
-  m.def("break_matrix", &BreakMatrix, "link"_a, "hops"_a);
-  m.def("fiedler_value", &FiedlerValue, "adjacency"_a);
-  nb::class_<TeamLinks>(m, "TeamLinks")
+  m.def("hop_count", &network::CountHops, "adjacency"_a);
+  m.def("break_matrix", &network::BreakMatrix, "link"_a, "hops"_a);
+  m.def("fiedler_value", &network::FiedlerValue, "adjacency"_a);
+  nb::class_<network::TeamLinks>(m, "TeamLinks")
       .def(
           "__init__",
-          [](TeamLinks* self, std::shared_ptr<const FaceSet> faces, const RadioModel& model, bool by_distance,
-             double lost_below_dbm, double max_distance_m, double endangered_below_dbm) {
-            new (self)
-                TeamLinks(std::move(faces), model, {by_distance, lost_below_dbm, max_distance_m, endangered_below_dbm});
+          [](network::TeamLinks* self, std::shared_ptr<const propagation::FaceSet> faces,
+             const propagation::RadioModel& model, bool by_distance, double lost_below_dbm, double max_distance_m,
+             double endangered_below_dbm) {
+            new (self) network::TeamLinks(std::move(faces), model,
+                                          {by_distance, lost_below_dbm, max_distance_m, endangered_below_dbm});
           },
           "faces"_a, "model"_a, nb::kw_only(), "by_distance"_a, "lost_below_dbm"_a, "max_distance_m"_a,
           "endangered_below_dbm"_a)
-      .def("step", &TeamLinks::Step, "positions_m"_a, "rssi_dbm"_a, "link"_a)
-      .def_prop_ro("version", &TeamLinks::version)
-      .def_prop_ro("endangered_version", &TeamLinks::endangered_version)
-      .def_prop_ro("fiedler_value", &TeamLinks::fiedler_value)
-      .def("adjacency", &TeamLinks::adjacency, nb::rv_policy::copy)
-      .def("hop_count", &TeamLinks::hops, nb::rv_policy::copy)
-      .def("endangered", &TeamLinks::endangered, nb::rv_policy::copy);
+      .def("step", &network::TeamLinks::Step, "positions_m"_a, "rssi_dbm"_a, "link"_a)
+      .def_prop_ro("version", &network::TeamLinks::version)
+      .def_prop_ro("endangered_version", &network::TeamLinks::endangered_version)
+      .def_prop_ro("fiedler_value", &network::TeamLinks::fiedler_value)
+      .def("adjacency", &network::TeamLinks::adjacency, nb::rv_policy::copy)
+      .def("hop_count", &network::TeamLinks::hops, nb::rv_policy::copy)
+      .def("endangered", &network::TeamLinks::endangered, nb::rv_policy::copy);
 }
 
 }  // namespace robotteamsim::bindings

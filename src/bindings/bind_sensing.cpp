@@ -30,7 +30,7 @@ namespace {
 
 using NoiseRows = Array<const double, -1, -1>;
 
-const double* CheckedNoise(const NoiseRows& noise_m, const Laser& laser, const std::vector<int>& robots) {
+const double* CheckedNoise(const NoiseRows& noise_m, const sensing::Laser& laser, const std::vector<int>& robots) {
   if (noise_m.size() == 0) return nullptr;
   if (noise_m.shape(0) != robots.size() || noise_m.shape(1) != static_cast<std::size_t>(laser.NumBeams())) {
     throw std::invalid_argument("noise must have one value per beam");
@@ -39,7 +39,7 @@ const double* CheckedNoise(const NoiseRows& noise_m, const Laser& laser, const s
 }
 
 // The nearest return of each robot's laser, as a sonar reports it.
-Array<float, -1> Nearest(const Laser& laser, const World& world, const std::vector<int>& robot_ids,
+Array<float, -1> Nearest(const sensing::Laser& laser, const world::World& world, const std::vector<int>& robot_ids,
                          const Array<const double, -1>& noise_m) {
   if (noise_m.size() != 0 && noise_m.size() != robot_ids.size()) {
     throw std::invalid_argument("noise must have one value per robot");
@@ -60,15 +60,16 @@ std::vector<Record> RecordsOf(const Triples& rows) {
   return {records, records + rows.shape(0)};
 }
 
-TeamReadings Read(TeamSensors& sensors, const World& world, const Triples& odometry_noise,
-                  const std::vector<NoiseRows>& laser_noise_m) {
-  const std::vector<TeamLaser>& lasers = sensors.lasers();
+sensing::TeamReadings Read(sensing::TeamSensors& sensors, const world::World& world, const Triples& odometry_noise,
+                           const std::vector<NoiseRows>& laser_noise_m) {
+  const std::vector<sensing::TeamLaser>& lasers = sensors.lasers();
   if (laser_noise_m.size() != lasers.size()) throw std::invalid_argument("each kind of laser must have its noise");
   std::vector<const double*> noise;
+  noise.reserve(lasers.size());
   for (std::size_t i = 0; i < lasers.size(); ++i) {
     noise.push_back(CheckedNoise(laser_noise_m[i], *lasers[i].laser, lasers[i].robots));
   }
-  return sensors.Read(world, RecordsOf<Odometry::Noise>(odometry_noise), noise);
+  return sensors.Read(world, RecordsOf<sensing::Odometry::Noise>(odometry_noise), noise);
 }
 
 // A read-only array of records that a Python object holds: the getters that return it keep that object.
@@ -80,75 +81,76 @@ Array<const double, -1, count> ViewOf(const std::vector<Record>& records) {
 }
 
 void BindOdometry(nb::module_& m) {
-  nb::class_<TeamOdometry>(m, "TeamOdometry")
+  nb::class_<sensing::TeamOdometry>(m, "TeamOdometry")
       .def(
           "__init__",
-          [](TeamOdometry* self, const std::vector<std::array<double, 4>>& alphas, double step_s,
+          [](sensing::TeamOdometry* self, const std::vector<std::array<double, 4>>& alphas, double step_s,
              const std::vector<bool>& omni) {
-            std::vector<OdometryModel> models;
+            std::vector<sensing::OdometryModel> models;
+            models.reserve(alphas.size());
             for (const auto& [alpha1, alpha2, alpha3, alpha4] : alphas)
               models.push_back({alpha1, alpha2, alpha3, alpha4});
-            new (self) TeamOdometry(models, step_s, omni);
+            new (self) sensing::TeamOdometry(models, step_s, omni);
           },
           "alphas"_a, "step_s"_a, "omni"_a)
-      .def("restart", &TeamOdometry::Restart, "robot_id"_a)
+      .def("restart", &sensing::TeamOdometry::Restart, "robot_id"_a)
       .def(
           "step",
-          [](TeamOdometry& odometry, const Triples& motions, const Triples& twists, const Triples& noise) {
-            return RowsOf<16>(
-                odometry.Step(RecordsOf<Pose>(motions), RecordsOf<Twist>(twists), RecordsOf<Odometry::Noise>(noise)));
+          [](sensing::TeamOdometry& odometry, const Triples& motions, const Triples& twists, const Triples& noise) {
+            return RowsOf<16>(odometry.Step(RecordsOf<base::Pose>(motions), RecordsOf<base::Twist>(twists),
+                                            RecordsOf<sensing::Odometry::Noise>(noise)));
           },
           "motions"_a, "twists"_a, "noise"_a)
       .def(
           "follow",
-          [](TeamOdometry& odometry, const World& world, const Triples& noise) {
-            return RowsOf<16>(odometry.Follow(world, RecordsOf<Odometry::Noise>(noise)));
+          [](sensing::TeamOdometry& odometry, const world::World& world, const Triples& noise) {
+            return RowsOf<16>(odometry.Follow(world, RecordsOf<sensing::Odometry::Noise>(noise)));
           },
           "world"_a, "noise"_a);
 }
 
 void BindTeam(nb::module_& m) {
   constexpr auto kView = nb::rv_policy::reference_internal;
-  nb::class_<TeamReadings>(m, "TeamReadings")
+  nb::class_<sensing::TeamReadings>(m, "TeamReadings")
       .def_prop_ro(
-          "ground_truth", [](const TeamReadings& r) { return ViewOf<4>(r.ground_truth); }, kView)
+          "ground_truth", [](const sensing::TeamReadings& r) { return ViewOf<4>(r.ground_truth); }, kView)
       .def_prop_ro(
-          "positions_m", [](const TeamReadings& r) { return ViewOf<2>(r.positions); }, kView)
+          "positions_m", [](const sensing::TeamReadings& r) { return ViewOf<2>(r.positions); }, kView)
       .def_prop_ro(
-          "twists", [](const TeamReadings& r) { return ViewOf<3>(r.twists); }, kView)
+          "twists", [](const sensing::TeamReadings& r) { return ViewOf<3>(r.twists); }, kView)
       .def_prop_ro(
-          "odometry", [](const TeamReadings& r) { return ViewOf<16>(r.odometry); }, kView)
-      .def_ro("scans_m", &TeamReadings::scans, kView)
-      .def_ro("in_contact", &TeamReadings::in_contact, kView);
-  nb::class_<TeamSensors>(m, "TeamSensors")
+          "odometry", [](const sensing::TeamReadings& r) { return ViewOf<16>(r.odometry); }, kView)
+      .def_ro("scans_m", &sensing::TeamReadings::scans, kView)
+      .def_ro("in_contact", &sensing::TeamReadings::in_contact, kView);
+  nb::class_<sensing::TeamSensors>(m, "TeamSensors")
       .def(
           "__init__",
-          [](TeamSensors* self, std::shared_ptr<TeamOdometry> odometry,
-             const std::vector<std::pair<std::shared_ptr<const Laser>, std::vector<int>>>& lasers) {
-            std::vector<TeamLaser> kinds;
+          [](sensing::TeamSensors* self, std::shared_ptr<sensing::TeamOdometry> odometry,
+             const std::vector<std::pair<std::shared_ptr<const sensing::Laser>, std::vector<int>>>& lasers) {
+            std::vector<sensing::TeamLaser> kinds;
             for (const auto& [laser, robots] : lasers) kinds.push_back({laser, robots});
-            new (self) TeamSensors(std::move(odometry), std::move(kinds));
+            new (self) sensing::TeamSensors(std::move(odometry), std::move(kinds));
           },
           "odometry"_a, "lasers"_a)
       .def("read", &Read, "world"_a, "odometry_noise"_a, "laser_noise_m"_a);
 }
 
 void BindVoiceSensor(nb::module_& m) {
-  nb::class_<VoiceSensor>(m, "VoiceSensor")
+  nb::class_<sensing::VoiceSensor>(m, "VoiceSensor")
       .def(
           "__init__",
-          [](VoiceSensor* self, const Point& origin_m, double resolution_m, const MapValues& levels_db,
-             double radius_m) {
-            const GridShape grid{origin_m, resolution_m, static_cast<int>(levels_db.rows()),
-                                 static_cast<int>(levels_db.cols())};
-            new (self) VoiceSensor(grid, levels_db, radius_m);
+          [](sensing::VoiceSensor* self, const base::Point& origin_m, double resolution_m,
+             const propagation::MapValues& levels_db, double radius_m) {
+            const plan::GridShape grid{origin_m, resolution_m, static_cast<int>(levels_db.rows()),
+                                       static_cast<int>(levels_db.cols())};
+            new (self) sensing::VoiceSensor(grid, levels_db, radius_m);
           },
           "origin_m"_a, "resolution_m"_a, "levels_db"_a, "radius_m"_a)
       .def(
           "hear",
-          [](VoiceSensor& sensor, const Points& positions_m) {
-            std::vector<std::tuple<double, bool, Point, double>> readings;  // as the members of VoiceReading
-            for (const VoiceReading& heard : sensor.Hear(PointsOf(positions_m))) {
+          [](sensing::VoiceSensor& sensor, const Points& positions_m) {
+            std::vector<std::tuple<double, bool, base::Point, double>> readings;  // as the members of VoiceReading
+            for (const sensing::VoiceReading& heard : sensor.Hear(PointsOf(positions_m))) {
               readings.emplace_back(heard.level_db, heard.heard, heard.local_best, heard.local_best_level_db);
             }
             return readings;
@@ -159,22 +161,23 @@ void BindVoiceSensor(nb::module_& m) {
 }  // namespace
 
 void BindSensing(nb::module_& m) {
-  nb::class_<Laser>(m, "Laser")
+  nb::class_<sensing::Laser>(m, "Laser")
       .def(
           "__init__",
-          [](Laser* self, const std::vector<Solid>& solids, const std::vector<Door>& doors, int beams,
-             double angle_min_rad, double angle_max_rad, double forward_m, double range_min_m, double range_max_m,
-             double too_near_m, double no_return_m, double left_m) {
-            new (self) Laser({beams, angle_min_rad, angle_max_rad, forward_m, range_min_m, range_max_m, too_near_m,
-                              no_return_m, left_m},
-                             solids, doors);
+          [](sensing::Laser* self, const std::vector<world::Solid>& solids, const std::vector<world::Door>& doors,
+             int beams, double angle_min_rad, double angle_max_rad, double forward_m, double range_min_m,
+             double range_max_m, double too_near_m, double no_return_m, double left_m) {
+            new (self) sensing::Laser({beams, angle_min_rad, angle_max_rad, forward_m, range_min_m, range_max_m,
+                                       too_near_m, no_return_m, left_m},
+                                      solids, doors);
           },
           "solids"_a, "doors"_a, nb::kw_only(), "beams"_a, "angle_min_rad"_a, "angle_max_rad"_a, "forward_m"_a,
           "range_min_m"_a, "range_max_m"_a, "too_near_m"_a, "no_return_m"_a, "left_m"_a)
       .def(
           "scan",
-          [](const Laser& laser, const World& world, const std::vector<int>& robot_ids, const NoiseRows& noise_m) {
-            return ScanTeam(laser, world, robot_ids, CheckedNoise(noise_m, laser, robot_ids));
+          [](const sensing::Laser& laser, const world::World& world, const std::vector<int>& robot_ids,
+             const NoiseRows& noise_m) {
+            return sensing::ScanTeam(laser, world, robot_ids, CheckedNoise(noise_m, laser, robot_ids));
           },
           "world"_a, "robot_ids"_a, "noise_m"_a)
       .def("nearest", &Nearest, "world"_a, "robot_ids"_a, "noise_m"_a);

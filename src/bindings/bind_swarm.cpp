@@ -18,22 +18,23 @@ namespace robotteamsim::bindings {
 namespace {
 
 // v[t+1] for the four attractors of eq. (22), their weights, and one random number in [0, 1) for each.
-Point VelocityOf(const Point& position, const Point& inertia, const std::array<Point, 4>& attractors,
-                 const std::array<double, 4>& weights, const std::array<double, 4>& numbers) {
-  std::array<Pull, 4> pulls;
+base::Point VelocityOf(const base::Point& position, const base::Point& inertia,
+                       const std::array<base::Point, 4>& attractors, const std::array<double, 4>& weights,
+                       const std::array<double, 4>& numbers) {
+  std::array<swarm::Pull, 4> pulls;
   for (std::size_t i = 0; i < pulls.size(); ++i) pulls[i] = {weights[i], numbers[i], attractors[i]};
-  return NextVelocity(position, inertia, pulls);
+  return swarm::NextVelocity(position, inertia, pulls);
 }
 
 }  // namespace
 
 void BindSwarm(nb::module_& m) {
   m.def("next_velocity", &VelocityOf, "position"_a, "inertia"_a, "attractors"_a, "weights"_a, "numbers"_a);
-  m.def("memory_term", &MemoryTerm, "coefficients"_a, "velocities"_a);
+  m.def("memory_term", &swarm::MemoryTerm, "coefficients"_a, "velocities"_a);
   m.def(
       "farthest_from",
-      [](const Points& points_m, const Point& place_m, const Points& candidates_m) {
-        return FarthestFrom(PointsOf(points_m), place_m, PointsOf(candidates_m));
+      [](const Points& points_m, const base::Point& place_m, const Points& candidates_m) {
+        return swarm::FarthestFrom(PointsOf(points_m), place_m, PointsOf(candidates_m));
       },
       "points_m"_a, "place_m"_a, "candidates_m"_a);
 }

@@ -13,10 +13,10 @@ namespace nanobind::detail {
 
 /// A point is a pair of floats in Python.
 template <>
-struct type_caster<robotteamsim::Point> {
+struct type_caster<robotteamsim::base::Point> {
   using Pair = std::pair<double, double>;
   using PairCaster = make_caster<Pair>;
-  NB_TYPE_CASTER(robotteamsim::Point, PairCaster::Name)
+  NB_TYPE_CASTER(robotteamsim::base::Point, PairCaster::Name)
 
   bool from_python(handle source, uint32_t flags, cleanup_list* cleanup) noexcept {
     PairCaster caster;
@@ -26,7 +26,7 @@ struct type_caster<robotteamsim::Point> {
     return true;
   }
 
-  static handle from_cpp(const robotteamsim::Point& point, rv_policy policy, cleanup_list* cleanup) noexcept {
+  static handle from_cpp(const robotteamsim::base::Point& point, rv_policy policy, cleanup_list* cleanup) noexcept {
     return PairCaster::from_cpp(Pair(point.x, point.y), policy, cleanup);
   }
 };
@@ -46,8 +46,8 @@ inline bool ReadAttributes(handle source, const std::array<PyObject*, 3>& names,
 
 /// A pose is a `robotteamsim.geometry.Pose`, read by the names of its attributes.
 template <>
-struct type_caster<robotteamsim::Pose> {
-  NB_TYPE_CASTER(robotteamsim::Pose, const_name("robotteamsim.geometry.Pose"))
+struct type_caster<robotteamsim::base::Pose> {
+  NB_TYPE_CASTER(robotteamsim::base::Pose, const_name("robotteamsim.geometry.Pose"))
 
   bool from_python(handle source, uint32_t /*flags*/, cleanup_list* /*cleanup*/) noexcept {
     static const std::array<PyObject*, 3> names{PyUnicode_InternFromString("x_m"), PyUnicode_InternFromString("y_m"),
@@ -61,8 +61,8 @@ struct type_caster<robotteamsim::Pose> {
 
 /// A twist is a `robotteamsim.geometry.Twist`, read by the names of its attributes.
 template <>
-struct type_caster<robotteamsim::Twist> {
-  NB_TYPE_CASTER(robotteamsim::Twist, const_name("robotteamsim.geometry.Twist"))
+struct type_caster<robotteamsim::base::Twist> {
+  NB_TYPE_CASTER(robotteamsim::base::Twist, const_name("robotteamsim.geometry.Twist"))
 
   bool from_python(handle source, uint32_t /*flags*/, cleanup_list* /*cleanup*/) noexcept {
     static const std::array<PyObject*, 3> names{PyUnicode_InternFromString("linear_x_mps"),

@@ -24,6 +24,8 @@ constexpr Floor kFloors[] = {
 }  // namespace
 
 NB_MODULE(_core, m) {
+  // Caches of floor plans and messages live until the process ends; Python does not clear them then.
+  nanobind::set_leak_warnings(false);
   m.doc() = "C++ core of robotteamsim; use the typed Python packages instead.";
   for (const Floor& floor : kFloors) {
     nanobind::module_ submodule = m.def_submodule(floor.name, floor.doc);

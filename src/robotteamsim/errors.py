@@ -1,4 +1,4 @@
-"""What a user can get wrong. Each message is one line that names the place, the value and what was wanted."""
+"""What a user can get wrong. Each message is one line that names the place, the value and what was expected."""
 
 
 class RobotTeamSimError(Exception):

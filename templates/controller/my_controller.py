@@ -1,11 +1,10 @@
-"""A controller to begin with: drive on, turn away from what is ahead, steer towards voices."""
+"""A controller to start from: drive forward, turn away from obstacles, steer towards voices."""
 
 import json
 import math
 
 from robotteamsim.geometry import Twist
-from robotteamsim.interface import Decision, Task
-from robotteamsim.network.messages import EVERYBODY, Message
+from robotteamsim.interface import EVERYBODY, Decision, Message, Task
 
 
 class MyController:
@@ -14,7 +13,7 @@ class MyController:
         self.near_m = 0.6
         self.observation = None
         self.task = Task()
-        self.heard_of = {}  # what teammates said that they hear, by robot id
+        self.heard_of = {}  # voice levels that teammates sent, by robot id
 
     def observe(self, observation, inbox, task):
         self.observation, self.task = observation, task
@@ -26,14 +25,14 @@ class MyController:
             return Decision()  # stands still
         robot, voice = self.observation.robot, self.observation.voice
         third = len(robot.ranges_m) // 3
-        if robot.ranges_m[third:-third].min() < self.near_m:  # the middle of the scan, which goes from right to left
+        if robot.ranges_m[third:-third].min() < self.near_m:  # middle of the scan, which goes from right to left
             twist = Twist(0.0, 0.0, 1.0)
         elif voice.heard:
             pose = robot.ground_truth.pose
             x_m, y_m = voice.local_best_m
-            wanted_rad = math.remainder(math.atan2(y_m - pose.y_m, x_m - pose.x_m) - pose.yaw_rad, math.tau)
-            twist = Twist(0.4, 0.0, max(-0.5, min(0.5, wanted_rad)))
+            turn_rad = math.remainder(math.atan2(y_m - pose.y_m, x_m - pose.x_m) - pose.yaw_rad, math.tau)
+            twist = Twist(0.4, 0.0, max(-0.5, min(0.5, turn_rad)))
         else:
             twist = Twist(0.4)
-        report = Message(self.robot_id, EVERYBODY, json.dumps({"level_db": voice.level_db}))
-        return Decision(twist, outbox=(report,) if voice.heard else (), local_best=voice.level_db)
+        update = Message(self.robot_id, EVERYBODY, json.dumps({"level_db": voice.level_db}))
+        return Decision(twist, outbox=(update,) if voice.heard else (), local_best=voice.level_db)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A controller as a ROS node: drive on, turn away from what is ahead. It knows nothing of robotteamsim."""
+"""A controller as a ROS node: drive forward, turn away from obstacles. It does not depend on robotteamsim."""
 
 import rospy
 from geometry_msgs.msg import Twist
@@ -11,7 +11,7 @@ NEAR_M = 0.6
 def drive(scan):
     third = len(scan.ranges) // 3
     command = Twist()
-    if min(scan.ranges[third:-third]) < NEAR_M:  # the middle of the scan
+    if min(scan.ranges[third:-third]) < NEAR_M:  # middle of the scan
         command.angular.z = 1.0
     else:
         command.linear.x = 0.4

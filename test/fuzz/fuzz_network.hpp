@@ -14,10 +14,10 @@
 namespace robotteamsim::fuzz {
 
 /// Returns the shortest ways by Floyd and Warshall; -1 where there is none.
-inline HopCount PlainHops(const Adjacency& adjacency) {
+inline network::HopCount PlainHops(const network::Adjacency& adjacency) {
   const auto n = static_cast<int>(adjacency.rows());
   const int never = n + 1;
-  HopCount hops = HopCount::Constant(n, n, never);
+  network::HopCount hops = network::HopCount::Constant(n, n, never);
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {
       if (i == j || adjacency(i, j)) hops(i, j) = i == j ? 0 : 1;
@@ -32,10 +32,10 @@ inline HopCount PlainHops(const Adjacency& adjacency) {
 }
 
 /// Draws a graph: mostly of a few bytes' pattern, at times not square, not symmetric, or with a link to oneself.
-inline Adjacency DrawAdjacency(Bytes* bytes) {
+inline network::Adjacency DrawAdjacency(Bytes* bytes) {
   const auto n = bytes->Draw(0, 63);
   const bool odd_shape = bytes->Draw(0, 63) == 0;
-  Adjacency adjacency = Adjacency::Constant(n, odd_shape ? bytes->Draw(0, 63) : n, false);
+  network::Adjacency adjacency = network::Adjacency::Constant(n, odd_shape ? bytes->Draw(0, 63) : n, false);
   if (adjacency.rows() == 0 || adjacency.cols() == 0) return adjacency;
   const auto shape = bytes->Draw(0, 3);  // chains and rings have the closest eigenvalues
   for (Eigen::Index i = 0; i + 1 < std::min(adjacency.rows(), adjacency.cols()) && shape > 1; ++i) {
@@ -57,32 +57,32 @@ inline Adjacency DrawAdjacency(Bytes* bytes) {
 }
 
 /// Returns the second-smallest eigenvalue of the Laplacian, of all that there are; 1 for a single robot.
-inline double PlainFiedlerValue(const Adjacency& adjacency) {
+inline double PlainFiedlerValue(const network::Adjacency& adjacency) {
   if (adjacency.rows() == 1) return 1.0;
   const Eigen::MatrixXd links = adjacency.cast<double>();
   const Eigen::MatrixXd laplacian = Eigen::MatrixXd(links.rowwise().sum().asDiagonal()) - links;
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(laplacian, Eigen::EigenvaluesOnly).eigenvalues()(1);
 }
 
-inline void CheckFiedlerValue(const Adjacency& adjacency, const HopCount& hops) {
+inline void CheckFiedlerValue(const network::Adjacency& adjacency, const network::HopCount& hops) {
   if (hops.rows() == 0) return;
-  const double value = FiedlerValue(adjacency);
+  const double value = network::FiedlerValue(adjacency);
   Check((value == 0.0) == (hops.minCoeff() < 0), "the Fiedler value is 0 exactly where the team is split");
   if (value == 0.0) return;
   const double expected = PlainFiedlerValue(adjacency);
-  Check(std::abs(value - expected) <= 100.0 * kFiedlerTolerance * expected + 1e-12,
+  Check(std::abs(value - expected) <= 100.0 * network::kFiedlerTolerance * expected + 1e-12,
         "the Fiedler value is the reference");
-  Check(FiedlerValue(adjacency) == value, "the same links give the same bits");
+  Check(network::FiedlerValue(adjacency) == value, "the same links give the same bits");
 }
 
 /// Throws Disagreement where two ways of computing disagree; anything else that escapes is a mistake as well.
 inline void FuzzNetwork(const std::uint8_t* data, std::size_t size) {
   Bytes bytes(data, size);
-  const Adjacency adjacency = DrawAdjacency(&bytes);
+  const network::Adjacency adjacency = DrawAdjacency(&bytes);
   const bool sound =
       adjacency.rows() == adjacency.cols() && adjacency == adjacency.transpose() && !adjacency.diagonal().any();
   try {
-    const HopCount hops = CountHops(adjacency);
+    const network::HopCount hops = network::CountHops(adjacency);
     Check(sound, "what is no graph is refused");
     Check(hops == PlainHops(adjacency), "hops are the shortest ways");
     CheckFiedlerValue(adjacency, hops);

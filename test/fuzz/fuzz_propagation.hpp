@@ -12,30 +12,30 @@
 #include "../cpp/propagation/reference.hpp"
 #include "fuzz_bytes.hpp"
 #include "fuzz_scene.hpp"
-#include "robotteamsim/propagation/field_maps.hpp"
+#include "robotteamsim/propagation/maps/field_maps.hpp"
 #include "robotteamsim/propagation/radio.hpp"
 #include "robotteamsim/propagation/voice.hpp"
 
 namespace robotteamsim::fuzz {
 
-inline std::optional<FaceSet> Faces(const Scene& scene) {
+inline std::optional<propagation::FaceSet> Faces(const Scene& scene) {
   try {
-    return FaceSet(scene.ends, scene.weights);
+    return propagation::FaceSet(scene.ends, scene.weights);
   } catch (const std::invalid_argument&) {
     return std::nullopt;
   }
 }
 
-inline bool IsRefused(const GridShape& grid) {
+inline bool IsRefused(const plan::GridShape& grid) {
   try {
-    const CellCentersMm cells(grid);
+    const propagation::CellCentersMm cells(grid);
     return false;
   } catch (const std::invalid_argument&) {
     return true;
   }
 }
 
-inline bool SameBits(const MapValues& a, const MapValues& b) {
+inline bool SameBits(const propagation::MapValues& a, const propagation::MapValues& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
@@ -46,24 +46,27 @@ inline bool IsNear(float value, double expected, double wall_db) {
   return std::abs(static_cast<double>(value) - expected) <= 4e-5 + 4e-7 * (largest - 128.0);
 }
 
-inline MapValues MapOf(const FaceSet& faces, const std::vector<FieldSource>& sources, const GridShape& grid,
-                       const MapWork& work) {
-  MapValues map = MapValues::Constant(grid.rows, grid.cols, std::nanf(""));
-  WriteHighest(faces, sources, grid, map, work);
+inline propagation::MapValues MapOf(const propagation::FaceSet& faces,
+                                    const std::vector<propagation::FieldSource>& sources, const plan::GridShape& grid,
+                                    const propagation::MapWork& work) {
+  propagation::MapValues map = propagation::MapValues::Constant(grid.rows, grid.cols, std::nanf(""));
+  propagation::WriteHighest(faces, sources, grid, map, work);
   return map;
 }
 
 /// Weights: the map is one ray per cell, a ray weighs the same both ways, and a longer one never less.
-inline void CheckWeights(const FaceSet& faces, const WeightMap& map, const GridShape& grid) {
+inline void CheckWeights(const propagation::FaceSet& faces, const propagation::WeightMap& map,
+                         const plan::GridShape& grid) {
   for (int row = 0; row < grid.rows; ++row) {
     for (int col = 0; col < grid.cols; ++col) {
-      const PointMm cell = map.Cells().At(row, col);
+      const propagation::PointMm cell = map.Cells().At(row, col);
       const std::int64_t weight = faces.WeightBetween(map.Source(), cell);
       Check(map.At(row, col) == weight, "a kept map holds the weight of the ray to each cell");
       Check(faces.WeightBetween(cell, map.Source()) == weight, "a ray weighs the same both ways");
-      const PointMm middle{map.Source().x + (cell.x - map.Source().x) / 2,
-                           map.Source().y + (cell.y - map.Source().y) / 2};
-      const PointMm doubled{2 * middle.x - map.Source().x, 2 * middle.y - map.Source().y};  // on one line with both
+      const propagation::PointMm middle{map.Source().x + (cell.x - map.Source().x) / 2,
+                                        map.Source().y + (cell.y - map.Source().y) / 2};
+      const propagation::PointMm doubled{2 * middle.x - map.Source().x,
+                                         2 * middle.y - map.Source().y};  // on one line with both
       Check(faces.WeightBetween(map.Source(), middle) <= faces.WeightBetween(map.Source(), doubled),
             "a longer ray weighs no less");
     }
@@ -71,28 +74,32 @@ inline void CheckWeights(const FaceSet& faces, const WeightMap& map, const GridS
 }
 
 /// Maps of one and of many sources: the reference, to the bit the same for any thread count and instruction set.
-inline void CheckMaps(const FaceSet& faces, const std::vector<FieldSource>& sources, const GridShape& grid) {
-  const MapValues map = MapOf(faces, sources, grid, {1, Simd::kPortable});
-  const CellCentersMm cells(grid);
+inline void CheckMaps(const propagation::FaceSet& faces, const std::vector<propagation::FieldSource>& sources,
+                      const plan::GridShape& grid) {
+  const propagation::MapValues map = MapOf(faces, sources, grid, {1, base::Simd::kPortable});
+  const propagation::CellCentersMm cells(grid);
   for (int row = 0; row < grid.rows; ++row) {
     for (int col = 0; col < grid.cols; ++col) {
       double expected = -1e300;
       double wall_db = 0.0;
-      for (const FieldSource& source : sources) {
-        expected = std::max(expected, reference::Value(faces, source.position, source.fading, cells, row, col));
-        const auto weight = static_cast<double>(reference::Weight(faces, source.position, cells, row, col));
+      for (const propagation::FieldSource& source : sources) {
+        expected =
+            std::max(expected, propagation::reference::Value(faces, source.position, source.fading, cells, row, col));
+        const auto weight =
+            static_cast<double>(propagation::reference::Weight(faces, source.position, cells, row, col));
         wall_db = std::max(wall_db, weight * source.fading.unit_db);
       }
       Check(IsNear(map(row, col), expected, wall_db), "a map is the reference");
     }
   }
-  for (const Simd simd : {Simd::kAvx2, Simd::kAvx512}) {
-    if (IsSupported(simd)) Check(SameBits(MapOf(faces, sources, grid, {1, simd}), map), "every instruction set agrees");
+  for (const base::Simd simd : {base::Simd::kAvx2, base::Simd::kAvx512}) {
+    if (base::IsSupported(simd))
+      Check(SameBits(MapOf(faces, sources, grid, {1, simd}), map), "every instruction set agrees");
   }
-  Check(SameBits(MapOf(faces, sources, grid, {3, BestSimd()}), map), "any number of threads agrees");
-  MapValues each(grid.rows * static_cast<Eigen::Index>(sources.size()), grid.cols);
-  WriteEach(faces, sources, grid, each);
-  MapValues highest = each.topRows(grid.rows);
+  Check(SameBits(MapOf(faces, sources, grid, {3, base::BestSimd()}), map), "any number of threads agrees");
+  propagation::MapValues each(grid.rows * static_cast<Eigen::Index>(sources.size()), grid.cols);
+  propagation::WriteEach(faces, sources, grid, each);
+  propagation::MapValues highest = each.topRows(grid.rows);
   for (std::size_t i = 1; i < sources.size(); ++i) {
     highest = highest.cwiseMax(each.middleRows(static_cast<Eigen::Index>(i) * grid.rows, grid.rows));
   }
@@ -100,11 +107,12 @@ inline void CheckMaps(const FaceSet& faces, const std::vector<FieldSource>& sour
 }
 
 /// Doors: a kept map follows them, and is as before when they are.
-inline void CheckDoors(Bytes* bytes, FaceSet faces, const FieldSource& source, const GridShape& grid) {
-  WeightMap map(faces, source.position, grid);
+inline void CheckDoors(Bytes* bytes, propagation::FaceSet faces, const propagation::FieldSource& source,
+                       const plan::GridShape& grid) {
+  propagation::WeightMap map(faces, source.position, grid);
   CheckWeights(faces, map, grid);
-  MapValues before(grid.rows, grid.cols);
-  MapValues after(grid.rows, grid.cols);
+  propagation::MapValues before(grid.rows, grid.cols);
+  propagation::MapValues after(grid.rows, grid.cols);
   map.WriteValues(source.fading, before);
   Check(SameBits(before, MapOf(faces, {source}, grid, {})), "a kept map has the values of a new one");
   if (faces.Size() == 0) return;
@@ -121,23 +129,24 @@ inline void CheckDoors(Bytes* bytes, FaceSet faces, const FieldSource& source, c
 }
 
 /// Links: the single losses, the same both ways; a position that is none is refused.
-inline void CheckLinks(Bytes* bytes, const FaceSet& faces, const RadioModel& model, Scale scale) {
-  Positions positions(bytes->Draw(0, 12), 2);
+inline void CheckLinks(Bytes* bytes, const propagation::FaceSet& faces, const propagation::RadioModel& model,
+                       Scale scale) {
+  propagation::Positions positions(bytes->Draw(0, 12), 2);
   bool sound = true;
-  std::vector<PointMm> points;
+  std::vector<propagation::PointMm> points;
   for (Eigen::Index i = 0; i < positions.rows(); ++i) {
-    const PointMm place = Place(bytes, scale);
+    const propagation::PointMm place = Place(bytes, scale);
     positions.row(i) << static_cast<double>(place.x) / 1000.0, static_cast<double>(place.y) / 1000.0;
     if (bytes->Draw(0, 31) == 0) positions(i, bytes->Draw(0, 1)) = bytes->AnyDouble();
     try {
-      points.push_back(RoundToMm({positions(i, 0), positions(i, 1)}, "position"));
+      points.push_back(propagation::RoundToMm({positions(i, 0), positions(i, 1)}, "position"));
     } catch (const std::invalid_argument&) {
       sound = false;
     }
   }
-  CellValues rssi_dbm;
+  propagation::CellValues rssi_dbm;
   try {
-    rssi_dbm = RssiMatrixDbm(faces, model, positions);
+    rssi_dbm = propagation::RssiMatrixDbm(faces, model, positions);
   } catch (const std::invalid_argument&) {
     Check(!sound, "links are refused only where a position is");
     return;
@@ -145,34 +154,36 @@ inline void CheckLinks(Bytes* bytes, const FaceSet& faces, const RadioModel& mod
   Check(sound, "a position that is none is refused");
   for (Eigen::Index i = 0; i < positions.rows(); ++i) {
     for (Eigen::Index j = 0; j < positions.rows(); ++j) {
-      const double expected = i == j ? 0.0 : model.tx_power_dbm - PathLossDb(faces, model, points[i], points[j]);
+      const double expected =
+          i == j ? 0.0 : model.tx_power_dbm - propagation::PathLossDb(faces, model, points[i], points[j]);
       Check(rssi_dbm(i, j) == expected, "links are the single losses");
     }
   }
 }
 
 /// Voices: each cell the loudest of all victims, nothing below the noise or in a wall.
-inline void CheckVoices(Bytes* bytes, const FaceSet& faces, const GridShape& grid, Scale scale) {
-  const VoiceModel model{static_cast<double>(bytes->Draw(0, 80)), static_cast<double>(bytes->Draw(0, 400)) / 10.0, 0.1};
-  std::vector<VoiceSource> sources(static_cast<std::size_t>(bytes->Draw(1, 3)));
-  for (VoiceSource& source : sources) {
-    const PointMm place = Place(bytes, scale);
+inline void CheckVoices(Bytes* bytes, const propagation::FaceSet& faces, const plan::GridShape& grid, Scale scale) {
+  const propagation::VoiceModel model{static_cast<double>(bytes->Draw(0, 80)),
+                                      static_cast<double>(bytes->Draw(0, 400)) / 10.0, 0.1};
+  std::vector<propagation::VoiceSource> sources(static_cast<std::size_t>(bytes->Draw(1, 3)));
+  for (propagation::VoiceSource& source : sources) {
+    const propagation::PointMm place = Place(bytes, scale);
     source = {{static_cast<double>(place.x) / 1000.0, static_cast<double>(place.y) / 1000.0},
               -static_cast<double>(bytes->Draw(0, 120)),
               static_cast<double>(bytes->Draw(10, 60)) / 10.0};
   }
-  SolidCells solid = SolidCells::Constant(grid.rows, grid.cols, false);
+  propagation::SolidCells solid = propagation::SolidCells::Constant(grid.rows, grid.cols, false);
   solid(bytes->Draw(0, grid.rows - 1), bytes->Draw(0, grid.cols - 1)) = true;
-  MapValues map(grid.rows, grid.cols);
-  WriteVoiceMap(faces, model, sources, grid, solid, map);
-  const CellCentersMm cells(grid);
+  propagation::MapValues map(grid.rows, grid.cols);
+  propagation::WriteVoiceMap(faces, model, sources, grid, solid, map);
+  const propagation::CellCentersMm cells(grid);
   for (int row = 0; row < grid.rows; ++row) {
     for (int col = 0; col < grid.cols; ++col) {
       double expected = -1e300;
       double wall_db = 0.0;
-      for (const VoiceSource& source : sources) {
-        const PointMm at = RoundToMm(source.position, "source");
-        expected = std::max(expected, VoiceLevelDb(faces, model, source, cells.At(row, col)));
+      for (const propagation::VoiceSource& source : sources) {
+        const propagation::PointMm at = propagation::RoundToMm(source.position, "source");
+        expected = std::max(expected, propagation::VoiceLevelDb(faces, model, source, cells.At(row, col)));
         const auto weight = static_cast<double>(faces.WeightBetween(at, cells.At(row, col)));
         wall_db = std::max(wall_db, weight * model.unit_db);
       }
@@ -191,22 +202,23 @@ inline void CheckVoices(Bytes* bytes, const FaceSet& faces, const GridShape& gri
 /// Throws Disagreement where two ways of computing disagree; anything else that escapes is a mistake as well.
 inline void FuzzPropagation(const std::uint8_t* data, std::size_t size) {
   Bytes bytes(data, size);
-  const GridShape any_grid = DrawGrid(&bytes, Scale::kLattice);
+  const plan::GridShape any_grid = DrawGrid(&bytes, Scale::kLattice);
   const Scene scene = DrawScene(&bytes);
-  const GridShape grid = bytes.Coin() ? any_grid : DrawGrid(&bytes, scene.scale);
-  const std::optional<FaceSet> faces = Faces(scene);
+  const plan::GridShape grid = bytes.Coin() ? any_grid : DrawGrid(&bytes, scene.scale);
+  const std::optional<propagation::FaceSet> faces = Faces(scene);
   if (!faces) return;
-  const RadioModel model{static_cast<double>(bytes.Draw(-20, 30)), static_cast<double>(bytes.Draw(0, 100)),
-                         static_cast<double>(bytes.Draw(0, 600)) / 10.0,
-                         static_cast<double>(bytes.Draw(1, 2'000)) / 1000.0};
+  const propagation::RadioModel model{static_cast<double>(bytes.Draw(-20, 30)), static_cast<double>(bytes.Draw(0, 100)),
+                                      static_cast<double>(bytes.Draw(0, 600)) / 10.0,
+                                      static_cast<double>(bytes.Draw(1, 2'000)) / 1000.0};
   CheckLinks(&bytes, *faces, model, scene.scale);
   if (IsRefused(grid)) return;
-  std::vector<FieldSource> sources(static_cast<std::size_t>(bytes.Draw(1, 3)));
-  for (FieldSource& source : sources) source = {Place(&bytes, scene.scale), RadioFading(model)};
+  std::vector<propagation::FieldSource> sources(static_cast<std::size_t>(bytes.Draw(1, 3)));
+  for (propagation::FieldSource& source : sources)
+    source = {Place(&bytes, scene.scale), propagation::RadioFading(model)};
   try {
     CheckMaps(*faces, sources, grid);
   } catch (const std::invalid_argument&) {
-    // The only thing left to refuse: sums that 32 bits cannot hold.
+    // The only object left to refuse: sums that 32 bits cannot hold.
     Check(faces->TotalWeight() > 500'000'000, "maps are refused only where the weights are too large");
     return;
   }

@@ -28,18 +28,24 @@ inline std::int64_t Coordinate(Bytes* bytes, Scale scale) {
     case Scale::kRoom:
       return bytes->Draw(-2'000, 60'000);
     case Scale::kWorld:
-      return bytes->Draw(-kMaxCoordinateMm, kMaxCoordinateMm);
+      return bytes->Draw(-propagation::kMaxCoordinateMm, propagation::kMaxCoordinateMm);
     case Scale::kEdge:
       break;
   }
   // The last coordinates that are allowed, the first that are not, and 64 bits' own edge.
-  constexpr std::array<std::int64_t, 8> kEdges = {
-      kMaxCoordinateMm, -kMaxCoordinateMm, kMaxCoordinateMm + 1, -kMaxCoordinateMm - 1, INT64_MAX, INT64_MIN, 0, 1};
+  constexpr std::array<std::int64_t, 8> kEdges = {propagation::kMaxCoordinateMm,
+                                                  -propagation::kMaxCoordinateMm,
+                                                  propagation::kMaxCoordinateMm + 1,
+                                                  -propagation::kMaxCoordinateMm - 1,
+                                                  INT64_MAX,
+                                                  INT64_MIN,
+                                                  0,
+                                                  1};
   return kEdges[static_cast<std::size_t>(bytes->Draw(0, kEdges.size() - 1))];
 }
 
 /// Draws a place that the exact arithmetic takes.
-inline PointMm Place(Bytes* bytes, Scale scale) {
+inline propagation::PointMm Place(Bytes* bytes, Scale scale) {
   const Scale within = scale == Scale::kEdge ? Scale::kWorld : scale;
   const std::int64_t x = Coordinate(bytes, within);
   return {x, Coordinate(bytes, within)};
@@ -71,13 +77,13 @@ inline Scene DrawScene(Bytes* bytes) {
 }
 
 /// Draws a grid of few cells that lies among the faces, or anywhere.
-inline GridShape DrawGrid(Bytes* bytes, Scale scale) {
+inline plan::GridShape DrawGrid(Bytes* bytes, Scale scale) {
   constexpr std::array<double, 8> kResolutions = {0.001, 0.002, 0.0015, 0.05, 0.25, 1.0 / 3.0, 1.0, 40'000.0};
-  GridShape grid;
+  plan::GridShape grid;
   if (bytes->Draw(0, 31) == 0) {
     grid = {{bytes->AnyDouble(), bytes->AnyDouble()}, bytes->AnyDouble(), 0, 0};
   } else {
-    const PointMm origin = Place(bytes, scale);
+    const propagation::PointMm origin = Place(bytes, scale);
     const auto half_mm = static_cast<double>(bytes->Draw(0, 1)) / 2000.0;
     grid.origin = {static_cast<double>(origin.x) / 1000.0 - half_mm, static_cast<double>(origin.y) / 1000.0 - half_mm};
     grid.resolution = kResolutions[static_cast<std::size_t>(bytes->Draw(0, kResolutions.size() - 1))];

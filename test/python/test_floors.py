@@ -26,12 +26,13 @@ FLOORS = (
     ("recording",),
     ("campaign",),
     ("analysis",),
+    ("_ros_transport",),
     ("cli", "ros"),
 )
 FLOOR_OF = {part: floor for floor, parts in enumerate(FLOORS) for part in parts}
 
 ROS = re.compile(r"(rospy|roslib|roslaunch|rosgraph|rospkg|rosbag|genpy|tf|tf2_ros|\w+_(msgs|srvs))(\.|$)")
-ROS_MESSAGES = re.compile(r"robotteamsim\.(msg|srv)(\.|$)")
+ROS_MESSAGES = re.compile(r"robotteamsim\.(msg|srv|_ros_transport)(\.|$)")
 NOT_OF_THE_LIBRARY = re.compile(r"(ros/|pybind11|nanobind|Python\.h|numpy/|\w+_msgs/)")
 
 OTHER_CHANCE = re.compile(

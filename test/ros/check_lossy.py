@@ -89,7 +89,7 @@ class LossyTest(unittest.TestCase):
         self.assertTrue(all(sum(getattr(t, name) for t in traffic) > 20 for name in ("delivered", "lost", "cut_off")))
         self.assertGreater(max(t.mean_delay_s for t in traffic), 0.1)
         kinds = {kind for _, kind, _, _, _ in self.expected.events}
-        self.assertLessEqual({"find_reported", "message_too_large"}, kinds)
+        self.assertLessEqual({"discovery_delivered", "message_too_large"}, kinds)
 
     def test_every_step_delivers_loses_and_refuses_the_same(self) -> None:
         told = {stamp_ns(message): traffic_of(message) for message in self.network.messages}
@@ -107,14 +107,14 @@ class LossyTest(unittest.TestCase):
             self.assertGreater(len(heard), 100)
             self.assertEqual({ns: told[ns] for ns in heard}, heard, topic.name)
 
-    def test_result_tells_what_the_base_heard_of(self) -> None:
+    def test_result_has_what_was_delivered_to_the_base(self) -> None:
         result = self.document["result"]
-        names = ("finds_reported", "mean_report_delay_s", "max_report_delay_s")
+        names = ("discoveries_delivered", "mean_delivery_delay_s", "max_delivery_delay_s")
         self.assertEqual([result[name] for name in names], [getattr(self.result, name) for name in names])
         last = next(message for message in self.status.messages if message.state == "ended")
         self.assertTrue(last.has_base)
-        self.assertEqual(last.finds_reported, self.result.finds_reported)
-        self.assertGreater(last.finds_reported, 0)
+        self.assertEqual(last.discoveries_delivered, self.result.discoveries_delivered)
+        self.assertGreater(last.discoveries_delivered, 0)
 
 
 if __name__ == "__main__":

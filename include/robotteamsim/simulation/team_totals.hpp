@@ -5,9 +5,9 @@
 
 #include "robotteamsim/base/geometry.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::simulation {
 
-/// What one robot did in a trial.
+/// One robot's totals over a trial.
 struct RobotTotals {
   double distance = 0.0;   ///< length of its true path [m]
   int contact_steps = 0;   ///< in which it touched something
@@ -15,14 +15,14 @@ struct RobotTotals {
   int longest_stay = 0;    ///< most steps within 0.5 m of one place
 };
 
-/// Adds up what each robot of a team does.
+/// Adds up the totals of each robot of a team.
 class TeamTotals {
  public:
   explicit TeamTotals(int num_robots) : logs_(num_robots) {}
 
-  /// Takes in what a robot did in one more step. Staying counts only while the mission runs.
-  /// Args: at: where it truly is, in `map` [m]; NaN where it is not there, and then nothing of it counts.
-  void Add(int robot, const Point& at, bool in_contact, bool is_excluded, bool is_running);
+  /// Adds one step of a robot. Staying counts only while the mission runs.
+  /// Args: at: its true position in `map` [m]; NaN if it is not there: then nothing counts.
+  void Add(int robot, const base::Point& at, bool in_contact, bool is_excluded, bool is_running);
 
   int num_robots() const { return static_cast<int>(logs_.size()); }
   /// The sums so far.
@@ -33,12 +33,12 @@ class TeamTotals {
 
   struct Log {
     RobotTotals sums;
-    Point last{kNaN, kNaN};    // NaN: it was not there
-    Point anchor{kNaN, kNaN};  // where it stays
-    int stay = 0;              // steps that it has
+    base::Point last{kNaN, kNaN};    // NaN: it was not there
+    base::Point anchor{kNaN, kNaN};  // centre of its current stay
+    int stay = 0;                    // number of its steps
   };
 
   std::vector<Log> logs_;
 };
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::simulation

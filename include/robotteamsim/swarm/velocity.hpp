@@ -7,18 +7,19 @@
 
 #include "robotteamsim/base/geometry.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::swarm {
 
 /// One component of eq. (22): its weight c, its random number r in [0, 1), and the attractor x.
 struct Pull {
   double weight;
   double random;
-  Point attractor;
+  base::Point attractor;
 };
 
 /// v[t+1] = inertia + sum of c * r * (attractor - x[t]), in the order given [dissertation, eq. 22 and 25].
-inline Point NextVelocity(const Point& position, const Point& inertia, const std::array<Pull, 4>& pulls) {
-  Point velocity = inertia;
+inline base::Point NextVelocity(const base::Point& position, const base::Point& inertia,
+                                const std::array<Pull, 4>& pulls) {
+  base::Point velocity = inertia;
   for (const Pull& pull : pulls) {
     velocity.x += pull.weight * pull.random * (pull.attractor.x - position.x);
     velocity.y += pull.weight * pull.random * (pull.attractor.y - position.y);
@@ -28,8 +29,8 @@ inline Point NextVelocity(const Point& position, const Point& inertia, const std
 
 /// The memory term of eq. (25): the sum of past velocities, newest first, times their weights; missing velocities count
 /// as zero.
-inline Point MemoryTerm(const std::vector<double>& coefficients, const std::vector<Point>& velocities) {
-  Point sum{0.0, 0.0};
+inline base::Point MemoryTerm(const std::vector<double>& coefficients, const std::vector<base::Point>& velocities) {
+  base::Point sum{0.0, 0.0};
   for (std::size_t i = 0; i < std::min(coefficients.size(), velocities.size()); ++i) {
     sum.x += coefficients[i] * velocities[i].x;
     sum.y += coefficients[i] * velocities[i].y;
@@ -37,4 +38,4 @@ inline Point MemoryTerm(const std::vector<double>& coefficients, const std::vect
   return sum;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::swarm

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace robotteamsim {
+namespace robotteamsim::base {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -20,4 +20,4 @@ Pose RelativePose(const Pose& from, const Pose& to) {
   return {cos * dx + sin * dy, cos * dy - sin * dx, NormaliseAngle(to.yaw - from.yaw)};
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::base

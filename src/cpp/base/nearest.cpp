@@ -7,7 +7,7 @@
 
 #include "robotteamsim/base/hypot.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::base {
 
 Point NearestPoint(const Point& position, const std::vector<Point>& points) {
   if (points.empty()) throw std::invalid_argument("points must not be empty");
@@ -44,4 +44,4 @@ std::vector<std::pair<int, int>> ReachedPlaces(const std::vector<Point>& points,
   return reached;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::base

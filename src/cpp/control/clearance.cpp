@@ -9,77 +9,72 @@
 #include <stdexcept>
 #include <utility>
 
-namespace robotteamsim {
+namespace robotteamsim::control {
 namespace {
 
-/// So many beams or hits are looked at together. They lie in the order of directions: most blocks have many of those
-/// that count, or none.
+/// Number of beams or hits that are tested together. They are ordered by direction: most blocks contain many relevant
+/// ones, or none.
 constexpr std::size_t kBlock = 16;
 
-/// Whether some of a block of hits are neither beside the way, nor behind, nor beyond what is free anyway.
-ROBOTTEAMSIM_INLINE bool SomeCount(const Point* hits, const Direction& way, double radius, double free) {
+/// Returns whether some hits of a block are ahead, within the width of the disc and nearer than the free distance so
+/// far.
+ROBOTTEAMSIM_INLINE bool SomeCount(const base::Point* hits, const Direction& direction, double radius, double free) {
   std::int64_t some = 0;
   for (std::size_t i = 0; i < kBlock; ++i) {
-    const double along = hits[i].x * way.cos + hits[i].y * way.sin;
-    const double across = hits[i].y * way.cos - hits[i].x * way.sin;
+    const double along = hits[i].x * direction.cos + hits[i].y * direction.sin;
+    const double across = hits[i].y * direction.cos - hits[i].x * direction.sin;
     const bool counts = (along > 0.0) & (radius * radius - across * across > 0.0) & (along - radius < free);
     some |= counts ? 1 : 0;
   }
   return some != 0;
 }
 
-/// How far the disc can go for one hit; infinity where it does not count. Without a branch, for many at once.
-ROBOTTEAMSIM_INLINE double FreeBefore(const Point& hit, const Direction& way, double radius) {
+/// Returns how far the disc can move before one hit; infinity if the hit does not count. It has no branch, so that it
+/// can be vectorised.
+ROBOTTEAMSIM_INLINE double FreeBefore(const base::Point& hit, const Direction& direction, double radius) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const double along = hit.x * way.cos + hit.y * way.sin;
-  const double across = hit.y * way.cos - hit.x * way.sin;
+  const double along = hit.x * direction.cos + hit.y * direction.sin;
+  const double across = hit.y * direction.cos - hit.x * direction.sin;
   const double half_chord_squared = radius * radius - across * across;
   const double touch = along - std::sqrt(half_chord_squared > 0.0 ? half_chord_squared : 0.0);
-  const double free_inside = along * along > 0.25 * (along * along + across * across) ? 0.0 : kInfinity;
+  const bool is_ahead = along * along > 0.25 * (along * along + across * across);
+  const double free_inside = is_ahead ? 0.0 : kInfinity;
   const double free = touch >= 0.0 ? touch : free_inside;
   return (along > 0.0) & (half_chord_squared > 0.0) ? free : kInfinity;
 }
 
-ROBOTTEAMSIM_INLINE double FreeAmong(const Point* hits, std::size_t count, const Direction& way, double radius,
-                                     double max_distance) {
+ROBOTTEAMSIM_INLINE double FreeAmong(const base::Point* hits, std::size_t count, const Direction& direction,
+                                     double radius, double max_distance) {
   double free = max_distance;
   for (std::size_t first = 0; first < count; first += kBlock) {
     if (count - first < kBlock) {
-      for (std::size_t i = first; i < count; ++i) free = std::min(free, FreeBefore(hits[i], way, radius));
-    } else if (SomeCount(hits + first, way, radius, free)) {
+      for (std::size_t i = first; i < count; ++i) free = std::min(free, FreeBefore(hits[i], direction, radius));
+    } else if (SomeCount(hits + first, direction, radius, free)) {
       std::array<double, kBlock> before;
-      for (std::size_t i = 0; i < kBlock; ++i) before[i] = FreeBefore(hits[first + i], way, radius);
+      for (std::size_t i = 0; i < kBlock; ++i) before[i] = FreeBefore(hits[first + i], direction, radius);
       for (const double one : before) free = std::min(free, one);
     }
   }
   return free;
 }
 
-using FreeAmongFunction = double (*)(const Point*, std::size_t, const Direction&, double, double);
+using FreeAmongFunction = double (*)(const base::Point*, std::size_t, const Direction&, double, double);
 
-double PortableFreeAmong(const Point* hits, std::size_t count, const Direction& way, double radius,
-                         double max_distance) {
-  return FreeAmong(hits, count, way, radius, max_distance);
+#define ROBOTTEAMSIM_FREE_AMONG(Name, attributes)                                                           \
+  attributes double Name##FreeAmong(const base::Point* hits, std::size_t count, const Direction& direction, \
+                                    double radius, double max_distance) {                                   \
+    return FreeAmong(hits, count, direction, radius, max_distance);                                         \
+  }
+ROBOTTEAMSIM_FOR_EACH_SIMD(ROBOTTEAMSIM_FREE_AMONG)
+
+FreeAmongFunction FreeAmongFor(base::Simd simd) {
+  return base::SimdVersion<FreeAmongFunction>(simd, PortableFreeAmong, Avx2FreeAmong, Avx512FreeAmong);
 }
 
-#if ROBOTTEAMSIM_HAS_X86_TARGETS
-ROBOTTEAMSIM_AVX2 double Avx2FreeAmong(const Point* hits, std::size_t count, const Direction& way, double radius,
-                                       double max_distance) {
-  return FreeAmong(hits, count, way, radius, max_distance);
-}
-#endif
-
-FreeAmongFunction FreeAmongFor(Simd simd) {
-  if (!IsSupported(simd)) throw std::invalid_argument("this machine does not have the instruction set asked for");
-#if ROBOTTEAMSIM_HAS_X86_TARGETS
-  if (simd != Simd::kPortable) return Avx2FreeAmong;
-#endif
-  return PortableFreeAmong;
-}
-
-double FreeAmongHits(const std::vector<Point>& hits, const Direction& way, double radius, double max_distance) {
-  static const FreeAmongFunction free_among = FreeAmongFor(BestSimd());
-  return free_among(hits.data(), hits.size(), way, radius, max_distance);
+double FreeAmongHits(const std::vector<base::Point>& hits, const Direction& direction, double radius,
+                     double max_distance) {
+  static const FreeAmongFunction free_among = FreeAmongFor(base::BestSimd());
+  return free_among(hits.data(), hits.size(), direction, radius, max_distance);
 }
 
 bool SomeAreBelow(const float* ranges, double longest) {
@@ -88,22 +83,17 @@ bool SomeAreBelow(const float* ranges, double longest) {
   return some != 0;
 }
 
-constexpr double kLeftPenalty = 0.25;
-constexpr double kChangePenalty = 0.35;
-/// A wanted heading farther than this to the side or behind is turned to on the spot.
-constexpr double kAhead = 1.6;
-
 }  // namespace
 
 Direction::Direction(double angle) : heading(angle), cos(std::cos(angle)), sin(std::sin(angle)) {}
 
-double FreeDistanceAmong(const std::vector<Point>& hits, const Direction& direction, double radius, double max_distance,
-                         Simd simd) {
+double FreeDistanceAmong(const std::vector<base::Point>& hits, const Direction& direction, double radius,
+                         double max_distance, base::Simd simd) {
   return FreeAmongFor(simd)(hits.data(), hits.size(), direction, radius, max_distance);
 }
 
 ScanClearance::ScanClearance(const LaserLayout& layout) : layout_(layout) {
-  if (layout.beams < 1) throw std::invalid_argument("a laser needs at least one beam");
+  if (layout.beams < 1) throw std::invalid_argument("a laser must have at least one beam");
   const double step = layout.beams > 1 ? (layout.angle_max - layout.angle_min) / (layout.beams - 1) : 0.0;
   for (int beam = 0; beam < layout.beams; ++beam) {
     const double angle = layout.angle_min + beam * step;
@@ -111,15 +101,15 @@ ScanClearance::ScanClearance(const LaserLayout& layout) : layout_(layout) {
   }
 }
 
-std::vector<Point> ScanClearance::Hits(const Ranges& ranges, double max_distance) const {
-  std::vector<Point> hits;
+std::vector<base::Point> ScanClearance::Hits(const Ranges& ranges, double max_distance) const {
+  std::vector<base::Point> hits;
   FindHits(ranges, max_distance, &hits);
   return hits;
 }
 
-void ScanClearance::FindHits(const Ranges& ranges, double max_distance, std::vector<Point>* hits) const {
+void ScanClearance::FindHits(const Ranges& ranges, double max_distance, std::vector<base::Point>* hits) const {
   if (ranges.size != directions_.size()) throw std::invalid_argument("there must be one range per beam");
-  // A range this close to range_max is no return: float32 may round range_max itself to either side.
+  // A range this close to range_max is not a return: float32 may round range_max in either direction.
   const double longest = std::min(layout_.range_max * (1.0 - 1e-6), max_distance + std::abs(layout_.forward) + 1e-3);
   hits->clear();
   hits->reserve(ranges.size);
@@ -128,7 +118,7 @@ void ScanClearance::FindHits(const Ranges& ranges, double max_distance, std::vec
     for (std::size_t beam = first; beam < std::min(ranges.size, first + kBlock); ++beam) {
       const double range = ranges.data[beam];
       if (!(range < longest)) continue;
-      const Point hit{layout_.forward + range * directions_[beam].x, range * directions_[beam].y};
+      const base::Point hit{layout_.forward + range * directions_[beam].x, range * directions_[beam].y};
       if (hit.x * hit.x + hit.y * hit.y < max_distance * max_distance) hits->push_back(hit);
     }
   }
@@ -140,44 +130,46 @@ double ScanClearance::FreeDistance(const Ranges& ranges, double heading, double 
 
 std::vector<double> ScanClearance::FreeDistances(const Ranges& ranges, const std::vector<Direction>& directions,
                                                  double radius, double max_distance) const {
-  const std::vector<Point> hits = Hits(ranges, max_distance + radius);
+  const std::vector<base::Point> hits = Hits(ranges, max_distance + radius);
   std::vector<double> free;
-  for (const Direction& way : directions) free.push_back(FreeAmongHits(hits, way, radius, max_distance));
+  free.reserve(directions.size());
+  for (const Direction& direction : directions) free.push_back(FreeAmongHits(hits, direction, radius, max_distance));
   return free;
 }
 
-Sidestepper::Sidestepper(ScanClearance clearance, const std::vector<double>& headings)
-    : clearance_(std::move(clearance)), directions_(headings.begin(), headings.end()) {
-  if (directions_.empty()) throw std::invalid_argument("there must be a heading to take");
+Sidestepper::Sidestepper(ScanClearance clearance, const std::vector<double>& headings,
+                         const SidestepParameters& parameters)
+    : clearance_(std::move(clearance)), directions_(headings.begin(), headings.end()), parameters_(parameters) {
+  if (directions_.empty()) throw std::invalid_argument("headings must not be empty");
 }
 
-Sidestepper::Way Sidestepper::Find(const Ranges& ranges, double wanted, double radius, double needed) {
+Sidestepper::FreeHeading Sidestepper::Find(const Ranges& ranges, double wanted, double radius, double needed) {
   clearance_.FindHits(ranges, needed + radius, &hits_);
-  const Way straight{wanted, FreeAmongHits(hits_, Direction(wanted), radius, needed)};
-  if (straight.free >= needed || std::abs(wanted) >= kAhead) {
+  const FreeHeading straight{wanted, FreeAmongHits(hits_, Direction(wanted), radius, needed)};
+  if (straight.free >= needed || std::abs(wanted) >= parameters_.ahead) {
     passing_side_ = 0;
     return straight;
   }
   const auto cost = [&](const Direction& direction) {
     const double offset = direction.heading - wanted;
-    const double side_cost = offset > 0.0 ? kLeftPenalty : 0.0;
-    return std::abs(offset) + side_cost + (passing_side_ * offset < 0.0 ? kChangePenalty : 0.0);
+    const double side_cost = offset > 0.0 ? parameters_.left_penalty : 0.0;
+    return std::abs(offset) + side_cost + (passing_side_ * offset < 0.0 ? parameters_.change_penalty : 0.0);
   };
   std::vector<std::pair<double, const Direction*>> by_cost;
   for (const Direction& direction : directions_) by_cost.emplace_back(cost(direction), &direction);
   std::sort(by_cost.begin(), by_cost.end());
-  std::vector<Way> ways;
+  std::vector<FreeHeading> tried;
   for (const auto& [_, direction] : by_cost) {
-    ways.push_back({direction->heading, FreeAmongHits(hits_, *direction, radius, needed)});
-    if (ways.back().free < needed) continue;
+    tried.push_back({direction->heading, FreeAmongHits(hits_, *direction, radius, needed)});
+    if (tried.back().free < needed) continue;
     passing_side_ = direction->heading > wanted ? 1 : -1;
-    return ways.back();
+    return tried.back();
   }
-  return *std::min_element(ways.begin(), ways.end(), [&](const Way& a, const Way& b) {
+  return *std::min_element(tried.begin(), tried.end(), [&](const FreeHeading& a, const FreeHeading& b) {
     if (a.free != b.free) return a.free > b.free;
     const double offset_a = std::abs(a.heading - wanted), offset_b = std::abs(b.heading - wanted);
     return offset_a != offset_b ? offset_a < offset_b : a.heading < b.heading;
   });
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::control

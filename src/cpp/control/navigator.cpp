@@ -6,43 +6,20 @@
 
 #include "robotteamsim/base/hypot.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::control {
 namespace {
 
 const double kTau = 2.0 * std::acos(-1.0);
 
-constexpr double kArrived = 0.05;  // [m]
-/// Kept between the body and what the laser sees; below the map's margin, so that planned paths are not refused [m].
-constexpr double kLaserMargin = 0.04;
-constexpr double kLookAhead = 0.5;      // [m]
-constexpr double kLongestPath = 200.0;  // [m]
-constexpr double kTurnInPlace = 0.8;    // [rad]
-constexpr double kTurnGain = 3.0;       // [1/s]
-constexpr double kBraking = 1.0;        // [m/s^2]
-constexpr double kManoeuvring = 0.3;    // [m/s]
-/// A car that must turn far drives slowly ahead while it has this much room, else back [m].
-constexpr double kRoomToTurn = 0.4;
+double Distance(const base::Point& a, const base::Point& b) { return base::Hypot(a.x - b.x, a.y - b.y); }
 
-constexpr double kProgress = 0.2;  // [m]
-constexpr double kPatience = 4.0;  // [s]
-/// How long a robot without progress waits beside a teammate of lower id, who has the right of way [s].
-constexpr double kYieldingPatience = 2.0;
-constexpr double kEscape = 0.7;            // [m]
-constexpr double kEscapeTime = 3.0;        // [s]
-constexpr int kEscapeHeadings = 16;        // tried around the robot
-constexpr double kNearTeammate = 1.0;      // [m]
-constexpr double kNearestFreeStart = 1.0;  // [m]
-constexpr double kNearestFreeGoal = 3.0;   // [m]
-
-double Distance(const Point& a, const Point& b) { return Hypot(a.x - b.x, a.y - b.y); }
-
-Point PlaceOf(const Pose& pose) { return {pose.x, pose.y}; }
+base::Point PlaceOf(const base::Pose& pose) { return {pose.x, pose.y}; }
 
 bool IsSeen(double heading, const LaserLayout& laser) {
   return laser.angle_min <= heading && heading <= laser.angle_max;
 }
 
-/// Headings that a robot may take to pass an obstacle: those that its laser sees, every 10 degrees.
+/// Returns the headings for passing an obstacle: every 10 degrees within the laser's field of view.
 std::vector<double> SidestepsOf(const LaserLayout& laser) {
   std::vector<double> headings;
   for (int i = -9; i <= 9; ++i) {
@@ -55,12 +32,17 @@ std::vector<double> SidestepsOf(const LaserLayout& laser) {
 
 }  // namespace
 
-Navigator::Navigator(const NavigatorBody& body, bool by_path)
-    : body_(body), by_path_(by_path), clearance_(body.laser), sidestepper_(clearance_, SidestepsOf(body.laser)) {}
+Navigator::Navigator(const NavigatorBody& body, bool by_path, const NavigatorParameters& parameters)
+    : body_(body),
+      parameters_(parameters),
+      by_path_(by_path),
+      clearance_(body.laser),
+      sidestepper_(clearance_, SidestepsOf(body.laser), parameters.sidestep) {}
 
-Twist Navigator::Drive(const std::shared_ptr<const PlanningGrid>& grid, const Pose& pose, const Ranges& ranges,
-                       const Point& goal, double speed, double time, const std::function<Teammates()>& teammates) {
-  const Point position = PlaceOf(pose);
+base::Twist Navigator::Drive(const std::shared_ptr<const plan::PlanningGrid>& grid, const base::Pose& pose,
+                             const Ranges& ranges, const base::Point& goal, double speed, double time,
+                             const std::function<Teammates()>& teammates) {
+  const base::Point position = PlaceOf(pose);
   if (grid != grid_ || goal.x != goal_.x || goal.y != goal_.y) {
     grid_ = grid;
     goal_ = goal;
@@ -73,30 +55,31 @@ Twist Navigator::Drive(const std::shared_ptr<const PlanningGrid>& grid, const Po
   return Steer(pose, ranges, route_[next_], speed, next_ + 1 == route_.size());
 }
 
-std::vector<Point> Navigator::FindRoute(const PlanningGrid& grid, const Point& position, const Point& goal) const {
-  if (!by_path_) return {grid.NearestFree(goal, kNearestFreeGoal).value_or(goal)};
+std::vector<base::Point> Navigator::FindRoute(const plan::PlanningGrid& grid, const base::Point& position,
+                                              const base::Point& goal) const {
+  if (!by_path_) return {grid.NearestFree(goal, parameters_.nearest_free_goal).value_or(goal)};
   if (grid.IsLineFree(position, goal)) return {goal};
-  const std::optional<Point> start = grid.NearestFree(position, kNearestFreeStart);
+  const std::optional<base::Point> start = grid.NearestFree(position, parameters_.nearest_free_start);
   if (!start) return {goal};
-  std::vector<Point> corners = grid.Shortcut(grid.ShortestPath(*start, goal, kLongestPath));
+  std::vector<base::Point> corners = grid.Shortcut(grid.ShortestPath(*start, goal, parameters_.longest_path));
   if (corners.size() < 2) return {grid.ReachableTowards(position, goal)};
   corners.erase(corners.begin());
   corners.back() = goal;
   return corners;
 }
 
-void Navigator::FollowRoute(const PlanningGrid& grid, const Point& position) {
+void Navigator::FollowRoute(const plan::PlanningGrid& grid, const base::Point& position) {
   while (next_ + 1 < route_.size() && grid.IsLineFree(position, route_[next_ + 1])) ++next_;
-  if (next_ + 1 < route_.size() && Distance(position, route_[next_]) < kArrived) ++next_;
+  if (next_ + 1 < route_.size() && Distance(position, route_[next_]) < parameters_.arrived) ++next_;
 }
 
-/// Starts an escape when the robot wants to move and does not, ends one when it is over.
+/// Starts an escape if the robot should move and does not; ends a finished one.
 void Navigator::WatchProgress(const Situation& now) {
-  const Point position = PlaceOf(now.pose);
-  const bool moved = Distance(position, anchor_) > kProgress;
-  const bool arrived = Distance(position, route_.back()) < 2.0 * kArrived;
+  const base::Point position = PlaceOf(now.pose);
+  const bool moved = Distance(position, anchor_) > parameters_.progress;
+  const bool arrived = Distance(position, route_.back()) < 2.0 * parameters_.arrived;
   if (escape_) {
-    if (now.time < escape_until_ && Distance(position, *escape_) > kArrived) return;
+    if (now.time < escape_until_ && Distance(position, *escape_) > parameters_.arrived) return;
     escape_.reset();
     anchor_ = position;
     anchor_time_ = now.time;
@@ -108,37 +91,39 @@ void Navigator::WatchProgress(const Situation& now) {
     return;
   }
   const double waited = now.time - anchor_time_;
-  if (waited <= kYieldingPatience) return;
+  if (waited <= parameters_.yield_timeout) return;
   const Teammates teammates = now.teammates();
-  if (waited <= kPatience && !Yields(position, teammates)) return;
+  if (waited <= parameters_.stuck_timeout && !Yields(position, teammates)) return;
   escape_ = FindEscape(now, teammates);
-  escape_until_ = now.time + kEscapeTime;
+  escape_until_ = now.time + parameters_.escape_time;
   ++num_escapes_;
 }
 
-/// Whether a teammate of lower id is near.
-bool Navigator::Yields(const Point& position, const Teammates& teammates) const {
+/// Returns whether a teammate of lower id is near.
+bool Navigator::Yields(const base::Point& position, const Teammates& teammates) const {
   return std::any_of(teammates.begin(), teammates.end(), [&](const auto& teammate) {
-    return teammate.first < body_.robot_id && Distance(position, teammate.second) < kNearTeammate;
+    return teammate.first < body_.robot_id && Distance(position, teammate.second) < parameters_.near_teammate;
   });
 }
 
-/// Returns a point nearby with room around it. Robots, and one robot's attempts, begin to look at other sides.
-Point Navigator::FindEscape(const Situation& now, const Teammates& teammates) const {
-  const Point position = PlaceOf(now.pose);
+/// Returns a point nearby with room around it. Different robots, and successive attempts, start with different
+/// directions.
+base::Point Navigator::FindEscape(const Situation& now, const Teammates& teammates) const {
+  const base::Point position = PlaceOf(now.pose);
   const bool is_free = now.grid.IsFree(position);
-  // Those farther away leave all the room that counts.
-  const double reach = 2.0 * kEscape + body_.radius + 1e-6;
-  std::vector<Point> near;
+  // Teammates farther away do not limit the room.
+  const double reach = 2.0 * parameters_.escape + body_.radius + 1e-6;
+  std::vector<base::Point> near;
   for (const auto& [robot_id, other] : teammates) {
     if (Distance(position, other) < reach) near.push_back(other);
   }
-  Point best = position;
+  base::Point best = position;
   double best_room = -std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kEscapeHeadings; ++i) {
-    const int side = (i + 5 * body_.robot_id + 3 * num_escapes_) % kEscapeHeadings;
-    const double heading = kTau * side / kEscapeHeadings;
-    const Point point{position.x + kEscape * std::cos(heading), position.y + kEscape * std::sin(heading)};
+  for (int i = 0; i < parameters_.escape_headings; ++i) {
+    const int side = (i + 5 * body_.robot_id + 3 * num_escapes_) % parameters_.escape_headings;
+    const double heading = kTau * side / parameters_.escape_headings;
+    const base::Point point{position.x + parameters_.escape * std::cos(heading),
+                            position.y + parameters_.escape * std::sin(heading)};
     if (!(is_free ? now.grid.IsLineFree(position, point) : now.grid.IsFree(point))) continue;
     const double room = RoomAt(now, point, heading, near);
     if (room > best_room + 1e-9) {
@@ -149,36 +134,40 @@ Point Navigator::FindEscape(const Situation& now, const Teammates& teammates) co
   return best;
 }
 
-/// Returns how much room there is between others and a point, and on the way to it as far as the laser sees.
-double Navigator::RoomAt(const Situation& now, const Point& point, double heading,
-                         const std::vector<Point>& near) const {
-  double room = kEscape;
-  for (const Point& other : near) room = std::min(room, Distance(point, other) - body_.radius);
-  const double relative = NormaliseAngle(heading - now.pose.yaw);
+/// Returns the room between a point and the teammates, and on the path to it as far as the laser sees.
+double Navigator::RoomAt(const Situation& now, const base::Point& point, double heading,
+                         const std::vector<base::Point>& near) const {
+  double room = parameters_.escape;
+  for (const base::Point& other : near) room = std::min(room, Distance(point, other) - body_.radius);
+  const double relative = base::NormaliseAngle(heading - now.pose.yaw);
   if (!IsSeen(relative, body_.laser)) return room;
-  return std::min(room, clearance_.FreeDistance(now.ranges, relative, body_.radius + kLaserMargin, kEscape));
+  return std::min(
+      room, clearance_.FreeDistance(now.ranges, relative, body_.radius + parameters_.laser_margin, parameters_.escape));
 }
 
-/// Returns the command that leads towards a point in sight, around what stands in the way.
-Twist Navigator::Steer(const Pose& pose, const Ranges& ranges, const Point& point, double speed, bool is_last) {
+/// Returns the command that leads towards a visible point, around obstacles.
+base::Twist Navigator::Steer(const base::Pose& pose, const Ranges& ranges, const base::Point& point, double speed,
+                             bool is_last) {
   const double dx = point.x - pose.x, dy = point.y - pose.y;
-  const double distance = Hypot(dx, dy);
-  if (distance < kArrived) return {};
-  const double wanted = NormaliseAngle(std::atan2(dy, dx) - pose.yaw);
-  const double needed = std::min(distance, kLookAhead);
-  const auto [heading, free] = sidestepper_.Find(ranges, wanted, body_.radius + kLaserMargin, needed);
-  const double turn = std::clamp(kTurnGain * heading, -body_.max_turn, body_.max_turn);
-  if (std::abs(heading) > kTurnInPlace) return {ManoeuvringSpeed(ranges, speed), 0.0, turn};
+  const double distance = base::Hypot(dx, dy);
+  if (distance < parameters_.arrived) return {};
+  const double wanted = base::NormaliseAngle(std::atan2(dy, dx) - pose.yaw);
+  const double needed = std::min(distance, parameters_.look_ahead);
+  const auto [heading, free] = sidestepper_.Find(ranges, wanted, body_.radius + parameters_.laser_margin, needed);
+  const double turn = std::clamp(parameters_.turn_gain * heading, -body_.max_turn, body_.max_turn);
+  if (std::abs(heading) > parameters_.turn_in_place) return {ManoeuvringSpeed(ranges, speed), 0.0, turn};
   const double room = is_last ? std::min(free, distance) : free;
-  const double fastest = std::min({speed, body_.max_speed, std::sqrt(2.0 * kBraking * std::max(0.0, room))});
+  const double fastest = std::min({speed, body_.max_speed, std::sqrt(2.0 * parameters_.braking * std::max(0.0, room))});
   return {fastest * std::cos(heading), 0.0, turn};
 }
 
-/// Returns how fast to drive while turning far: not at all, but a car must; back where no room is ahead.
+/// Returns the speed during a large turn: 0, except for a car, which must drive; backwards if there is no room ahead.
 double Navigator::ManoeuvringSpeed(const Ranges& ranges, double speed) const {
   if (!body_.is_car) return 0.0;
-  const double free = clearance_.FreeDistance(ranges, 0.0, body_.radius + kLaserMargin, kRoomToTurn);
-  return std::copysign(std::min({speed, body_.max_speed, kManoeuvring}), free >= kRoomToTurn ? 1.0 : -1.0);
+  const double free =
+      clearance_.FreeDistance(ranges, 0.0, body_.radius + parameters_.laser_margin, parameters_.room_to_turn);
+  return std::copysign(std::min({speed, body_.max_speed, parameters_.manoeuvring_speed}),
+                       free >= parameters_.room_to_turn ? 1.0 : -1.0);
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::control

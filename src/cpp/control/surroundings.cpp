@@ -7,10 +7,10 @@
 
 #include "robotteamsim/swarm/attractors.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::control {
 namespace {
 
-/// A place counts as seen free when a disc of this radius could go there [m].
+/// A place is free if a disc of this radius can move there [m].
 constexpr double kBeamWidth = 0.05;
 
 }  // namespace
@@ -24,24 +24,25 @@ Surroundings::Surroundings(ScanClearance clearance, int stride, double sensing_r
   if (stride < 1) throw std::invalid_argument("the stride must be at least 1");
 }
 
-std::optional<Point> Surroundings::ClearestPlace(const Ranges& ranges) const {
+std::optional<base::Point> Surroundings::ClearestPlace(const Ranges& ranges) const {
   std::vector<float> some;
   some.reserve(ranges.size / stride_ + 1);
   for (std::size_t beam = 0; beam < ranges.size; beam += stride_) some.push_back(ranges.data[beam]);
-  const std::vector<Point> hits = clearance_.Hits(some, 2.0 * sensing_radius_);
+  const std::vector<base::Point> hits = clearance_.Hits(some, 2.0 * sensing_radius_);
   const double limit = sensing_radius_ * sensing_radius_;
-  if (std::none_of(hits.begin(), hits.end(), [&](const Point& hit) { return hit.x * hit.x + hit.y * hit.y < limit; })) {
+  if (std::none_of(hits.begin(), hits.end(),
+                   [&](const base::Point& hit) { return hit.x * hit.x + hit.y * hit.y < limit; })) {
     return std::nullopt;
   }
   const std::vector<double> free = clearance_.FreeDistances(some, directions_, kBeamWidth, sensing_radius_);
-  std::vector<Point> candidates;
+  std::vector<base::Point> candidates;
   for (std::size_t i = 0; i < directions_.size(); ++i) {
     for (const double reach : {0.5 * sensing_radius_, sensing_radius_}) {
       if (reach <= free[i]) candidates.push_back({reach * directions_[i].cos, reach * directions_[i].sin});
     }
   }
-  const int best = FarthestFrom(hits, {0.0, 0.0}, candidates);
-  return best < 0 ? Point{0.0, 0.0} : candidates[static_cast<std::size_t>(best)];
+  const int best = swarm::FarthestFrom(hits, {0.0, 0.0}, candidates);
+  return best < 0 ? base::Point{0.0, 0.0} : candidates[static_cast<std::size_t>(best)];
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::control

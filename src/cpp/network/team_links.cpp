@@ -4,10 +4,11 @@
 
 #include "robotteamsim/network/fiedler.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::network {
 namespace {
 
-void WriteDistances(const Eigen::Ref<const Positions>& positions, Eigen::Ref<CellValues> distances) {
+void WriteDistances(const Eigen::Ref<const propagation::Positions>& positions,
+                    Eigen::Ref<propagation::CellValues> distances) {
   const Eigen::Index n = positions.rows();
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < n; ++j) {
@@ -18,9 +19,9 @@ void WriteDistances(const Eigen::Ref<const Positions>& positions, Eigen::Ref<Cel
 
 }  // namespace
 
-void TeamLinks::Step(const Eigen::Ref<const Positions>& positions, Eigen::Ref<CellValues> rssi,
-                     Eigen::Ref<CellValues> link) {
-  WriteRssiMatrixDbm(*faces_, model_, positions, rssi);
+void TeamLinks::Step(const Eigen::Ref<const propagation::Positions>& positions,
+                     Eigen::Ref<propagation::CellValues> rssi, Eigen::Ref<propagation::CellValues> link) {
+  propagation::WriteRssiMatrixDbm(*faces_, model_, positions, rssi);
   if (rule_.by_distance) WriteDistances(positions, link);
   const std::int64_t before = version_;
   FindLinks(rssi, link);
@@ -29,7 +30,8 @@ void TeamLinks::Step(const Eigen::Ref<const Positions>& positions, Eigen::Ref<Ce
   fiedler_value_ = FiedlerValue(adjacency_);
 }
 
-void TeamLinks::FindLinks(const Eigen::Ref<const CellValues>& rssi, const Eigen::Ref<const CellValues>& link) {
+void TeamLinks::FindLinks(const Eigen::Ref<const propagation::CellValues>& rssi,
+                          const Eigen::Ref<const propagation::CellValues>& link) {
   const Eigen::Index n = link.rows();
   bool has_changed = adjacency_.rows() != n, endangered_has_changed = has_changed;
   if (has_changed) {
@@ -51,4 +53,4 @@ void TeamLinks::FindLinks(const Eigen::Ref<const CellValues>& rssi, const Eigen:
   endangered_version_ += endangered_has_changed ? 1 : 0;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::network

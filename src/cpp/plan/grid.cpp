@@ -11,18 +11,20 @@
 
 #include "robotteamsim/base/hypot.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::plan {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// So far from a blocked place its way begins or ends at the nearest free cell [m].
+/// How far from a blocked place a path may begin or end, at the nearest free cell [m].
 constexpr double kNearby = 1.0;
 
-/// Of the steps of a grid, those along a row or a column.
+/// The number of steps along a row or a column; the others are diagonal.
 constexpr std::array<std::size_t, 4> kStraightSteps{1, 3, 4, 6};
 
-double SquaredDistance(const Point& a, const Point& b) { return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y); }
+double SquaredDistance(const base::Point& a, const base::Point& b) {
+  return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
+}
 
 void CheckShape(const GridShape& shape, std::size_t num_cells) {
   if (!(shape.resolution > 0.0)) throw std::invalid_argument("resolution must be > 0");
@@ -32,7 +34,7 @@ void CheckShape(const GridShape& shape, std::size_t num_cells) {
   }
 }
 
-/// Which bit is the lowest that is set, of those of a number that is not 0.
+/// Returns the index of the lowest set bit of a number that is not 0.
 int LowestBit(std::uint64_t bits) {
 #if defined(__GNUC__)
   return __builtin_ctzll(bits);
@@ -43,9 +45,9 @@ int LowestBit(std::uint64_t bits) {
 #endif
 }
 
-/// The least of some values, none of them NaN.
+/// Returns the least of some values, none of which is NaN.
 float LeastOf(const float* values, int count) {
-  constexpr int kLanes = 8;  // compared at once; any order of comparing finds the same
+  constexpr int kLanes = 8;  // compared at once; the order does not change the result
   constexpr float kInfinite = std::numeric_limits<float>::infinity();
   std::array<float, kLanes> lanes;
   lanes.fill(kInfinite);
@@ -57,7 +59,7 @@ float LeastOf(const float* values, int count) {
   return *std::min_element(lanes.begin(), lanes.end());
 }
 
-/// Row and column offsets of the cells whose centre is nearer than `inflation` to the square of cell (0, 0).
+/// Returns row and column offsets of the cells whose centre is nearer than `inflation` to the square of cell (0, 0).
 std::vector<std::pair<int, int>> InflationStamp(double inflation, double resolution) {
   std::vector<std::pair<int, int>> stamp;
   const int reach = static_cast<int>(std::ceil(inflation / resolution)) + 1;
@@ -65,7 +67,7 @@ std::vector<std::pair<int, int>> InflationStamp(double inflation, double resolut
     for (int d_col = -reach; d_col <= reach; ++d_col) {
       const double x = std::max(0.0, std::abs(d_col) - 0.5) * resolution;
       const double y = std::max(0.0, std::abs(d_row) - 0.5) * resolution;
-      // The margin keeps a cell at exactly the inflation free whatever the rounding.
+      // The margin keeps a cell at exactly the inflation free despite rounding.
       if (x * x + y * y < inflation * inflation - 1e-9) stamp.emplace_back(d_row, d_col);
     }
   }
@@ -112,17 +114,17 @@ int PlanningGrid::ColOf(double x) const {
   return col >= 0.0 && col < shape_.cols ? static_cast<int>(col) : -1;
 }
 
-int PlanningGrid::FreeCellOf(const Point& point) const {
+int PlanningGrid::FreeCellOf(const base::Point& point) const {
   const int row = RowOf(point.y);
   const int col = ColOf(point.x);
   return row >= 0 && col >= 0 && Free(row, col) ? row * shape_.cols + col : -1;
 }
 
-Point PlanningGrid::Center(int row, int col) const {
+base::Point PlanningGrid::Center(int row, int col) const {
   return {shape_.origin.x + (col + 0.5) * shape_.resolution, shape_.origin.y + (row + 0.5) * shape_.resolution};
 }
 
-Point PlanningGrid::Center(int cell) const { return Center(cell / shape_.cols, cell % shape_.cols); }
+base::Point PlanningGrid::Center(int cell) const { return Center(cell / shape_.cols, cell % shape_.cols); }
 
 std::uint8_t PlanningGrid::ExitsOf(int cell) const {
   const int row = cell / shape_.cols;
@@ -138,24 +140,25 @@ std::uint8_t PlanningGrid::ExitsOf(int cell) const {
   return exits;
 }
 
-bool PlanningGrid::IsFree(const Point& point) const { return FreeCellOf(point) >= 0; }
+bool PlanningGrid::IsFree(const base::Point& point) const { return FreeCellOf(point) >= 0; }
 
-std::optional<Point> PlanningGrid::NearestFree(const Point& point, double max_distance) const {
+std::optional<base::Point> PlanningGrid::NearestFree(const base::Point& point, double max_distance) const {
   if (IsFree(point)) return point;
   return NearestInDisc(point, point, max_distance);
 }
 
-std::optional<Point> PlanningGrid::NearestInDisc(const Point& center, const Point& to, double radius) const {
+std::optional<base::Point> PlanningGrid::NearestInDisc(const base::Point& center, const base::Point& to,
+                                                       double radius) const {
   const double low_row = (center.y - radius - shape_.origin.y) / shape_.resolution - 1.0;
   const double low_col = (center.x - radius - shape_.origin.x) / shape_.resolution - 1.0;
   const double high_row = (center.y + radius - shape_.origin.y) / shape_.resolution + 1.0;
   const double high_col = (center.x + radius - shape_.origin.x) / shape_.resolution + 1.0;
-  std::optional<Point> best;
+  std::optional<base::Point> best;
   double best_squared = kInfinity;
   for (int row = static_cast<int>(std::max(0.0, low_row)); row < std::min<double>(shape_.rows, high_row); ++row) {
     for (int col = static_cast<int>(std::max(0.0, low_col)); col < std::min<double>(shape_.cols, high_col); ++col) {
       if (!Free(row, col)) continue;
-      const Point cell = Center(row, col);
+      const base::Point cell = Center(row, col);
       const double squared = SquaredDistance(cell, to);
       if (squared >= best_squared || SquaredDistance(cell, center) > radius * radius) continue;
       best = cell;
@@ -165,7 +168,7 @@ std::optional<Point> PlanningGrid::NearestInDisc(const Point& center, const Poin
   return best;
 }
 
-bool PlanningGrid::IsLineFree(const Point& a, const Point& b) const {
+bool PlanningGrid::IsLineFree(const base::Point& a, const base::Point& b) const {
   if (FreeCellOf(a) < 0 || FreeCellOf(b) < 0) return false;
   int row = RowOf(a.y);
   int col = ColOf(a.x);
@@ -189,11 +192,11 @@ bool PlanningGrid::IsLineFree(const Point& a, const Point& b) const {
   return true;
 }
 
-std::vector<float> PlanningGrid::DistanceField(const Point& goal) const {
+std::vector<float> PlanningGrid::DistanceMap(const base::Point& goal) const {
   const int start = FreeCellOf(goal);
-  if (start < 0) throw std::invalid_argument("the goal of a distance field must be free");
-  // Dijkstra with buckets as wide as the shortest step: no cell of a bucket can shorten another one's way, so the order
-  // within a bucket does not matter. The longest step reaches two buckets ahead.
+  if (start < 0) throw std::invalid_argument("the goal of a distance map must be free");
+  // Dijkstra with buckets as wide as the shortest step: no cell of a bucket can shorten the path of another in it, so
+  // the order within a bucket does not matter. The longest step reaches two buckets ahead.
   std::vector<double> distance(blocked_.size(), kInfinity);
   std::array<std::vector<int>, 4> buckets;
   const double width = shape_.resolution * (1.0 - 1e-9);
@@ -205,7 +208,7 @@ std::vector<float> PlanningGrid::DistanceField(const Point& goal) const {
     for (std::size_t i = 0; i < buckets[current].size(); ++i) {
       const int cell = buckets[current][i];
       const double length = distance[cell];
-      if (bucket_of(length) != current) continue;  // a shorter way was found since
+      if (bucket_of(length) != current) continue;  // a shorter path was found since
       for (std::size_t s = 0; s < steps_.size(); ++s) {
         if ((exits_[cell] >> s & 1U) == 0) continue;
         const Step& step = steps_[s];
@@ -222,14 +225,15 @@ std::vector<float> PlanningGrid::DistanceField(const Point& goal) const {
   return {distance.begin(), distance.end()};
 }
 
-double PlanningGrid::ValueAt(const float* field, std::size_t size, const Point& point) const {
-  if (size != blocked_.size()) throw std::invalid_argument("the field must have one value per cell");
+double PlanningGrid::ValueAt(const float* distances, std::size_t size, const base::Point& point) const {
+  if (size != blocked_.size()) throw std::invalid_argument("the distance map must have one value per cell");
   const int row = RowOf(point.y);
   const int col = ColOf(point.x);
-  return row >= 0 && col >= 0 ? static_cast<double>(field[row * shape_.cols + col]) : kInfinity;
+  return row >= 0 && col >= 0 ? static_cast<double>(distances[row * shape_.cols + col]) : kInfinity;
 }
 
-std::vector<Point> PlanningGrid::ShortestPath(const Point& from, const Point& to, double max_length) const {
+std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, const base::Point& to,
+                                                    double max_length) const {
   const int start = FreeCellOf(from);
   const int goal = FreeCellOf(to);
   if (start < 0 || goal < 0) return {};
@@ -241,7 +245,7 @@ std::vector<Point> PlanningGrid::ShortestPath(const Point& from, const Point& to
     return (std::max(rows, cols) + (std::sqrt(2.0) - 1.0) * std::min(rows, cols)) * shape_.resolution;
   };
   struct Entry {
-    double total;  // least length of a way through the cell
+    double total;  // least length of a path through the cell
     double remaining;
     int cell;
     bool operator>(const Entry& other) const {
@@ -266,22 +270,22 @@ std::vector<Point> PlanningGrid::ShortestPath(const Point& from, const Point& to
     open.pop();
     if (entry.cell == goal) break;
     const double length = length_[entry.cell];
-    if (entry.total > length + entry.remaining) continue;  // a shorter way was found since
+    if (entry.total > length + entry.remaining) continue;  // a shorter path was found since
     for (std::size_t s = 0; s < steps_.size(); ++s) {
       if ((exits_[entry.cell] >> s & 1U) == 0) continue;
       reach(entry.cell + steps_[s].offset, entry.cell, length + steps_[s].length);
     }
   }
-  std::vector<Point> path;
+  std::vector<base::Point> path;
   if (stamp_[goal] != search_) return path;
   for (int cell = goal; cell >= 0; cell = parent_[cell]) path.push_back(Center(cell));
   std::reverse(path.begin(), path.end());
   return path;
 }
 
-std::vector<Point> PlanningGrid::Shortcut(const std::vector<Point>& path) const {
+std::vector<base::Point> PlanningGrid::Shortcut(const std::vector<base::Point>& path) const {
   if (path.size() < 3) return path;
-  std::vector<Point> corners{path.front()};
+  std::vector<base::Point> corners{path.front()};
   for (std::size_t i = 2; i < path.size(); ++i) {
     if (!IsLineFree(corners.back(), path[i])) corners.push_back(path[i - 1]);
   }
@@ -290,7 +294,7 @@ std::vector<Point> PlanningGrid::Shortcut(const std::vector<Point>& path) const 
 }
 
 template <typename Value>
-std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const Point& from, double radius,
+std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const base::Point& from, double radius,
                                                                 const Value& value) const {
   const int start = FreeCellOf(from);
   if (start < 0) return std::nullopt;
@@ -301,18 +305,19 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const Point& fro
   double best_value = kInfinity;
   for (std::size_t i = 0; i < reached_.size(); ++i) {
     const auto [cell, row, col] = reached_[i];
-    const Point center = Center(row, col);
+    const base::Point center = Center(row, col);
     const double cell_value = value(cell, center);
     if (cell_value < best_value || (cell_value == best_value && best >= 0 && cell < best)) {
       best = cell;
       best_value = cell_value;
     }
-    // Every diagonal step has a way around by two straight ones.
+    // Every diagonal step can be replaced by two straight steps.
     for (const std::size_t s : kStraightSteps) {
       const Step& step = steps_[s];
       const int next = cell + step.offset;
       if ((exits_[cell] >> s & 1U) == 0 || stamp_[next] == search_) continue;
-      const Point next_center{center.x + step.d_col * shape_.resolution, center.y + step.d_row * shape_.resolution};
+      const base::Point next_center{center.x + step.d_col * shape_.resolution,
+                                    center.y + step.d_row * shape_.resolution};
       if (SquaredDistance(next_center, from) > radius * radius) continue;
       stamp_[next] = search_;
       reached_.push_back({next, row + step.d_row, col + step.d_col});
@@ -322,15 +327,17 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const Point& fro
   return Valued{Center(best), best_value};
 }
 
-std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* field, std::size_t size,
-                                                                 const Point& from, double radius) const {
-  if (size != blocked_.size()) throw std::invalid_argument("the field must have one value per cell");
+std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* distances, std::size_t size,
+                                                                 const base::Point& from, double radius) const {
+  if (size != blocked_.size()) throw std::invalid_argument("the distance map must have one value per cell");
   const int start = FreeCellOf(from);
   if (start < 0) return std::nullopt;
-  const Point center{(from.x - shape_.origin.x) / shape_.resolution, (from.y - shape_.origin.y) / shape_.resolution};
+  const base::Point center{(from.x - shape_.origin.x) / shape_.resolution,
+                           (from.y - shape_.origin.y) / shape_.resolution};
   const DiscFill::Disc disc{center, radius / shape_.resolution};
   if (!disc_fill_.Reach(disc, start / shape_.cols, start % shape_.cols, &filled_)) {
-    return BestReachable(from, radius, [&](int cell, const Point&) { return static_cast<double>(field[cell]); });
+    return BestReachable(from, radius,
+                         [&](int cell, const base::Point&) { return static_cast<double>(distances[cell]); });
   }
   int best = -1;
   float least = std::numeric_limits<float>::infinity();
@@ -342,10 +349,10 @@ std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* fi
       const int run = ~cells == 0 ? 64 : LowestBit(~cells);
       cells = run == 64 ? 0 : cells >> run;
       cell += gap;
-      const float least_here = LeastOf(field + cell, run);
+      const float least_here = LeastOf(distances + cell, run);
       if (least_here < least) {
         least = least_here;
-        best = static_cast<int>(std::find(field + cell, field + cell + run, least) - field);
+        best = static_cast<int>(std::find(distances + cell, distances + cell + run, least) - distances);
       }
       cell += run;
     }
@@ -354,40 +361,43 @@ std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* fi
   return Valued{Center(best), static_cast<double>(least)};
 }
 
-std::optional<Point> PlanningGrid::NearestReachable(const Point& from, const Point& to, double radius) const {
-  const auto best = BestReachable(from, radius, [&](int, const Point& center) { return SquaredDistance(center, to); });
+std::optional<base::Point> PlanningGrid::NearestReachable(const base::Point& from, const base::Point& to,
+                                                          double radius) const {
+  const auto best =
+      BestReachable(from, radius, [&](int, const base::Point& center) { return SquaredDistance(center, to); });
   if (!best) return std::nullopt;
   return best->place;
 }
 
-Point PlanningGrid::ReachableTowards(const Point& from, const Point& goal) const {
+base::Point PlanningGrid::ReachableTowards(const base::Point& from, const base::Point& goal) const {
   if (IsLineFree(from, goal)) return goal;
-  const std::optional<Point> start = NearestFree(from, kNearby);
+  const std::optional<base::Point> start = NearestFree(from, kNearby);
   if (!start) return goal;
-  const double radius = Hypot(start->x - goal.x, start->y - goal.y) + shape_.resolution;
+  const double radius = base::Hypot(start->x - goal.x, start->y - goal.y) + shape_.resolution;
   return NearestReachable(*start, goal, radius).value_or(goal);
 }
 
-PlanningGrid::Valued PlanningGrid::FirstStretch(const Point& from, const Point& goal, double max_length) const {
-  const Valued straight{goal, Hypot(from.x - goal.x, from.y - goal.y)};
+PlanningGrid::Valued PlanningGrid::FirstStretch(const base::Point& from, const base::Point& goal,
+                                                double max_length) const {
+  const Valued straight{goal, base::Hypot(from.x - goal.x, from.y - goal.y)};
   if (IsLineFree(from, goal)) return straight;
-  const std::optional<Point> start = NearestFree(from, kNearby), end = NearestFree(goal, kNearby);
+  const std::optional<base::Point> start = NearestFree(from, kNearby), end = NearestFree(goal, kNearby);
   if (!start || !end) return straight;
-  const std::vector<Point> corners = Shortcut(ShortestPath(*start, *end, max_length));
+  const std::vector<base::Point> corners = Shortcut(ShortestPath(*start, *end, max_length));
   if (corners.size() < 2) return straight;
   double length = 0.0;
   for (std::size_t i = 1; i < corners.size(); ++i) {
-    length += Hypot(corners[i - 1].x - corners[i].x, corners[i - 1].y - corners[i].y);
+    length += base::Hypot(corners[i - 1].x - corners[i].x, corners[i - 1].y - corners[i].y);
   }
   return {corners[1], length};
 }
 
-Point PlanningGrid::AlongWay(const Point& from, const Point& goal, double max_length) const {
+base::Point PlanningGrid::AlongPath(const base::Point& from, const base::Point& goal, double max_length) const {
   const auto [bend, length] = FirstStretch(from, goal, max_length);
-  const double bend_distance = Hypot(from.x - bend.x, from.y - bend.y);
+  const double bend_distance = base::Hypot(from.x - bend.x, from.y - bend.y);
   if ((bend.x == goal.x && bend.y == goal.y) || bend_distance == 0.0) return goal;
   const double stretch = length / bend_distance;
   return {from.x + stretch * (bend.x - from.x), from.y + stretch * (bend.y - from.y)};
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::plan

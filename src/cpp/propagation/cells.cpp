@@ -5,14 +5,14 @@
 #include <stdexcept>
 #include <string>
 
-namespace robotteamsim {
+namespace robotteamsim::propagation {
 namespace {
 
-PointMm RoundedCenter(const GridShape& grid, int row, int col) {
+PointMm RoundedCenter(const plan::GridShape& grid, int row, int col) {
   return RoundToMm(CellCenter(grid, row, col), "centre of a cell");
 }
 
-/// Returns the resolution in mm where that is a whole number, else 0.
+/// Returns the resolution in mm if it is a whole number, else 0.
 std::int64_t PitchMm(double resolution_m) {
   const double mm = resolution_m * 1000.0;
   const double whole = std::round(mm);
@@ -24,7 +24,7 @@ std::int64_t PitchMm(double resolution_m) {
 int CentersMm::FirstFrom(std::int64_t position) const {
   const int last = Count() - 1;
   if (position > at[last]) return Count();
-  // A guess that is off by one at most, then the centres themselves decide.
+  // A guess that is off by at most one; the centres decide.
   const double guess = static_cast<double>(position - at[0]) * per_mm;
   int index = guess > 0.0 ? std::min(static_cast<int>(guess), last) : 0;
   while (at[index] < position) ++index;
@@ -32,7 +32,7 @@ int CentersMm::FirstFrom(std::int64_t position) const {
   return index;
 }
 
-CellCentersMm::CellCentersMm(const GridShape& grid) {
+CellCentersMm::CellCentersMm(const plan::GridShape& grid) {
   if (!(grid.resolution > 0.0)) {
     throw std::invalid_argument("resolution_m must be > 0, got " + std::to_string(grid.resolution));
   }
@@ -41,7 +41,7 @@ CellCentersMm::CellCentersMm(const GridShape& grid) {
                                 std::to_string(grid.cols));
   }
   const PointMm first = RoundedCenter(grid, 0, 0);
-  RoundedCenter(grid, grid.rows - 1, grid.cols - 1);  // throws where the grid reaches beyond the limit
+  RoundedCenter(grid, grid.rows - 1, grid.cols - 1);  // throws if the grid extends beyond the limit
   x.pitch = y.pitch = PitchMm(grid.resolution);
   x.per_mm = y.per_mm = 1.0 / (grid.resolution * 1000.0);
   x.at.resize(grid.cols);
@@ -54,4 +54,4 @@ CellCentersMm::CellCentersMm(const GridShape& grid) {
   }
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::propagation

@@ -7,24 +7,24 @@
 #include <utility>
 #include <vector>
 
-#include "robotteamsim/propagation/large_pages.hpp"
-#include "robotteamsim/propagation/link_weights.hpp"
-#include "robotteamsim/propagation/log10.hpp"
-#include "robotteamsim/propagation/mirror.hpp"
+#include "robotteamsim/base/large_pages.hpp"
+#include "robotteamsim/base/log10.hpp"
+#include "robotteamsim/base/mirror.hpp"
+#include "robotteamsim/propagation/links/link_weights.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::propagation {
 namespace {
 
-/// L of eq. (3), (4) without floors: one way for single losses and rows of links, so that all agree to the bit.
+/// Returns L of eq. (3), (4) without floors; shared by single losses and rows of links, so that both agree to the bit.
 ROBOTTEAMSIM_INLINE double LossDb(const RadioModel& model, double dx_mm, double dy_mm, double wall_units) {
   const double min_mm = model.min_distance_m * 1000.0;
   const double square_mm2 = std::max(dx_mm * dx_mm + dy_mm * dy_mm, min_mm * min_mm);
-  const double one_slope_db = model.constant_loss_db + 0.5 * model.slope_db * Log10(square_mm2 * 1e-6);  // (2)
-  return one_slope_db + wall_units / kRadioUnitsPerDb;                                                   // (3), (4)
+  const double one_slope_db = model.constant_loss_db + 0.5 * model.slope_db * base::Log10(square_mm2 * 1e-6);  // (2)
+  return one_slope_db + wall_units / kRadioUnitsPerDb;  // (3), (4)
 }
 
-/// Writes the signals of the links from a robot to those after it. They are computed in the order of their targets and
-/// picked up then, so that the matrix is written from one end to the other: it is too large for the caches.
+/// Writes the signals of the links from a robot to those after it. They are computed in the order of the targets and
+/// then gathered, so that the matrix, too large for the caches, is written sequentially.
 /// Args: signals_dbm: room for whole blocks of targets.
 ROBOTTEAMSIM_INLINE void WriteSignals(const RadioModel& model, const LinkTargets& targets,
                                       double* __restrict signals_dbm, double* __restrict rssi_dbm) {
@@ -32,7 +32,7 @@ ROBOTTEAMSIM_INLINE void WriteSignals(const RadioModel& model, const LinkTargets
   const int count = targets.count;
   for (int first = 0; first < count; first += kLinkLanes) {
     const TargetBlock& block = targets.blocks[first / kLinkLanes];
-#pragma GCC unroll 1  // unrolled at once, the lanes would be computed one by one
+#pragma GCC unroll 1  // if unrolled here, the lanes would not be vectorised
     for (int i = 0; i < kLinkLanes; ++i) {
       signals_dbm[first + i] = m.tx_power_dbm - LossDb(m, block.x[i], block.y[i], block.weight[i]);
     }
@@ -41,7 +41,7 @@ ROBOTTEAMSIM_INLINE void WriteSignals(const RadioModel& model, const LinkTargets
   for (int i = 0; i < count; ++i) rssi_dbm[i] = signals_dbm[places[i]];
 }
 
-/// Up to so many robots, the links one by one are as fast as tables of directions and faces.
+/// Up to this number of robots, single links are as fast as tables of directions and faces.
 constexpr Eigen::Index kFewRobots = 8;
 
 void WriteFewSignals(const FaceSet& faces, const RadioModel& model, const std::vector<PointMm>& points,
@@ -56,31 +56,20 @@ void WriteFewSignals(const FaceSet& faces, const RadioModel& model, const std::v
 }
 
 PointMm RobotAt(const Eigen::Ref<const Positions>& positions, Eigen::Index robot) {
-  const Point at{positions(robot, 0), positions(robot, 1)};
-  // Names take memory: only what is wrong gets one.
+  const base::Point at{positions(robot, 0), positions(robot, 1)};
+  // Composing a name allocates memory: only for invalid positions.
   if (std::abs(at.x) < 1e5 && std::abs(at.y) < 1e5) return RoundToMm(at, {});
   return RoundToMm(at, "position of robot " + std::to_string(robot));
 }
 
 using Signals = void (*)(const RadioModel&, const LinkTargets&, double*, double*);
 
-#define ROBOTTEAMSIM_SIGNALS(Name, attributes)                                                                       \
-  attributes void Name(const RadioModel& model, const LinkTargets& targets, double* signals_dbm, double* rssi_dbm) { \
-    WriteSignals(model, targets, signals_dbm, rssi_dbm);                                                             \
+#define ROBOTTEAMSIM_SIGNALS(Name, attributes)                                                            \
+  attributes void Name##Signals(const RadioModel& model, const LinkTargets& targets, double* signals_dbm, \
+                                double* rssi_dbm) {                                                       \
+    WriteSignals(model, targets, signals_dbm, rssi_dbm);                                                  \
   }
-ROBOTTEAMSIM_SIGNALS(PortableSignals, )
-#if ROBOTTEAMSIM_HAS_X86_TARGETS
-ROBOTTEAMSIM_SIGNALS(Avx2Signals, ROBOTTEAMSIM_AVX2)
-ROBOTTEAMSIM_SIGNALS(Avx512Signals, ROBOTTEAMSIM_AVX512)
-#endif
-
-Signals SignalsFor(Simd simd) {
-#if ROBOTTEAMSIM_HAS_X86_TARGETS
-  if (simd == Simd::kAvx512) return Avx512Signals;
-  if (simd == Simd::kAvx2) return Avx2Signals;
-#endif
-  return PortableSignals;
-}
+ROBOTTEAMSIM_FOR_EACH_SIMD(ROBOTTEAMSIM_SIGNALS)
 
 }  // namespace
 
@@ -99,7 +88,7 @@ double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, Poin
 }
 
 void WriteRssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
-                        Eigen::Ref<CellValues> rssi_dbm, Simd simd) {
+                        Eigen::Ref<CellValues> rssi_dbm, base::Simd simd) {
   const Eigen::Index n = positions.rows();
   if (rssi_dbm.rows() != n || rssi_dbm.cols() != n) {
     throw std::invalid_argument("the matrix must have " + std::to_string(n) + " rows and columns, got " +
@@ -110,23 +99,23 @@ void WriteRssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eig
   for (Eigen::Index i = 0; i < n; ++i) points.push_back(RobotAt(positions, i));
   if (n <= kFewRobots) return WriteFewSignals(faces, model, points, rssi_dbm);
   LinkWeights links(faces, std::move(points), simd);
-  const Signals write_signals = SignalsFor(simd);
+  const Signals write_signals = base::SimdVersion<Signals>(simd, PortableSignals, Avx2Signals, Avx512Signals);
   std::vector<double> signals_dbm(n + kLinkLanes);
-  for (Eigen::Index top = 0; top < n; top += kMirroredRows) {
-    const Eigen::Index end = std::min(top + kMirroredRows, n);
+  for (Eigen::Index top = 0; top < n; top += base::kMirroredRows) {
+    const Eigen::Index end = std::min(top + base::kMirroredRows, n);
     for (Eigen::Index i = top; i < end; ++i) {
       double* const diagonal = &rssi_dbm(i, i);
       *diagonal = 0.0;
       write_signals(model, links.After(i), signals_dbm.data(), diagonal + 1);
     }
-    MirrorRows(top, end, &rssi_dbm);
+    base::MirrorRows(top, end, &rssi_dbm);
   }
 }
 
 CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
-                         Simd simd) {
+                         base::Simd simd) {
   CellValues rssi_dbm(positions.rows(), positions.rows());
-  AskForLargePages(rssi_dbm.data(), static_cast<std::size_t>(rssi_dbm.size()) * sizeof(double));
+  base::AskForLargePages(rssi_dbm.data(), static_cast<std::size_t>(rssi_dbm.size()) * sizeof(double));
   WriteRssiMatrixDbm(faces, model, positions, rssi_dbm, simd);
   return rssi_dbm;
 }
@@ -136,4 +125,4 @@ Fading RadioFading(const RadioModel& model, int floors_crossed) {
   return {constant_db, model.slope_db, 1.0 / kRadioUnitsPerDb, model.min_distance_m};
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::propagation

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace robotteamsim {
+namespace robotteamsim::propagation {
 namespace {
 
 double LevelDb(const VoiceModel& model, const VoiceSource& source, PointMm from, PointMm to, std::int64_t wall_units) {
@@ -26,7 +26,8 @@ double VoiceLevelDb(const FaceSet& faces, const VoiceModel& model, const VoiceSo
 }
 
 void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources,
-                   const GridShape& grid, const Eigen::Ref<const SolidCells>& solid, MapView map, const MapWork& work) {
+                   const plan::GridShape& grid, const Eigen::Ref<const SolidCells>& solid, MapView map,
+                   const MapWork& work) {
   if (solid.rows() != grid.rows || solid.cols() != grid.cols) {
     throw std::invalid_argument("solid must have shape (" + std::to_string(grid.rows) + ", " +
                                 std::to_string(grid.cols) + "), got (" + std::to_string(solid.rows()) + ", " +
@@ -38,6 +39,7 @@ void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vec
     return;
   }
   std::vector<FieldSource> field_sources;
+  field_sources.reserve(sources.size());
   for (const VoiceSource& source : sources) {
     field_sources.push_back({RoundToMm(source.position, "position of a voice"), FadingOf(model, source)});
   }
@@ -52,9 +54,9 @@ void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vec
   }
 }
 
-std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const MapValues>& values, const Point& at,
-                                double radius_m, const std::optional<Cell>& guess) {
-  // Cells from `from` to before `to`, one more than needed on each side; the distance decides.
+std::optional<Cell> LoudestCell(const plan::GridShape& grid, const Eigen::Ref<const MapValues>& values,
+                                const base::Point& at, double radius_m, const std::optional<Cell>& guess) {
+  // Cells from `from` to `to` - 1, one more than needed on each side; the distance decides.
   const auto clamped = [](double cell, int count) { return static_cast<int>(std::clamp(cell, 0.0, 1.0 * count)); };
   const auto from = [&](double origin, double center, int count) {
     return clamped(std::floor((center - radius_m - origin) / grid.resolution) - 1.0, count);
@@ -67,12 +69,12 @@ std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const Ma
   const int col_to = to(grid.origin.x, at.x, grid.cols);
   const int row_to = to(grid.origin.y, at.y, grid.rows);
   const auto is_beyond = [&](int row, int col) {
-    const Point center = CellCenter(grid, row, col);
+    const base::Point center = CellCenter(grid, row, col);
     const double dx = center.x - at.x, dy = center.y - at.y;
     return dx * dx + dy * dy > radius_m * radius_m;
   };
   float highest = 0.0F;
-  // One that is as high as the guess is found, but hardly a lower one is looked at.
+  // Cells equal to the guess are found, and most lower cells are skipped.
   if (guess && !is_beyond(guess->row, guess->col)) highest = std::nextafter(values(guess->row, guess->col), 0.0F);
   for (int row = from(grid.origin.y, at.y, grid.rows); row < row_to; ++row) {
     const double dy = CellCenter(grid, row, 0).y - at.y;
@@ -87,4 +89,4 @@ std::optional<Cell> LoudestCell(const GridShape& grid, const Eigen::Ref<const Ma
   return best;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::propagation

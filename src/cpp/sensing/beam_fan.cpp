@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -55,4 +55,4 @@ int BeamFan::FirstFrom(double pseudo_angle) const {
   return place;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "robotteamsim/propagation/simd.hpp"
+#include "robotteamsim/base/simd.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -24,7 +24,7 @@ LaserModel Checked(const LaserModel& model) {
   return model;
 }
 
-double Cross(const Point& a, const Point& b) { return a.x * b.y - a.y * b.x; }
+double Cross(const base::Point& a, const base::Point& b) { return a.x * b.y - a.y * b.x; }
 
 ROBOTTEAMSIM_INLINE void WriteReport(const LaserModel& model, const double* __restrict ranges,
                                      const double* __restrict noise, std::size_t beams, float* __restrict report) {
@@ -39,28 +39,18 @@ ROBOTTEAMSIM_INLINE void WriteReport(const LaserModel& model, const double* __re
   }
 }
 
-#define ROBOTTEAMSIM_REPORT(Name, attributes)                                                                 \
-  attributes void Name(const LaserModel& model, const double* ranges, const double* noise, std::size_t beams, \
-                       float* report) {                                                                       \
-    WriteReport(model, ranges, noise, beams, report);                                                         \
+#define ROBOTTEAMSIM_REPORT(Name, attributes)                                                                         \
+  attributes void Name##Report(const LaserModel& model, const double* ranges, const double* noise, std::size_t beams, \
+                               float* report) {                                                                       \
+    WriteReport(model, ranges, noise, beams, report);                                                                 \
   }
-ROBOTTEAMSIM_REPORT(PortableReport, )
-#if ROBOTTEAMSIM_HAS_X86_TARGETS
-ROBOTTEAMSIM_REPORT(Avx2Report, ROBOTTEAMSIM_AVX2)
-#endif
-
-auto BestReport() {
-#if ROBOTTEAMSIM_HAS_X86_TARGETS
-  if (IsSupported(Simd::kAvx2)) return Avx2Report;
-#endif
-  return PortableReport;
-}
+ROBOTTEAMSIM_FOR_EACH_SIMD(ROBOTTEAMSIM_REPORT)
 
 }  // namespace
 
 class Laser::View {
  public:
-  View(const LaserModel& model, const BeamFan& fan, const Pose& base)
+  View(const LaserModel& model, const BeamFan& fan, const base::Pose& base)
       : fan_(fan),
         range_max2_(model.range_max * model.range_max),
         cos_(std::cos(base.yaw + fan.Zero())),
@@ -71,12 +61,12 @@ class Laser::View {
         is_mounted_apart_(model.forward != 0.0 || model.left != 0.0),
         ranges_(fan.Count(), kInfinity) {}
 
-  const Point& origin() const { return origin_; }
+  const base::Point& origin() const { return origin_; }
 
-  void MeetEdge(const Segment& edge) {
-    const Point a = ToLocal(edge.a), b = ToLocal(edge.b);
+  void MeetEdge(const base::Segment& edge) {
+    const base::Point a = ToLocal(edge.a), b = ToLocal(edge.b);
     const double cross = Cross(a, b);
-    if (cross >= 0.0) {  // the laser looks at its back, which is inside, or along it
+    if (cross >= 0.0) {  // the laser is behind the edge, inside the solid, or on its line
       if (is_mounted_apart_ && CrossesMount(a, b)) is_inside_ = true;
       return;
     }
@@ -94,15 +84,15 @@ class Laser::View {
     fan_.ForBeamsBetween(PseudoAngle(b.x, b.y), PseudoAngle(a.x, a.y), [&](int first, int end) {
       for (int i = first; i < end; ++i) {
         const double range = cross / (x[i] * dy - y[i] * dx);
-        // A beam almost along the edge may have its point of intersection far off: it meets the nearest end.
+        // A beam almost parallel to the edge may intersect its line far away: use the nearest end.
         const double met = range >= nearest ? std::min(range, farthest) : nearest;
         ranges[i] = std::min(ranges[i], met);
       }
     });
   }
 
-  void MeetDisc(const Pose& disc, double radius, double range_max) {
-    const Point center = ToLocal({disc.x, disc.y});
+  void MeetDisc(const base::Pose& disc, double radius, double range_max) {
+    const base::Point center = ToLocal({disc.x, disc.y});
     const double distance2 = center.x * center.x + center.y * center.y;
     const double reach = range_max + radius, radius2 = radius * radius;
     if (distance2 > reach * reach) return;
@@ -127,8 +117,8 @@ class Laser::View {
     });
   }
 
-  /// Args: corners: of a polygon in the frame of its pose; none: a disc. reach: of the body from the pose.
-  void MeetBody(const Polygon& corners, const Pose& pose, double reach, double range_max) {
+  /// Args: corners: of a polygon in the frame of its pose; empty: a disc. reach: radius of the body.
+  void MeetBody(const world::Polygon& corners, const base::Pose& pose, double reach, double range_max) {
     if (corners.empty()) {
       MeetDisc(pose, reach, range_max);
     } else {
@@ -136,19 +126,19 @@ class Laser::View {
     }
   }
 
-  void MeetPolygon(const Polygon& corners, const Pose& pose, double reach, double range_max) {
-    const Point center = ToLocal({pose.x, pose.y});
+  void MeetPolygon(const world::Polygon& corners, const base::Pose& pose, double reach, double range_max) {
+    const base::Point center = ToLocal({pose.x, pose.y});
     const double farthest = range_max + reach;
     if (center.x * center.x + center.y * center.y > farthest * farthest) return;
     if (fan_.IsHalf() && center.y < -reach - kBehind) return;
-    MeetSides(Placed(corners, pose));
+    MeetSides(world::Placed(corners, pose));
   }
 
-  void MeetSides(const Polygon& outline) {
+  void MeetSides(const world::Polygon& outline) {
     for (std::size_t i = 0; i < outline.size(); ++i) MeetEdge({outline[i], outline[(i + 1) % outline.size()]});
   }
 
-  /// Returns the ranges as the laser counts its beams; what is beyond range_max is at infinity.
+  /// Returns the ranges in the laser's order; infinity beyond range_max.
   std::vector<double> Take(double range_max) {
     if (is_inside_) return std::vector<double>(ranges_.size(), 0.0);
     for (double& range : ranges_) range = range > range_max ? kInfinity : range;
@@ -159,18 +149,18 @@ class Laser::View {
   }
 
  private:
-  // So far behind [m] that rounding is no matter.
+  // A margin larger than any rounding error [m].
   static constexpr double kBehind = 1e-9;
 
-  Point ToLocal(const Point& point) const {
+  base::Point ToLocal(const base::Point& point) const {
     const double dx = point.x - origin_.x, dy = point.y - origin_.y;
     return {cos_ * dx + sin_ * dy, cos_ * dy - sin_ * dx};
   }
 
-  // Whether an edge that has the laser behind it, or on it, runs between the laser and base_link, which is never in a
-  // solid.
-  bool CrossesMount(const Point& a, const Point& b) const {
-    const Point edge{b.x - a.x, b.y - a.y};
+  // Returns whether an edge with the laser behind or on it runs between the laser and base_link, which is never inside
+  // a solid.
+  bool CrossesMount(const base::Point& a, const base::Point& b) const {
+    const base::Point edge{b.x - a.x, b.y - a.y};
     if (Cross(edge, {base_.x - a.x, base_.y - a.y}) >= 0.0) return false;
     return (Cross(base_, a) > 0.0) != (Cross(base_, b) > 0.0);
   }
@@ -179,38 +169,39 @@ class Laser::View {
   const double range_max2_;
   const double cos_;
   const double sin_;
-  const Point origin_;
-  const Point base_;
+  const base::Point origin_;
+  const base::Point base_;
   const bool is_mounted_apart_;
   bool is_inside_ = false;
   std::vector<double> ranges_;
 };
 
-Laser::Laser(const LaserModel& model, const std::vector<Solid>& solids, const std::vector<Door>& doors)
+Laser::Laser(const LaserModel& model, const std::vector<world::Solid>& solids, const std::vector<world::Door>& doors)
     : model_(Checked(model)),
-      write_report_(BestReport()),
+      write_report_(base::SimdVersion(base::BestSimd(), PortableReport, Avx2Report, Avx512Report)),
       fan_(model.beams, model.angle_min, model.angle_max),
-      edges_(EdgesOf(solids, doors), model.range_max) {}
+      edges_(world::EdgesOf(solids, doors), model.range_max) {}
 
-std::vector<double> Laser::Scan(const World& world, int robot) const {
-  // What is not there sees nothing.
+std::vector<double> Laser::Scan(const world::World& world, int robot) const {
+  // A robot that is not there gets no returns.
   if (!world.present().at(robot)) return std::vector<double>(NumBeams(), kInfinity);
   View view(model_, fan_, world.poses().at(robot));
-  for (const Edge& edge : edges_.Near(view.origin())) {
-    if (edge.door == Edge::kNoDoor || world.doors()[edge.door].closed) view.MeetEdge(edge.segment);
+  for (const world::Edge& edge : edges_.Near(view.origin())) {
+    if (edge.door == world::Edge::kNoDoor || world.doors()[edge.door].closed) view.MeetEdge(edge.segment);
   }
-  for (const MovingLeaf& leaf : world.leaves()) {
-    const Point &hinge = world.doors()[leaf.door].motion.hinge, &laser = view.origin();
+  for (const world::MovingLeaf& leaf : world.leaves()) {
+    const base::Point &hinge = world.doors()[leaf.door].motion.hinge, &laser = view.origin();
     if (std::hypot(hinge.x - laser.x, hinge.y - laser.y) <= leaf.reach + model_.range_max) view.MeetSides(leaf.outline);
   }
-  world.grid().ForEachNear(view.origin(), model_.range_max + world.max_radius(), [&](int other, const Pose& pose) {
-    const Robot& body = world.robots()[other];
-    if (other != robot) view.MeetBody(body.footprint, pose, body.radius, model_.range_max);
-  });
-  if (!world.things().empty()) {
-    const double reach = model_.range_max + world.max_thing_radius();
-    world.thing_grid().ForEachNear(view.origin(), reach, [&](int thing, const Pose& pose) {
-      view.MeetBody(world.things()[thing].corners, pose, world.things()[thing].radius, model_.range_max);
+  world.grid().ForEachNear(view.origin(), model_.range_max + world.max_radius(),
+                           [&](int other, const base::Pose& pose) {
+                             const world::Robot& body = world.robots()[other];
+                             if (other != robot) view.MeetBody(body.footprint, pose, body.radius, model_.range_max);
+                           });
+  if (!world.objects().empty()) {
+    const double reach = model_.range_max + world.max_object_radius();
+    world.object_grid().ForEachNear(view.origin(), reach, [&](int object, const base::Pose& pose) {
+      view.MeetBody(world.objects()[object].corners, pose, world.objects()[object].radius, model_.range_max);
     });
   }
   return view.Take(model_.range_max);
@@ -220,4 +211,4 @@ void Laser::Report(const std::vector<double>& ranges, const double* noise, float
   write_report_(model_, ranges.data(), noise, ranges.size(), report);
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

@@ -2,15 +2,15 @@
 
 #include <cmath>
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 
-PoseReading ReadingOf(const Pose& pose) {
+PoseReading ReadingOf(const base::Pose& pose) {
   if (std::isnan(pose.x)) return {pose.x, pose.x, pose.x, pose.x};
   return {pose.x, pose.y, std::sin(0.5 * pose.yaw), std::cos(0.5 * pose.yaw)};
 }
 
-Pose PoseOf(const PoseReading& reading) {
-  return {reading.x, reading.y, NormaliseAngle(2.0 * std::atan2(reading.qz, reading.qw))};
+base::Pose PoseOf(const PoseReading& reading) {
+  return {reading.x, reading.y, base::NormaliseAngle(2.0 * std::atan2(reading.qz, reading.qw))};
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 
 TeamOdometry::TeamOdometry(const std::vector<OdometryModel>& models, double step, const std::vector<bool>& omni) {
   if (omni.size() != models.size()) throw std::invalid_argument("omni must have one value per robot");
@@ -10,7 +10,8 @@ TeamOdometry::TeamOdometry(const std::vector<OdometryModel>& models, double step
   team_ = first_;
 }
 
-std::vector<OdometryReading> TeamOdometry::Step(const std::vector<Pose>& motions, const std::vector<Twist>& twists,
+std::vector<OdometryReading> TeamOdometry::Step(const std::vector<base::Pose>& motions,
+                                                const std::vector<base::Twist>& twists,
                                                 const std::vector<Odometry::Noise>& noise) {
   if (motions.size() != team_.size() || twists.size() != team_.size() || noise.size() != team_.size()) {
     throw std::invalid_argument("motions, twists and noise must have one row of three numbers per robot");
@@ -26,4 +27,4 @@ std::vector<OdometryReading> TeamOdometry::Step(const std::vector<Pose>& motions
   return readings;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

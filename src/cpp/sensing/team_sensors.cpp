@@ -2,9 +2,9 @@
 
 #include <cstddef>
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 
-Scans ScanTeam(const Laser& laser, const World& world, const std::vector<int>& robots, const double* noise) {
+Scans ScanTeam(const Laser& laser, const world::World& world, const std::vector<int>& robots, const double* noise) {
   Scans scans(static_cast<Eigen::Index>(robots.size()), laser.NumBeams());
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
@@ -14,7 +14,7 @@ Scans ScanTeam(const Laser& laser, const World& world, const std::vector<int>& r
   return scans;
 }
 
-TeamReadings TeamSensors::Read(const World& world, const std::vector<Odometry::Noise>& odometry_noise,
+TeamReadings TeamSensors::Read(const world::World& world, const std::vector<Odometry::Noise>& odometry_noise,
                                const std::vector<const double*>& laser_noise) {
   TeamReadings readings;
   readings.odometry = odometry_->Follow(world, odometry_noise);
@@ -34,4 +34,4 @@ TeamReadings TeamSensors::Read(const World& world, const std::vector<Odometry::N
   return readings;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

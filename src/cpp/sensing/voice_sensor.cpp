@@ -6,14 +6,14 @@
 #include <stdexcept>
 #include <utility>
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 
-VoiceSensor::VoiceSensor(const GridShape& grid, MapValues map, double radius)
+VoiceSensor::VoiceSensor(const plan::GridShape& grid, propagation::MapValues map, double radius)
     : grid_(grid), map_(std::move(map)), radius_(radius) {
   if (map_.rows() != grid.rows || map_.cols() != grid.cols) throw std::invalid_argument("the map must fit the grid");
 }
 
-std::vector<VoiceReading> VoiceSensor::Hear(const std::vector<Point>& positions) {
+std::vector<VoiceReading> VoiceSensor::Hear(const std::vector<base::Point>& positions) {
   last_.resize(positions.size());
   std::vector<VoiceReading> heard;
   heard.reserve(positions.size());
@@ -21,7 +21,7 @@ std::vector<VoiceReading> VoiceSensor::Hear(const std::vector<Point>& positions)
   return heard;
 }
 
-VoiceReading VoiceSensor::HearAt(const Point& position, std::optional<Cell>* last) const {
+VoiceReading VoiceSensor::HearAt(const base::Point& position, std::optional<propagation::Cell>* last) const {
   if (!std::isfinite(position.x) || !std::isfinite(position.y)) {
     std::ostringstream message;
     message << "position_m must be finite, got (" << position.x << ", " << position.y << ")";
@@ -32,11 +32,11 @@ VoiceReading VoiceSensor::HearAt(const Point& position, std::optional<Cell>* las
   const bool is_inside = row >= 0.0 && row < grid_.rows && col >= 0.0 && col < grid_.cols;
   VoiceReading reading;
   reading.level_db = is_inside ? map_(static_cast<int>(row), static_cast<int>(col)) : 0.0F;
-  *last = LoudestCell(grid_, map_, position, radius_, *last);
+  *last = propagation::LoudestCell(grid_, map_, position, radius_, *last);
   reading.heard = last->has_value();
-  reading.local_best = *last ? CellCenter(grid_, (*last)->row, (*last)->col) : position;
+  reading.local_best = *last ? propagation::CellCenter(grid_, (*last)->row, (*last)->col) : position;
   reading.local_best_level_db = *last ? (*last)->value : 0.0;
   return reading;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

@@ -5,18 +5,18 @@
 
 #include "robotteamsim/base/hypot.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::simulation {
 namespace {
 
 constexpr double kStayRadius = 0.5;
 
-double Distance(const Point& a, const Point& b) { return Hypot(a.x - b.x, a.y - b.y); }
+double Distance(const base::Point& a, const base::Point& b) { return base::Hypot(a.x - b.x, a.y - b.y); }
 
 }  // namespace
 
-void TeamTotals::Add(int robot, const Point& at, bool in_contact, bool is_excluded, bool is_running) {
+void TeamTotals::Add(int robot, const base::Point& at, bool in_contact, bool is_excluded, bool is_running) {
   Log& log = logs_[robot];
-  const Point before = log.last;
+  const base::Point before = log.last;
   log.last = at;
   if (std::isnan(at.x)) return;
   const bool has_come = std::isnan(before.x);
@@ -30,4 +30,4 @@ void TeamTotals::Add(int robot, const Point& at, bool in_contact, bool is_exclud
   log.sums.excluded_steps += is_excluded;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::simulation

@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <limits>
 
-namespace robotteamsim {
+namespace robotteamsim::swarm {
 namespace {
 
-double SquaredDistanceToNearest(const std::vector<Point>& points, const Point& place) {
+double SquaredDistanceToNearest(const std::vector<base::Point>& points, const base::Point& place) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Point& point : points) {
+  for (const base::Point& point : points) {
     const double dx = place.x - point.x, dy = place.y - point.y;
     nearest = std::min(nearest, dx * dx + dy * dy);
   }
@@ -18,7 +18,8 @@ double SquaredDistanceToNearest(const std::vector<Point>& points, const Point& p
 
 }  // namespace
 
-int FarthestFrom(const std::vector<Point>& points, const Point& place, const std::vector<Point>& candidates) {
+int FarthestFrom(const std::vector<base::Point>& points, const base::Point& place,
+                 const std::vector<base::Point>& candidates) {
   int best = -1;
   double farthest = SquaredDistanceToNearest(points, place);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -31,4 +32,4 @@ int FarthestFrom(const std::vector<Point>& points, const Point& place, const std
   return best;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::swarm

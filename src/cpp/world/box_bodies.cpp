@@ -8,16 +8,16 @@
 
 #include "robotteamsim/world/outline.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
-// Box2D lets shapes at rest overlap by one slop. Half a slop around each keeps the bodies themselves from it: they rest
-// at most a slop (5 mm) apart.
+// Box2D lets shapes at rest overlap by one slop (5 mm). Each shape is larger by half a slop, so that the bodies do not
+// overlap: they rest at most a slop apart.
 constexpr float kSkin = 0.5F * b2_linearSlop;
 
-// Fills the shape by hand: b2PolygonShape::Set welds corners nearer than 2.5 mm and turns what then is no polygon into
-// a box of two metres, so thin solids would not be what the plan says.
-b2PolygonShape ConvexShape(const Polygon& piece, const Point& origin) {
+// Fills the shape directly: b2PolygonShape::Set merges corners nearer than 2.5 mm and replaces a degenerate polygon by
+// a box of two metres, so thin solids would differ from the plan.
+b2PolygonShape ConvexShape(const Polygon& piece, const base::Point& origin) {
   const int count = static_cast<int>(piece.size());
   if (count < 3 || count > b2_maxPolygonVertices) {
     throw std::invalid_argument("a convex piece needs 3 to 8 corners, got " + std::to_string(count));
@@ -26,8 +26,8 @@ b2PolygonShape ConvexShape(const Polygon& piece, const Point& origin) {
   shape.m_radius = kSkin;
   shape.m_count = count;
   for (int i = 0; i < count; ++i) {
-    const Point& corner = piece[i];
-    const Point& next = piece[(i + 1) % count];
+    const base::Point& corner = piece[i];
+    const base::Point& next = piece[(i + 1) % count];
     const double dx = next.x - corner.x, dy = next.y - corner.y, length = std::hypot(dx, dy);
     if (!(length > 0.0) || !(Cross(corner, next, piece[(i + 2) % count]) >= 0.0)) {
       throw std::invalid_argument("a piece must be convex and counter-clockwise, without equal corners");
@@ -51,7 +51,7 @@ void AddFixture(b2Body* body, const b2Shape& shape, double density) {
 
 b2Vec2 ToBox(double x, double y) { return {static_cast<float>(x), static_cast<float>(y)}; }
 
-void AddPieces(b2Body* body, const Solid& solid, const Point& origin) {
+void AddPieces(b2Body* body, const Solid& solid, const base::Point& origin) {
   for (const Polygon& piece : solid.pieces) {
     AddFixture(body, ConvexShape(piece, origin), 0.0);
   }
@@ -69,4 +69,4 @@ void AddPolygon(b2Body* body, const Polygon& corners, double mass) {
   AddFixture(body, ConvexShape(corners, {}), 2.0 * mass / twice_area);
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

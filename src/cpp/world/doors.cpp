@@ -11,13 +11,13 @@
 #include "robotteamsim/world/nearby_edges.hpp"
 #include "robotteamsim/world/outline.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
-// A leaf looks after every centimetre of its way [m] whether something is in it.
+// A leaf checks after every centimetre of its motion [m] whether something blocks it.
 constexpr double kGlance = 0.01;
 
-// A leaf that is this near to its end [of its way] is there: so much is rounding.
+// A leaf this near to its end [of the whole motion] has arrived: the difference is rounding.
 constexpr double kAtEnd = 1e-9;
 
 std::vector<Door> Checked(std::vector<Door> doors) {
@@ -32,14 +32,16 @@ std::vector<Door> Checked(std::vector<Door> doors) {
   return doors;
 }
 
-// A leaf seen from its hinge.
-Polygon FromHinge(const Polygon& outline, const Point& hinge) { return Placed(outline, {-hinge.x, -hinge.y, 0.0}); }
+// Returns an outline relative to the hinge.
+Polygon FromHinge(const Polygon& outline, const base::Point& hinge) {
+  return Placed(outline, {-hinge.x, -hinge.y, 0.0});
+}
 
 }  // namespace
 
 Doors::Doors(std::vector<Door> doors) : first_(Checked(std::move(doors))) {}
 
-void Doors::Place(b2World& box, const Point& origin) {
+void Doors::Place(b2World& box, const base::Point& origin) {
   origin_ = origin;
   doors_ = first_;
   leaves_.clear();
@@ -88,7 +90,7 @@ Polygon Doors::OutlineAt(const MovingLeaf& leaf, double opening) const {
   return Placed(from_hinge, {hinge.x + shift.x * opening, hinge.y + shift.y * opening, angle * opening});
 }
 
-// To Box2D a leaf is a still body that is put elsewhere: it stops what drives at it, and never pushes.
+// In Box2D a leaf is a static body that is moved: it stops robots that drive at it and never pushes.
 void Doors::PutBody(const MovingLeaf& leaf) {
   const auto& [time, angle, shift, hinge] = doors_[leaf.door].motion;
   const double x = hinge.x + shift.x * leaf.opening, y = hinge.y + shift.y * leaf.opening;
@@ -109,19 +111,19 @@ void Doors::SetClosed(int door, bool closed) {
   UpdateStates();
 }
 
-// How fast the fastest corner of a leaf is on its way [m/s].
+// Returns the speed of the fastest corner of a moving leaf [m/s].
 double Doors::Pace(const MovingLeaf& leaf) const {
   const LeafMotion& motion = doors_[leaf.door].motion;
   return (std::abs(motion.angle) * leaf.reach + std::hypot(motion.shift.x, motion.shift.y)) / motion.time;
 }
 
-void Doors::Advance(double time, const IsInTheWay& is_in_the_way) {
+void Doors::Advance(double time, const IsBlocked& is_blocked) {
   for (MovingLeaf& leaf : leaves_) {
-    if (!leaf.IsThere()) GoOn(leaf, time, is_in_the_way);
+    if (!leaf.IsThere()) GoOn(leaf, time, is_blocked);
   }
 }
 
-void Doors::GoOn(MovingLeaf& leaf, double time, const IsInTheWay& is_in_the_way) {
+void Doors::GoOn(MovingLeaf& leaf, double time, const IsBlocked& is_blocked) {
   Door& door = doors_[leaf.door];
   const int parts = static_cast<int>(std::ceil(Pace(leaf) * time / kGlance));
   const double end = leaf.shall_close ? 0.0 : 1.0;
@@ -131,7 +133,7 @@ void Doors::GoOn(MovingLeaf& leaf, double time, const IsInTheWay& is_in_the_way)
     const double further = leaf.opening + part;
     const double next = std::abs(end - further) < kAtEnd ? end : std::clamp(further, 0.0, 1.0);
     Polygon outline = OutlineAt(leaf, next);
-    if (is_in_the_way(leaf.outline, outline)) {
+    if (is_blocked(leaf.outline, outline)) {
       leaf.is_held = true;
     } else {
       leaf.opening = next;
@@ -150,16 +152,16 @@ double Doors::Travel(double time) const {
   return travel;
 }
 
-bool Doors::IsLeafNear(const Point& point, double distance) const {
+bool Doors::IsLeafNear(const base::Point& point, double distance) const {
   for (const MovingLeaf& leaf : leaves_) {
-    const Point& hinge = doors_[leaf.door].motion.hinge;
+    const base::Point& hinge = doors_[leaf.door].motion.hinge;
     if (std::hypot(point.x - hinge.x, point.y - hinge.y) > leaf.reach + distance) continue;
     for (std::size_t i = 0; i < leaf.outline.size(); ++i) {
-      const Segment side{leaf.outline[i], leaf.outline[(i + 1) % leaf.outline.size()]};
+      const base::Segment side{leaf.outline[i], leaf.outline[(i + 1) % leaf.outline.size()]};
       if (DistanceToSegment(point, side) <= distance) return true;
     }
   }
   return false;
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -16,8 +16,8 @@ double Approached(double now, double wanted, double max, double max_change) {
   return std::clamp(reachable, now - max_change, now + max_change);
 }
 
-// A velocity in the plane approaches the wanted one on the straight line between them.
-DriveSpeed ReachedOmniSpeed(const DriveSpeed& now, const Twist& command, const DriveLimits& limits, double dt) {
+// A velocity in the plane approaches the commanded one along the straight line between them.
+DriveSpeed ReachedOmniSpeed(const DriveSpeed& now, const base::Twist& command, const DriveLimits& limits, double dt) {
   const double wanted = std::hypot(command.linear_x, command.linear_y);
   const double share = wanted > limits.max_speed ? limits.max_speed / wanted : 1.0;
   const double forward = share * command.linear_x - now.forward, left = share * command.linear_y - now.left;
@@ -30,7 +30,7 @@ DriveSpeed ReachedOmniSpeed(const DriveSpeed& now, const Twist& command, const D
   return speed;
 }
 
-DriveSpeed ReachedCarSpeed(const DriveSpeed& now, const Twist& command, const DriveLimits& limits, double dt) {
+DriveSpeed ReachedCarSpeed(const DriveSpeed& now, const base::Twist& command, const DriveLimits& limits, double dt) {
   DriveSpeed speed = now;
   speed.forward = Approached(now.forward, command.linear_x, limits.max_speed, limits.max_acceleration * dt);
   if (speed.forward != 0.0) {
@@ -59,14 +59,14 @@ void CheckDrive(const DriveLimits& limits) {
   }
 }
 
-double SpeedBound(const DriveSpeed& now, const Twist& command, const DriveLimits& limits) {
+double SpeedBound(const DriveSpeed& now, const base::Twist& command, const DriveLimits& limits) {
   const bool is_omni = limits.kind == DriveKind::kOmni;
   const double wanted = is_omni ? std::hypot(command.linear_x, command.linear_y) : std::abs(command.linear_x);
   const double current = is_omni ? std::hypot(now.forward, now.left) : std::abs(now.forward);
   return std::max(std::min(wanted, limits.max_speed), current);
 }
 
-DriveSpeed ReachedSpeed(const DriveSpeed& now, const Twist& command, const DriveLimits& limits, double dt) {
+DriveSpeed ReachedSpeed(const DriveSpeed& now, const base::Twist& command, const DriveLimits& limits, double dt) {
   if (limits.kind == DriveKind::kOmni) return ReachedOmniSpeed(now, command, limits, dt);
   if (limits.kind == DriveKind::kCar) return ReachedCarSpeed(now, command, limits, dt);
   return {Approached(now.forward, command.linear_x, limits.max_speed, limits.max_acceleration * dt),
@@ -77,14 +77,14 @@ double CarTurn(double forward, double steering, const DriveLimits& limits) {
   return forward * std::tan(steering) / limits.wheelbase;
 }
 
-Pose AdvancedPose(const Pose& pose, const DriveSpeed& speed, double dt) {
+base::Pose AdvancedPose(const base::Pose& pose, const DriveSpeed& speed, double dt) {
   const double half_turn = 0.5 * speed.turn * dt;
   const double heading = pose.yaw + half_turn;  // of the chord
   const double shrink = half_turn == 0.0 ? 1.0 : std::sin(half_turn) / half_turn;
   const double chord = speed.forward * dt * shrink, aside = speed.left * dt * shrink;
   const double cos = std::cos(heading), sin = std::sin(heading);
   return {pose.x + (chord * cos - aside * sin), pose.y + (chord * sin + aside * cos),
-          NormaliseAngle(pose.yaw + 2.0 * half_turn)};
+          base::NormaliseAngle(pose.yaw + 2.0 * half_turn)};
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <utility>
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 
-double DistanceToSegment(const Point& point, const Segment& segment) {
+double DistanceToSegment(const base::Point& point, const base::Segment& segment) {
   const double dx = segment.b.x - segment.a.x, dy = segment.b.y - segment.a.y;
   const double px = point.x - segment.a.x, py = point.y - segment.a.y;
   const double length2 = dx * dx + dy * dy;
@@ -34,13 +34,13 @@ NearbyEdges::NearbyEdges(std::vector<Edge> edges, double reach) : all_(std::move
   if (!(reach > 0.0)) throw std::invalid_argument("reach must be > 0");
   if (all_.empty()) return;
   const double infinity = std::numeric_limits<double>::infinity();
-  Point low{infinity, infinity}, high{-infinity, -infinity};
+  base::Point low{infinity, infinity}, high{-infinity, -infinity};
   for (const auto& [segment, door] : all_) {
     low = {std::min({low.x, segment.a.x, segment.b.x}), std::min({low.y, segment.a.y, segment.b.y})};
     high = {std::max({high.x, segment.a.x, segment.b.x}), std::max({high.y, segment.a.y, segment.b.y})};
   }
   origin_ = low;
-  // Smaller cells have shorter lists, but more of them; far-reaching lists are long whatever the cell.
+  // Smaller cells have shorter lists, but there are more of them; lists for a long reach are long for any cell size.
   cell_ = std::max(0.2 * reach, 0.5);
   columns_ = static_cast<int>((high.x - low.x) / cell_) + 1;
   rows_ = static_cast<int>((high.y - low.y) / cell_) + 1;
@@ -48,7 +48,7 @@ NearbyEdges::NearbyEdges(std::vector<Edge> edges, double reach) : all_(std::move
   for (const Edge& edge : all_) AddToCells(edge, reach);
 }
 
-const std::vector<Edge>& NearbyEdges::Near(const Point& point) const {
+const std::vector<Edge>& NearbyEdges::Near(const base::Point& point) const {
   const int column = Column(point.x), row = Row(point.y);
   const bool inside = column >= 0 && column < columns_ && row >= 0 && row < rows_;
   return inside ? cells_[static_cast<std::size_t>(row) * columns_ + column] : all_;
@@ -59,7 +59,7 @@ int NearbyEdges::Column(double x) const { return static_cast<int>(std::floor((x 
 int NearbyEdges::Row(double y) const { return static_cast<int>(std::floor((y - origin_.y) / cell_)); }
 
 void NearbyEdges::AddToCells(const Edge& edge, double reach) {
-  const Segment& segment = edge.segment;
+  const base::Segment& segment = edge.segment;
   const double far = reach + 0.7072 * cell_;  // from a cell's centre: its half diagonal is cell * sqrt(1/2)
   const int first_column = std::max(Column(std::min(segment.a.x, segment.b.x) - far), 0);
   const int last_column = std::min(Column(std::max(segment.a.x, segment.b.x) + far), columns_ - 1);
@@ -67,7 +67,7 @@ void NearbyEdges::AddToCells(const Edge& edge, double reach) {
   const int last_row = std::min(Row(std::max(segment.a.y, segment.b.y) + far), rows_ - 1);
   for (int row = first_row; row <= last_row; ++row) {
     for (int column = first_column; column <= last_column; ++column) {
-      const Point center{origin_.x + (column + 0.5) * cell_, origin_.y + (row + 0.5) * cell_};
+      const base::Point center{origin_.x + (column + 0.5) * cell_, origin_.y + (row + 0.5) * cell_};
       if (DistanceToSegment(center, segment) <= far) {
         cells_[static_cast<std::size_t>(row) * columns_ + column].push_back(edge);
       }
@@ -75,4 +75,4 @@ void NearbyEdges::AddToCells(const Edge& edge, double reach) {
   }
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

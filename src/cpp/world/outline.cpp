@@ -8,17 +8,17 @@
 
 #include "robotteamsim/world/nearby_edges.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
-bool IsLeftOfAll(const Polygon& polygon, const Point& point) {
+bool IsLeftOfAll(const Polygon& polygon, const base::Point& point) {
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     if (Cross(polygon[i], polygon[(i + 1) % polygon.size()], point) < 0.0) return false;
   }
   return true;
 }
 
-double DistanceToOutline(const Polygon& polygon, const Point& point) {
+double DistanceToOutline(const Polygon& polygon, const base::Point& point) {
   double distance = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     distance = std::min(distance, DistanceToSegment(point, {polygon[i], polygon[(i + 1) % polygon.size()]}));
@@ -26,12 +26,12 @@ double DistanceToOutline(const Polygon& polygon, const Point& point) {
   return distance;
 }
 
-// Whether all of `other` is to the right of a side of `polygon`: for convex polygons that do not overlap there is such
-// a side in one of them.
+// Returns whether all of `other` is to the right of a side of `polygon`: of two convex polygons that do not overlap,
+// one has such a side.
 bool HasSideBetween(const Polygon& polygon, const Polygon& other) {
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Point &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    if (std::all_of(other.begin(), other.end(), [&](const Point& point) { return Cross(a, b, point) < 0.0; })) {
+    const base::Point &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    if (std::all_of(other.begin(), other.end(), [&](const base::Point& point) { return Cross(a, b, point) < 0.0; })) {
       return true;
     }
   }
@@ -40,15 +40,15 @@ bool HasSideBetween(const Polygon& polygon, const Polygon& other) {
 
 }  // namespace
 
-double Cross(const Point& a, const Point& b, const Point& c) {
+double Cross(const base::Point& a, const base::Point& b, const base::Point& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-Polygon Placed(const Polygon& corners, const Pose& pose) {
+Polygon Placed(const Polygon& corners, const base::Pose& pose) {
   const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
   Polygon placed;
   placed.reserve(corners.size());
-  for (const Point& corner : corners) {
+  for (const base::Point& corner : corners) {
     placed.push_back({pose.x + cos * corner.x - sin * corner.y, pose.y + sin * corner.x + cos * corner.y});
   }
   return placed;
@@ -56,17 +56,18 @@ Polygon Placed(const Polygon& corners, const Pose& pose) {
 
 double ReachOf(const Polygon& corners) {
   double reach = 0.0;
-  for (const Point& corner : corners) reach = std::max(reach, std::hypot(corner.x, corner.y));
+  for (const base::Point& corner : corners) reach = std::max(reach, std::hypot(corner.x, corner.y));
   return reach;
 }
 
 double HalfWidth(const Polygon& corners) {
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Point& a = corners[i];
-    const Point& b = corners[(i + 1) % corners.size()];
+    const base::Point& a = corners[i];
+    const base::Point& b = corners[(i + 1) % corners.size()];
     double width = 0.0;
-    for (const Point& corner : corners) width = std::max(width, Cross(a, b, corner) / std::hypot(b.x - a.x, b.y - a.y));
+    for (const base::Point& corner : corners)
+      width = std::max(width, Cross(a, b, corner) / std::hypot(b.x - a.x, b.y - a.y));
     smallest = std::min(smallest, width);
   }
   return 0.5 * smallest;
@@ -75,12 +76,12 @@ double HalfWidth(const Polygon& corners) {
 double GapBetween(const Polygon& a, const Polygon& b) {
   if (!HasSideBetween(a, b) && !HasSideBetween(b, a)) return 0.0;
   double gap = std::numeric_limits<double>::infinity();
-  for (const Point& point : b) gap = std::min(gap, DistanceToOutline(a, point));
-  for (const Point& point : a) gap = std::min(gap, DistanceToOutline(b, point));
+  for (const base::Point& point : b) gap = std::min(gap, DistanceToOutline(a, point));
+  for (const base::Point& point : a) gap = std::min(gap, DistanceToOutline(b, point));
   return gap;
 }
 
-double GapBetween(const Polygon& polygon, const Point& point) {
+double GapBetween(const Polygon& polygon, const base::Point& point) {
   return IsLeftOfAll(polygon, point) ? 0.0 : DistanceToOutline(polygon, point);
 }
 
@@ -88,8 +89,8 @@ void CheckFootprint(const Polygon& corners, const char* what) {
   const std::size_t count = corners.size();
   bool fine = count >= 3 && count <= 8;
   for (std::size_t i = 0; i < count && fine; ++i) {
-    const Point& a = corners[i];
-    const Point& b = corners[(i + 1) % count];
+    const base::Point& a = corners[i];
+    const base::Point& b = corners[(i + 1) % count];
     fine = Cross(a, b, corners[(i + 2) % count]) > 0.0 && Cross(a, b, {0.0, 0.0}) > 0.0;
   }
   if (!fine) {
@@ -98,4 +99,4 @@ void CheckFootprint(const Polygon& corners, const char* what) {
   }
 }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

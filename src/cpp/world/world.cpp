@@ -11,24 +11,24 @@
 
 #include "robotteamsim/world/box_bodies.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
 constexpr int kVelocityIterations = 8;
 constexpr int kPositionIterations = 3;
 
-// How much farther than it drives a robot is looked at: contacts count from a slop (5 mm) on, and rounding is no
-// matter.
+// Added to the distance that a robot travels: more than a slop (5 mm), from which contacts count, and any rounding
+// error.
 constexpr double kMargin = 0.02;
 
-// Contacts nearer to each other than this are one [rad]: solids are made of pieces that meet within them.
+// Contacts nearer to each other than this are one [rad]: neighbouring pieces of a solid each make a contact.
 constexpr double kSamePlace = 0.05;
 constexpr double kFullTurn = 6.28318530717958648;
 
-// A leaf of a door comes no nearer than this to anything [m]: contacts count from there on.
+// A leaf keeps at least this distance from anything [m]; contacts count below it.
 constexpr double kClearOfLeaves = 0.005;
 
-// A drive that reaches less than this part of its speed is stalled.
+// A drive that reaches less than this fraction of its speed is stalled.
 constexpr double kStalled = 0.05;
 
 bool IsTouching(const b2Body* body) {
@@ -40,7 +40,7 @@ bool IsTouching(const b2Body* body) {
 
 // The pose of a robot that is not there.
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr Pose kNowhere{kNaN, kNaN, kNaN};
+constexpr base::Pose kNowhere{kNaN, kNaN, kNaN};
 
 bool IsPositive(double value) { return value > 0.0 && std::isfinite(value); }
 
@@ -52,8 +52,8 @@ void CheckRobot(const Robot& robot) {
   CheckDrive(robot.drive);
 }
 
-// Box2D moves no body by more than 2 m at once, and keeps robots from jumping over each other only while they move by
-// less than they are wide. So no robot moves by more than half its radius at once, or a quarter of its width.
+// Box2D moves no body by more than 2 m at once and prevents robots from jumping over each other only if they move by
+// less than their width. So no robot moves by more than half its radius, or a quarter of its width, at once.
 int CheckedSubsteps(const std::vector<Robot>& robots, double step, int substeps) {
   if (!IsPositive(step) || substeps < 1) throw std::invalid_argument("step and substeps must be > 0");
   double parts = 1.0;
@@ -72,7 +72,7 @@ std::vector<Robot> WithReach(std::vector<Robot> robots) {
   return robots;
 }
 
-// How fast a robot's corners go at most by its turning [m/s].
+// Returns the greatest speed of a robot's corners due to its rotation [m/s].
 double MaxCornerSpeed(const Robot& robot) {
   if (robot.footprint.empty()) return 0.0;
   const DriveLimits& drive = robot.drive;
@@ -86,8 +86,8 @@ double MaxRadius(const std::vector<Robot>& robots) {
   return radius;
 }
 
-// The longest way of anything in a step [m]. Nothing pushes anything to more than its own speed, but a thing's far end
-// may turn as fast again.
+// Returns the greatest distance that anything travels in a step [m]. No robot pushes anything to more than its own
+// speed, but the far end of a turning object may be twice as fast.
 double MaxTravelOf(const std::vector<Robot>& robots, bool are_there_things, double step) {
   double speed = 0.0;
   for (const Robot& robot : robots) speed = std::max(speed, robot.drive.max_speed + MaxCornerSpeed(robot));
@@ -97,25 +97,25 @@ double MaxTravelOf(const std::vector<Robot>& robots, bool are_there_things, doub
 }  // namespace
 
 World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps,
-             std::vector<Thing> things)
+             std::vector<MovableObject> objects)
     : solids_(std::move(solids)),
       robots_(WithReach(std::move(robots))),
       step_(step),
       substeps_(CheckedSubsteps(robots_, step, substeps)),
       dt_(step_ / substeps_),
-      origin_(robots_.empty() ? Point{} : Point{robots_[0].start.x, robots_[0].start.y}),
+      origin_(robots_.empty() ? base::Point{} : base::Point{robots_[0].start.x, robots_[0].start.y}),
       max_radius_(MaxRadius(robots_)),
-      max_travel_(MaxTravelOf(robots_, !things.empty(), step_)),
+      max_travel_(MaxTravelOf(robots_, !objects.empty(), step_)),
       edges_(EdgesOf(solids_, doors), max_radius_ + (max_travel_ + kMargin)),
       doors_(std::move(doors)),
-      things_(std::move(things)) {
+      objects_(std::move(objects)) {
   Reset();
 }
 
 World::~World() = default;
 
 void World::Reset() {
-  // A new Box2D world: the order of bodies and contacts in the old one depends on its past and reaches the results.
+  // A new Box2D world: the order of bodies and contacts in the old one depends on its history and affects the results.
   box_ = std::make_unique<b2World>(b2Vec2(0.0F, 0.0F));
   b2BodyDef still;
   b2Body* building = box_->CreateBody(&still);
@@ -124,7 +124,7 @@ void World::Reset() {
   robot_bodies_.clear();
   poses_.clear();
   for (const Robot& robot : robots_) AddRobot(robot);
-  things_.Place(box_.get(), origin_);
+  objects_.Place(box_.get(), origin_);
   drives_.assign(robots_.size(), {});
   twists_.assign(robots_.size(), {});
   motions_.assign(robots_.size(), {});
@@ -145,31 +145,31 @@ void World::AddRobot(const Robot& robot) {
   def.type = b2_dynamicBody;
   def.position = ToBox(robot.start.x - origin_.x, robot.start.y - origin_.y);
   const bool is_round = robot.footprint.empty();
-  def.fixedRotation = is_round;  // nothing turns a round body without friction: its drive alone does
-  def.angle = is_round ? 0.0F : static_cast<float>(NormaliseAngle(robot.start.yaw));
+  def.fixedRotation = is_round;  // without friction only its drive turns a round body
+  def.angle = is_round ? 0.0F : static_cast<float>(base::NormaliseAngle(robot.start.yaw));
   def.allowSleep = false;
-  def.bullet = true;  // robots stop at each other as exactly as at walls
+  def.bullet = true;  // robots stop at each other as precisely as at walls
   b2Body* body = box_->CreateBody(&def);
   if (is_round) {
     AddDisc(body, robot.radius, robot.mass);
   } else {
     AddPolygon(body, robot.footprint, robot.mass);
     b2MassData mass;
-    body->GetMassData(&mass);  // its inertia is about the origin
-    mass.center.SetZero();     // the wheels hold base_link where it is: it turns about that
+    body->GetMassData(&mass);  // inertia about the origin
+    mass.center.SetZero();     // the wheels hold base_link: the robot turns about it
     body->SetMassData(&mass);
   }
   robot_bodies_.push_back(body);
-  poses_.push_back({robot.start.x, robot.start.y, NormaliseAngle(robot.start.yaw)});
+  poses_.push_back({robot.start.x, robot.start.y, base::NormaliseAngle(robot.start.yaw)});
 }
 
-void World::CheckCommands(const std::vector<Twist>& commands) const {
+void World::CheckCommands(const std::vector<base::Twist>& commands) const {
   if (commands.size() != robots_.size()) {
     throw std::invalid_argument("expected " + std::to_string(robots_.size()) + " twists, got " +
                                 std::to_string(commands.size()));
   }
   for (std::size_t i = 0; i < commands.size(); ++i) {
-    const Twist& twist = commands[i];
+    const base::Twist& twist = commands[i];
     if (!std::isfinite(twist.linear_x) || !std::isfinite(twist.linear_y) || !std::isfinite(twist.angular_z)) {
       throw std::invalid_argument("robot_" + std::to_string(i) + ": twist must be finite, got (" +
                                   std::to_string(twist.linear_x) + ", " + std::to_string(twist.linear_y) + ", " +
@@ -178,15 +178,15 @@ void World::CheckCommands(const std::vector<Twist>& commands) const {
   }
 }
 
-void World::Step(const std::vector<Twist>& commands) {
+void World::Step(const std::vector<base::Twist>& commands) {
   CheckCommands(commands);
   const int num_robots = static_cast<int>(robots_.size());
-  const std::vector<Pose> before = poses_;
+  const std::vector<base::Pose> before = poses_;
   twists_.assign(robots_.size(), {});
   in_contact_.assign(robots_.size(), false);
   for (std::vector<double>& angles : contact_angles_) angles.clear();
-  const double travel = std::min(std::max(MaxTravel(commands), things_.Travel(step_)), max_travel_);
-  bool any_busy = things_.AnyMoves();
+  const double travel = std::min(std::max(MaxTravel(commands), objects_.Travel(step_)), max_travel_);
+  bool any_busy = objects_.AnyMoves();
   for (int i = 0; i < num_robots; ++i) {
     SetBusy(i, present_[i] && CouldTouch(i, travel));
     any_busy = any_busy || drives_[i].is_busy;
@@ -201,16 +201,16 @@ void World::Step(const std::vector<Twist>& commands) {
       if (present_[i]) FinishDrive(i);
     }
   }
-  if (any_busy) things_.FinishStep();
+  if (any_busy) objects_.FinishStep();
   for (int i = 0; i < num_robots; ++i) {
-    if (present_[i]) motions_[i] = RelativePose(before[i], poses_[i]);
+    if (present_[i]) motions_[i] = base::RelativePose(before[i], poses_[i]);
   }
   if (!doors_.leaves().empty()) doors_.UpdateStates();
   grid_.Rebuild(poses_);
 }
 
-// The longest way that any robot drives in a step, and so the longest that any is pushed.
-double World::MaxTravel(const std::vector<Twist>& commands) const {
+// Returns the greatest distance that any robot drives, or is pushed, in a step.
+double World::MaxTravel(const std::vector<base::Twist>& commands) const {
   double speed = 0.0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (!present_[i]) continue;
@@ -220,20 +220,20 @@ double World::MaxTravel(const std::vector<Twist>& commands) const {
 }
 
 bool World::CouldTouch(int robot, double travel) const {
-  const Point at{poses_[robot].x, poses_[robot].y};
+  const base::Point at{poses_[robot].x, poses_[robot].y};
   const double reach = robots_[robot].radius + travel + kMargin;
   for (const Edge& edge : edges_.Near(at)) {
     const bool is_there = edge.door == Edge::kNoDoor || doors_.all()[edge.door].closed;
     if (is_there && DistanceToSegment(at, edge.segment) <= reach) return true;
   }
   bool found = doors_.IsLeafNear(at, reach + doors_.Travel(step_));
-  grid_.ForEachNear(at, reach + travel + max_radius_, [&](int other, const Pose& pose) {
+  grid_.ForEachNear(at, reach + travel + max_radius_, [&](int other, const base::Pose& pose) {
     const double dx = pose.x - at.x, dy = pose.y - at.y, apart = reach + travel + robots_[other].radius;
     found = found || (other != robot && dx * dx + dy * dy <= apart * apart);
   });
-  if (things().empty()) return found;
-  thing_grid().ForEachNear(at, reach + travel + max_thing_radius(), [&](int thing, const Pose& pose) {
-    found = found || std::hypot(pose.x - at.x, pose.y - at.y) <= reach + travel + things()[thing].radius;
+  if (objects().empty()) return found;
+  object_grid().ForEachNear(at, reach + travel + max_object_radius(), [&](int object, const base::Pose& pose) {
+    found = found || std::hypot(pose.x - at.x, pose.y - at.y) <= reach + travel + objects()[object].radius;
   });
   return found;
 }
@@ -248,43 +248,43 @@ void World::SetBusy(int robot, bool is_busy) {
 }
 
 void World::SetBodyPose(int robot) {
-  const Pose& pose = poses_[robot];
+  const base::Pose& pose = poses_[robot];
   const float angle = robots_[robot].footprint.empty() ? 0.0F : static_cast<float>(pose.yaw);
   robot_bodies_[robot]->SetTransform(ToBox(pose.x - origin_.x, pose.y - origin_.y), angle);
 }
 
-Point World::BodyPosition(int robot) const {
+base::Point World::BodyPosition(int robot) const {
   const b2Vec2& at = robot_bodies_[robot]->GetPosition();
   return {origin_.x + at.x, origin_.y + at.y};
 }
 
-void World::StartDrive(int robot, const Twist& command) {
+void World::StartDrive(int robot, const base::Twist& command) {
   Drive& drive = drives_[robot];
   drive.speed = ReachedSpeed(drive.speed, command, robots_[robot].drive, dt_);
   drive.target = AdvancedPose(poses_[robot], drive.speed, dt_);
   if (!drive.is_busy) return;
   b2Body* body = robot_bodies_[robot];
-  const Point at = BodyPosition(robot);
+  const base::Point at = BodyPosition(robot);
   body->SetLinearVelocity(ToBox((drive.target.x - at.x) / dt_, (drive.target.y - at.y) / dt_));
   if (robots_[robot].footprint.empty()) return;
-  const double turn = NormaliseAngle(drive.target.yaw - static_cast<double>(body->GetAngle()));
+  const double turn = base::NormaliseAngle(drive.target.yaw - static_cast<double>(body->GetAngle()));
   body->SetAngularVelocity(static_cast<float>(turn / dt_));
 }
 
 void World::FinishDrive(int robot) {
   Drive& drive = drives_[robot];
-  Pose& pose = poses_[robot];
+  base::Pose& pose = poses_[robot];
   DriveSpeed reached = drive.speed;
   if (drive.is_busy && IsTouching(robot_bodies_[robot])) {
     reached = BodySpeed(robot);
-    // What stops a robot dead stops its wheels; along what it slides along, and behind what it pushes, they slip.
+    // A robot that is stopped completely stops its wheels; while it slides along something or pushes, they slip.
     const double wanted2 = drive.speed.forward * drive.speed.forward + drive.speed.left * drive.speed.left;
     if ((reached.forward * drive.speed.forward + reached.left * drive.speed.left) / wanted2 < kStalled) {
       drive.speed.forward = 0.0;
       drive.speed.left = 0.0;
     }
-    const Point at = BodyPosition(robot);
-    if (reached.turn != drive.speed.turn) drive.target.yaw = NormaliseAngle(pose.yaw + reached.turn * dt_);
+    const base::Point at = BodyPosition(robot);
+    if (reached.turn != drive.speed.turn) drive.target.yaw = base::NormaliseAngle(pose.yaw + reached.turn * dt_);
     if (reached.turn / drive.speed.turn < kStalled) drive.speed.turn = 0.0;
     drive.target.x = at.x;
     drive.target.y = at.y;
@@ -297,21 +297,21 @@ void World::FinishDrive(int robot) {
   twists_[robot].angular_z += reached.turn / substeps_;
 }
 
-// How a body that touches something moved in a substep, as a speed of its drive.
+// Returns the motion of a body with contacts in a substep as a speed of its drive.
 DriveSpeed World::BodySpeed(int robot) const {
-  const Pose& pose = poses_[robot];
+  const base::Pose& pose = poses_[robot];
   const Robot& body = robots_[robot];
   DriveSpeed speed = drives_[robot].speed;
   if (!body.footprint.empty()) {
-    speed.turn = NormaliseAngle(static_cast<double>(robot_bodies_[robot]->GetAngle()) - pose.yaw) / dt_;
+    speed.turn = base::NormaliseAngle(static_cast<double>(robot_bodies_[robot]->GetAngle()) - pose.yaw) / dt_;
   }
-  const Point at = BodyPosition(robot);
+  const base::Point at = BodyPosition(robot);
   const double heading = pose.yaw + 0.5 * speed.turn * dt_;
   const double cos = std::cos(heading), sin = std::sin(heading);
   const double dx = at.x - pose.x, dy = at.y - pose.y;
   speed.forward = (cos * dx + sin * dy) / dt_;
   speed.left = (cos * dy - sin * dx) / dt_;
-  if (body.drive.kind == DriveKind::kCar) {  // its wheels turn it as far as they roll
+  if (body.drive.kind == DriveKind::kCar) {  // it turns only as far as its wheels roll
     const double rolled = CarTurn(speed.forward, speed.steering, body.drive);
     const double wanted = drives_[robot].speed.turn;
     const bool turns_too_far = speed.turn * wanted > 0.0 && std::abs(speed.turn) > std::abs(rolled);
@@ -331,7 +331,7 @@ void World::NoteContacts(int robot, double yaw) {
     const bool is_flat = edge->contact->GetManifold()->pointCount == 2;
     const b2Vec2 place = is_flat ? 0.5F * (manifold.points[0] + manifold.points[1]) : manifold.points[0];
     const b2Vec2 away = place - body->GetPosition();
-    angles.push_back(NormaliseAngle(std::atan2(static_cast<double>(away.y), static_cast<double>(away.x)) - yaw));
+    angles.push_back(base::NormaliseAngle(std::atan2(static_cast<double>(away.y), static_cast<double>(away.x)) - yaw));
   }
   std::sort(angles.begin(), angles.end());
   const auto is_same = [](double first, double next) { return next - first < kSamePlace; };
@@ -339,10 +339,10 @@ void World::NoteContacts(int robot, double yaw) {
   if (angles.size() > 1 && angles.front() + kFullTurn - angles.back() < kSamePlace) angles.pop_back();
 }
 
-void World::SetPose(int robot, const Pose& pose) {
-  Pose& stored = poses_.at(robot);
-  stored = {pose.x, pose.y, NormaliseAngle(pose.yaw)};
-  if (pose.x == pose.x) SetBodyPose(robot);  // that of a robot that goes stays where it was, out of all reckoning
+void World::SetPose(int robot, const base::Pose& pose) {
+  base::Pose& stored = poses_.at(robot);
+  stored = {pose.x, pose.y, base::NormaliseAngle(pose.yaw)};
+  if (pose.x == pose.x) SetBodyPose(robot);  // a removed robot's disabled body keeps its last transform
   drives_[robot].speed = {};
   twists_[robot] = {};
   motions_[robot] = {};
@@ -357,7 +357,7 @@ void World::RemoveRobot(int robot) {
   SetBusy(robot, false);
 }
 
-void World::SpawnRobot(int robot, const Pose& pose) {
+void World::SpawnRobot(int robot, const base::Pose& pose) {
   SetPose(robot, pose);
   if (present_[robot]) return;
   present_[robot] = true;
@@ -365,11 +365,11 @@ void World::SpawnRobot(int robot, const Pose& pose) {
 }
 
 bool World::HoldsLeaf(const Polygon& now, const Polygon& next) const {
-  const auto holds = [&](const Pose& pose, double radius, const Polygon& corners) {
-    const Point at{pose.x, pose.y};
+  const auto holds = [&](const base::Pose& pose, double radius, const Polygon& corners) {
+    const base::Point at{pose.x, pose.y};
     const double apart = GapBetween(next, at) - radius;
     if (apart >= kClearOfLeaves) return false;
-    // What leans on a leaf that goes away does not hold it.
+    // Contact with a leaf that moves away does not hold it.
     if (corners.empty()) return apart < GapBetween(now, at) - radius;
     const Polygon body = Placed(corners, pose);
     const double gap = GapBetween(next, body);
@@ -378,24 +378,24 @@ bool World::HoldsLeaf(const Polygon& now, const Polygon& next) const {
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (present_[i] && holds(poses_[i], robots_[i].radius, robots_[i].footprint)) return true;
   }
-  for (std::size_t i = 0; i < things().size(); ++i) {
-    if (holds(things_.PoseNow(static_cast<int>(i)), things()[i].radius, things()[i].corners)) return true;
+  for (std::size_t i = 0; i < objects().size(); ++i) {
+    if (holds(objects_.PoseNow(static_cast<int>(i)), objects()[i].radius, objects()[i].corners)) return true;
   }
   return false;
 }
 
 void World::SetDoorClosed(int door, bool closed) { doors_.SetClosed(door, closed); }
 
-void World::AddThing(Thing thing) {
-  things_.Add(std::move(thing));
+void World::AddObject(MovableObject object) {
+  objects_.Add(std::move(object));
   const double travel = MaxTravelOf(robots_, true, step_);
   if (travel == max_travel_) return;
   max_travel_ = travel;
   edges_ = NearbyEdges(EdgesOf(solids_, doors_.all()), max_radius_ + (max_travel_ + kMargin));
 }
 
-void World::RemoveThing(int thing) { things_.Remove(thing); }
+void World::RemoveObject(int object) { objects_.Remove(object); }
 
-void World::SetThingPose(int thing, const Pose& pose) { things_.SetPose(thing, pose); }
+void World::SetObjectPose(int object, const base::Pose& pose) { objects_.SetPose(object, pose); }
 
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

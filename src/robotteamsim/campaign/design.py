@@ -1,4 +1,4 @@
-"""What a campaign consists of: cells, which are settings of a scenario, and trials of each, with their seeds."""
+"""The design of a campaign: cells, which are settings of a scenario, and the trials of each, with their seeds."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ _NUM_SEEDS = 2**53
 class Cell:
     """One combination of settings.
 
-    values:   of each of the design's keys, in their order, plain values as the checked scenario has them.
-    scenario: with these settings; its own seed does not matter.
+    values:   of the design's keys, in their order: plain values as in the checked scenario.
+    scenario: with these settings; its own seed is not used.
     """
 
     values: tuple[Any, ...]
@@ -44,7 +44,7 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """All cells, each to be tried `trials` times. keys: what differs between cells."""
+    """All cells, with `trials` trials of each. keys: those whose values differ between cells."""
 
     scenario: Scenario
     seed: int
@@ -53,13 +53,13 @@ class Design:
     cells: tuple[Cell, ...]
 
     def all_trials(self) -> Iterator[Trial]:
-        """Yield every trial, the first of each cell before the second of any."""
+        """Yield every trial: the first of each cell, then the second of each cell, and so on."""
         for number in range(1, self.trials + 1):
             for index, cell in enumerate(self.cells):
                 yield Trial(index, number, self._trial_seed(cell, number))
 
     def settings(self) -> dict[str, Any]:
-        """Return, as plain values for JSON, all that decides the results."""
+        """Return everything that determines the results, as plain values for JSON."""
         contents = json.dumps([_without_seed(cell.scenario) for cell in self.cells], sort_keys=True)
         return {
             "seed": self.seed,
@@ -67,12 +67,12 @@ class Design:
             "keys": list(self.keys),
             "cells": [list(cell.values) for cell in self.cells],
             "scenario": _without_seed(self.scenario),
-            # Of all cells whole: their values do not say what is in a file that they name.
+            # Of the complete cells: their values do not contain the contents of files that they name.
             "fingerprint": hashlib.sha256(contents.encode()).hexdigest(),
         }
 
     def _trial_seed(self, cell: Cell, number: int) -> int:
-        # A cell is named by its settings: its seeds do not depend on which other cells there are.
+        # A cell is identified by its settings: its seeds do not depend on the other cells.
         named = sorted(f"{key}={json.dumps(value)}" for key, value in zip(self.keys, cell.values, strict=True))
         return int(rng.stream(self.seed, "campaign", *named, number).integers(_NUM_SEEDS))
 
@@ -89,8 +89,8 @@ def make_design(
     """Return the design of all combinations of the factors' values, each with every group; all cells are checked.
 
     Args:   scenario_name: a file or a shipped name.
-            overrides: of one value each, for all cells; of equal keys the last wins.
-            groups: chosen combinations, each of factors of one value.
+            overrides: of one value each, for all cells; of equal keys the last one counts.
+            groups: selected combinations, each of factors with one value.
     Raises: CampaignError, ScenarioError: one line with place, key and value.
     """
     keys = _checked_keys(overrides, factors, groups)
@@ -98,7 +98,7 @@ def make_design(
         raise CampaignError(f"--trials: {trials} is below 1")
     num_trials = trials * len(groups) * math.prod(len(factor.values) for factor in factors)
     if num_trials > MAX_TRIALS:
-        raise CampaignError(f"{num_trials} trials in all are too many; wanted at most {MAX_TRIALS}")
+        raise CampaignError(f"{num_trials} trials in all; expected at most {MAX_TRIALS}")
     if not 0 <= seed < _NUM_SEEDS:
         raise CampaignError(f"--seed: {seed} is not between 0 and 2^53")
     base = _load(scenario_name, overrides)
@@ -115,7 +115,7 @@ def make_design(
             name = json.dumps(cell.values)
             if name in cells:
                 place = (chosen or group)[-1].place
-                raise CampaignError(f"{place}: {_settings_text(keys, cell.values)} stands there twice")
+                raise CampaignError(f"{place}: duplicate cell: {_settings_text(keys, cell.values)}")
             cells[name] = cell
     return Design(base, seed, trials, keys, tuple(cells.values()))
 
@@ -130,16 +130,16 @@ def _checked_keys(
             varied[factor.key] = factor.place
     for factor in factors:
         if not factor.values:
-            raise CampaignError(f"{factor.place}: {factor.key}: has no values")
+            raise CampaignError(f"{factor.place}: {factor.key}: no values")
         if factor.key in varied:
-            raise CampaignError(f"{factor.place}: {factor.key}: varies already by {varied[factor.key]}")
+            raise CampaignError(f"{factor.place}: {factor.key}: already varied by {varied[factor.key]}")
         varied[factor.key] = factor.place
     for factor in overrides:
         if factor.key in varied:
-            raise CampaignError(f"{factor.place}: {factor.key}: varies already by {varied[factor.key]}")
+            raise CampaignError(f"{factor.place}: {factor.key}: already varied by {varied[factor.key]}")
     for key, place in {**{factor.key: factor.place for factor in overrides}, **varied}.items():
         if key in ("run", "run.seed"):
-            raise CampaignError(f"{place}: {key}: each trial has a seed of its own; they follow from --seed")
+            raise CampaignError(f"{place}: {key}: not allowed: the seed of each trial is derived from --seed")
     return tuple(varied)
 
 
@@ -159,14 +159,14 @@ def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
         if message == str(error):
             raise
         key = message.partition(": ")[0]
-        # What is told is within what was set, or part of its way: of schedule.0.at_s that there is no list schedule.
+        # The error may concern a key within the one that was set, or a section that contains it.
         matching = [s for s in settings if f"{key}.".startswith(f"{s.key}.") or s.key.startswith(f"{key}.")]
         place = matching[-1].place if matching else "--set"
         raise CampaignError(f"{place}: {message}") from None
 
 
 def _check_algorithm(of: Scenario, settings: Sequence[Factor]) -> None:
-    """Raise CampaignError unless there is such a controller: else every trial would find that out for itself."""
+    """Raise CampaignError unless the controller exists: otherwise every trial would fail."""
     try:
         make_controller(0, of)
     except RobotTeamSimError as error:
@@ -174,11 +174,11 @@ def _check_algorithm(of: Scenario, settings: Sequence[Factor]) -> None:
         message = str(error).removeprefix(f"{of.name}: ")
         raise CampaignError(f"{matching[-1].place if matching else of.name}: {message}") from None
     except (Exception, SystemExit):
-        return  # A class that fails for one robot stops that robot, in a mission: an event tells.
+        return  # In a mission, a class that fails stops its robot, which is an event.
 
 
 def _value_at(data: Any, key: str, default: Any) -> Any:
-    """Return the value at a dotted key. A plan's key may name a file: then that name says more than its contents."""
+    """Return the value at a dotted key; of `plan` the default, which is a name: shorter than the contents."""
     if key == "plan":
         return default
     for part in key.split("."):
@@ -196,11 +196,11 @@ def _without_seed(of: Scenario) -> dict[str, Any]:
 
 
 def _settings_text(keys: Sequence[str], values: Sequence[Any]) -> str:
-    return ", ".join(f"{key}={shown(value)}" for key, value in zip(keys, values, strict=True)) or "an empty cell"
+    return ", ".join(f"{key}={shown(value)}" for key, value in zip(keys, values, strict=True)) or "no settings"
 
 
 def settings_difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str | None:
-    """Return where two `Design.settings` differ first, as "key = old, not new"; none: nowhere."""
+    """Return the first difference of two `Design.settings` as "key = old, not new"; None: they are equal."""
     flat_old, flat_new = dict(_flat(old)), dict(_flat(new))
     keys = [key for key in (*flat_new, *flat_old) if flat_old.get(key) != flat_new.get(key)]
     if not keys:
@@ -211,7 +211,7 @@ def settings_difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str |
 
 
 def _flat(data: Any, key: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield all plain values with their dotted keys; lists of plain values stay whole."""
+    """Yield all plain values with their dotted keys; lists of plain values count as one value."""
     if isinstance(data, dict) and data:
         for part, value in data.items():
             yield from _flat(value, f"{key}.{part}" if key else str(part))

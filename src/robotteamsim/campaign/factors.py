@@ -1,4 +1,4 @@
-"""What a user wants to vary: on the command line, or in a YAML file."""
+"""The factors of a campaign, from the command line or a YAML file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MAX_TRIALS = 1_000_000
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """A dotted key of the scenario and the values that it takes, as YAML reads them; `place` names who said so."""
+    """A dotted key of the scenario and its values, as YAML reads them; `place` names the option or file."""
 
     key: str
     values: tuple[Any, ...]
@@ -26,14 +26,14 @@ class Factor:
 
 
 class DesignFile(Model):
-    """A design as a YAML file says it."""
+    """A design file."""
 
     trials: int | None = Field(default=None, ge=1, le=MAX_TRIALS, description="of each cell")
-    seed: int | None = Field(default=None, ge=0, le=2**53, description="from which the seeds of all trials follow")
+    seed: int | None = Field(default=None, ge=0, le=2**53, description="the seeds of all trials are derived from it")
     overrides: dict[str, Any] = Field(default={}, alias="set", description="key: value for all cells")
-    sweep: dict[str, Many[Any]] = Field(default={}, description="key: list of values; all combinations are tried")
+    sweep: dict[str, Many[Any]] = Field(default={}, description="key: list of values; all combinations are run")
     cells: Many[dict[str, Any]] = Field(
-        default=(), description="chosen combinations, each a list of key: value; swept keys combine with each"
+        default=(), description="selected combinations, each a mapping of key: value; combined with the swept keys"
     )
 
 
@@ -51,7 +51,7 @@ def parse_sweep(text: str) -> Factor:
     key, equals, values = (part.strip() for part in text.partition("="))
     if not (key and equals and values):
         raise CampaignError(f"--sweep: '{text}' is not of the form KEY=A,B,C, such as control.alpha=0.3,0.5,0.7")
-    # Read as a list, so that commas within brackets and quotes do not part values.
+    # Read as a list, so that commas within brackets and quotes do not separate values.
     return Factor(key, tuple(parse(f"[{values}]", f"--sweep: {key}")), "--sweep")
 
 

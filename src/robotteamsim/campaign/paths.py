@@ -1,4 +1,4 @@
-"""Where the robots of a trial went, in few bytes."""
+"""The paths of a trial's robots, in a compact form."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from robotteamsim.simulation import Result, StepRecord
 from robotteamsim.world.placement import placed_robots
 
 PERIOD_S = 1.0
-"""Between two positions that are kept; a whole number of steps, and at least one."""
+"""Between two positions that are stored; rounded to a whole number of steps, at least one."""
 
 _UNIT_M = 0.01
 _HEADER = struct.Struct("<II")
 
 
 class PathLog:
-    """Notes the true positions of all robots once a second, to a centimetre.
+    """Records the true positions of all robots once a second, to a centimetre.
 
-    One that is not there counts as where it was noted last, or at first as where it starts.
+    An absent robot has its last recorded position, or its start pose if there is none.
     """
 
     def begin(self, scenario: Scenario) -> None:
-        """Begin anew."""
+        """Clear the log."""
         self._every = steps_between(scenario)
         self._starts_m = [robot.start_pose[:2] for robot in placed_robots(scenario)]
         self._positions_m: list[list[tuple[float, float]]] = []
 
     def step(self, record: StepRecord) -> None:
-        """Take in one step; the first is kept, and then every so many."""
+        """Record the first step, and then one per period."""
         if (record.step_index - 1) % self._every == 0:
             last_m = self._positions_m[-1] if self._positions_m else self._starts_m
             poses = [reading.ground_truth for reading in record.readings]
@@ -44,10 +44,10 @@ class PathLog:
             )
 
     def end(self, result: Result) -> None:
-        """Nothing is left to do."""
+        """Do nothing."""
 
     def abandon(self) -> None:
-        """Nothing is left to do."""
+        """Do nothing."""
 
     def encoded(self) -> bytes:
         """Return the paths, as `decode_paths` reads them."""
@@ -55,15 +55,15 @@ class PathLog:
 
 
 def steps_between(scenario: Scenario) -> int:
-    """Return how many steps lie between two kept positions."""
+    """Return the number of steps between two stored positions."""
     return max(round(PERIOD_S / scenario.run.step_s), 1)
 
 
 def encode_paths(positions_m: np.ndarray) -> bytes:
-    """Return paths as bytes, the same for the same paths: some 2 per robot and second.
+    """Return paths as bytes, equal for equal paths: about 2 per robot and second.
 
     Two little-endian uint32, samples and robots; then, deflated, the differences from sample to sample as little-endian
-    int32 [cm], from (0, 0) at first. Args: positions_m: shape (samples, robots, 2), in `map` [m].
+    int32 [cm], starting from (0, 0). Args: positions_m: shape (samples, robots, 2), in `map` [m].
     """
     units = np.rint(positions_m / _UNIT_M).astype("<i4")
     differences = np.diff(units, axis=0, prepend=np.zeros_like(units[:1]))

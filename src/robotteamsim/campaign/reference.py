@@ -9,8 +9,8 @@ from importlib import resources
 
 
 @dataclass(frozen=True, slots=True)
-class Figures:
-    """What the dissertation reports of a mission. time_s: 600 where the time was up."""
+class MissionValues:
+    """The values of a mission in the dissertation. time_s: 600 where the time limit was reached."""
 
     victims_saved: int
     time_s: float
@@ -18,19 +18,19 @@ class Figures:
     endangered_links: int
 
 
-def dissertation_missions() -> dict[float, tuple[Figures, ...]]:
+def dissertation_missions() -> dict[float, tuple[MissionValues, ...]]:
     """Return the 30 missions at each background noise [dB], in order [dissertation, Tables 6 and 7]."""
-    missions: dict[float, list[Figures]] = {}
+    missions: dict[float, list[MissionValues]] = {}
     for saved, explored in zip(_rows("table6.csv"), _rows("table7.csv"), strict=True):
         missions.setdefault(float(saved["noise_db"]), []).append(
-            Figures(
+            MissionValues(
                 victims_saved=int(saved["victims_saved"]),
                 time_s=float(saved["time_s"]),
                 areas_explored=int(explored["waypoints_explored"]),
                 endangered_links=int(explored["connection_endangered"]),
             )
         )
-    return {noise_db: tuple(figures) for noise_db, figures in missions.items()}
+    return {noise_db: tuple(values) for noise_db, values in missions.items()}
 
 
 def _rows(name: str) -> Iterator[dict[str, str]]:

@@ -29,15 +29,15 @@ _MIN_IN_FLIGHT = 100
 _START_ATTEMPTS = 5
 _REPLACE_EVERY_MS = 2000
 
-# A trial whose worker dies moves to another. When that many have died of it, it is given up for now.
+# A trial whose worker dies moves to another one. After this many deaths it is given up.
 _ALLOWED_DEATHS = 20
 
 _LOCAL_SETTINGS = {
     "distributed.scheduler.allowed-failures": _ALLOWED_DEATHS,
     "distributed.worker.profile.enabled": False,
     "distributed.diagnostics.nvml": False,
-    "distributed.admin.tick.limit": "1h",  # A busy machine is no news.
-    # What Dask watches of itself, many times a second in every process, would take cores from the trials.
+    "distributed.admin.tick.limit": "1h",  # Silence lag warnings; load is expected.
+    # Dask's self-monitoring, many times a second in every process, would take time from the trials.
     "distributed.admin.tick.interval": "2s",
     "distributed.admin.system-monitor.interval": "5s",
     "distributed.admin.system-monitor.gil.enabled": False,
@@ -47,11 +47,11 @@ _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM
 
 @contextlib.contextmanager
 def local_workers(count: int | None = None) -> Iterator[Client]:
-    """Start worker processes on this machine, and end them at the end.
+    """Start worker processes on this machine, and stop them at the end.
 
-    Args: count: of workers, each of one thread; none: as many as this process may use cores.
+    Args: count: of workers, each with one thread; None: one per core that this process may use.
     """
-    # Brings in a second's worth of modules, which no other command needs.
+    # Slow to import, and no other command needs it.
     import dask
     from distributed import Client
 
@@ -64,12 +64,12 @@ def local_workers(count: int | None = None) -> Iterator[Client]:
 
 
 def prepare(client: Client, design: Design) -> None:
-    """Have workers import, and compute what all trials share, before the first trial; it works without it, too."""
-    client.run(get_ready, design.cells[0].scenario, on_error="ignore")  # One that dies of it is replaced, as later.
+    """Let workers import and compute what all trials share before the first trial; optional."""
+    client.run(get_ready, design.cells[0].scenario, on_error="ignore")  # A worker that dies is replaced, as in trials.
 
 
 def _start_cluster(count: int) -> LocalCluster:
-    """Return a cluster of this machine. Raises: CampaignError: its workers died at their start, time and again."""
+    """Return a cluster of this machine. Raises: CampaignError: its workers died repeatedly at their start."""
     from distributed import LocalCluster
 
     for attempt in range(_START_ATTEMPTS):
@@ -79,7 +79,7 @@ def _start_cluster(count: int) -> LocalCluster:
                 threads_per_worker=1,
                 processes=True,
                 memory_limit=0,
-                dashboard_address="127.0.0.1:0",  # Any free port: the usual one may be taken.
+                dashboard_address="127.0.0.1:0",  # Any free port: the default one may be in use.
                 silence_logs=logging.CRITICAL,
                 env=_ONE_THREAD,
             )
@@ -91,7 +91,7 @@ def _start_cluster(count: int) -> LocalCluster:
 
 @contextlib.contextmanager
 def _dead_workers_replaced(cluster: LocalCluster, count: int) -> Iterator[None]:
-    """Keep up the number of workers. Dask itself restarts a dead one, but not one that died at its restart."""
+    """Keep the number of workers constant. Dask restarts a dead worker, but not one that died while it restarted."""
     from distributed import Status
     from tornado.ioloop import PeriodicCallback
 
@@ -112,11 +112,11 @@ def _dead_workers_replaced(cluster: LocalCluster, count: int) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _interrupts_kept_from_children() -> Iterator[None]:
-    """Let threads and processes that begin here, and theirs, never see Ctrl-C: it is this thread's to handle.
+    """Block Ctrl-C in threads and processes that are started here, and their children: this thread handles it.
 
-    A terminal sends it to all processes; workers would answer with tracebacks.
+    A terminal sends it to all processes; workers would print tracebacks.
     """
-    resource_tracker.ensure_running()  # Else it does so later, and unblocks the signal on its way.
+    resource_tracker.ensure_running()  # Otherwise it starts later, and unblocks the signal then.
     former = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -126,9 +126,9 @@ def _interrupts_kept_from_children() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _core_first_on_path() -> Iterator[None]:
-    """Let new processes, which inherit sys.path, find the package where its C++ part lies.
+    """Let new processes, which inherit sys.path, find the package in the folder of its C++ part.
 
-    In catkin's devel space, importing the package puts the source folder first, which has no C++ part.
+    In a catkin devel space, importing the package puts the source folder first, which has no C++ part.
     """
     place = str(Path(_core.__file__).parents[1])
     sys.path.insert(0, place)
@@ -142,17 +142,17 @@ def _core_first_on_path() -> Iterator[None]:
 def scheduler_at(address: str) -> Iterator[Client]:
     """Connect to a scheduler such as tcp://10.0.0.1:8786, and disconnect at the end.
 
-    Raises: CampaignError: nobody answers there within 5 s, or no Dask scheduler does.
+    Raises: CampaignError: no Dask scheduler answers within 5 s.
     """
     from distributed import Client
 
-    # Tells of a lost scheduler, which is ours to tell.
+    # It logs a lost scheduler, which we report ourselves.
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     try:
-        # Client itself waits for ever where somebody takes the connection and says nothing.
+        # Client itself waits forever for a server that accepts the connection and does not answer.
         asyncio.run(asyncio.wait_for(_shake_hands(address), CONNECT_TIMEOUT_S))
         client = Client(address, timeout=CONNECT_TIMEOUT_S)
-    except Exception as error:  # Whoever else listens there may answer anything.
+    except Exception as error:  # Another kind of server may answer anything.
         raise CampaignError(f"{address}: no scheduler answers: {_line(error)}") from None
     with client:
         yield client
@@ -170,25 +170,25 @@ def run_trials(
 ) -> tuple[Trial, ...]:
     """Run trials on a client's workers, in any order, and give each outcome to `keep` in this thread.
 
-    Returns: the trials that were given up since their workers died, time and again.
-    Raises:  CampaignError: the scheduler is lost, or a worker cannot run trials: another version, say.
+    Returns: the trials that were given up because their workers died repeatedly.
+    Raises:  CampaignError: the scheduler is lost, or a worker cannot run trials, for example with another version.
     """
     from distributed import as_completed
 
     waiting = iter(trials)
     running: dict[Future[Outcome], Trial] = {}
     given_up: list[Trial] = []
-    pending = as_completed(loop=client.loop)  # Else that of the newest client.
+    pending = as_completed(loop=client.loop)  # The default is that of the newest client.
 
     def submit(count: int) -> None:
         for trial in itertools.islice(waiting, count):
             scenario = design.cells[trial.cell].scenario
-            # Impure: its own key, so that no cluster takes the result of an older program for it.
+            # Impure: a key of its own, so that a cluster does not reuse the result of an older program.
             future = client.submit(run_trial, scenario, trial, robotteamsim.__version__, pure=False)
             running[future] = trial
             pending.add(future)
 
-    # Enough that no worker waits; not all, as each takes its scenario along.
+    # Enough that no worker waits; not all, since each is sent with its scenario.
     submit(max(_MIN_IN_FLIGHT, 4 * sum(client.ncores().values())))
     try:
         for future in pending:
@@ -205,7 +205,7 @@ def run_trials(
 
 
 def _outcome(future: Future[Outcome]) -> Outcome | None:
-    """Return the outcome of a trial that ended; none: its workers died. Raises: CampaignError, as `run_trials`."""
+    """Return the outcome of a trial that ended; None: its workers died. Raises: CampaignError, as `run_trials`."""
     from distributed import KilledWorker
 
     try:
@@ -217,9 +217,9 @@ def _outcome(future: Future[Outcome]) -> Outcome | None:
     except CampaignError:
         raise
     except (CancelledError, OSError):
-        raise CampaignError("the scheduler is lost; the same command goes on") from None
+        raise CampaignError("the connection to the scheduler was lost; run the same command to continue") from None
     except Exception as error:
-        # A trial's own exceptions are in its outcome: this is the worker's, which lacks the package, say.
+        # Exceptions of a trial are in its outcome: this one is the worker's, without the package for example.
         raise CampaignError(f"a worker cannot run trials: {type(error).__name__}: {_line(error)}") from error
 
 

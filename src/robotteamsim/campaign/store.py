@@ -29,33 +29,34 @@ _OUR_FILES = {STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", f".part-{STO
 _OUR_FILES |= {f".part-{STORE_NAME}-journal", CSV_NAME, f".part-{CSV_NAME}"}
 
 _FORMAT = 3
-_LACKS = {1: "the robots' paths", 2: "what a base heard of"}
-_APPLICATION_ID = 0x52545343  # "RTSC": tells `file` and us whose database it is.
+_LACKS = {1: "the robots' paths", 2: "the discoveries delivered to a base"}
+_APPLICATION_ID = 0x52545343  # "RTSC" identifies our databases.
 _COLUMNS = tuple(field.name for field in dataclasses.fields(Outcome))
 _SCHEMA = f"""
 PRAGMA application_id = {_APPLICATION_ID};
 CREATE TABLE campaign (name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE trial (
   cell INTEGER, number INTEGER, seed INTEGER, "end" TEXT, time_s REAL, areas_explored INTEGER, num_areas INTEGER,
-  victims_saved INTEGER, num_victims INTEGER, endangered_links INTEGER, finds_reported INTEGER,
-  mean_report_delay_s REAL, max_report_delay_s REAL, distance_m REAL, contact_s REAL, steps INTEGER,
+  victims_saved INTEGER, num_victims INTEGER, endangered_links INTEGER, discoveries_delivered INTEGER,
+  mean_delivery_delay_s REAL, max_delivery_delay_s REAL, distance_m REAL, contact_s REAL, steps INTEGER,
   trajectory_hash TEXT, details TEXT, paths BLOB, error TEXT NOT NULL, traceback TEXT NOT NULL, wall_s REAL NOT NULL,
   PRIMARY KEY (cell, number)
 );
 """
-_SELECT = f"SELECT {', '.join(_COLUMNS)} FROM trial ORDER BY cell, number".replace(" end,", ' "end",')
+# By position: stores of earlier versions name the columns about discoveries differently.
+_SELECT = "SELECT * FROM trial ORDER BY cell, number"
 _INSERT = f"INSERT INTO trial VALUES ({', '.join('?' * len(_COLUMNS))})"
 
-# Not in trials.csv: what is not the same in equal trials, and what is a document of its own.
+# trials.csv does not contain values that differ between equal trials, and documents.
 _CSV_COLUMNS = tuple(name for name in _COLUMNS if name not in ("cell", "details", "paths", "traceback", "wall_s"))
 
 
 @dataclass(frozen=True, slots=True)
 class StoredCampaign:
-    """What is in a store.
+    """The contents of a store.
 
-    settings: `Design.settings` of it.     versions: of the program and libraries that began it.
-    outcomes: of the trials done so far, by cell, then number.
+    settings: `Design.settings`.     versions: of the program and libraries that started the campaign.
+    outcomes: of the trials that are done, by cell, then number.
     """
 
     settings: dict[str, Any]
@@ -70,7 +71,7 @@ class Store:
         self._folder, self._design, self._database = folder, design, database
 
     def outcomes(self) -> tuple[Outcome, ...]:
-        """Return what has been kept so far, by cell, then number. Raises: CampaignError."""
+        """Return the stored outcomes, by cell, then number. Raises: CampaignError."""
         with _as_campaign_errors(self._folder / STORE_NAME):
             return _outcomes(self._database)
 
@@ -80,7 +81,7 @@ class Store:
         return [trial for trial in self._design.all_trials() if (trial.cell, trial.number) not in done]
 
     def keep(self, outcome: Outcome) -> None:
-        """Keep an outcome for good. Raises: CampaignError: a full disk, or the like."""
+        """Store an outcome durably. Raises: CampaignError: a full disk, for example."""
         with _as_campaign_errors(self._folder / STORE_NAME), self._database:
             self._database.execute(_INSERT, dataclasses.astuple(outcome))
 
@@ -92,7 +93,7 @@ class Store:
 
 
 def check_folder(folder: Path, design: Design) -> None:
-    """Make sure, without changing anything, that `open_store` has a chance. Raises: CampaignError."""
+    """Check, without changing anything, that `open_store` can succeed. Raises: CampaignError."""
     if (folder / STORE_NAME).exists():
         _check_same(folder, read_store(folder), design)
     elif folder.exists():
@@ -100,15 +101,15 @@ def check_folder(folder: Path, design: Design) -> None:
     else:
         parent = next(parent for parent in folder.absolute().parents if parent.exists())
         if not parent.is_dir() or not os.access(parent, os.W_OK | os.X_OK):
-            reason = "is no folder" if not parent.is_dir() else "cannot be written"
-            raise CampaignError(f"{folder}: cannot be made: {parent} {reason}")
+            reason = "is not a folder" if not parent.is_dir() else "cannot be written"
+            raise CampaignError(f"{folder}: cannot be created: {parent} {reason}")
 
 
 @contextlib.contextmanager
 def open_store(folder: Path, design: Design) -> Iterator[Store]:
-    """Open the store of a folder for a design, made anew where there is none; it may grow by more trials of each cell.
+    """Open the store of a folder for a design, or create it; the design may have more trials per cell than before.
 
-    Raises: CampaignError: the folder holds something else, another campaign, or one that is running right now;
+    Raises: CampaignError: the folder contains something else, another campaign, or one that is running now;
             the message names the difference. RecordingError: the folder cannot be written.
     """
     check_folder(folder, design)
@@ -128,28 +129,28 @@ def open_store(folder: Path, design: Design) -> Iterator[Store]:
                         "UPDATE campaign SET value = ? WHERE name = 'settings'", (json.dumps(design.settings()),)
                     )
                 database.execute("PRAGMA journal_mode = WAL")
-                # A row that was kept outlives a power cut, too.
+                # A stored row survives a power failure.
                 database.execute("PRAGMA synchronous = FULL")
             yield Store(folder, design, database)
 
 
 def read_store(folder: Path) -> StoredCampaign:
-    """Return what is in the store of a folder; that may be done while it grows. Raises: CampaignError: no store."""
+    """Return the contents of a folder's store, also while it grows. Raises: CampaignError: there is no store."""
     path = folder / STORE_NAME
     if not path.is_file():
-        raise CampaignError(f"{folder}: holds no campaign: there is no {STORE_NAME}")
+        raise CampaignError(f"{folder}: contains no campaign: there is no {STORE_NAME}")
     with _as_campaign_errors(path), contextlib.closing(sqlite3.connect(path)) as database:
         if database.execute("PRAGMA application_id").fetchone()[0] != _APPLICATION_ID:
-            raise CampaignError(f"{path}: is no store of a campaign")
+            raise CampaignError(f"{path}: is not the store of a campaign")
         known = dict(database.execute("SELECT name, value FROM campaign").fetchall())
         if (number := int(known["format"])) != _FORMAT:
             lacks = f", which lacks {_LACKS[number]}" if number in _LACKS else ""
-            raise CampaignError(f"{path}: has format {number}{lacks}; wanted {_FORMAT}: choose another folder")
+            raise CampaignError(f"{path}: has format {number}{lacks}; expected {_FORMAT}: choose another folder")
         return StoredCampaign(json.loads(known["settings"]), json.loads(known["versions"]), _outcomes(database))
 
 
 def trials_csv(design: Design, outcomes: tuple[Outcome, ...]) -> str:
-    """Return a table with one line per trial: the cell's settings, the trial's number and figures."""
+    """Return a table with one line per trial: the cell's settings, the trial's number and results."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([*design.keys, *("trial" if name == "number" else name for name in _CSV_COLUMNS)])
@@ -160,7 +161,7 @@ def trials_csv(design: Design, outcomes: tuple[Outcome, ...]) -> str:
 
 
 def _make(path: Path, design: Design) -> None:
-    """Make a store with all its settings, or none at all."""
+    """Create a store with all its settings, or none at all."""
     with atomically(path) as part:
         part.unlink(missing_ok=True)
         with contextlib.closing(sqlite3.connect(part)) as database:
@@ -172,26 +173,26 @@ def _make(path: Path, design: Design) -> None:
 
 def _check_ours(folder: Path) -> None:
     if not folder.is_dir():
-        raise CampaignError(f"{folder}: is no folder")
+        raise CampaignError(f"{folder}: is not a folder")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise CampaignError(f"{folder}: cannot be written")
     others = sorted(set(os.listdir(folder)) - _OUR_FILES)
     if others:
-        raise CampaignError(f"{folder}: holds '{others[0]}' and no campaign; wanted a new or an empty folder")
+        raise CampaignError(f"{folder}: contains '{others[0]}' and no campaign; expected a new or an empty folder")
 
 
 def _check_same(folder: Path, stored: StoredCampaign, design: Design) -> None:
     old, new = stored.versions["robotteamsim"], robotteamsim.__version__
     if old != new:
-        raise CampaignError(f"{folder}: holds a campaign of version {old}, not {new}; choose another folder")
-    # As JSON has it: there, tuples are lists.
+        raise CampaignError(f"{folder}: contains a campaign of version {old}, not {new}; choose another folder")
+    # As in JSON, where tuples are lists.
     wanted = json.loads(json.dumps(design.settings()))
     known = stored.settings
     if known["trials"] <= design.trials:
         known = known | {"trials": design.trials}
     difference = settings_difference(known, wanted)
     if difference:
-        raise CampaignError(f"{folder}: holds a campaign with {difference}; choose another folder")
+        raise CampaignError(f"{folder}: contains a campaign with {difference}; choose another folder")
 
 
 def _outcomes(database: sqlite3.Connection) -> tuple[Outcome, ...]:
@@ -200,12 +201,12 @@ def _outcomes(database: sqlite3.Connection) -> tuple[Outcome, ...]:
 
 @contextlib.contextmanager
 def _locked(folder: Path) -> Iterator[IO[bytes]]:
-    """Keep other campaigns out of the folder. The system lets go of the lock when the process ends, however it does."""
+    """Lock the folder against other campaigns. The system releases the lock when the process ends, however it does."""
     with (folder / _LOCK_NAME).open("wb") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise CampaignError(f"{folder}: another process runs this campaign right now") from None
+            raise CampaignError(f"{folder}: another process is running this campaign") from None
         yield file
 
 

@@ -1,4 +1,4 @@
-"""Mean, spread and interval of what the trials of each cell gave."""
+"""Mean, spread and interval of the results of each cell's trials."""
 
 from __future__ import annotations
 
@@ -11,15 +11,18 @@ from typing import Any
 from robotteamsim.campaign.design import Design
 from robotteamsim.campaign.trial import Outcome
 
-REPORTS = ("finds_reported", "mean_report_delay_s", "max_report_delay_s")
-FIGURES = ("victims_saved", "time_s", "areas_explored", "endangered_links", "distance_m", "contact_s", *REPORTS)
+DELIVERY_QUANTITIES = ("discoveries_delivered", "mean_delivery_delay_s", "max_delivery_delay_s")
+QUANTITIES = (
+    *("victims_saved", "time_s", "areas_explored", "endangered_links", "distance_m", "contact_s"),
+    *DELIVERY_QUANTITIES,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """Of one figure in one cell: mean, sample standard deviation, and Student's 95 % interval of the mean.
+    """Mean, sample standard deviation, and Student's 95 % interval of the mean of one quantity in one cell.
 
-    sd, low and high are none where there are fewer than two trials.
+    sd, low and high are None for fewer than two trials.
     """
 
     mean: float
@@ -30,21 +33,21 @@ class Spread:
 
 @dataclass(frozen=True, slots=True)
 class CellSummary:
-    """What the trials of a cell gave.
+    """The results of a cell's trials.
 
     settings:   the cell's value of each key of the design.
-    trials:     without failed ones.     timed_out: those of them that ended at the time limit; their time counts as is.
-    figures:    of each of FIGURES that some trial has, over those that have it; those of REPORTS need a base.
+    trials:     without failed ones.     timed_out: those that ended at the time limit, with that as their time.
+    statistics: by name in QUANTITIES, over the trials that have it; DELIVERY_QUANTITIES need a base.
     """
 
     settings: dict[str, Any]
     trials: int
     failed: int
     timed_out: int
-    figures: dict[str, Spread]
+    statistics: dict[str, Spread]
 
     def as_json(self) -> dict[str, Any]:
-        """Return it as plain values."""
+        """Return the summary as plain values."""
         return asdict(self)
 
 
@@ -54,15 +57,15 @@ def summarise(design: Design, outcomes: Sequence[Outcome]) -> tuple[CellSummary,
     for index, cell in enumerate(design.cells):
         own = [outcome for outcome in outcomes if outcome.cell == index]
         good = [outcome for outcome in own if not outcome.failed]
-        known = {name: [v for v in (getattr(outcome, name) for outcome in good) if v is not None] for name in FIGURES}
-        figures = {name: spread(values) for name, values in known.items() if values}
+        by_name = {name: [getattr(outcome, name) for outcome in good] for name in QUANTITIES}
+        known = {name: [value for value in values if value is not None] for name, values in by_name.items()}
         summaries.append(
             CellSummary(
                 settings=dict(zip(design.keys, cell.values, strict=True)),
                 trials=len(good),
                 failed=len(own) - len(good),
                 timed_out=sum(outcome.end == "time_limit" for outcome in good),
-                figures=figures,
+                statistics={name: spread(values) for name, values in known.items() if values},
             )
         )
     return tuple(summaries)
@@ -71,11 +74,11 @@ def summarise(design: Design, outcomes: Sequence[Outcome]) -> tuple[CellSummary,
 def spread(values: Sequence[float]) -> Spread:
     """Return mean, standard deviation and interval. Raises: ValueError: there are no values."""
     if not values:
-        raise ValueError("no values have no mean")
+        raise ValueError("values must not be empty")
     mean = statistics.fmean(values)
     if len(values) < 2:
         return Spread(mean, None, None, None)
-    from scipy import stats  # Takes longer to import than this module is used.
+    from scipy import stats  # Slow to import.
 
     sd = statistics.stdev(values)
     half = float(stats.t.ppf(0.975, len(values) - 1)) * sd / math.sqrt(len(values))

@@ -1,4 +1,4 @@
-"""Tables as text: the dissertation's 6 to 9 with ours beside its own, and one line per cell for any other campaign."""
+"""Tables as text: Tables 6 to 9 of the dissertation beside ours, and one line per cell for any other campaign."""
 
 from __future__ import annotations
 
@@ -9,45 +9,47 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from robotteamsim.campaign.design import Design
-from robotteamsim.campaign.reference import Figures, dissertation_missions
-from robotteamsim.campaign.summary import REPORTS, CellSummary, Spread
+from robotteamsim.campaign.reference import MissionValues, dissertation_missions
+from robotteamsim.campaign.summary import DELIVERY_QUANTITIES, CellSummary, Spread
 from robotteamsim.campaign.trial import Outcome
 
-Missions = Mapping[float, Sequence[Figures | None]]
-"""By background noise [dB], the missions in order; none: it failed, or was not run."""
+Missions = Mapping[float, Sequence[MissionValues | None]]
+"""By background noise [dB], the missions in order; None: it failed, or was not run."""
 
 _NOISE_KEY = "voice.noise_db"
 _SHOWN_TRIALS = 30
-_Column = tuple[str, int, Callable[[Figures], float], int]
-_VICTIMS: _Column = ("victims saved", 7, lambda figures: figures.victims_saved, 1)
-_TIME: _Column = ("time [s]", 7, lambda figures: round(figures.time_s), 1)
-_AREAS: _Column = ("waypoints", 6, lambda figures: figures.areas_explored, 2)
-_ENDANGERED: _Column = ("endangered", 6, lambda figures: figures.endangered_links, 2)
+_Column = tuple[str, int, Callable[[MissionValues], float], int]
+_VICTIMS: _Column = ("victims saved", 7, lambda values: values.victims_saved, 1)
+_TIME: _Column = ("time [s]", 7, lambda values: round(values.time_s), 1)
+_AREAS: _Column = ("waypoints", 6, lambda values: values.areas_explored, 2)
+_ENDANGERED: _Column = ("endangered", 6, lambda values: values.endangered_links, 2)
 _STATISTICS: dict[str, Callable[[list[float]], float]] = {
     "Mean": statistics.fmean,
     "Median": statistics.median,
-    "Mode": lambda values: min(statistics.multimode(values)),  # Of ties the least: so Table 8 has 348 s, not 350 s.
+    "Mode": lambda values: min(statistics.multimode(values)),  # Of ties the smallest, as in Table 8: 348 s, not 350 s.
 }
 
 
 def is_the_dissertations(design: Design) -> bool:
-    """Whether Tables 6 to 9 say all about a campaign: the garage under various noises, and nothing else varies."""
+    """Whether Tables 6 to 9 suit a campaign: the garage, and only the noise varies."""
     return design.scenario.name == "garage_sar" and design.keys == (_NOISE_KEY,)
 
 
 def missions_by_noise(design: Design, outcomes: Sequence[Outcome]) -> Missions:
-    """Return our missions as the dissertation reports its own, for a design that varies the noise alone."""
-    missions: dict[float, list[Figures | None]] = {cell.values[0]: [None] * design.trials for cell in design.cells}
+    """Return our missions in the form of the dissertation, for a design that varies only the noise."""
+    missions: dict[float, list[MissionValues | None]] = {
+        cell.values[0]: [None] * design.trials for cell in design.cells
+    }
     for outcome in outcomes:
         if not outcome.failed:
-            missions[design.cells[outcome.cell].values[0]][outcome.number - 1] = _figures(outcome)
+            missions[design.cells[outcome.cell].values[0]][outcome.number - 1] = _values(outcome)
     return missions
 
 
 def dissertation_tables(ours: Missions) -> str:
-    """Return Tables 6 to 9 for our noise levels, each figure followed by the dissertation's, where it has that level.
+    """Return Tables 6 to 9 for our noise levels, each value beside the dissertation's, where it has that level.
 
-    Times are whole seconds, as there.
+    Times are whole seconds, as in the dissertation.
     """
     theirs = dissertation_missions()
     tables = [
@@ -60,19 +62,19 @@ def dissertation_tables(ours: Missions) -> str:
 
 
 def summary_table(design: Design, summaries: Sequence[CellSummary]) -> str:
-    """Return one line per cell: its settings; mean, standard deviation and 95 % interval of its figures.
+    """Return one line per cell: its settings; mean, standard deviation and 95 % interval of its results.
 
-    With a base, among them how many finds it heard of, and how late of those: on average, and of the latest.
+    With a base, also the number of discoveries delivered to it, and their mean and longest delay.
     """
-    figures = {"victims saved": "victims_saved", "time [s]": "time_s", "areas": "areas_explored"}
-    figures |= {"endangered": "endangered_links", "driven [m]": "distance_m"}
+    columns = {"victims saved": "victims_saved", "time [s]": "time_s", "areas": "areas_explored"}
+    columns |= {"endangered": "endangered_links", "driven [m]": "distance_m"}
     if design.scenario.mission.base is not None:
-        figures |= dict(zip(("reported", "report after [s]", "last after [s]"), REPORTS, strict=True))
-    lines = [[*design.keys, "trials", *figures]]
+        columns |= dict(zip(("delivered", "mean delay [s]", "max delay [s]"), DELIVERY_QUANTITIES, strict=True))
+    lines = [[*design.keys, "trials", *columns]]
     for summary in summaries:
         values = [_setting(value) for value in summary.settings.values()]
         count = f"{summary.trials}" + (f" + {summary.failed} failed" if summary.failed else "")
-        spreads = [summary.figures.get(name) for name in figures.values()]
+        spreads = [summary.statistics.get(name) for name in columns.values()]
         lines.append([*values, count, *(_spread(spread) for spread in spreads)])
     text = "Mean, standard deviation, 95 % interval of the mean\n\n" + _aligned(lines)
     timed_out = sum(summary.timed_out for summary in summaries)
@@ -80,15 +82,15 @@ def summary_table(design: Design, summaries: Sequence[CellSummary]) -> str:
 
 
 def exclusion_note(outcomes: Sequence[Outcome]) -> str:
-    """Return what a reader of mean times must know of missions that ended as all robots were excluded; "": none did."""
+    """Return a note for readers of mean times on missions that ended because all robots were excluded; "": none did."""
     times_s = [outcome.time_s for outcome in outcomes if outcome.end == "all_excluded" and outcome.time_s is not None]
     if not times_s:
         return ""
     what = "mission" if len(times_s) == 1 else "missions"
     when = f"{min(times_s):.0f}" if len(times_s) == 1 else f"{min(times_s):.0f} to {max(times_s):.0f}"
     return (
-        f"{len(times_s)} {what} of ours ended at {when} s since all robots were excluded; that counts as the time "
-        "here, the time limit in a report"
+        f"{len(times_s)} {what} of ours ended at {when} s because all robots were excluded; that is the time here, "
+        "while a report uses the time limit"
     )
 
 
@@ -102,7 +104,7 @@ def _raw_table(title: str, ours: Missions, theirs: Missions, *columns: _Column) 
         for noise_db in sorted(ours):
             pair = [_item(source.get(noise_db, ()), index) for source in (ours, theirs)]
             for _, _, value, _ in columns:
-                cells += ["-" if figures is None else f"{value(figures):g}" for figures in pair]
+                cells += ["-" if mission is None else f"{value(mission):g}" for mission in pair]
         lines.append(cells)
     table = _block(title, "Trial", sorted(ours), columns, lines)
     more = num_ours - num_lines
@@ -117,7 +119,7 @@ def _statistics_table(title: str, ours: Missions, theirs: Missions, *columns: _C
         for noise_db in sorted(ours):
             for _, _, value, digits in columns:
                 for source in (ours, theirs):
-                    values = [float(value(figures)) for figures in source.get(noise_db, ()) if figures is not None]
+                    values = [float(value(mission)) for mission in source.get(noise_db, ()) if mission is not None]
                     cells.append(_trimmed(statistic(values), digits) if values else "-")
         lines.append(cells)
     return _block(title, "", sorted(ours), columns, lines)
@@ -152,11 +154,11 @@ def _aligned(lines: Sequence[Sequence[str]]) -> str:
     return "\n".join(line.rstrip() for line in padded)
 
 
-def _figures(outcome: Outcome) -> Figures:
-    return Figures(*(getattr(outcome, field.name) for field in dataclasses.fields(Figures)))
+def _values(outcome: Outcome) -> MissionValues:
+    return MissionValues(*(getattr(outcome, field.name) for field in dataclasses.fields(MissionValues)))
 
 
-def _item(missions: Sequence[Figures | None], index: int) -> Figures | None:
+def _item(missions: Sequence[MissionValues | None], index: int) -> MissionValues | None:
     return missions[index] if index < len(missions) else None
 
 

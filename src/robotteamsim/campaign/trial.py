@@ -18,18 +18,18 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
 
 _FIRST_STEPS = 20
-"""After so many, robots have chosen where to go."""
+"""After this many steps, robots have chosen their first goals."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What is kept of a trial. A failed one has an error, its traceback, and None for all figures.
+    """The stored results of a trial. A failed one has an error, its traceback, and None for all values.
 
-    finds_reported, ..report_delay_s: as in `Result`; None without a base.
+    discoveries_delivered, mean_delivery_delay_s, max_delivery_delay_s: as in `Result`; None without a base.
     details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null where that
              never happened) and `robots` (distance_m, contact_s, excluded_s, longest_stay_s of each).
-    paths:   where the robots went, for `decode_paths`.
-    wall_s:  what computing it took, the one figure that differs between equal trials.
+    paths:   of the robots, for `decode_paths`.
+    wall_s:  computing time, the only value that differs between equal trials.
     """
 
     cell: int
@@ -42,9 +42,9 @@ class Outcome:
     victims_saved: int | None = None
     num_victims: int | None = None
     endangered_links: int | None = None
-    finds_reported: int | None = None
-    mean_report_delay_s: float | None = None
-    max_report_delay_s: float | None = None
+    discoveries_delivered: int | None = None
+    mean_delivery_delay_s: float | None = None
+    max_delivery_delay_s: float | None = None
     distance_m: float | None = None
     contact_s: float | None = None
     steps: int | None = None
@@ -62,31 +62,31 @@ class Outcome:
 
 
 def get_ready(scenario: Scenario) -> None:
-    """Import what trials of a scenario need, and keep what they share: its formation, faces, maps of paths."""
-    with contextlib.suppress(Exception):  # A trial will tell.
+    """Import what trials of a scenario need, and compute what they share: formation, faces, distance maps."""
+    with contextlib.suppress(Exception):  # The first trial reports it.
         simulation = Simulation(scenario)
         simulation.mission.start()
         for _ in range(_FIRST_STEPS):
             simulation.step()
     gc.collect()
-    gc.freeze()  # What is there by now stays, so nobody need look through it for garbage.
+    gc.freeze()  # These objects live until the end: later collections need not examine them.
 
 
 def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
     """Run one trial. An exception in it becomes a failed outcome.
 
-    Args:   scenario: that of the trial's cell; its own seed does not matter.
-            version: of robotteamsim, that the campaign wants.
+    Args:   scenario: of the trial's cell; its own seed is not used.
+            version: of robotteamsim that the campaign requires.
     Raises: CampaignError: this process has another version.
     """
     if robotteamsim.__version__ != version:
-        raise CampaignError(f"a worker has robotteamsim {robotteamsim.__version__}, wanted {version}")
+        raise CampaignError(f"a worker has robotteamsim {robotteamsim.__version__}, expected {version}")
     start_s = time.perf_counter()
     seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": trial.seed})})
     times, paths = _EventTimes(), PathLog()
     try:
         result = Simulation(seeded).run([times, paths])
-    except Exception as error:  # Whatever it is, the other trials go on.
+    except Exception as error:  # The other trials continue.
         wall_s = time.perf_counter() - start_s
         line = " ".join(f"{type(error).__name__}: {error}".split())
         trace = traceback.format_exc()
@@ -95,7 +95,7 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
 
 
 class _EventTimes:
-    """Notes when each area was explored, each victim heard and saved."""
+    """Records when each area was explored, each victim heard and saved."""
 
     def begin(self, scenario: Scenario) -> None:
         self._areas: dict[str, float | None] = {area.name: None for area in scenario.mission.areas}
@@ -117,10 +117,10 @@ class _EventTimes:
                 times[key] = event.time_s
 
     def end(self, result: Result) -> None:
-        """Nothing is left to do."""
+        """Do nothing."""
 
     def abandon(self) -> None:
-        """Nothing is left to do."""
+        """Do nothing."""
 
     def details(self, result: Result) -> str:
         """Return the `details` of an outcome."""
@@ -148,9 +148,9 @@ def _outcome(trial: Trial, result: Result, details: str, paths: bytes, wall_s: f
         victims_saved=result.victims_saved,
         num_victims=result.num_victims,
         endangered_links=result.endangered_links,
-        finds_reported=result.discoveries_delivered,
-        mean_report_delay_s=result.mean_delivery_delay_s,
-        max_report_delay_s=result.max_delivery_delay_s,
+        discoveries_delivered=result.discoveries_delivered,
+        mean_delivery_delay_s=result.mean_delivery_delay_s,
+        max_delivery_delay_s=result.max_delivery_delay_s,
         distance_m=sum(robot.distance_m for robot in result.robots),
         contact_s=sum(robot.contact_s for robot in result.robots),
         steps=result.steps,

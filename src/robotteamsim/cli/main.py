@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns: 0; 1 for a campaign with failed trials; 2 for a user's mistake; 130 if interrupted; 141 for a broken pipe.
     """
     try:
-        options = _parser().parse_args(arguments)
+        options = make_parser().parse_args(arguments)
         status = options.command(options)
         sys.stdout.flush()
     except RobotTeamSimError as error:
@@ -62,7 +62,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status or 0
 
 
-def _parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
+    """Return the parser of all commands."""
     parser = Parser(
         prog="robotteamsim",
         description="Simulate teams of mobile robots in search and rescue missions, and analyse the results.",

@@ -12,7 +12,7 @@ Ring = list[Corner]
 
 
 def convex_pieces(polygon: shapely.Polygon) -> list[np.ndarray]:
-    """Return convex pieces that fill a polygon with holes; corners counter-clockwise, float64, shape (n, 2).
+    """Return convex pieces that together are a polygon with holes; corners counter-clockwise, float64, shape (n, 2).
 
     Triangles of the constrained Delaunay triangulation, merged across their longest common edges first while the
     result stays convex (Hertel and Mehlhorn 1983): a straight stretch of wall becomes one piece.
@@ -49,7 +49,7 @@ def _root(home: dict[int, int], piece: int) -> int:
 
 
 def _merged(one: Ring, other: Ring, a: Corner, b: Corner) -> Ring | None:
-    """Return two convex rings joined along the edge a-b, or none where the result is not convex."""
+    """Return two convex rings joined along the edge a-b; None: the result is not convex."""
     if one[one.index(a) - len(one) + 1] != b:
         a, b = b, a
     # `one` runs a -> b along the edge, `other` b -> a.

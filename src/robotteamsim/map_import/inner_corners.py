@@ -1,4 +1,4 @@
-"""Cutting a polygon of walls where they meet: straight across, from each inner corner to the nearest other side."""
+"""Cutting a polygon of walls where walls meet: from each inner corner straight to the nearest opposite side."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ import numpy as np
 import shapely
 
 _BEND = 0.2
-"""Sine of the smallest turn that makes an inner corner; less is a slight bend of one wall."""
+"""Sine of the smallest turn that counts as an inner corner; a smaller turn is a slight bend of one wall."""
 
 _SLACK = 0.05
-"""Sine by which a cut may miss the directions that leave no inner corner on either side of it."""
+"""Sine by which a cut may deviate from the directions that leave no inner corner on either side of it."""
 
 _SAME_POINT = 0.5
-"""A cut that would end this near to a corner ends in the corner; none is shorter."""
+"""A cut that would end this near to a corner ends at the corner; no cut is shorter."""
 
 
 def cut_at_inner_corners(polygon: shapely.Polygon, longest: float) -> list[shapely.Polygon]:
-    """Return the parts of a polygon after cutting it at its inner corners: walls that meet come apart.
+    """Return the parts of a polygon after cutting it at its inner corners, which separates walls that meet.
 
     A cut goes from an inner corner to the nearest point of the outline that leaves no inner corner on either side.
-    Corners where it is further than `longest`, or a shorter cut is in the way, stay as they are.
+    Corners where that is farther than `longest`, or where a shorter cut is in the way, are not cut.
     """
     outline = _Outline(shapely.orient_polygons(polygon))
     cuts = _compatible(sorted(outline.cuts(longest), key=lambda cut: cut.length))
@@ -38,7 +38,7 @@ def cut_at_inner_corners(polygon: shapely.Polygon, longest: float) -> list[shape
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cut:
-    """A segment from an inner corner to another corner, or to a point of an edge."""
+    """A segment from an inner corner to another corner, or to a point on an edge."""
 
     start: np.ndarray
     end: np.ndarray
@@ -52,7 +52,7 @@ class _Cut:
 
 
 def _compatible(cuts: list[_Cut]) -> list[_Cut]:
-    """Return the cuts that are not crossed by one before; of two between the same corners the first."""
+    """Return the cuts that no earlier one crosses; of two cuts between the same corners the first."""
     segments = shapely.linestrings(np.array([[cut.start, cut.end] for cut in cuts]).reshape(-1, 2, 2))
     meets: list[set[int]] = [set() for _ in cuts]
     for i, j in shapely.STRtree(segments).query(segments, predicate="intersects").T.tolist():
@@ -93,7 +93,7 @@ class _Outline:
         return [cut for cut in found if cut is not None]
 
     def segments(self, cuts: list[_Cut]) -> np.ndarray:
-        """Return the edges, parted where cuts end, and the cuts: lines that meet in their ends only."""
+        """Return the edges, split where cuts end, and the cuts: lines that meet only at their ends."""
         feet: dict[int, list[np.ndarray]] = {}
         for cut in cuts:
             if cut.end_edge is not None:
@@ -115,7 +115,7 @@ class _Outline:
         return next((cut for cut in in_order if self._halves(cut) and self._is_inside(cut)), None)
 
     def _to_edge(self, corner: int, edge: int) -> list[_Cut]:
-        """Return the cut to the foot of a corner on an edge; none where that lies beyond the edge's ends."""
+        """Return the perpendicular cut from a corner to an edge; none if its foot is beyond the edge's ends."""
         start, direction = self._corners[edge], self._directions[edge]
         place = float((self._corners[corner] - start) @ direction)
         if not _SAME_POINT < place < self._lengths[edge] - _SAME_POINT:
@@ -124,9 +124,9 @@ class _Outline:
 
     def _halves(self, cut: _Cut) -> bool:
         """Whether the cut leaves no inner corner on either side of its start."""
-        way = (cut.end - cut.start) / cut.length
+        direction = (cut.end - cut.start) / cut.length
         into, out = self._directions[self._preceding[cut.start_corner]], self._directions[cut.start_corner]
-        return _sine(into, way) >= -_SLACK and _sine(out, way) >= -_SLACK
+        return _sine(into, direction) >= -_SLACK and _sine(out, direction) >= -_SLACK
 
     def _is_inside(self, cut: _Cut) -> bool:
         inset = 1e-3 * (cut.end - cut.start)

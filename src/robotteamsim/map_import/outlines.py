@@ -12,40 +12,40 @@ from robotteamsim.map_import.straight_lines import best_runs, fitted_line, foot,
 from robotteamsim.map_import.thickness import edge_thickness
 
 LONG_EDGE_CELLS = 16.0
-"""An edge along an axis of this length is a wall's face and stays where it is; shorter ones may be a staircase."""
+"""An edge along an axis of at least this length is the face of a wall and stays; shorter ones may be a staircase."""
 
 SMALL_RING_CELLS = 16.0
-"""A ring of this length around few cells keeps all its edges."""
+"""A ring up to this length keeps all its edges."""
 
 _LINE_PRICE = 3.0
 """What one more straight line must save in squared distances along the border [cells^3]; more where steps are long, as
 a step of n cells has n / 12, and less in short chains, so that small details keep their sides."""
 
 _CHAMFER_CELLS = 3.0
-"""A side as short as this is left out where its neighbours meet."""
+"""A side up to this length is left out where its neighbours meet."""
 
 _MAX_DISTANCE_CELLS = 1.25
-"""No corner of the cells' border lies further from the line of its side; a staircase's are within 0.71."""
+"""No corner of the cells' border may be farther from the line of its side; those of a staircase are within 0.71."""
 
 _KINK_CELLS = 0.25
-"""Corners that lie this near to the line through their neighbours are left out."""
+"""Corners this near to the line through their neighbours are left out."""
 
 _THICK_CELLS = 4.0
-"""What is thicker can be moved in as far as any staircase needs."""
+"""A wall at least this thick allows any staircase to be moved inwards as far as needed."""
 
 _CROSSING_CELLS = 2.0
-"""So far around a place where sides cross the cells' borders come back, twice as far where that is not enough."""
+"""Where sides cross, the cells' borders are restored within this distance, doubled while that is not enough."""
 
 _MEETING_CELLS = 1.0
-"""Two sides meet where their lines do if that is this near to the cells' border."""
+"""Two sides meet where their lines do if that point is this near to the cells' border."""
 
 
 def outlines(solid: np.ndarray) -> list[shapely.Polygon]:
     """Return the outlines of solid cells, in cells; holes are kept, and all polygons are valid.
 
-    Edges along the axes stay on the cells' borders. A staircase becomes the line that makes such a staircase when all
-    cells that it touches are drawn: the best line through the steps, moved inwards by half the band that they fill.
-    It is moved less where the wall would get thinner than a cell.
+    Edges along the axes stay on the cells' borders. A staircase becomes the line whose drawing, as all cells that it
+    touches, is that staircase: the best line through the steps, moved inwards by half the band that they fill. It is
+    moved less where the wall would become thinner than a cell.
 
     Args: solid: bool, shape (rows, cols), row 0 at the lowest y; no two cells touch by a corner alone.
     """
@@ -68,7 +68,7 @@ def _straightened(polygon: shapely.Polygon) -> shapely.Polygon:
 
 
 def _without_crossings(rings: Sequence[_Ring]) -> shapely.Polygon:
-    """Return the polygon of some rings; where sides cross, the cells' borders come back."""
+    """Return the polygon of some rings; where sides cross, the cells' borders are restored."""
     near = _CROSSING_CELLS
     while True:
         shell, *holes = (ring.points for ring in rings)
@@ -100,7 +100,7 @@ def _crossings(rings: Sequence[_Ring]) -> list[list[np.ndarray]]:
 
 
 class _Ring:
-    """One ring along cell borders, cut into runs of edges that each stand for one straight side.
+    """One ring along cell borders, cut into runs of edges that each represent one straight side.
 
     points: the ring as it is now, float64, shape (n, 2), the solid on its left.
     """
@@ -239,8 +239,8 @@ def _are_faces(edges: np.ndarray) -> np.ndarray:
     climbs = turns != np.roll(turns, -1)
     step_before, step_after = np.roll(lengths, 1) == 1.0, np.roll(lengths, -1) == 1.0
     limit = 1.25 * lengths + 1.0
-    alike = (np.roll(lengths, 2) <= limit) | (np.roll(lengths, -2) <= limit)
-    inner = climbs & step_before & step_after & alike
+    similar = (np.roll(lengths, 2) <= limit) | (np.roll(lengths, -2) <= limit)
+    inner = climbs & step_before & step_after & similar
     first = np.roll(inner, -2) & step_after & (lengths <= np.roll(limit, -2))
     last = np.roll(inner, 2) & step_before & (lengths <= np.roll(limit, 2))
     faces: np.ndarray = (lengths >= LONG_EDGE_CELLS) & ~(inner | first | last)

@@ -10,14 +10,14 @@ Line = tuple[np.ndarray, np.ndarray]
 """A point and a direction of length 1, each float64, shape (2,)."""
 
 _MIN_SINE = 0.02
-"""Lines at a smaller angle have no meeting point worth the name."""
+"""Lines at a smaller angle count as parallel: their meeting point is not reliable."""
 
 
 def best_runs(starts: np.ndarray, edges: np.ndarray, price: float) -> list[tuple[int, int]]:
-    """Cut a chain of edges into runs that each lie along one straight line, the best of all ways; (first, last + 1).
+    """Cut a chain of edges into runs along one straight line each, optimally; returns (first, last + 1) of each run.
 
-    Least is the sum of all edge points' squared distances from the lines, plus a price per line. Found by dynamic
-    programming, which drops starts of runs as soon as they cannot win any more [killick2012].
+    Minimises the sum of all edge points' squared distances from the lines, plus a price per line, by dynamic
+    programming that drops starts of runs as soon as they cannot be optimal [killick2012].
 
     Args: starts, edges: where each edge starts and where it leads from there, float64, shape (n, 2).
     """
@@ -38,9 +38,9 @@ def best_runs(starts: np.ndarray, edges: np.ndarray, price: float) -> list[tuple
 
 
 def fitted_line(starts: np.ndarray, edges: np.ndarray) -> Line:
-    """Return the line with the least squared distance from all points of some edges, in their direction.
+    """Return the least-squares line through all points of some edges, in their direction.
 
-    Exactly along an axis where all edges are. Args: as of `best_runs`.
+    It is exactly along an axis if all edges are. Args: as in `best_runs`.
     """
     lengths = np.hypot(*edges.T)
     middle = np.average(starts + 0.5 * edges, axis=0, weights=lengths)
@@ -53,7 +53,7 @@ def fitted_line(starts: np.ndarray, edges: np.ndarray) -> Line:
 
 
 def meeting_point(one: Line, other: Line) -> np.ndarray | None:
-    """Return where two lines meet; none: they are nearly parallel."""
+    """Return where two lines meet; None: they are nearly parallel."""
     (p, d), (q, e) = one, other
     sine = d[0] * e[1] - d[1] * e[0]
     if abs(sine) < _MIN_SINE:

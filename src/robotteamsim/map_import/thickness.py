@@ -1,4 +1,4 @@
-"""How thick the walls are that outlines enclose."""
+"""The thickness of the walls that outlines enclose."""
 
 from __future__ import annotations
 
@@ -7,19 +7,18 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-MOST_CELLS = 100.0
 _INSET = 1e-3
 _MAX_SAMPLES = 200
-"""Per edge; on longer edges they stand further apart."""
+"""Per edge; on longer edges they are farther apart."""
 
 
 def piece_thickness(polygon: shapely.Polygon, pieces: Sequence[np.ndarray], most: float) -> np.ndarray:
-    """Return the thickness of the wall that each piece of a polygon belongs to; NaN where a piece has no outer face.
+    """Return the thickness of the wall that each piece of a polygon is part of; NaN where a piece has no outer face.
 
-    The median along the piece's part of the outline.
+    It is the median along the piece's part of the outline.
 
     Args:    pieces: corners of each, float64, shape (n, 2).
-             most: what is thicker counts as this.
+             most: thicker walls count as this.
     Returns: float64, shape (len(pieces),).
     """
     samples = _Samples(polygon, most)
@@ -37,8 +36,8 @@ def edge_thickness(polygon: shapely.Polygon, most: float) -> np.ndarray:
 class _Samples:
     """Points spread evenly along the outline of a polygon, and how thick the wall behind each is.
 
-    The thickness at a point of a face is the shorter of two ways through the solid: straight in, to the far side; and
-    across that way at its middle. So the end of a wall tells the wall's thickness, as its long faces do.
+    The thickness at a point of a face is the shorter of two lengths through the solid: straight in, to the far side,
+    and across that line at its middle. So the end of a wall gives the thickness of the wall, as its long faces do.
     """
 
     def __init__(self, polygon: shapely.Polygon, most: float) -> None:
@@ -54,14 +53,14 @@ class _Samples:
         along = ((ends - starts) / lengths[:, None])[self.edge]
         inward = np.stack([-along[:, 1], along[:, 0]], axis=1)
         self.inside = starts[self.edge] + place[:, None] * along + _INSET * inward
-        ways = _Ways(starts, ends, most)
-        straight_in = ways.lengths(self.inside, inward)
+        rays = _Rays(starts, ends, most)
+        straight_in = rays.lengths(self.inside, inward)
         middle = self.inside + 0.5 * straight_in[:, None] * inward
-        self.thickness = np.minimum(straight_in, ways.lengths(middle, along) + ways.lengths(middle, -along))
+        self.thickness = np.minimum(straight_in, rays.lengths(middle, along) + rays.lengths(middle, -along))
 
 
-class _Ways:
-    """Straight ways from points to the next edge."""
+class _Rays:
+    """Straight lines from points to the next edge."""
 
     def __init__(self, starts: np.ndarray, ends: np.ndarray, most: float) -> None:
         self._starts, self._edges, self._most = starts, ends - starts, most

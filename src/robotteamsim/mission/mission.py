@@ -12,7 +12,7 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.interface import Decision, Discovery, Task
 from robotteamsim.mission.base_station import BaseStation
-from robotteamsim.mission.status import Event, MissionEnd, MissionState, MissionStatus, VictimState
+from robotteamsim.mission.status import END_TEXTS, Event, MissionEnd, MissionState, MissionStatus, VictimState
 from robotteamsim.mission.team_monitor import TeamMonitor
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.scenario.scenario import Scenario
@@ -23,14 +23,6 @@ from robotteamsim.world.doors import DoorStates, LeafMotion
 
 NOBODY = -1
 """robot_id of an event that no robot caused."""
-
-_END_DETAIL: dict[MissionEnd, str] = {
-    "areas_explored": "all areas are explored",
-    "time_limit": "the time is up",
-    "all_excluded": "all robots are excluded",
-    "none_left": "no robot is left",
-    "aborted": "aborted",
-}
 
 _MOTION: dict[LeafMotion, str] = {"still": "stands", "opens": "opens", "closes": "closes", "held": "is held up"}
 
@@ -249,8 +241,10 @@ class Mission:
     def _judge_deliveries(self, base_inbox: Sequence[Message]) -> None:
         time_s = self._elapsed_ns / 1e9
         for found in self._base.deliver(base_inbox, time_s):
-            late = f"{time_s - found.time_s:.1f} s after robot {found.robot_id} found it"
-            self._add_event("find_reported", found.name, found.robot_id, f"the base hears of {found.name}, {late}")
+            delay = f"{time_s - found.time_s:.1f} s after its discovery by robot {found.robot_id}"
+            self._add_event(
+                "discovery_delivered", found.name, found.robot_id, f"the base learns of {found.name}, {delay}"
+            )
 
     def _judge_links(self, network: NetworkState) -> None:
         before, self._endangered = self._endangered, network.endangered
@@ -292,7 +286,7 @@ class Mission:
         self._state, self._end = "ended", end
         saved = self._victim_states.count("saved")
         count = f"{self._num_explored}/{len(self._areas)} areas, {saved}/{len(self.victims)} victims"
-        self._add_event("end", "", NOBODY, f"mission ends: {_END_DETAIL[end]}; {count}")
+        self._add_event("end", "", NOBODY, f"mission ends: {END_TEXTS[end]}; {count}")
 
     def _all_places(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the positions of victims, then of areas, shape (n, 2), and the reach of each, shape (n,) [m]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Literal
 
 import msgspec
@@ -12,6 +13,15 @@ MissionState = Literal["waiting", "running", "paused", "ended"]
 MissionEnd = Literal["", "areas_explored", "time_limit", "all_excluded", "none_left", "aborted"]
 VictimState = Literal["waiting", "heard", "saved"]
 
+END_TEXTS: Mapping[str, str] = {
+    "areas_explored": "all areas are explored",
+    "time_limit": "time limit reached",
+    "all_excluded": "all robots are excluded",
+    "none_left": "no robots left",
+    "aborted": "aborted",
+}
+"""Each MissionEnd as a text for users."""
+
 
 class Event(msgspec.Struct, frozen=True, gc=False):
     """Something that happened.
@@ -19,7 +29,7 @@ class Event(msgspec.Struct, frozen=True, gc=False):
     kind:     start, pause, resume, end, area_explored, victim_heard, victim_saved, link_endangered, robot_excluded,
               robot_included, robot_removed, robot_spawned, swarm_founded, swarm_dissolved, controller_failed,
               message_too_large,
-              find_reported (the discovery of an area or victim by robot_id was delivered to the base),
+              discovery_delivered (the discovery of an area or victim by robot_id was delivered to the base),
               door (opened or closed), door_moves (its leaf sets off, is held up or arrives), noise, ...
     subject:  name of the area, victim, door, link ("0-2") or swarm ("swarm 1") it happened to; "" for the mission.
     robot_id: who did it; -1 for nobody.

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.network.messages import NetworkState
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.sections import Network as NetworkSection
+
+Array = TypeVar("Array", bound=np.ndarray)
 
 
 class TeamLinks:
@@ -25,7 +29,9 @@ class TeamLinks:
         )
         self._version = self._endangered_version = 0
         """Of the arrays below."""
-        self._adjacency = self._hop_count = self._no_break = self._endangered = np.zeros((0, 0))
+        self._adjacency = self._endangered = np.zeros((0, 0), dtype=np.bool_)
+        self._hop_count = np.zeros((0, 0), dtype=np.int32)
+        self._no_break = np.zeros((0, 0))
 
     def step(self, positions_m: np.ndarray) -> NetworkState:
         """Return the network without its traffic; arrays that did not change are those of the last step, read-only.
@@ -56,6 +62,6 @@ class TeamLinks:
         )
 
 
-def _read_only(array: np.ndarray) -> np.ndarray:
+def _read_only(array: Array) -> Array:
     array.flags.writeable = False
     return array

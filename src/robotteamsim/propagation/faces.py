@@ -53,7 +53,7 @@ class Faces:
         """Return the index of a door's face. Raises: ValueError: no such door."""
         names = list(self.doors)
         if name not in names:
-            raise ValueError(f"there is no door '{name}', only {', '.join(names) or 'none'}")
+            raise ValueError(f"unknown door '{name}'; known: {', '.join(names) or 'none'}")
         return len(self.weights) - len(names) + names.index(name)
 
 

@@ -303,21 +303,21 @@ def mission_status(make: Make, time_ns: int, scenario_name: str, status: Mission
         area_center=point(make, task.area_center_m or (0.0, 0.0)),
         area_radius_m=float(task.area_radius_m),
         has_base=status.delivered is not None,
-        finds_reported=delivered.count,
-        mean_report_delay_s=delivered.mean_delay_s,
-        max_report_delay_s=delivered.max_delay_s,
-        unreported=[_discovery(make, find) for find in task.undelivered],
+        discoveries_delivered=delivered.count,
+        mean_delivery_delay_s=delivered.mean_delay_s,
+        max_delivery_delay_s=delivered.max_delay_s,
+        undelivered=[_discovery(make, discovery) for discovery in task.undelivered],
     )
 
 
-def _discovery(make: Make, find: Discovery) -> Any:
+def _discovery(make: Make, discovery: Discovery) -> Any:
     return make(
         "robotteamsim/Discovery",
-        kind=find.kind,
-        name=find.name,
-        robot_id=find.robot_id,
-        position=point(make, find.position_m),
-        time_s=find.time_s,
+        kind=discovery.kind,
+        name=discovery.name,
+        robot_id=discovery.robot_id,
+        position=point(make, discovery.position_m),
+        time_s=discovery.time_s,
     )
 
 

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from robotteamsim.mission.status import Event, MissionEnd
+from robotteamsim.mission.status import END_TEXTS, Event
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
 from robotteamsim.wording import counted
@@ -18,18 +18,10 @@ from robotteamsim.wording import counted
 MAX_EVENTS = 60
 """Above this number of events, endangered links are only counted; mission.json lists them."""
 
-END_WORDS: dict[MissionEnd, str] = {
-    "areas_explored": "all areas explored",
-    "time_limit": "time limit reached",
-    "all_excluded": "all robots were excluded",
-    "none_left": "no robots left",
-    "aborted": "aborted",
-}
-
 _STYLES = {
     "victim_saved": "green",
     "area_explored": "cyan",
-    "find_reported": "blue",
+    "discovery_delivered": "blue",
     "victim_heard": "yellow",
     "link_endangered": "red",
     "robot_excluded": "magenta",
@@ -105,7 +97,7 @@ def _totals_table(result: Result) -> Table:
     distances = ", ".join(f"{robot.distance_m:.0f}" for robot in result.robots[:10])
     more = " .." if len(result.robots) > 10 else ""
     rows = [
-        ("end", END_WORDS[result.end]),
+        ("end", END_TEXTS[result.end]),
         ("areas explored", f"{result.areas_explored} of {result.num_areas}"),
         ("victims saved", f"{result.victims_saved} of {result.num_victims}"),
         *delivery_rows(result.discoveries_delivered, result.mean_delivery_delay_s, result.max_delivery_delay_s),

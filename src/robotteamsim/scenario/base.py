@@ -15,7 +15,7 @@ def _as_tuple(value: Any) -> Any:
 
 
 def _form(text: str, length: int) -> BeforeValidator:
-    """Return the check that a value is a list of that many items, which `text` names."""
+    """Return the check that a value is a list of that many items; `text` shows the form, such as [x, y]."""
 
     def check(value: Any) -> Any:
         if not isinstance(value, (list, tuple)) or len(value) != length:
@@ -41,7 +41,7 @@ Many = Annotated[tuple[Item, ...], BeforeValidator(_as_tuple)]
 
 
 def wrong(key: str, text: str) -> PydanticCustomError:
-    """Return the error that a model's own check raises: `key` is relative to the model, `text` says what is wrong."""
+    """Return the error for a model's own check to raise: `key` is relative to the model, `text` says what is wrong."""
     return PydanticCustomError("wrong", "{key}: {text}", {"key": key, "text": text})
 
 
@@ -56,7 +56,7 @@ LossDb = Annotated[float, Field(ge=0.0, le=120.0), AfterValidator(_in_tenths)]
 
 
 def first_repeated(names: list[str]) -> tuple[int, str] | None:
-    """Return index and value of the first name that stood before; none: all differ."""
+    """Return index and value of the first name that is a duplicate; None: all differ."""
     seen: set[str] = set()
     for index, name in enumerate(names):
         if name in seen:

@@ -1,4 +1,4 @@
-"""What a body takes of the floor: a disc, or a convex polygon."""
+"""The footprint of a body on the floor: a disc, or a convex polygon."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ MAX_CORNERS = 8
 """Of a polygon in Box2D."""
 MAX_REACH_M = 5.0
 MIN_WIDTH_M = 0.02
-"""Thinner bodies would need very many physics steps."""
+"""Thinner bodies would need too many physics steps."""
 
 _INSET_M = 1e-3
-"""A polygon is what lies within this of a smaller one, so that touching and overlapping differ by a distance."""
+"""A polygon is represented as all points within this distance of a smaller one, so that overlap is a distance."""
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A body at its place: all that is within `margin_m` of `core`, in the map frame [m]."""
+    """A body at a pose: all points within `margin_m` of `core`, in the map frame [m]."""
 
     core: shapely.Geometry
     margin_m: float
@@ -54,19 +54,19 @@ def corners_at(corners: Corners, pose: PlanarPose) -> Corners:
 
 
 def check_footprint(key: str, corners: Corners) -> None:
-    """Raise the error of a model's own check unless corners are a body around base_link: in order, either way round."""
+    """Raise a model's own error unless corners are a convex body around base_link, in either direction."""
     if not 3 <= len(corners) <= MAX_CORNERS:
-        raise wrong(key, f"{len(corners)} corners; wanted 3 to {MAX_CORNERS}")
+        raise wrong(key, f"{len(corners)} corners; expected 3 to {MAX_CORNERS}")
     ring = counter_clockwise(corners)
     for i, (x, y) in enumerate(ring):
         (x1, y1), (x2, y2) = ring[(i + 1) % len(ring)], ring[(i + 2) % len(ring)]
         if not (x1 - x) * (y2 - y1) - (y1 - y) * (x2 - x1) > 0.0:
             raise wrong(key, f"is not convex at [{x1:g}, {y1:g}]")
         if not x * y1 - y * x1 > 0.0:
-            raise wrong(key, f"[0, 0], base_link, does not lie inside the side from [{x:g}, {y:g}] to [{x1:g}, {y1:g}]")
+            raise wrong(key, f"base_link, [0, 0], is outside the side from [{x:g}, {y:g}] to [{x1:g}, {y1:g}]")
     reach_m = max(math.hypot(x, y) for x, y in ring)
     if reach_m > MAX_REACH_M:
-        raise wrong(key, f"reaches {reach_m:g} m from base_link; wanted at most {MAX_REACH_M:g}")
+        raise wrong(key, f"reaches {reach_m:g} m from base_link; expected at most {MAX_REACH_M:g}")
     width_m = shapely.minimum_rotated_rectangle(shapely.Polygon(ring)).minimum_clearance
     if width_m < MIN_WIDTH_M:
-        raise wrong(key, f"is {width_m:g} m wide; wanted at least {MIN_WIDTH_M:g}")
+        raise wrong(key, f"is {width_m:g} m wide; expected at least {MIN_WIDTH_M:g}")

@@ -25,8 +25,8 @@ class Drive(Model):
 class OmniDrive(Model):
     """An omnidirectional drive: it moves in any direction and turns at the same time.
 
-    Its limits hold for the length of the velocity in the plane and of its change, not for each axis: what is asked
-    beyond them keeps its direction.
+    Its limits apply to the length of the velocity in the plane and of its change, not to each axis: a command beyond
+    them keeps its direction.
     """
 
     kind: Literal["omni"] = Field(description="omni")
@@ -39,8 +39,8 @@ class OmniDrive(Model):
 class CarDrive(Model):
     """A car-like drive, as a bicycle: base_link is the middle of the rear axle, the front wheel steers.
 
-    A command's turn is a wanted yaw rate: the car steers for it at the speed that it has, so it never turns on the
-    spot.
+    The turn of a command is the desired yaw rate: the car steers for it at its present speed, so it never turns on
+    the spot.
     """
 
     kind: Literal["car"] = Field(description="car")
@@ -52,7 +52,7 @@ class CarDrive(Model):
 
     @property
     def max_turn_radps(self) -> float:
-        """How fast it turns at its greatest speed, all the way steered [rad/s]."""
+        """Yaw rate at top speed and full steering [rad/s]."""
         return self.max_speed_mps * math.tan(self.max_steering_rad) / self.wheelbase_m
 
 

@@ -12,11 +12,11 @@ from robotteamsim.scenario.yaml_text import write
 
 
 def dump(scenario: Scenario, *, inline_plan: bool = False) -> str:
-    """Return a scenario as YAML that `load` reads back as an equal one, with every key said.
+    """Return a scenario as YAML with every key; `load` reads it back as an equal one.
 
     A shipped map is written by its name, another plan file by its absolute path.
 
-    Args: inline_plan: write the plan itself even where it came from a file, so that the text stands alone.
+    Args: inline_plan: write the plan itself even where it came from a file, so that the text is self-contained.
     """
     data = scenario.model_dump(by_alias=True, mode="json")
     if scenario.plan_file and not inline_plan:

@@ -1,4 +1,4 @@
-"""The floor plan: what a building is, as vectors. Everything else (grids, bodies, faces, 3D walls) is made from it."""
+"""The floor plan of a building, as vectors. Everything else (grids, bodies, faces, 3D walls) is derived from it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MAX_SIDE_M = 1000.0
 """Grids of larger plans would not fit into memory."""
 
 MAX_COORDINATE_M = 999_000.0
-"""The exact sums of propagation reach to 1000 km; walls and cells stick out of the bounds a little."""
+"""The exact sums of propagation are valid up to 1000 km; walls and cells extend a little beyond the bounds."""
 
 MIN_AREA_M2 = 1e-6
 """Of a block: a square millimetre."""
@@ -24,7 +24,7 @@ MIN_SWING_RAD = 0.1
 
 
 class Bounds(Model):
-    """The rectangle that the plan fills; beyond it nothing exists."""
+    """The rectangle that the plan fills; nothing exists outside it."""
 
     min: Point = Field(default=(0.0, 0.0), description="lower left corner [m]")
     max: Point = Field(description="upper right corner [m]")
@@ -33,9 +33,9 @@ class Bounds(Model):
     def _check(self) -> Bounds:
         for axis, (low, high) in zip("xy", zip(self.min, self.max, strict=True), strict=True):
             if not high > low:
-                raise wrong("max", f"{axis} {high:g} is not above that of min, {low:g}")
+                raise wrong("max", f"{axis} {high:g} is not above min, {low:g}")
             if high - low > MAX_SIDE_M:
-                raise wrong("max", f"{axis} {high:g} is more than {MAX_SIDE_M:g} m from that of min, {low:g}")
+                raise wrong("max", f"{axis} {high:g} is more than {MAX_SIDE_M:g} m from min, {low:g}")
             for key, value in (("min", low), ("max", high)):
                 if abs(value) > MAX_COORDINATE_M:
                     raise wrong(key, f"{axis} {value:g} is more than {MAX_COORDINATE_M / 1000:g} km from 0")
@@ -82,7 +82,7 @@ class Block(Model):
     @model_validator(mode="after")
     def _check(self) -> Block:
         outline = shapely.Polygon(self.polygon)
-        if outline.convex_hull.area < MIN_AREA_M2:  # that of an outline which crosses itself may be 0 by its signs
+        if outline.convex_hull.area < MIN_AREA_M2:  # the signed area of an outline that crosses itself may be 0
             raise wrong("polygon", f"encloses no area: its corners lie on a line through {_place(*self.polygon[0])}")
         if not outline.is_valid:
             raise wrong("polygon", f"crosses or touches itself at {_where_invalid(outline)}")
@@ -92,13 +92,13 @@ class Block(Model):
 
 
 class Door(Model):
-    """A door leaf: one segment across a gap between walls; in a file it must hang there, see `door_places`."""
+    """A door leaf: one segment across a gap between walls; loading checks that, see `door_places`."""
 
     name: str = Field(description="a name, unique among the plan's elements")
     start: Point = Field(
         validation_alias="from",
         serialization_alias="from",
-        description="hinge side of the leaf, beyond which it slides [m]",
+        description="hinge side of the leaf; a sliding leaf moves beyond it [m]",
     )
     end: Point = Field(validation_alias="to", serialization_alias="to", description="other side of the leaf [m]")
     kind: Literal["normal", "fireproof"] = Field(default="normal", description="Table 3: 1.4 dB or 10.2 dB when closed")
@@ -107,7 +107,7 @@ class Door(Model):
     height_m: float = Field(default=2.1, gt=0.0, le=20.0, description="for 3D views [m]")
     motion: Literal["instant", "swing", "slide"] = Field(
         default="instant",
-        description="instant: open or closed at once, an open leaf is nowhere; swing or slide: it moves",
+        description="instant: opens or closes instantly, an open leaf does not exist; swing or slide: the leaf moves",
     )
     time_s: float | None = Field(
         default=None, ge=0.1, le=600.0, description="of a swing or slide, from closed to open; none: 2 s [s]"
@@ -116,40 +116,40 @@ class Door(Model):
         default=None,
         ge=-math.pi,
         le=math.pi,
-        description="of a swing, by which an open leaf has turned about `from`, counter-clockwise; none: pi / 2 [rad]",
+        description="of a swing: turn of the open leaf about `from`, counter-clockwise; none: pi / 2 [rad]",
     )
 
     @model_validator(mode="after")
     def _check(self) -> Door:
         _check_segment(self.start, self.end)
         if self.motion == "instant" and self.time_s is not None:
-            raise wrong("time_s", "a door whose motion is instant has none")
+            raise wrong("time_s", "not allowed for a door whose motion is instant")
         if self.motion != "swing" and self.angle_rad is not None:
-            raise wrong("angle_rad", f"a door whose motion is {self.motion} has none")
+            raise wrong("angle_rad", f"not allowed for a door whose motion is {self.motion}")
         if self.angle_rad is not None and abs(self.angle_rad) < MIN_SWING_RAD:
-            raise wrong("angle_rad", f"{self.angle_rad:g} is not at least {MIN_SWING_RAD:g} to either side")
+            raise wrong("angle_rad", f"{self.angle_rad:g} is less than {MIN_SWING_RAD:g} to either side")
         return self
 
     @property
     def leaf_time_s(self) -> float:
-        """How long its leaf takes from closed to open [s]; 0: no time at all."""
+        """Time that the leaf takes from closed to open [s]; 0 for an instant door."""
         return 0.0 if self.motion == "instant" else self.time_s or 2.0
 
     @property
     def leaf_angle_rad(self) -> float:
-        """By how much an open leaf has turned about the hinge, counter-clockwise [rad]."""
+        """Turn of an open leaf about the hinge, counter-clockwise [rad]."""
         return (self.angle_rad or 0.5 * math.pi) if self.motion == "swing" else 0.0
 
     @property
     def leaf_shift_m(self) -> Point:
-        """By how much an open leaf has shifted [m]."""
+        """Shift of an open leaf [m]."""
         if self.motion != "slide":
             return 0.0, 0.0
         return self.start[0] - self.end[0], self.start[1] - self.end[1]
 
 
 class BayRow(Model):
-    """A row of parking bays painted on the floor: scenery, nothing runs into it."""
+    """A row of parking bays painted on the floor: drawn only, not an obstacle."""
 
     start: Point = Field(
         validation_alias="from", serialization_alias="from", description="one end of the row's open side [m]"
@@ -184,7 +184,7 @@ class FloorPlan(Model):
         elements: tuple[Wall | Block | Door, ...] = (*self.walls, *self.blocks, *self.doors)
         repeated = first_repeated([element.name for element in elements])
         if repeated:
-            raise wrong(f"{places[repeated[0]]}.name", f"'{repeated[1]}' is the name of another element already")
+            raise wrong(f"{places[repeated[0]]}.name", f"'{repeated[1]}' is already the name of another element")
         for place, element in zip(places, elements, strict=True):
             points = element.polygon if isinstance(element, Block) else (element.start, element.end)
             for point in points:
@@ -194,7 +194,7 @@ class FloorPlan(Model):
 
 
 def _where_invalid(outline: shapely.Polygon) -> str:
-    """Return the point that GEOS says last: "Self-intersection[2 6.5]" gives "[2, 6.5]"."""
+    """Return the point at the end of what GEOS says: "Self-intersection[2 6.5]" gives "[2, 6.5]"."""
     x, y = shapely.is_valid_reason(outline).rpartition("[")[2].rstrip("]").split()
     return _place(float(x), float(y))
 
@@ -205,4 +205,4 @@ def _place(x: float, y: float) -> str:
 
 def _check_segment(start: Point, end: Point) -> None:
     if start == end:
-        raise wrong("to", f"{_place(*end)} is the point of 'from' too")
+        raise wrong("to", f"{_place(*end)} is also the point of 'from'")

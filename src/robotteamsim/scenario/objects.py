@@ -15,7 +15,7 @@ SizeM = Annotated[float, Field(ge=MIN_WIDTH_M, le=MAX_REACH_M)]
 
 
 class MovableObject(Model):
-    """A box or a barrel: it slides and turns when pushed, until the friction of the ground has stopped it."""
+    """A box or a barrel: it slides and turns when pushed, until ground friction stops it."""
 
     name: str = Field(description="a name, unique among objects")
     kind: Literal["box", "barrel"] = Field(default="box", description="box or barrel")
@@ -30,7 +30,7 @@ class MovableObject(Model):
     def _check(self) -> MovableObject:
         wanted, other = ("size_m", "radius_m") if self.kind == "box" else ("radius_m", "size_m")
         if getattr(self, wanted) is None:
-            raise wrong(wanted, f"missing; wanted {type(self).model_fields[wanted].description}")
+            raise wrong(wanted, f"missing; expected {type(self).model_fields[wanted].description}")
         if getattr(self, other) is not None:
             raise wrong(other, f"a {self.kind} has {wanted} instead")
         for side_m in self.size_m or ():
@@ -40,7 +40,7 @@ class MovableObject(Model):
 
     @property
     def corners_m(self) -> Corners:
-        """The corners of a box around its middle, counter-clockwise [m]; none: it is round."""
+        """The corners of a box around its middle, counter-clockwise [m]; empty for a barrel."""
         if self.size_m is None:
             return ()
         x, y = 0.5 * self.size_m[0], 0.5 * self.size_m[1]
@@ -48,7 +48,7 @@ class MovableObject(Model):
 
     @property
     def reach_m(self) -> float:
-        """Radius of the disc around its middle that holds it [m]."""
+        """Radius of the smallest disc around its middle that contains it [m]."""
         return self.radius_m or max(math.hypot(x, y) for x, y in self.corners_m)
 
     def body_at(self, pose: PlanarPose) -> Body:

@@ -1,4 +1,4 @@
-"""The graph that a team patrols, and the files that patrolling_sim keeps it in."""
+"""The graph that a team patrols, and the graph files of patrolling_sim."""
 
 from __future__ import annotations
 
@@ -48,10 +48,11 @@ class PatrolGraph(Model):
             for place, neighbour in enumerate(vertex.neighbours):
                 if not 0 <= neighbour <= last or neighbour == index:
                     raise wrong(
-                        f"vertices.{index}.neighbours.{place}", f"{neighbour} is no other vertex; wanted 0 to {last}"
+                        f"vertices.{index}.neighbours.{place}",
+                        f"{neighbour} is not another vertex; expected 0 to {last}",
                     )
             if last > 0 and not vertex.neighbours:
-                raise wrong(f"vertices.{index}.neighbours", "a vertex without neighbours is never left")
+                raise wrong(f"vertices.{index}.neighbours", "a robot could never leave a vertex without neighbours")
         return self
 
 
@@ -59,20 +60,23 @@ class Patrol(Model):
     """How a graph is patrolled by SEBS [portugal2013]."""
 
     graph: PatrolGraph | None = Field(
-        default=None, description="a .graph file of patrolling_sim; without one, places all over the plan are linked"
+        default=None, description="a .graph file of patrolling_sim; without one, a lattice of places over the plan"
     )
-    spacing_m: float = Field(default=6.0, ge=1.0, le=100.0, description="between these places, without a file [m]")
-    g1: float = Field(default=0.1, gt=0.0, lt=1.0, description="G1: probability of a vertex that gains nothing")
-    g2: float = Field(default=100.0, gt=0.0, le=1e6, description="G2: from this gain on the probability is 1 [s/m]")
+    spacing_m: float = Field(default=6.0, ge=1.0, le=100.0, description="of the lattice [m]")
+    g1: float = Field(default=0.1, gt=0.0, lt=1.0, description="G1: probability of a vertex without gain")
+    g2: float = Field(default=100.0, gt=0.0, le=1e6, description="G2: gain at which the probability reaches 1 [s/m]")
     edge_min_m: float = Field(default=1.0, gt=0.0, le=100.0, description="shorter edges count as this [m]")
     longest_edge: float = Field(
         default=1.5,
         ge=1.0,
         le=10.0,
-        description="in spacings: longer paths link no places, without a file",
+        description="longest path between linked places of the lattice, in spacings",
     )
     arrived_m: float = Field(
-        default=0.5, gt=0.0, le=10.0, description="a vertex is visited from this near: robots that meet there go on [m]"
+        default=0.5,
+        gt=0.0,
+        le=10.0,
+        description="a vertex counts as visited within this distance, so that robots can meet there [m]",
     )
     timeout_factor: float = Field(
         default=4.0,
@@ -86,11 +90,11 @@ class Patrol(Model):
 def read_patrol_graph(path: Path, place: str) -> dict[str, object]:
     """Return the data of a PatrolGraph from a graph file of patrolling_sim.
 
-    The file has numbers one per line: how many vertices, width and height of the map [px], its resolution [m] and
+    The file has one number per line: the number of vertices, width and height of the map [px], its resolution [m] and
     offset [m, m]; for each vertex id, x, y [px, y up], degree, and for each edge neighbour, direction, cost [px].
 
     Args: place: what messages call the file.
-    Raises: ScenarioError: one line that names the line of the file, what stands there and what was wanted.
+    Raises: ScenarioError: one line with the line of the file, the value and what was expected.
     """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
@@ -99,7 +103,7 @@ def read_patrol_graph(path: Path, place: str) -> dict[str, object]:
     words = _Words(lines, place)
     count = words.number(int, "the number of vertices")
     if not 1 <= count <= MAX_VERTICES:
-        raise words.error(f"{count} vertices; wanted 1 to {MAX_VERTICES}")
+        raise words.error(f"{count} vertices; expected 1 to {MAX_VERTICES}")
     for what in ("the map's width [px]", "the map's height [px]"):
         words.number(int, what)
     resolution_m = words.number(float, "the resolution [m]")
@@ -114,7 +118,7 @@ def read_patrol_graph(path: Path, place: str) -> dict[str, object]:
 def _vertex(words: _Words, index: int, resolution_m: float, offset_m: tuple[float, float]) -> dict[str, object]:
     number = words.number(int, f"the id of vertex {index}")
     if number != index:
-        raise words.error(f"vertex {number}; wanted {index}: ids count from 0")
+        raise words.error(f"vertex {number}; expected {index}: ids count from 0")
     x_px, y_px = words.number(float, f"x of vertex {index} [px]"), words.number(float, f"y of vertex {index} [px]")
     neighbours: list[int] = []
     lengths_m: list[float] = []
@@ -127,7 +131,7 @@ def _vertex(words: _Words, index: int, resolution_m: float, offset_m: tuple[floa
 
 
 class _Words:
-    """The words of a file, one after the other, and where the last one stood."""
+    """The words of a file, one after the other, and the line of the last one."""
 
     def __init__(self, lines: list[str], place: str) -> None:
         numbered = ([(number, word) for word in line.split()] for number, line in enumerate(lines, 1))
@@ -139,7 +143,7 @@ class _Words:
         """Return the next word. Raises: ScenarioError: there is none."""
         self._line, word = next(self._words, (self._line, ""))
         if not word:
-            raise self.error(f"the file ends here; wanted {what}")
+            raise self.error(f"the file ends here; expected {what}")
         return word
 
     def number(self, kind: type[Number], what: str) -> Number:
@@ -151,14 +155,14 @@ class _Words:
                 return number
         except ValueError:
             pass
-        raise self.error(f"{shown(word)} is no {'whole ' if kind is int else ''}number; wanted {what}")
+        raise self.error(f"{shown(word)} is not a {'whole ' if kind is int else ''}number; expected {what}")
 
     def end(self) -> None:
         """Raises: ScenarioError: words are left."""
         line, word = next(self._words, (0, ""))
         if word:
             self._line = line
-            raise self.error(f"{shown(word)} follows after the last vertex; wanted the end of the file")
+            raise self.error(f"{shown(word)} follows the last vertex; expected the end of the file")
 
     def error(self, text: str) -> ScenarioError:
         """Return the error that names the line of the last word."""

@@ -1,4 +1,4 @@
-"""The geometry of a floor plan: outlines of its elements and the occupancy grid made from them."""
+"""The geometry of a floor plan: outlines of its elements and its occupancy grid."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ OCCUPIED = 100
 UNKNOWN = -1
 
 _EDGE_TOLERANCE_CELLS = 1e-6
-"""An outline that lies on a cell's border up to rounding does not enter the cell."""
+"""An outline on the border of a cell, up to rounding, does not enter the cell."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,12 +64,12 @@ def leaf_corners(door: Door, opening: float) -> Corners:
 
 
 def solids(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> tuple[Solid, ...]:
-    """Return what a robot can run into: walls, blocks and pillars, leaves of doors; in the plan's order.
+    """Return everything that a robot can hit: walls, blocks, pillars and leaves of doors, in the plan's order.
 
-    A closed door's leaf is across its gap; an open one's is where it swings or slides to, or nowhere.
+    The leaf of a closed door covers its gap; that of an open one is where it swings or slides to, or does not exist.
 
     Args:   closed: door states by name that replace the plan's own.
-    Raises: ScenarioError: `closed` names no door of the plan.
+    Raises: ScenarioError: `closed` names a door that the plan does not have.
     """
     states = door_states(plan, closed)
     return (
@@ -88,7 +88,7 @@ def _leaves(plan: FloorPlan, states: Mapping[str, bool]) -> Iterator[Solid]:
 
 
 def bay_lines(plan: FloorPlan) -> tuple[tuple[Point, Point], ...]:
-    """Return the painted lines between parking bays as segments [m]; the rows' open and far sides have none."""
+    """Return the painted lines between parking bays as segments [m]; the open and far sides of a row have no line."""
     lines = []
     for row in plan.bays:
         start, end = np.array(row.start), np.array(row.end)
@@ -105,7 +105,7 @@ def door_states(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> di
     states = {door.name: door.closed for door in plan.doors}
     for name, state in (closed or {}).items():
         if name not in states:
-            raise ScenarioError(f"{plan.name}: there is no door '{name}', only {', '.join(states) or 'none'}")
+            raise ScenarioError(f"{plan.name}: unknown door '{name}'; known: {', '.join(states) or 'none'}")
         states[name] = state
     return states
 
@@ -119,7 +119,7 @@ def obstacles(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> shap
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OccupancyGrid:
-    """What is free in a floor plan, cell by cell.
+    """Which cells of a floor plan are free.
 
     origin_m: lower left corner of cell (0, 0) in the map frame [m].
     cells:    int8, shape (rows, cols), row 0 at the lowest y: 0 free, 100 occupied, -1 unknown.
@@ -130,7 +130,7 @@ class OccupancyGrid:
     cells: np.ndarray
 
     def cell_at(self, x_m: float, y_m: float) -> tuple[int, int]:
-        """Return (row, column) of the cell that holds a point; outside the grid where the point is outside."""
+        """Return (row, column) of the cell that contains a point; outside the grid if the point is."""
         return (
             math.floor((y_m - self.origin_m[1]) / self.resolution_m),
             math.floor((x_m - self.origin_m[0]) / self.resolution_m),
@@ -149,7 +149,7 @@ class OccupancyGrid:
         return bool(0 <= row < rows and 0 <= column < columns)
 
     def is_free(self, x_m: float, y_m: float) -> bool:
-        """Whether a point lies in a free cell; nothing outside the grid is free."""
+        """Whether a point is in a free cell; points outside the grid are not."""
         row, column = self.cell_at(x_m, y_m)
         return self.contains(row, column) and int(self.cells[row, column]) == FREE
 
@@ -170,8 +170,8 @@ def grid_shape(plan: FloorPlan, resolution_m: float) -> tuple[int, int]:
 def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bool] | None = None) -> OccupancyGrid:
     """Return the occupancy grid of a plan over its bounds.
 
-    Conservative: a cell is occupied when a solid covers any area of it; a common border alone does not count, so
-    axis-aligned walls on cell borders come out exactly. Closed doors are solid, and open ones where a leaf stands.
+    Conservative: a cell is occupied when a solid covers any part of its area; a shared border does not count, so
+    axis-aligned walls on cell borders are exact. The leaves of doors are solid, open ones where they stand.
 
     Args:   resolution_m: edge of a cell; the last row and column may reach beyond the bounds.
             closed: door states by name that replace the plan's own.
@@ -237,7 +237,7 @@ def _centres_inside(starts: np.ndarray, ends: np.ndarray, rows: int, columns: in
 
 
 def _cells_crossed(starts: np.ndarray, ends: np.ndarray, rows: int, columns: int) -> np.ndarray:
-    """Return the cells whose inside an edge runs through; arguments as in `_centres_inside`."""
+    """Return the cells whose interior an edge crosses; arguments as in `_centres_inside`."""
     tolerance = _EDGE_TOLERANCE_CELLS
     low, high = np.minimum(starts[:, 1], ends[:, 1]), np.maximum(starts[:, 1], ends[:, 1])
     first, last = np.floor(low + tolerance).astype(int), np.ceil(high - tolerance).astype(int) - 1

@@ -1,4 +1,4 @@
-"""What pydantic found wrong, as one line a user understands: place, value, what was wanted."""
+"""Pydantic's validation errors as one line that a user understands: key, value, what was expected."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ class Problem:
 
 
 def problems(error: ValidationError, root: type[Model], data: Any = None) -> list[Problem]:
-    """Return the mistakes of one validation, unknown keys first: they often explain the missing ones.
+    """Return the mistakes of one validation, unknown keys first: they often explain missing ones.
 
-    Args: data: what was validated; items of its lists that have a name are called by it.
+    Args: data: the validated data; list items that have a name are called by it.
     """
     details = sorted(map(dict, error.errors(include_url=False)), key=lambda detail: detail["type"] != "extra_forbidden")
     return [_problem(detail, root, data) for detail in details if not _only_lacks_wrong_items(detail, details)]
 
 
 def _only_lacks_wrong_items(detail: _Detail, details: Sequence[_Detail]) -> bool:
-    """Whether a list is called too short because pydantic does not count its wrong items, which are told themselves."""
+    """Whether a list is only too short because pydantic does not count its wrong items, which are reported anyway."""
     place = detail["loc"]
     return detail["type"] == "too_short" and any(
         len(other["loc"]) > len(place) and other["loc"][: len(place)] == place for other in details
@@ -50,7 +50,7 @@ def _only_lacks_wrong_items(detail: _Detail, details: Sequence[_Detail]) -> bool
 
 
 def suggestion(name: str, known: Sequence[str]) -> str:
-    """Return "; did you mean 'x'?" for the likeliest of the known names, or "" when none is near."""
+    """Return "; did you mean 'x'?" for the known name that is most similar, or "" when none is similar."""
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
     return f"; did you mean '{near[0]}'?" if near else ""
 
@@ -65,12 +65,12 @@ _TEXTS: dict[str, Callable[[_Detail, _Detail], str]] = {
     "int_type": lambda d, ctx: f"{shown(d['input'])} is not a whole number",
     "int_from_float": lambda d, ctx: f"{shown(d['input'])} is not a whole number",
     "bool_type": lambda d, ctx: f"{shown(d['input'])} is not true or false",
-    "string_type": lambda d, ctx: f"{shown(d['input'])} is not text; put it in quotes if it is meant so",
+    "string_type": lambda d, ctx: f"{shown(d['input'])} is not text; put it in quotes if it should be",
     "tuple_type": lambda d, ctx: f"{shown(d['input'])} is not a list",
     "dict_type": lambda d, ctx: f"{shown(d['input'])} is not a section",
     "model_type": lambda d, ctx: f"{shown(d['input'])} is not a section",
-    "too_short": lambda d, ctx: f"{ctx['actual_length']} items are too few; wanted at least {ctx['min_length']}",
-    "too_long": lambda d, ctx: f"{ctx['actual_length']} items are too many; wanted at most {ctx['max_length']}",
+    "too_short": lambda d, ctx: f"{ctx['actual_length']} items are too few; expected at least {ctx['min_length']}",
+    "too_long": lambda d, ctx: f"{ctx['actual_length']} items are too many; expected at most {ctx['max_length']}",
     "literal_error": lambda d, ctx: _wrong_choice(d["input"], ctx["expected"]),
     "union_tag_not_found": lambda d, ctx: f"{shown(d['input'])} is neither a section nor a list",
     "recursion_loop": lambda d, ctx: "contains itself",
@@ -97,7 +97,7 @@ def _problem(detail: _Detail, root: type[Model], data: Any) -> Problem:
 
 
 def _item_name(key: str, data: Any) -> str:
-    """Return " (in 'x')" for the innermost list item on the way to a key that has the name x, else ""."""
+    """Return " (in 'x')" where x is the name of the innermost list item that contains the key, else ""."""
     name = None
     for part in key.split("."):
         try:
@@ -115,7 +115,7 @@ def _wrong_choice(value: Any, expected: str) -> str:
 
 
 def _known_key(name: str, model: type[Model] | None, root: type[Model]) -> str:
-    """Say which key may have been meant: one nearly so called here, one so called elsewhere, or what there is."""
+    """Suggest a key: one with a similar name here, one with this name elsewhere, or all that are known here."""
     if model is None:
         return ""
     known = [_key(key, field) for key, field in model.model_fields.items()]
@@ -126,16 +126,16 @@ def _known_key(name: str, model: type[Model] | None, root: type[Model]) -> str:
     if elsewhere:
         return f"; did you mean '{elsewhere[0]}'?"
     listed = textwrap.shorten(", ".join(known), _LONGEST_LIST, placeholder=f" ... ({len(known)} in all)")
-    return f"; known are {listed}"
+    return f"; known: {listed}"
 
 
 def _meaning(model: type[Model] | None, key: str) -> str:
     fields = {_key(name, field): field for name, field in model.model_fields.items()} if model else {}
-    return f"; wanted {fields[key].description}" if key in fields and fields[key].description else ""
+    return f"; expected {fields[key].description}" if key in fields and fields[key].description else ""
 
 
 def _paths(model: type[Model], prefix: str = "") -> Iterator[str]:
-    """Yield the dotted keys of a model's sections, not descending into lists."""
+    """Yield the dotted keys of a model's sections, without those in lists."""
     for name, field in model.model_fields.items():
         yield f"{prefix}{name}"
         section = _section(field.annotation, int_follows=False)
@@ -144,7 +144,7 @@ def _paths(model: type[Model], prefix: str = "") -> Iterator[str]:
 
 
 def _model_at(root: type[Model], path: Sequence[str | int]) -> type[Model] | None:
-    """Return the model that a location lies in; none: it lies in a dictionary or a list of numbers."""
+    """Return the model that contains a location; None: it is in a dictionary or a list of numbers."""
     model: type[Model] | None = root
     for position, part in enumerate(path):
         if isinstance(part, int) or _is_tag(part):
@@ -158,7 +158,7 @@ def _model_at(root: type[Model], path: Sequence[str | int]) -> type[Model] | Non
 
 
 def _is_tag(part: str | int) -> bool:
-    """Whether a part of a location is the tag of a union's member, which is no key."""
+    """Whether a part of a location is the tag of a union's member, not a key."""
     return isinstance(part, str) and part.startswith("<")
 
 
@@ -167,14 +167,14 @@ def _field(model: type[Model], key: str) -> FieldInfo | None:
 
 
 def _key(name: str, field: FieldInfo) -> str:
-    """Return what a field is called in YAML."""
+    """Return the name of a field in YAML."""
     return field.validation_alias if isinstance(field.validation_alias, str) else name
 
 
 def _section(annotation: Any, int_follows: bool, tag: str = "") -> type[Model] | None:
-    """Return the model that an annotation stands for: itself, or the item's where an index follows.
+    """Return the model of an annotation: itself, or that of its items where an index follows.
 
-    Args: tag: of the member that is meant where it is a union of tagged ones.
+    Args: tag: selects the member of a tagged union.
     """
     if isinstance(annotation, type) and issubclass(annotation, Model):
         return None if int_follows else annotation

@@ -19,7 +19,7 @@ MAX_EVENTS = 1000
 
 
 def _robots_form(value: Any) -> str | None:
-    """A mapping is meant as a team and a list as a list, so that a mistake in either is reported for that one."""
+    """A mapping is read as a team and a list as a list, so that errors are reported for the form that was used."""
     if isinstance(value, (dict, Team)):
         return "<team>"
     return "<list>" if isinstance(value, (list, tuple)) else None
@@ -47,7 +47,7 @@ class Scenario(Model):
         default=(), max_length=MAX_OBJECTS, description="boxes and barrels that robots push"
     )
     schedule: Many[ScheduledEvent] = Field(
-        default=(), max_length=MAX_EVENTS, description="robots that leave and come while the world runs"
+        default=(), max_length=MAX_EVENTS, description="robots that leave and arrive while the world runs"
     )
     run: Run = Run()
 
@@ -62,25 +62,26 @@ class Scenario(Model):
             if element.material is not None and element.material not in self.radio.materials:
                 raise wrong(
                     "radio.materials",
-                    f"has no '{element.material}', which '{element.name}' of the plan is made of; known: {known}",
+                    f"has no '{element.material}', the material of '{element.name}' in the plan; known: {known}",
                 )
         num_robots = self.num_robots
         if self.control.swarms.initial > num_robots:
             raise wrong(
-                "control.swarms.initial", f"{self.control.swarms.initial} swarms need as many robots, not {num_robots}"
+                "control.swarms.initial",
+                f"{self.control.swarms.initial} swarms need at least as many robots, not {num_robots}",
             )
         repeated = first_repeated([obj.name for obj in self.objects])
         if repeated:
-            raise wrong(f"objects.{repeated[0]}.name", f"'{repeated[1]}' is the name of another already")
+            raise wrong(f"objects.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
         if not any(self.present_at_start):
-            raise wrong("robots", "none of them is there at the start")
+            raise wrong("robots", "none of them is present at the start")
         problem = problem_of(self.schedule, self.present_at_start)
         if problem:
             raise wrong(*problem)
         if self.mission.base is not None and self.mission.base >= num_robots:
-            raise wrong("mission.base", f"there is no robot {self.mission.base}, only 0 to {num_robots - 1}")
+            raise wrong("mission.base", f"there is no robot {self.mission.base}; expected 0 to {num_robots - 1}")
         if self.mission.base is not None and num_robots == 1:
-            raise wrong("mission.base", "is the only robot; wanted another one that finds something")
+            raise wrong("mission.base", "is the only robot; expected at least one other robot to search")
         return self
 
     @property
@@ -97,7 +98,7 @@ class Scenario(Model):
 
     @property
     def plan_file(self) -> str | None:
-        """The file that `plan` was read from; none when the plan was given otherwise or changed since."""
+        """The file that `plan` was read from; None if the plan did not come from a file or was changed."""
         return self._plan_file[1] if self._plan_file and self._plan_file[0] == self.plan else None
 
     def with_plan_file(self, file: str) -> Scenario:

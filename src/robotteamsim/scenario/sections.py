@@ -1,4 +1,4 @@
-"""The sections of a scenario. Default, unit, range and meaning of every key stand here and nowhere else."""
+"""The sections of a scenario. Default, unit, range and meaning of every key are defined here and nowhere else."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class Radio(Model):
     door_loss_db: LossDb = Field(default=1.4, description="closed normal door [dB]")
     fireproof_door_loss_db: LossDb = Field(default=10.2, description="closed fireproof door [dB]")
     materials: dict[str, LossDb] = Field(default={}, description="loss of a whole wall by material name [dB]")
-    pillars: bool = Field(default=True, description="whether pillars fade the radio")
-    min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="distances below count as this [m]")
+    pillars: bool = Field(default=True, description="whether pillars attenuate radio")
+    min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="shorter distances count as this [m]")
     floor_loss_db: float = Field(default=18.3, ge=0.0, le=120.0, description="L_f: the first floor crossed [dB]")
     floor_exponent: float = Field(
         default=0.46, ge=0.0, le=2.0, description="b: k floors cost k^((k+2)/(k+1) - b) times L_f"
@@ -49,30 +49,30 @@ class Voice(Model):
         default=(5.0, 6.0), description="gamma is drawn from this range per victim; 2 in free field"
     )
     wall_model: Literal["count", "thickness"] = Field(
-        default="count", description="every wall costs the same (eq. 6), or by its thickness (eq. 5)"
+        default="count", description="loss per wall: the same for all (eq. 6), or by thickness (eq. 5)"
     )
     wall_loss_db: LossDb = Field(default=2.0, description="l_w, any wall or closed door, for `count` [dB]")
     attenuation_per_cm: float = Field(
         default=0.0115, ge=0.0, le=1.0, description="mu, for `thickness`; concrete has 0.01 .. 0.035 [1/cm]"
     )
-    min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="distances below count as this [m]")
+    min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="shorter distances count as this [m]")
     map_resolution_m: float = Field(default=0.25, ge=0.05, le=2.0, description="cell of the voice map [m]")
     local_best_radius_m: float = Field(
-        default=1.5, gt=0.0, le=20.0, description="how far a robot perceives the map [m]"
+        default=1.5, gt=0.0, le=20.0, description="how far around it a robot perceives the map [m]"
     )
 
     @model_validator(mode="after")
     def _check(self) -> Voice:
         for key, (low, high) in (("constant_db", self.constant_db), ("exponent", self.exponent)):
             if low > high:
-                raise wrong(key, f"[{low:g}, {high:g}] does not go from low to high")
+                raise wrong(key, f"[{low:g}, {high:g}] is not in the order low, high")
         if self.exponent[0] <= 0.0:
             raise wrong("exponent", f"{self.exponent[0]:g} is not above 0")
         return self
 
 
 class Odometry(Model):
-    """Drift of the odometry, from what the wheels really did; zero alphas make it exact."""
+    """Drift of the odometry relative to the true motion; zero alphas make it exact."""
 
     alpha1: float = Field(default=0.01, ge=0.0, le=10.0, description="turn noise per turn [rad^2/rad^2]")
     alpha2: float = Field(default=0.001, ge=0.0, le=10.0, description="turn noise per distance [rad^2/m^2]")
@@ -81,9 +81,9 @@ class Odometry(Model):
 
 
 class Robot(Model):
-    """What all robots have, unless the list of robots says otherwise."""
+    """What every robot has."""
 
-    radius_m: float = Field(default=0.2, gt=0.02, le=5.0, description="round body, without footprint_m [m]")
+    radius_m: float = Field(default=0.2, gt=0.02, le=5.0, description="of a round body; unused with footprint_m [m]")
     footprint_m: Many[Point] = Field(
         default=(), description="convex body: 3 to 8 corners in order around base_link, in its frame [m]"
     )
@@ -95,7 +95,7 @@ class Robot(Model):
     sonars: Many[Sonar] = Field(default=(), max_length=64, description="a ring of sonars, each on its own topic")
     gps: Gps | None = Field(default=None, description="satellite navigation, on the topic `fix`")
     odometry: Odometry = Odometry()
-    cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="the last command holds this long [s]")
+    cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="how long the last command is kept [s]")
 
     @model_validator(mode="after")
     def _check_sensors(self) -> Robot:
@@ -104,7 +104,7 @@ class Robot(Model):
 
     @property
     def mounts(self) -> tuple[Mount, ...]:
-        """The further sensors that have a frame of their own."""
+        """The additional sensors, which have their own frames."""
         return (*self.lasers, *self.sonars)
 
     @model_validator(mode="after")
@@ -115,12 +115,12 @@ class Robot(Model):
 
     @property
     def corners_m(self) -> Corners:
-        """The footprint counter-clockwise in base_link [m]; none: the body is round."""
+        """The footprint counter-clockwise in base_link [m]; empty: the body is round."""
         return counter_clockwise(self.footprint_m) if self.footprint_m else ()
 
     @property
     def reach_m(self) -> float:
-        """Radius of the disc around base_link that holds the body [m]."""
+        """Radius of the smallest disc around base_link that contains the body [m]."""
         return max((math.hypot(x, y) for x, y in self.footprint_m), default=self.radius_m)
 
     def body_at(self, pose: PlanarPose) -> Body:
@@ -132,7 +132,7 @@ class PlacedRobot(Robot):
     """One robot of a list of robots."""
 
     start_pose: PlanarPose = Field(description="[x, y, yaw] in the map frame [m, m, rad]")
-    present: bool = Field(default=True, description="whether it is there at the start, or comes later")
+    present: bool = Field(default=True, description="whether it is present at the start, or arrives later")
 
 
 class Team(Robot):
@@ -140,28 +140,32 @@ class Team(Robot):
 
     count: int = Field(default=3, ge=1, le=3000, description="number of robots")
     reserve: int = Field(
-        default=0, ge=0, le=2999, description="so many of them, the last, are not there at the start, and come later"
+        default=0,
+        ge=0,
+        le=2999,
+        description="number of robots, the last ones, that are absent at the start and arrive later",
     )
-    start: PlanarPose | None = Field(default=None, description="where the formation stands [m, m, rad]")
+    start: PlanarPose | None = Field(default=None, description="centre and heading of the formation [m, m, rad]")
     spacing_m: float = Field(default=0.8, gt=0.0, le=20.0, description="between neighbours in the formation [m]")
     formation: Literal["square", "spiral"] = Field(
-        default="square", description="a square grid, or the spiral of Theodorus, each robot spacing_m from the last"
+        default="square",
+        description="a square grid, or the spiral of Theodorus with spacing_m between successive robots",
     )
     start_poses: Many[PlanarPose] = Field(default=(), description="one pose per robot, in id order")
 
     @model_validator(mode="after")
     def _check(self) -> Team:
         if self.start is None and not self.start_poses:
-            raise wrong("start", "missing; wanted [x, y, yaw], or start_poses instead")
+            raise wrong("start", "missing; expected [x, y, yaw], or start_poses instead")
         if self.reserve >= self.count:
-            raise wrong("reserve", f"{self.reserve} leaves none of {self.count} robots for the start")
+            raise wrong("reserve", f"{self.reserve} leaves none of {self.count} robots at the start")
         if self.spacing_m < 2.0 * self.reach_m:
             raise wrong("spacing_m", f"{self.spacing_m:g} is below two radii, {2.0 * self.reach_m:g}")
         return self
 
 
 class Network(Model):
-    """Who hears whom, and how messages travel."""
+    """Which robots are linked, and how messages travel."""
 
     endangered_below_dbm: float = Field(
         default=-80.0, ge=-200.0, le=20.0, description="a weaker link is endangered [dBm]"
@@ -174,11 +178,14 @@ class Network(Model):
     )
     loss: Literal["none", "signal"] = Field(
         default="none",
-        description="no message is lost on a link, or with a probability from 0 at endangered_below_dbm to 1 at "
-        "lost_below_dbm, per hop",
+        description="none: no message is lost on a link; signal: with a probability from 0 at endangered_below_dbm to "
+        "1 at lost_below_dbm, per hop",
     )
     max_message_bytes: int = Field(
-        default=65_507, ge=1, le=2**31 - 1, description="a larger message is not sent; by default a datagram of UDP"
+        default=65_507,
+        ge=1,
+        le=2**31 - 1,
+        description="larger messages are not sent; default: the largest UDP datagram",
     )
 
     @model_validator(mode="after")
@@ -196,8 +203,10 @@ class SocialExclusion(Model):
 
     enabled: bool = Field(default=True, description="whether robots are excluded at all")
     search_counter_max: int = Field(default=15, ge=1, le=10_000, description="SC_max: iterations without improvement")
-    min_robots: int = Field(default=0, ge=0, le=3000, description="a punished swarm this small is dissolved instead")
-    max_robots: int = Field(default=15, ge=1, le=3000, description="no inclusion beyond")
+    min_robots: int = Field(
+        default=0, ge=0, le=3000, description="a punished swarm of this size or smaller is dissolved instead"
+    )
+    max_robots: int = Field(default=15, ge=1, le=3000, description="a swarm of this size includes no more robots")
 
     @model_validator(mode="after")
     def _check(self) -> SocialExclusion:
@@ -207,12 +216,12 @@ class SocialExclusion(Model):
 
 
 class Swarms(Model):
-    """How many swarms the team has [5.2.2]; the numbers of robots in one are those of `exclusion`."""
+    """How many swarms the team has [5.2.2]; the number of robots in a swarm is limited by `exclusion`."""
 
-    min: int = Field(default=0, ge=0, le=3000, description="the last ones are not dissolved")
-    initial: int = Field(default=1, ge=1, le=3000, description="dealt to the robots in runs of equal length")
-    max: int = Field(default=1, ge=1, le=3000, description="no new swarm beyond")
-    new_robots: int = Field(default=5, ge=1, le=3000, description="so many excluded robots found a new swarm")
+    min: int = Field(default=0, ge=0, le=3000, description="number of swarms that are never dissolved")
+    initial: int = Field(default=1, ge=1, le=3000, description="number at the start, each a run of consecutive robots")
+    max: int = Field(default=1, ge=1, le=3000, description="no new swarm is founded beyond this number")
+    new_robots: int = Field(default=5, ge=1, le=3000, description="number of excluded robots that found a new swarm")
 
     @model_validator(mode="after")
     def _check(self) -> Swarms:
@@ -224,23 +233,23 @@ class Swarms(Model):
 
 
 class Control(Model):
-    """The controller of each robot: RDPSO [dissertation, eq. 22, 24, 25] over a go-to-point, or another."""
+    """The controller of each robot: RDPSO [dissertation, eq. 22, 24, 25] with a go-to-point navigator, or another."""
 
     algorithm: str = Field(
         default="rdpso",
-        description="rdpso, random_walk, greedy, pso, rpso, sebs, cover; the name of an installed one, or module:Class",
+        description="name of a controller, such as rdpso or random_walk, also of an installed package; or module:Class",
     )
     iteration_s: float = Field(default=1.0, gt=0.0, le=60.0, description="period of the swarm's iterations [s]")
     memory: Literal["published", "grunwald_letnikov"] = Field(
         default="published", description="fractional memory (24) or (23)"
     )
     alpha: float = Field(default=0.38, ge=0.0, le=1.0, description="fractional order")
-    memory_terms: int = Field(default=4, ge=1, le=20, description="r: truncation; `published` has 4 at most")
-    inertia: float = Field(default=0.6, ge=0.0, le=1.0, description="w of `pso` and `rpso`, in place of the memory")
+    memory_terms: int = Field(default=4, ge=1, le=20, description="r: truncation; at most 4 with `published`")
+    inertia: float = Field(default=0.6, ge=0.0, le=1.0, description="w of `pso` and `rpso`, instead of the memory")
     c1: float = Field(default=0.08, ge=0.0, le=2.0, description="cognitive weight")
     c2: float = Field(default=0.11, ge=0.0, le=2.0, description="social weight")
     c3: float = Field(default=0.29, ge=0.0, le=2.0, description="obstacle weight")
-    c4: float = Field(default=0.4, ge=0.0, le=2.0, description="communication weight; acts where a link is in danger")
+    c4: float = Field(default=0.4, ge=0.0, le=2.0, description="communication weight; acts where a link is endangered")
     kept_link: Literal["nearest", "tree"] = Field(
         default="nearest",
         description="what the communication term keeps: the link to the nearest teammate, or the weakest of the "
@@ -260,17 +269,23 @@ class Control(Model):
         description="part of an iteration that a robot waits for the updates of those that it heard in the last one",
     )
     member_timeout_s: float = Field(
-        default=30.0, gt=0.0, le=1e6, description="a member unheard for longer no longer draws others to its place [s]"
+        default=30.0,
+        gt=0.0,
+        le=1e6,
+        description="a member unheard for longer no longer attracts others to its place [s]",
     )
     longest_detour_m: float = Field(
-        default=60.0, gt=0.0, le=10_000.0, description="best places farther along the path draw as the crow flies [m]"
+        default=60.0,
+        gt=0.0,
+        le=10_000.0,
+        description="best places farther away along the path attract in a straight line [m]",
     )
     sensing_radius_m: float = Field(default=1.0, gt=0.0, le=50.0, description="r_s of the obstacle term [m]")
     navigation: Literal["path", "straight"] = Field(
-        default="path", description="distances and waypoints along free paths of the known map, or as the crow flies"
+        default="path", description="distances and waypoints along free paths of the known map, or in a straight line"
     )
     localisation: Literal["ground_truth", "odometry"] = Field(
-        default="ground_truth", description="what the robot takes for its pose"
+        default="ground_truth", description="what the robot uses as its pose"
     )
     exclusion: SocialExclusion = SocialExclusion()
     swarms: Swarms = Swarms()
@@ -284,7 +299,7 @@ class Control(Model):
     @model_validator(mode="after")
     def _check(self) -> Control:
         if self.memory == "published" and self.memory_terms > 4:
-            raise wrong("memory_terms", f"{self.memory_terms} is above 4, all that the published memory has")
+            raise wrong("memory_terms", f"{self.memory_terms} is above 4, the length of the published memory")
         if self.swarms.max > 1 and self.swarms.new_robots > self.exclusion.max_robots:
             new, most = self.swarms.new_robots, self.exclusion.max_robots
             raise wrong("swarms.new_robots", f"{new} is above exclusion.max_robots, {most}")
@@ -296,25 +311,32 @@ class Area(Model):
 
     name: str = Field(description="a name, unique among areas")
     center: Point = Field(description="[x, y] in the map frame [m]")
-    radius_m: float = Field(default=2.0, gt=0.0, le=100.0, description="explored when a robot is this near [m]")
+    radius_m: float = Field(
+        default=2.0, gt=0.0, le=100.0, description="explored when a robot is within this distance [m]"
+    )
 
 
 class Victim(Model):
-    """A still victim who calls for help."""
+    """A victim who does not move and calls for help."""
 
     name: str = Field(description="a name, unique among victims")
     position: Point = Field(description="[x, y] in the map frame [m]")
 
 
 class Mission(Model):
-    """What the team has to do and when it ends [dissertation, 5.3]."""
+    """What the team has to do and when the mission ends [dissertation, 5.3]."""
 
     areas: Many[Area] = Field(default=(), description="explored in this order")
     victims: Many[Victim] = Field(default=(), description="victims")
-    save_distance_m: float = Field(default=1.0, gt=0.0, le=20.0, description="a robot this near saves a victim [m]")
+    save_distance_m: float = Field(
+        default=1.0, gt=0.0, le=20.0, description="a robot within this distance saves a victim [m]"
+    )
     time_limit_s: float = Field(default=600.0, gt=0.0, le=1e6, description="the mission ends after this time [s]")
     base: int | None = Field(
-        default=None, ge=0, le=2999, description="id of a robot that stays and must hear of each find over the network"
+        default=None,
+        ge=0,
+        le=2999,
+        description="id of a robot that stands still and must receive each discovery over the network",
     )
     autostart: bool = Field(default=True, description="starts with the first step, or waits for /mission/start")
 
@@ -323,7 +345,7 @@ class Mission(Model):
         for key, items in (("areas", self.areas), ("victims", self.victims)):
             repeated = first_repeated([item.name for item in items])
             if repeated:
-                raise wrong(f"{key}.{repeated[0]}.name", f"'{repeated[1]}' is the name of another already")
+                raise wrong(f"{key}.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
         return self
 
 

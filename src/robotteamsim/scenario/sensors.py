@@ -1,4 +1,4 @@
-"""What robots can carry to sense with. Default, unit, range and meaning of every key stand here and nowhere else."""
+"""The sensors that robots can carry. Default, unit, range and meaning of every key are here and nowhere else."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _TAKEN = frozenset(
         *("controller", "fix", "network", "odom", "radio_map", "teleop", "voice"),
     )
 )
-"""Topics that a robot has anyhow, and names whose frames it has."""
+"""Topics and frames that every robot has."""
 
 
 def is_free_name(name: str) -> bool:
@@ -29,20 +29,20 @@ def is_free_name(name: str) -> bool:
 
 def _as_topic(name: str) -> str:
     if not _NAME.fullmatch(name):
-        text = f"'{name}' cannot be a topic; wanted a lower-case letter, then letters, digits and _"
+        text = f"'{name}' cannot be a topic; expected a lower-case letter, then letters, digits and _"
     elif name in _TAKEN:
-        text = f"'{name}' is taken by the robot itself"
+        text = f"'{name}' is reserved for the robot itself"
     else:
         return name
     raise PydanticCustomError("wrong", "{text}", {"key": "", "text": text})
 
 
 SensorName = Annotated[str, AfterValidator(_as_topic)]
-"""Names a sensor, its topic robot_<id>/<name> and its frame robot_<id>/<name>_link."""
+"""The name of a sensor, its topic robot_<id>/<name> and its frame robot_<id>/<name>_link."""
 
 
 class Mount(Protocol):
-    """A named sensor and where it sits in base_link; its x axis points to yaw_rad."""
+    """A named sensor and its pose in base_link; its x axis points to yaw_rad."""
 
     name: SensorName
     forward_m: float
@@ -52,26 +52,28 @@ class Mount(Protocol):
 
 
 def check_names(sensors: Mapping[str, Sequence[Mount]]) -> None:
-    """Raise an error when two sensors of a robot have one name; sensors are given by key."""
+    """Raise an error when two sensors of a robot have the same name; sensors are given by key."""
     seen: set[str] = set()
     for key, items in sensors.items():
         for index, item in enumerate(items):
             if item.name in seen:
-                raise wrong(f"{key}.{index}.name", f"'{item.name}' is the name of another sensor already")
+                raise wrong(f"{key}.{index}.name", f"'{item.name}' is already the name of another sensor")
             seen.add(item.name)
 
 
 class Laser(Model):
-    """A planar laser range finder; walls, closed doors and robots return it."""
+    """A planar laser range finder; it detects walls, doors, objects and robots."""
 
     beams: int = Field(default=181, ge=1, le=10_000, description="number of beams, first at angle_min")
     angle_min_rad: float = Field(default=-1.5707963267948966, ge=-6.2832, le=6.2832, description="first beam [rad]")
     angle_max_rad: float = Field(default=1.5707963267948966, ge=-6.2832, le=6.2832, description="last beam [rad]")
-    range_min_m: float = Field(default=0.05, ge=0.0, le=10.0, description="shorter is not measured [m]")
-    range_max_m: float = Field(default=5.0, gt=0.0, le=200.0, description="longer is not measured [m]")
+    range_min_m: float = Field(default=0.05, ge=0.0, le=10.0, description="shortest range [m]")
+    range_max_m: float = Field(default=5.0, gt=0.0, le=200.0, description="longest range [m]")
     forward_m: float = Field(default=0.1, ge=-5.0, le=5.0, description="ahead of base_link [m]")
     height_m: float = Field(default=0.25, ge=0.0, le=2.0, description="above base_link, for tf [m]")
-    no_return: Literal["range_max", "inf"] = Field(default="range_max", description="as Stage does, or REP-117")
+    no_return: Literal["range_max", "inf"] = Field(
+        default="range_max", description="range where nothing is hit: range_max as in Stage, or inf as in REP-117"
+    )
     noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
 
     @model_validator(mode="after")
@@ -84,26 +86,28 @@ class Laser(Model):
 
 
 class MountedLaser(Laser):
-    """One of the further lasers: anywhere on the robot, turned to any side."""
+    """An additional laser, at any pose on the robot."""
 
     name: SensorName = Field(description="a name, for topic robot_<id>/<name> and frame robot_<id>/<name>_link")
     left_m: float = Field(default=0.0, ge=-5.0, le=5.0, description="left of base_link [m]")
-    yaw_rad: float = Field(default=0.0, ge=-6.2832, le=6.2832, description="where its x axis points in base_link [rad]")
-    every_steps: int = Field(default=1, ge=1, le=10_000, description="scans in every so manieth step")
+    yaw_rad: float = Field(default=0.0, ge=-6.2832, le=6.2832, description="direction of its x axis in base_link [rad]")
+    every_steps: int = Field(default=1, ge=1, le=10_000, description="a scan every n-th step")
 
 
 class Sonar(Model):
-    """One sonar of a ring: a cone that returns at the nearest wall, closed door or robot within it."""
+    """One sonar of a ring: the distance to the nearest wall, door, object or robot within a cone."""
 
     name: SensorName = Field(description="a name, for topic robot_<id>/<name> and frame robot_<id>/<name>_link")
     forward_m: float = Field(default=0.0, ge=-5.0, le=5.0, description="ahead of base_link [m]")
     left_m: float = Field(default=0.0, ge=-5.0, le=5.0, description="left of base_link [m]")
-    yaw_rad: float = Field(default=0.0, ge=-6.2832, le=6.2832, description="where it points in base_link [rad]")
+    yaw_rad: float = Field(default=0.0, ge=-6.2832, le=6.2832, description="its direction in base_link [rad]")
     height_m: float = Field(default=0.25, ge=0.0, le=5.0, description="above base_link, for tf [m]")
     opening_rad: float = Field(default=0.5, gt=0.0, le=3.1416, description="full angle of the cone [rad]")
-    rays: int = Field(default=15, ge=2, le=1000, description="spread evenly over the cone, edges included")
-    range_min_m: float = Field(default=0.02, ge=0.0, le=10.0, description="what is nearer reads this [m]")
-    range_max_m: float = Field(default=3.0, gt=0.0, le=200.0, description="where nothing returns it reads this [m]")
+    rays: int = Field(
+        default=15, ge=2, le=1000, description="number of rays, spread evenly over the cone, edges included"
+    )
+    range_min_m: float = Field(default=0.02, ge=0.0, le=10.0, description="reading for anything nearer [m]")
+    range_max_m: float = Field(default=3.0, gt=0.0, le=200.0, description="reading where nothing is hit [m]")
     noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
 
     @model_validator(mode="after")
@@ -114,9 +118,11 @@ class Sonar(Model):
 
 
 class Gps(Model):
-    """A receiver of satellite navigation; `map` has x to the east, y to the north and its origin at the datum."""
+    """A satellite navigation receiver; the x axis of `map` points east, y north, and its origin is at the datum."""
 
     datum_lat_deg: float = Field(ge=-89.9, le=89.9, description="latitude of the origin of `map` on WGS84 [deg]")
     datum_lon_deg: float = Field(ge=-180.0, le=180.0, description="longitude of the origin of `map` on WGS84 [deg]")
-    noise_m: float = Field(default=1.0, ge=0.0, le=1000.0, description="standard deviation to east and to north [m]")
-    rate_hz: float = Field(default=1.0, gt=0.0, le=1000.0, description="fixes a second, at most one per step [Hz]")
+    noise_m: float = Field(
+        default=1.0, ge=0.0, le=1000.0, description="standard deviation to the east and to the north [m]"
+    )
+    rate_hz: float = Field(default=1.0, gt=0.0, le=1000.0, description="fixes per second, at most one per step [Hz]")

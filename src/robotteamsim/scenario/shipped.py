@@ -1,4 +1,4 @@
-"""Where the shipped scenarios and maps lie: source tree, catkin space or wheel."""
+"""Finds the shipped scenarios and maps: in the source tree, a catkin space or a wheel."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from robotteamsim.scenario.problems import suggestion
 
 
 def share_roots() -> tuple[Path, ...]:
-    """Return the folders that hold `scenarios/` and `maps/` of this package, the nearest to its code first.
+    """Return the folders with `scenarios/` and `maps/` of this package, the one nearest to its code first.
 
-    A wheel carries them in robotteamsim/share, the source tree (also behind a catkin devel space) beside src, a
-    catkin install space in share/robotteamsim; at last each package of that name on ROS_PACKAGE_PATH.
+    A wheel has them in robotteamsim/share, the source tree (and a catkin devel space) beside src, a catkin install
+    space in share/robotteamsim; last comes each package of that name on ROS_PACKAGE_PATH.
     """
     package = Path(__file__).resolve().parents[1]
     candidates = [package / "share", package.parents[1]]
@@ -34,7 +34,7 @@ def map_names() -> list[str]:
 
 
 def is_bare_name(name: str) -> bool:
-    """Whether a text names something shipped rather than a file: no folder, no suffix."""
+    """Whether a text is the name of something shipped, not of a file: no folder, no suffix."""
     return bool(name) and os.path.basename(name) == name and not os.path.splitext(name)[1]
 
 
@@ -49,7 +49,7 @@ def shipped_plan(name: str) -> Path:
 
 
 def shipped_map_name(plan_file: Path) -> str | None:
-    """Return the name that `shipped_plan` finds this very file by; none: it is no shipped map's."""
+    """Return the name for which `shipped_plan` returns this file; None: it is not a shipped map."""
     name = plan_file.parent.name
     files = [root / "maps" / name / "plan.yaml" for root in share_roots()]
     first = next((file for file in files if file.is_file()), None)
@@ -60,8 +60,8 @@ def _find(name: str, relative: str, what: str, known: list[str]) -> Path:
     for root in share_roots():
         if (root / relative).is_file():
             return root / relative
-    near = suggestion(name, known) or f"; shipped are {', '.join(known) or 'none'}"
-    raise ScenarioError(f"{name}: no {what} of this name is shipped{near}")
+    near = suggestion(name, known) or f"; known: {', '.join(known) or 'none'}"
+    raise ScenarioError(f"{name}: there is no shipped {what} of this name{near}")
 
 
 def _is_share_root(root: Path) -> bool:

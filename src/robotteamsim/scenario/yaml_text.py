@@ -1,4 +1,4 @@
-"""YAML as scenarios use it: every key a text and once only, `1e6` a number, dates plain text."""
+"""YAML as scenarios use it: keys are text and unique, `1e6` is a number, dates are plain text."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robotteamsim.errors import ScenarioError
 
 
 class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
-    """PyYAML's safe loader with the differences that the module names."""
+    """PyYAML's safe loader, with the differences that the module describes."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen = set()
@@ -54,20 +54,20 @@ def parse(text: str, place: str) -> Any:
     try:
         return yaml.load(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
-        # A line without its colon is noticed on the next one only.
+        # PyYAML notices a line without its colon only on the next one.
         noticed_late = error.context == "while scanning a simple key"
         mark = error.context_mark if noticed_late else error.problem_mark
         line = f":{mark.line + 1}" if mark and "\n" in text.strip() else ""
         raise ScenarioError(f"{place}{line}: {error.problem or error.context}") from None
     except (yaml.YAMLError, ValueError) as error:
-        # An unprintable character, or a number that looks right and is not (0b, 1_).
+        # An unprintable character, or a malformed number (0b, 1_).
         raise ScenarioError(f"{place}: {str(error).splitlines()[0]}") from None
     except RecursionError:
         raise ScenarioError(f"{place}: nested too deeply") from None
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is a file of that name; a name that the system refuses, such as one too long, is that of none."""
+    """Whether a file exists; False also for a name that the system refuses, such as one that is too long."""
     try:
         return path.is_file()
     except OSError:
@@ -77,8 +77,8 @@ def is_file(path: Path) -> bool:
 def read_mapping(path: Path, place: str, what: str) -> dict[str, Any]:
     """Return the keys and values of a YAML file.
 
-    Args:   place: what error messages call the file. what: what it is meant to be, such as "a scenario".
-    Raises: ScenarioError: the file is missing, unreadable, no YAML or no mapping.
+    Args:   place: what error messages call the file. what: what it should be, such as "a scenario".
+    Raises: ScenarioError: the file is missing, unreadable, not YAML or not a mapping.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -97,7 +97,7 @@ def read_mapping(path: Path, place: str, what: str) -> dict[str, Any]:
 
 
 class _Dumper(yaml.SafeDumper):  # type: ignore[misc]  # PyYAML has no types
-    """Lists of plain values, such as points, on one line."""
+    """PyYAML's safe dumper, with lists of plain values, such as points, on one line."""
 
     def represent_sequence(self, tag: str, sequence: Any, flow_style: bool | None = None) -> yaml.SequenceNode:
         plain = not any(isinstance(item, dict) for item in sequence)
@@ -107,7 +107,7 @@ class _Dumper(yaml.SafeDumper):  # type: ignore[misc]  # PyYAML has no types
         return True
 
 
-# What the loader would take for a number must be quoted when it is text.
+# Text that the loader would read as a number must be quoted.
 _Dumper.yaml_implicit_resolvers = _Loader.yaml_implicit_resolvers
 
 
@@ -117,7 +117,7 @@ def _number(dumper: yaml.SafeDumper, value: float) -> yaml.ScalarNode:
 
 
 def _text(dumper: yaml.SafeDumper, value: str) -> yaml.ScalarNode:
-    # Only the double-quoted style keeps every control character.
+    # Only the double-quoted style preserves every control character.
     style = None if value.isprintable() else '"'
     return dumper.represent_scalar("tag:yaml.org,2002:str", value, style=style)
 
@@ -133,7 +133,7 @@ def write(value: Any) -> str:
 
 
 def shown(value: Any) -> str:
-    """Return a value as YAML writes it, on one short line."""
+    """Return a value as YAML, on one short line."""
     if isinstance(value, dict):
         return "a section"
     try:

@@ -13,7 +13,7 @@ from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.sensors import Laser as LaserModel
 from robotteamsim.scenario.sensors import MountedLaser
 from robotteamsim.world import World
-from robotteamsim.world.world import core_solids
+from robotteamsim.world.core_parts import core_solids
 
 _NO_NOISE = np.empty((0, 0))
 

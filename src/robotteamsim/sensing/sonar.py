@@ -7,7 +7,7 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.scenario.sensors import Sonar as SonarModel
 from robotteamsim.world import World
-from robotteamsim.world.world import core_solids
+from robotteamsim.world.core_parts import core_solids
 
 _NO_NOISE = np.empty(0)
 

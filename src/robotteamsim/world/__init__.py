@@ -1,4 +1,4 @@
-"""What is true: walls, doors, robots and what they do to each other; simulated time."""
+"""The true state of a trial: walls, doors, robots, objects, contacts and simulated time."""
 
 from robotteamsim.world.placement import check_places, placed_robots
 from robotteamsim.world.world import World

@@ -10,7 +10,6 @@ from typing import Literal, NamedTuple
 from robotteamsim import _core
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.plan import Corners, door_corners, leaf_corners
-from robotteamsim.world.pieces import convex_pieces
 
 LeafMotion = Literal["still", "opens", "closes", "held"]
 
@@ -84,26 +83,13 @@ class DoorStates(Mapping[str, DoorState]):
         return [change for change in pairs if change.now != change.before]
 
 
-def core_door(door: Door) -> _core.world.Door:
-    """Return a door of the C++ world."""
-    leaf = door_corners(door)
-    return _core.world.Door(
-        _core.world.Solid(leaf, convex_pieces(leaf)),
-        door.closed,
-        time_s=door.leaf_time_s,
-        angle_rad=door.leaf_angle_rad,
-        shift_m=door.leaf_shift_m,
-        hinge_m=door.start,
-    )
-
-
 def door_state(state: _core.world.DoorState) -> DoorState:
     """Return the state of a door of the C++ world."""
     return DoorState(state.closed, state.opening, state.motion)
 
 
 def leaf_outline(door: Door, state: DoorState) -> Corners | None:
-    """Return the corners of a leaf where it is [m]; None: nowhere."""
+    """Return the corners of a leaf at its present place [m]; None: an open instant door has no leaf."""
     if door.motion != "instant":
         return leaf_corners(door, state.opening)
     return door_corners(door) if state.closed else None

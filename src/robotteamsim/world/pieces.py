@@ -1,4 +1,4 @@
-"""Convex pieces of polygons, which is all that Box2D takes."""
+"""Convex pieces of polygons: Box2D takes no others."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ MAX_CORNERS = 8
 """Of a polygon in Box2D."""
 
 _MIN_AREA_M2 = 1e-9
-"""Smaller triangles are rounding errors between corners in line."""
+"""Smaller triangles are rounding errors between collinear corners."""
 
 
 def convex_pieces(corners: Corners) -> tuple[Corners, ...]:
     """Return convex polygons of at most eight corners that together are the inside of a simple polygon.
 
-    A polygon that is such a piece comes back alone; any other is cut into the triangles of its constrained Delaunay
-    triangulation. All corners are counter-clockwise [m].
+    A convex polygon with few corners is returned as it is; any other is cut into the triangles of its constrained
+    Delaunay triangulation. All corners are counter-clockwise [m].
     """
     if len(corners) <= MAX_CORNERS and _is_strictly_convex(corners):
         return (tuple(corners),)

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace robotteamsim {
+namespace robotteamsim::base {
 namespace {
 
 TEST(Hypot, OfWholeTrianglesIsWhole) {
@@ -30,4 +30,4 @@ TEST(Hypot, OfWhatIsNoNumberIsNone) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::base

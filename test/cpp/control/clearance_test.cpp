@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace robotteamsim {
+namespace robotteamsim::control {
 namespace {
 
 const double kPi = std::acos(-1.0);
@@ -24,7 +24,7 @@ TEST(ScanClearance, RefusesAScanOfAnotherLength) {
 
 TEST(ScanClearance, HitsLeaveOutBeamsWithoutReturn) {
   const float none = std::numeric_limits<float>::infinity();
-  const std::vector<Point> hits = ThreeBeams(0.1).Hits(std::vector<float>{5.0F, 1.0F, none}, 5.0);
+  const std::vector<base::Point> hits = ThreeBeams(0.1).Hits(std::vector<float>{5.0F, 1.0F, none}, 5.0);
   ASSERT_EQ(hits.size(), 1U);
   EXPECT_NEAR(hits[0].x, 1.1, 1e-12);
   EXPECT_NEAR(hits[0].y, 0.0, 1e-12);
@@ -32,9 +32,9 @@ TEST(ScanClearance, HitsLeaveOutBeamsWithoutReturn) {
 }
 
 /// What FreeDistanceAmong says, one hit after the other and from all of them.
-double PlainFreeDistance(const std::vector<Point>& hits, double heading, double radius, double max_distance) {
+double PlainFreeDistance(const std::vector<base::Point>& hits, double heading, double radius, double max_distance) {
   double free = max_distance;
-  for (const Point& hit : hits) {
+  for (const base::Point& hit : hits) {
     const double along = hit.x * std::cos(heading) + hit.y * std::sin(heading);
     const double across = hit.y * std::cos(heading) - hit.x * std::sin(heading);
     if (along <= 0.0 || radius * radius - across * across <= 0.0) continue;
@@ -49,7 +49,7 @@ TEST(FreeDistanceAmong, IsThatOfThePlainWayWithEachInstructionSet) {
   std::mt19937 random(5);  // NOLINT(bugprone-random-generator-seed): the same hits in each run
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   for (int count = 0; count < 150; ++count) {
-    std::vector<Point> hits;
+    std::vector<base::Point> hits;
     const double nearest = 0.15 + 0.5 * uniform(random);
     for (int i = 0; i < count; ++i) {
       const double angle = -kPi / 2 + kPi * i / count, range = nearest + uniform(random);
@@ -58,8 +58,8 @@ TEST(FreeDistanceAmong, IsThatOfThePlainWayWithEachInstructionSet) {
     for (int i = 0; i < 20; ++i) {
       const double heading = 2.0 * kPi * (uniform(random) - 0.5);
       const double plain = PlainFreeDistance(hits, heading, 0.25, 0.7);
-      for (const Simd simd : {Simd::kPortable, Simd::kAvx2, Simd::kAvx512}) {
-        if (IsSupported(simd)) EXPECT_EQ(FreeDistanceAmong(hits, Direction(heading), 0.25, 0.7, simd), plain);
+      for (const base::Simd simd : {base::Simd::kPortable, base::Simd::kAvx2, base::Simd::kAvx512}) {
+        if (base::IsSupported(simd)) EXPECT_EQ(FreeDistanceAmong(hits, Direction(heading), 0.25, 0.7, simd), plain);
       }
     }
   }
@@ -103,7 +103,7 @@ std::vector<float> PostAhead(double distance, double left = 0.0) {
 }
 
 Sidestepper HalfPlane(std::vector<double> headings) {
-  return {ScanClearance({181, -kPi / 2, kPi / 2, 0.0, 5.0}), std::move(headings)};
+  return {ScanClearance({181, -kPi / 2, kPi / 2, 0.0, 5.0}), std::move(headings), {0.25, 0.35, 1.6}};
 }
 
 TEST(Sidestepper, TakesTheWantedHeadingWhereItIsFreeOrBehind) {
@@ -123,12 +123,12 @@ TEST(Sidestepper, PassesOnTheRightAndStaysOnASideOnceBegun) {
 
 TEST(Sidestepper, TakesTheFarthestFreeWhereNoneIsFreeAsFarAsNeeded) {
   Sidestepper robot = HalfPlane({0.0, 0.3});
-  const Sidestepper::Way way = robot.Find(PostAhead(0.4), 0.0, 0.25, 0.5);
-  EXPECT_EQ(way.heading, 0.3);
-  EXPECT_GT(way.free, 0.1);
-  EXPECT_LT(way.free, 0.5);
+  const Sidestepper::FreeHeading found = robot.Find(PostAhead(0.4), 0.0, 0.25, 0.5);
+  EXPECT_EQ(found.heading, 0.3);
+  EXPECT_GT(found.free, 0.1);
+  EXPECT_LT(found.free, 0.5);
   EXPECT_THROW(HalfPlane({}), std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::control

@@ -8,7 +8,7 @@
 
 #include "graphs.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::network {
 namespace {
 
 constexpr double kPi = 3.141592653589793;
@@ -110,4 +110,4 @@ TEST(FiedlerValue, RefusesATeamOfNoneAndWhatIsNoUndirectedGraph) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::network

@@ -6,7 +6,7 @@
 
 #include "robotteamsim/network/link_bits.hpp"
 
-namespace robotteamsim::graphs {
+namespace robotteamsim::network::graphs {
 
 inline Adjacency Empty(int n) { return Adjacency::Constant(n, n, false); }
 
@@ -55,4 +55,4 @@ inline Adjacency Scattered(int n, double reach, std::uint32_t seed) {
   return adjacency;
 }
 
-}  // namespace robotteamsim::graphs
+}  // namespace robotteamsim::network::graphs

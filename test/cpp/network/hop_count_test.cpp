@@ -10,7 +10,7 @@
 
 #include "graphs.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::network {
 namespace {
 
 /// C of eq. (18-20), with -1 where it stays 0 beside the diagonal.
@@ -135,4 +135,4 @@ TEST(CountHops, RefusesWhatIsNoUndirectedGraph) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::network

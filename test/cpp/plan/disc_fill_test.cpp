@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace robotteamsim {
+namespace robotteamsim::plan {
 namespace {
 
 /// The cells that DiscFill::Reach finds, found one by one.
@@ -70,4 +70,4 @@ TEST(DiscFill, LeavesItToOthersWhereRoundingWouldDecideAndWhereTheDiscIsTooWide)
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::plan

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace robotteamsim {
+namespace robotteamsim::plan {
 namespace {
 
 /// A grid of 1 m cells from lines of text, the top line being the highest row; '#' is occupied.
@@ -55,10 +55,10 @@ TEST(PlanningGrid, NothingIsFreeBeyondTheGrid) {
 
 TEST(PlanningGrid, NearestFreeIsThePointItselfWhereItIsFree) {
   const PlanningGrid grid = Drawn(kWallWithGap);
-  const Point itself = *grid.NearestFree({1.2, 0.3}, 1.0);
+  const base::Point itself = *grid.NearestFree({1.2, 0.3}, 1.0);
   EXPECT_EQ(itself.x, 1.2);
   EXPECT_EQ(itself.y, 0.3);
-  const Point beside = *grid.NearestFree({2.6, 1.4}, 2.0);
+  const base::Point beside = *grid.NearestFree({2.6, 1.4}, 2.0);
   EXPECT_EQ(beside.x, 3.5);
   EXPECT_EQ(beside.y, 1.5);
   EXPECT_FALSE(grid.NearestFree({2.5, 0.5}, 0.5).has_value());
@@ -80,7 +80,7 @@ TEST(PlanningGrid, LineThroughTheCornerOfAnObstacleIsNotFree) {
 
 TEST(PlanningGrid, DistanceFieldGoesAroundTheWall) {
   const PlanningGrid grid = Drawn(kWallWithGap);
-  const std::vector<float> field = grid.DistanceField({4.5, 0.5});
+  const std::vector<float> field = grid.DistanceMap({4.5, 0.5});
   EXPECT_EQ(field[4], 0.0F);
   EXPECT_EQ(field[3], 1.0F);
   EXPECT_TRUE(std::isinf(field[2]));
@@ -92,17 +92,17 @@ TEST(PlanningGrid, DistanceFieldGoesAroundTheWall) {
 }
 
 TEST(PlanningGrid, DistanceFieldRefusesABlockedGoal) {
-  EXPECT_THROW(Drawn(kWallWithGap).DistanceField({2.5, 0.5}), std::invalid_argument);
+  EXPECT_THROW(Drawn(kWallWithGap).DistanceMap({2.5, 0.5}), std::invalid_argument);
 }
 
 TEST(PlanningGrid, ShortestPathHasTheLengthOfTheField) {
   const PlanningGrid grid = Drawn(kWallWithGap);
-  const std::vector<Point> path = grid.ShortestPath({0.5, 0.5}, {4.5, 0.5}, 100.0);
+  const std::vector<base::Point> path = grid.ShortestPath({0.5, 0.5}, {4.5, 0.5}, 100.0);
   double length = 0.0;
   for (std::size_t i = 1; i < path.size(); ++i) {
     length += std::hypot(path[i].x - path[i - 1].x, path[i].y - path[i - 1].y);
   }
-  EXPECT_NEAR(length, grid.DistanceField({4.5, 0.5})[0], 1e-6);
+  EXPECT_NEAR(length, grid.DistanceMap({4.5, 0.5})[0], 1e-6);
   EXPECT_TRUE(grid.ShortestPath({0.5, 0.5}, {4.5, 0.5}, 8.5).empty());
   EXPECT_TRUE(grid.ShortestPath({0.5, 0.5}, {2.5, 0.5}, 100.0).empty());
   EXPECT_EQ(grid.ShortestPath({0.5, 0.5}, {0.6, 0.6}, 100.0).size(), 1U);
@@ -114,7 +114,7 @@ TEST(PlanningGrid, NoPathLeadsBetweenTwoRooms) {
 
 TEST(PlanningGrid, ShortcutKeepsOnlyTheCorners) {
   const PlanningGrid grid = Drawn(kWallWithGap);
-  const std::vector<Point> corners = grid.Shortcut(grid.ShortestPath({0.5, 0.5}, {4.5, 0.5}, 100.0));
+  const std::vector<base::Point> corners = grid.Shortcut(grid.ShortestPath({0.5, 0.5}, {4.5, 0.5}, 100.0));
   ASSERT_EQ(corners.size(), 4U);
   EXPECT_EQ(corners[1].y, 3.5);
   EXPECT_EQ(corners[2].y, 3.5);
@@ -123,19 +123,19 @@ TEST(PlanningGrid, ShortcutKeepsOnlyTheCorners) {
 
 TEST(PlanningGrid, ReachableCellsEndAtAWallInsideTheDisc) {
   const PlanningGrid grid = Drawn(kWallWithGap);
-  const std::vector<float> field = grid.DistanceField({4.5, 0.5});
+  const std::vector<float> field = grid.DistanceMap({4.5, 0.5});
   // Across the wall there are nearer cells within 3 m, but the disc holds no way to them.
-  const Point least = grid.LeastReachable(field.data(), field.size(), {1.5, 0.5}, 2.5)->place;
+  const base::Point least = grid.LeastReachable(field.data(), field.size(), {1.5, 0.5}, 2.5)->place;
   EXPECT_EQ(least.x, 1.5);
   EXPECT_EQ(least.y, 2.5);
-  const Point nearest = *grid.NearestReachable({1.5, 0.5}, {4.5, 0.5}, 2.5);
+  const base::Point nearest = *grid.NearestReachable({1.5, 0.5}, {4.5, 0.5}, 2.5);
   EXPECT_EQ(nearest.x, 1.5);
   EXPECT_EQ(nearest.y, 0.5);
-  const Point across = *grid.NearestInDisc({1.5, 0.5}, {4.5, 0.5}, 2.5);
+  const base::Point across = *grid.NearestInDisc({1.5, 0.5}, {4.5, 0.5}, 2.5);
   EXPECT_EQ(across.x, 3.5);
   EXPECT_EQ(across.y, 0.5);
   EXPECT_FALSE(grid.NearestReachable({2.5, 0.5}, {4.5, 0.5}, 2.5).has_value());
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::plan

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace robotteamsim {
+namespace robotteamsim::propagation {
 namespace {
 
 TEST(CellCenters, LieAtWholeMillimetresOnePitchApart) {
@@ -48,4 +48,4 @@ TEST(CellCenters, RefuseGridsWithoutCellsAndBeyondTheLimit) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::propagation

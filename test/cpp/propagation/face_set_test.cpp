@@ -9,7 +9,7 @@
 
 #include "scenes.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::propagation {
 namespace {
 
 using Ends = std::vector<std::array<std::int64_t, 4>>;
@@ -174,4 +174,4 @@ TEST(FaceSet, RefusesFacesThatAreNone) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::propagation

@@ -8,7 +8,7 @@
 
 #include "scenes.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::propagation {
 namespace {
 
 const RadioModel kModel{0.0, 47.4, 23.2, 0.1, 18.3, 0.46};
@@ -66,8 +66,8 @@ TEST(RssiMatrix, IsPathLossOfEachLinkToTheBitWithAnyInstructionSet) {
       positions(i, 1) = static_cast<double>(scenes::Draw(&generator, 0, 40'000)) / 1000.0;
     }
     if (n > 2) positions.row(2) = positions.row(0);
-    for (const Simd simd : {Simd::kPortable, Simd::kAvx2, Simd::kAvx512}) {
-      if (!IsSupported(simd)) continue;
+    for (const base::Simd simd : {base::Simd::kPortable, base::Simd::kAvx2, base::Simd::kAvx512}) {
+      if (!base::IsSupported(simd)) continue;
       const CellValues rssi_dbm = RssiMatrixDbm(faces, model, positions, simd);
       ASSERT_EQ(rssi_dbm.rows(), n);
       for (int i = 0; i < n; ++i) {
@@ -121,7 +121,7 @@ TEST(FloorLoss, IsTheLastTermOfEquation4) {
 TEST(RadioFading, IsTheSignalOfPathLoss) {
   RadioModel model = kModel;
   model.tx_power_dbm = 12.0;
-  const GridShape grid{{-1.0, -2.0}, 0.25, 16, 40};
+  const plan::GridShape grid{{-1.0, -2.0}, 0.25, 16, 40};
   for (const int floors_crossed : {0, 2}) {
     MapValues rssi_dbm(grid.rows, grid.cols);
     WriteHighest(Wall(), {{{125, 125}, RadioFading(model, floors_crossed)}}, grid, rssi_dbm);
@@ -135,4 +135,4 @@ TEST(RadioFading, IsTheSignalOfPathLoss) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::propagation

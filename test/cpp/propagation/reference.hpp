@@ -8,9 +8,9 @@
 
 #include "robotteamsim/propagation/cells.hpp"
 #include "robotteamsim/propagation/face_set.hpp"
-#include "robotteamsim/propagation/fading.hpp"
+#include "robotteamsim/propagation/maps/fading.hpp"
 
-namespace robotteamsim::reference {
+namespace robotteamsim::propagation::reference {
 
 /// Returns the weight between the source and the centre of a cell.
 inline std::int64_t Weight(const FaceSet& faces, PointMm source, const CellCentersMm& cells, int row, int col) {
@@ -30,7 +30,7 @@ inline double Value(const FaceSet& faces, PointMm source, const Fading& fading, 
 }
 
 /// Returns the map of one source.
-inline CellValues Map(const FaceSet& faces, PointMm source, const Fading& fading, const GridShape& grid) {
+inline CellValues Map(const FaceSet& faces, PointMm source, const Fading& fading, const plan::GridShape& grid) {
   const CellCentersMm cells(grid);
   CellValues values(grid.rows, grid.cols);
   for (int row = 0; row < grid.rows; ++row) {
@@ -39,4 +39,4 @@ inline CellValues Map(const FaceSet& faces, PointMm source, const Fading& fading
   return values;
 }
 
-}  // namespace robotteamsim::reference
+}  // namespace robotteamsim::propagation::reference

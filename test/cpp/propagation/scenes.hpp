@@ -9,7 +9,7 @@
 
 #include "robotteamsim/propagation/face_set.hpp"
 
-namespace robotteamsim::scenes {
+namespace robotteamsim::propagation::scenes {
 
 using Ends = std::vector<std::array<std::int64_t, 4>>;
 
@@ -92,4 +92,4 @@ inline FaceSet Walls(std::mt19937* generator, int count, int oblique_percent, st
   return FaceSet(outline.ends, outline.weights);
 }
 
-}  // namespace robotteamsim::scenes
+}  // namespace robotteamsim::propagation::scenes

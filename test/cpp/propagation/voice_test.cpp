@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace robotteamsim {
+namespace robotteamsim::propagation {
 namespace {
 
 const VoiceModel kModel{10.0, 1.0, 0.1};
@@ -21,7 +21,7 @@ TEST(VoiceLevel, FallsByTheExponentAndTheWalls) {
   EXPECT_DOUBLE_EQ(VoiceLevelDb(Wall(), kModel, {{5.0, 0.0}, -78.0, 5.0}, {6000, 0}), 78.0 - 1.0);
 }
 
-MapValues VoiceMap(const FaceSet& faces, const std::vector<VoiceSource>& sources, const GridShape& grid,
+MapValues VoiceMap(const FaceSet& faces, const std::vector<VoiceSource>& sources, const plan::GridShape& grid,
                    const SolidCells& solid) {
   MapValues map = MapValues::Constant(grid.rows, grid.cols, -1.0F);
   WriteVoiceMap(faces, kModel, sources, grid, solid, map);
@@ -29,7 +29,7 @@ MapValues VoiceMap(const FaceSet& faces, const std::vector<VoiceSource>& sources
 }
 
 TEST(VoiceMap, KeepsTheHighestVoiceAndDropsWhatIsBelowTheNoise) {
-  const GridShape grid{{0.0, 0.0}, 0.5, 1, 80};
+  const plan::GridShape grid{{0.0, 0.0}, 0.5, 1, 80};
   const SolidCells solid = SolidCells::Constant(1, 80, false);
   const std::vector<VoiceSource> sources = {{{1.0, 0.25}, -78.0, 5.0}, {{12.0, 0.25}, -72.0, 6.0}};
   const MapValues map = VoiceMap(Wall(), sources, grid, solid);
@@ -56,7 +56,7 @@ TEST(VoiceMap, IsSilentWithoutSources) {
 }
 
 TEST(VoiceMap, RefusesSolidCellsOrAMapOfAnotherShape) {
-  const GridShape grid{{0.0, 0.0}, 0.25, 3, 4};
+  const plan::GridShape grid{{0.0, 0.0}, 0.25, 3, 4};
   MapValues map(3, 4);
   MapValues turned(4, 3);
   EXPECT_THROW(WriteVoiceMap(Wall(), kModel, {}, grid, SolidCells::Constant(4, 3, false), map), std::invalid_argument);
@@ -65,7 +65,7 @@ TEST(VoiceMap, RefusesSolidCellsOrAMapOfAnotherShape) {
 }
 
 TEST(LoudestCell, IsWithinTheRadius) {
-  const GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
+  const plan::GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
   MapValues values = MapValues::Constant(5, 5, 1.0F);
   values(2, 2) = 2.0F;  // centre (2.5, 2.5)
   values(4, 4) = 9.0F;
@@ -77,7 +77,7 @@ TEST(LoudestCell, IsWithinTheRadius) {
 }
 
 TEST(LoudestCell, PrefersTheLowestRowThenColumn) {
-  const GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
+  const plan::GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
   const std::optional<Cell> best = LoudestCell(grid, MapValues::Constant(5, 5, 1.0F), {2.5, 2.5}, 1.5);
   ASSERT_TRUE(best);
   EXPECT_EQ(best->row, 1);
@@ -85,7 +85,7 @@ TEST(LoudestCell, PrefersTheLowestRowThenColumn) {
 }
 
 TEST(LoudestCell, IsTheSameWhateverTheGuess) {
-  const GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
+  const plan::GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
   MapValues values = MapValues::Constant(5, 5, 1.0F);
   values(3, 2) = values(2, 3) = 2.0F;
   for (int row = 0; row < 5; ++row) {
@@ -100,11 +100,11 @@ TEST(LoudestCell, IsTheSameWhateverTheGuess) {
 }
 
 TEST(LoudestCell, IsNothingWhereAllIsSilentOrFar) {
-  const GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
+  const plan::GridShape grid{{0.0, 0.0}, 1.0, 5, 5};
   EXPECT_FALSE(LoudestCell(grid, MapValues::Zero(5, 5), {2.5, 2.5}, 2.0));
   EXPECT_FALSE(LoudestCell(grid, MapValues::Ones(5, 5), {-50.0, 2.5}, 2.0));
   EXPECT_FALSE(LoudestCell(grid, MapValues::Ones(5, 5), {2.5, 1e30}, 2.0));
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::propagation

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 namespace {
 
 const double kPi = std::acos(-1.0);
@@ -67,4 +67,4 @@ TEST(BeamFan, TakesBeamsAtTheEndsIn) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace robotteamsim {
+namespace robotteamsim::sensing {
 namespace {
 
 const double kPi = std::acos(-1.0);
@@ -20,23 +20,24 @@ LaserModel Model(int beams, double angle_min, double angle_max, double forward) 
   return {beams, angle_min, angle_max, forward, 0.05, 5.0, 0.05, 5.0};
 }
 
-Solid Rectangle(double x0, double y0, double x1, double y1) {
-  const Polygon corners{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+world::Solid Rectangle(double x0, double y0, double x1, double y1) {
+  const world::Polygon corners{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
   return {corners, {corners}};
 }
 
-Robot RobotAt(double x, double y, double yaw) {
-  Robot robot;
+world::Robot RobotAt(double x, double y, double yaw) {
+  world::Robot robot;
   robot.start = {x, y, yaw};
   return robot;
 }
 
-World WorldOf(const std::vector<Solid>& solids, const std::vector<Robot>& robots, const std::vector<Door>& doors = {}) {
-  return World(solids, doors, robots, 0.1, 5);
+world::World WorldOf(const std::vector<world::Solid>& solids, const std::vector<world::Robot>& robots,
+                     const std::vector<world::Door>& doors = {}) {
+  return world::World(solids, doors, robots, 0.1, 5);
 }
 
 TEST(Laser, MeasuresAWallAheadByDistanceOverCosine) {
-  const World world = WorldOf({Rectangle(3.0, -10.0, 3.2, 10.0)}, {RobotAt(1.0, 0.0, 0.0)});
+  const world::World world = WorldOf({Rectangle(3.0, -10.0, 3.2, 10.0)}, {RobotAt(1.0, 0.0, 0.0)});
   const std::vector<double> ranges = Laser(Model(181, -kPi / 2.0, kPi / 2.0, 0.0), world).Scan(world, 0);
   ASSERT_EQ(ranges.size(), 181U);
   EXPECT_NEAR(ranges[90], 2.0, 1e-12);
@@ -48,13 +49,13 @@ TEST(Laser, MeasuresAWallAheadByDistanceOverCosine) {
 }
 
 TEST(Laser, StandsForwardOfTheRobotAndTurnsWithIt) {
-  const World world = WorldOf({Rectangle(-1.0, 3.0, 1.0, 3.2)}, {RobotAt(0.0, 0.0, kPi / 2.0)});
+  const world::World world = WorldOf({Rectangle(-1.0, 3.0, 1.0, 3.2)}, {RobotAt(0.0, 0.0, kPi / 2.0)});
   const Laser laser(Model(1, 0.0, 0.0, 0.1), world);
   EXPECT_NEAR(laser.Scan(world, 0)[0], 2.9, 1e-12);
 }
 
 TEST(Laser, SeesOtherRobotsAsDiscsAndNotItsOwn) {
-  const World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0), RobotAt(2.0, 0.0, 0.0)});
+  const world::World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0), RobotAt(2.0, 0.0, 0.0)});
   const Laser laser(Model(3, -0.05, 0.05, 0.1), world);
   const std::vector<double> ranges = laser.Scan(world, 0);
   EXPECT_NEAR(ranges[1], 1.7, 1e-12);
@@ -64,9 +65,9 @@ TEST(Laser, SeesOtherRobotsAsDiscsAndNotItsOwn) {
 }
 
 TEST(Laser, SeesTheSidesOfRobotsWithCorners) {
-  Robot box = RobotAt(2.0, 0.0, kPi / 2.0);
+  world::Robot box = RobotAt(2.0, 0.0, kPi / 2.0);
   box.footprint = {{-0.5, -0.1}, {0.5, -0.1}, {0.5, 0.3}, {-0.5, 0.3}};  // turned: 0.3 to the left is towards us
-  const World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0), box});
+  const world::World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0), box});
   const Laser laser(Model(3, -0.2, 0.2, 0.0), world);
   const std::vector<double> ranges = laser.Scan(world, 0);
   EXPECT_NEAR(ranges[1], 1.7, 1e-12);
@@ -75,13 +76,13 @@ TEST(Laser, SeesTheSidesOfRobotsWithCorners) {
 }
 
 TEST(Laser, SeesTheNearestOfAll) {
-  const World world = WorldOf({Rectangle(4.0, -1.0, 4.2, 1.0), Rectangle(1.0, -0.1, 1.2, 0.1)},
-                              {RobotAt(0.0, 0.0, 0.0), RobotAt(2.0, 0.0, 0.0)});
+  const world::World world = WorldOf({Rectangle(4.0, -1.0, 4.2, 1.0), Rectangle(1.0, -0.1, 1.2, 0.1)},
+                                     {RobotAt(0.0, 0.0, 0.0), RobotAt(2.0, 0.0, 0.0)});
   EXPECT_NEAR(Laser(Model(1, 0.0, 0.0, 0.0), world).Scan(world, 0)[0], 1.0, 1e-12);
 }
 
 TEST(Laser, SeesClosedDoorsOnly) {
-  World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0)}, {{Rectangle(2.0, -1.0, 2.06, 1.0), false}});
+  world::World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0)}, {{Rectangle(2.0, -1.0, 2.06, 1.0), false}});
   const Laser laser(Model(1, 0.0, 0.0, 0.0), world);
   EXPECT_EQ(laser.Scan(world, 0)[0], kInfinity);
   world.SetDoorClosed(0, true);
@@ -90,22 +91,22 @@ TEST(Laser, SeesClosedDoorsOnly) {
 
 TEST(Laser, LetsNoBeamThroughACornerWhereWallsMeet) {
   // Two walls that share the edge (2, 0.5): beams at it from anywhere must stop there.
-  const std::vector<Solid> solids{Rectangle(2.0, -1.0, 2.1, 0.5), Rectangle(2.0, 0.5, 2.1, 2.0)};
+  const std::vector<world::Solid> solids{Rectangle(2.0, -1.0, 2.1, 0.5), Rectangle(2.0, 0.5, 2.1, 2.0)};
   for (int i = 0; i < 1000; ++i) {
     const double y = -0.9 + 0.0017 * i;
     const double angle = std::atan2(0.5 - y, 2.0);
-    const World world = WorldOf(solids, {RobotAt(0.0, y, angle)});
+    const world::World world = WorldOf(solids, {RobotAt(0.0, y, angle)});
     EXPECT_NEAR(Laser(Model(1, 0.0, 0.0, 0.0), world).Scan(world, 0)[0], std::hypot(2.0, 0.5 - y), 1e-6);
   }
 }
 
 TEST(Laser, SeesTheEndOfAWallThatItLooksAlong) {
-  const World world = WorldOf({Rectangle(1.0, 0.0, 3.0, 0.2)}, {RobotAt(0.0, 0.0, 0.0)});
+  const world::World world = WorldOf({Rectangle(1.0, 0.0, 3.0, 0.2)}, {RobotAt(0.0, 0.0, 0.0)});
   EXPECT_NEAR(Laser(Model(1, 0.0, 0.0, 0.0), world).Scan(world, 0)[0], 1.0, 1e-9);
 }
 
 TEST(Laser, LooksAllRound) {
-  const World world = WorldOf({Rectangle(-2.2, -9.0, -2.0, 9.0)}, {RobotAt(0.0, 0.0, 0.0)});
+  const world::World world = WorldOf({Rectangle(-2.2, -9.0, -2.0, 9.0)}, {RobotAt(0.0, 0.0, 0.0)});
   const std::vector<double> ranges = Laser(Model(5, -kPi, kPi, 0.0), world).Scan(world, 0);
   EXPECT_NEAR(ranges[0], 2.0, 1e-9);
   EXPECT_NEAR(ranges[4], 2.0, 1e-9);
@@ -113,7 +114,7 @@ TEST(Laser, LooksAllRound) {
 }
 
 TEST(Laser, MayCountItsBeamsClockwise) {
-  const World world =
+  const world::World world =
       WorldOf({Rectangle(2.0, 0.5, 2.2, 3.0), Rectangle(-3.0, -1.2, 3.0, -1.0)}, {RobotAt(0.0, 0.0, 0.3)});
   std::vector<double> ranges = Laser(Model(91, -2.0, 2.0, 0.1), world).Scan(world, 0);
   const std::vector<double> clockwise = Laser(Model(91, 2.0, -2.0, 0.1), world).Scan(world, 0);
@@ -128,12 +129,12 @@ TEST(Laser, MayCountItsBeamsClockwise) {
 }
 
 // The range of one ray by asking all that could be in its way.
-double RangeOf(const World& world, int robot, const Point& origin, double angle, double range_max) {
-  const Point direction{std::cos(angle), std::sin(angle)};
+double RangeOf(const world::World& world, int robot, const base::Point& origin, double angle, double range_max) {
+  const base::Point direction{std::cos(angle), std::sin(angle)};
   double range = kInfinity;
-  for (const Solid& solid : world.solids()) {
+  for (const world::Solid& solid : world.solids()) {
     for (std::size_t i = 0; i < solid.outline.size(); ++i) {
-      const Point &a = solid.outline[i], &b = solid.outline[(i + 1) % solid.outline.size()];
+      const base::Point &a = solid.outline[i], &b = solid.outline[(i + 1) % solid.outline.size()];
       const double ax = a.x - origin.x, ay = a.y - origin.y, dx = b.x - a.x, dy = b.y - a.y;
       const double sine = direction.x * dy - direction.y * dx;
       const double along = (ax * dy - ay * dx) / sine, on_side = (ax * direction.y - ay * direction.x) / sine;
@@ -155,31 +156,31 @@ double RangeOf(const World& world, int robot, const Point& origin, double angle,
 TEST(Laser, EachBeamIsAnExactRayAmongWallsAndAHundredRobots) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
-  std::vector<Solid> solids;
+  std::vector<world::Solid> solids;
   for (int column = 0; column < 6; ++column) {
     for (int row = 0; row < 4; ++row) {  // turned boxes on a lattice, robots between them
-      const Point center{4.0 * column, 4.0 * row};
+      const base::Point center{4.0 * column, 4.0 * row};
       const double angle = 2.0 * kPi * unit(random), length = 0.3 + unit(random), width = 0.1 + 0.3 * unit(random);
-      Polygon corners;
-      for (const auto& [u, v] : {Point{-1, -1}, Point{1, -1}, Point{1, 1}, Point{-1, 1}}) {
+      world::Polygon corners;
+      for (const auto& [u, v] : {base::Point{-1, -1}, base::Point{1, -1}, base::Point{1, 1}, base::Point{-1, 1}}) {
         corners.push_back({center.x + u * length * std::cos(angle) - v * width * std::sin(angle),
                            center.y + u * length * std::sin(angle) + v * width * std::cos(angle)});
       }
       solids.push_back({corners, {corners}});
     }
   }
-  std::vector<Robot> robots;
+  std::vector<world::Robot> robots;
   for (int i = 0; i < 100; ++i) {
     const double x = 4.0 * (i % 5) + 1.7 + 0.6 * (i / 5 % 2), y = 1.2 * (i / 10);  // between the columns of boxes
     robots.push_back(RobotAt(x, y, 6.3 * unit(random)));
   }
-  const World world = WorldOf(solids, robots);
+  const world::World world = WorldOf(solids, robots);
   int differing = 0, returned = 0;
   for (const auto& [low, high] : {std::pair{-0.5 * kPi, 0.5 * kPi}, std::pair{-kPi, kPi}, std::pair{2.5, -1.0}}) {
     const Laser laser(Model(181, low, high, 0.1), world);
     for (int robot = 0; robot < 100; ++robot) {
-      const Pose& pose = world.poses()[robot];
-      const Point origin{pose.x + 0.1 * std::cos(pose.yaw), pose.y + 0.1 * std::sin(pose.yaw)};
+      const base::Pose& pose = world.poses()[robot];
+      const base::Point origin{pose.x + 0.1 * std::cos(pose.yaw), pose.y + 0.1 * std::sin(pose.yaw)};
       const std::vector<double> ranges = laser.Scan(world, robot);
       for (int beam = 0; beam < 181; ++beam) {
         const double exact = RangeOf(world, robot, origin, pose.yaw + low + beam * (high - low) / 180.0, 5.0);
@@ -193,12 +194,13 @@ TEST(Laser, EachBeamIsAnExactRayAmongWallsAndAHundredRobots) {
 }
 
 TEST(Laser, InsideAnotherRobotMeasuresZero) {
-  const World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0), RobotAt(0.4, 0.0, 0.0)});
+  const world::World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0), RobotAt(0.4, 0.0, 0.0)});
   EXPECT_EQ(Laser(Model(1, 0.0, 0.0, 0.3), world).Scan(world, 0)[0], 0.0);
 }
 
 TEST(Laser, InsideAWallMeasuresZero) {
-  const World world = WorldOf({Rectangle(2.0, -1.0, 2.2, 1.0)}, {RobotAt(1.8, 0.0, 0.0), RobotAt(2.4, 0.5, 0.0)});
+  const world::World world =
+      WorldOf({Rectangle(2.0, -1.0, 2.2, 1.0)}, {RobotAt(1.8, 0.0, 0.0), RobotAt(2.4, 0.5, 0.0)});
   for (const double forward : {0.2 + 1e-6, 0.3}) {
     for (const double range : Laser(Model(5, -kPi, kPi, forward), world).Scan(world, 0)) EXPECT_EQ(range, 0.0);
   }
@@ -208,7 +210,7 @@ TEST(Laser, InsideAWallMeasuresZero) {
 }
 
 std::vector<float> Reported(const LaserModel& model, const std::vector<double>& noise = {}) {
-  const World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0)});
+  const world::World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0)});
   const std::vector<double> ranges{0.01, 0.05, 5.0, kInfinity};
   std::vector<float> report(ranges.size());
   Laser(model, world).Report(ranges, noise.empty() ? nullptr : noise.data(), report.data());
@@ -226,7 +228,7 @@ TEST(Laser, ReportsWhatItCannotMeasureAsItsModelSays) {
 }
 
 TEST(Laser, RefusesImpossibleModels) {
-  const World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0)});
+  const world::World world = WorldOf({}, {RobotAt(0.0, 0.0, 0.0)});
   EXPECT_THROW(Laser(Model(0, 0.0, 1.0, 0.0), world), std::invalid_argument);
   EXPECT_THROW(Laser(Model(1, kInfinity, 1.0, 0.0), world), std::invalid_argument);
   LaserModel blind = Model(1, 0.0, 1.0, 0.0);
@@ -235,4 +237,4 @@ TEST(Laser, RefusesImpossibleModels) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::sensing

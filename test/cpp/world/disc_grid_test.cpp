@@ -8,12 +8,12 @@
 #include <random>
 #include <vector>
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
-std::vector<int> Near(const DiscGrid& grid, const Point& point, double reach) {
+std::vector<int> Near(const DiscGrid& grid, const base::Point& point, double reach) {
   std::vector<int> robots;
-  grid.ForEachNear(point, reach, [&](int robot, const Pose&) { robots.push_back(robot); });
+  grid.ForEachNear(point, reach, [&](int robot, const base::Pose&) { robots.push_back(robot); });
   std::sort(robots.begin(), robots.end());
   return robots;
 }
@@ -22,13 +22,13 @@ std::vector<int> Near(const DiscGrid& grid, const Point& point, double reach) {
 void ExpectNoneMissed(int count, double width, double height, double most_listed) {
   std::mt19937 random(count);
   std::uniform_real_distribution<double> x(-0.3 * width, 0.7 * width), y(-0.5 * height, 0.5 * height);
-  std::vector<Pose> poses(count);
-  for (Pose& pose : poses) pose = {x(random), y(random), 0.0};
+  std::vector<base::Pose> poses(count);
+  for (base::Pose& pose : poses) pose = {x(random), y(random), 0.0};
   DiscGrid grid;
   grid.Rebuild(poses);
   double listed = 0.0;
   for (int i = 0; i < 200; ++i) {
-    const Point point{1.2 * x(random), 1.2 * y(random)};
+    const base::Point point{1.2 * x(random), 1.2 * y(random)};
     const std::vector<int> near = Near(grid, point, 2.0);
     listed += static_cast<double>(near.size()) / count / 200.0;
     EXPECT_EQ(std::adjacent_find(near.begin(), near.end()), near.end());
@@ -46,7 +46,7 @@ TEST(DiscGrid, LeavesOutThoseWhoAreNowhere) {
   std::vector<int> found;
   const auto look = [&] {
     found.clear();
-    grid.ForEachNear({1.0, 1.0}, 10.0, [&](int robot, const Pose&) { found.push_back(robot); });
+    grid.ForEachNear({1.0, 1.0}, 10.0, [&](int robot, const base::Pose&) { found.push_back(robot); });
     std::sort(found.begin(), found.end());
     return found;
   };
@@ -80,4 +80,4 @@ TEST(DiscGrid, FollowsTheRobots) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

@@ -9,7 +9,7 @@
 #include "robotteamsim/world/outline.hpp"
 #include "robotteamsim/world/world.hpp"
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
 const double kPi = std::acos(-1.0);
@@ -37,19 +37,19 @@ Robot RobotAt(double x, double y, double yaw, Polygon footprint = {}) {
   return robot;
 }
 
-World WorldOf(const Door& door, std::vector<Robot> robots, std::vector<Thing> things = {}) {
-  return World({}, {door}, std::move(robots), 0.1, 5, std::move(things));
+World WorldOf(const Door& door, std::vector<Robot> robots, std::vector<MovableObject> objects = {}) {
+  return World({}, {door}, std::move(robots), 0.1, 5, std::move(objects));
 }
 
-void Step(World& world, int steps, const Twist& twist = {}) {
-  for (int i = 0; i < steps; ++i) world.Step(std::vector<Twist>(world.robots().size(), twist));
+void Step(World& world, int steps, const base::Twist& twist = {}) {
+  for (int i = 0; i < steps; ++i) world.Step(std::vector<base::Twist>(world.robots().size(), twist));
 }
 
 double GapToRobot(const World& world, int robot) {
   const Polygon& leaf = world.leaves()[0].outline;
-  const Pose& pose = world.poses()[robot];
+  const base::Pose& pose = world.poses()[robot];
   const Robot& body = world.robots()[robot];
-  if (body.footprint.empty()) return GapBetween(leaf, Point{pose.x, pose.y}) - body.radius;
+  if (body.footprint.empty()) return GapBetween(leaf, base::Point{pose.x, pose.y}) - body.radius;
   return GapBetween(leaf, Placed(body.footprint, pose));
 }
 
@@ -104,13 +104,13 @@ TEST(Doors, WaitForARobotInTheWayWithoutMovingItAndGoOnWhenItHasGone) {
   }
 }
 
-TEST(Doors, WaitForAThingInTheWayWithoutMovingIt) {
+TEST(Doors, WaitForAnObjectInTheWayWithoutMovingIt) {
   World world = WorldOf(SwingDoor(false), {RobotAt(0.0, -3.0, 0.0)}, {{0.2, 1.0, 0.1, {0.7, 0.2, 0.0}, {}}});
   world.SetDoorClosed(0, true);
   Step(world, 40);
   EXPECT_TRUE(world.leaves()[0].is_held);
-  EXPECT_EQ(world.thing_poses()[0].x, 0.7);
-  EXPECT_EQ(world.thing_poses()[0].y, 0.2);
+  EXPECT_EQ(world.object_poses()[0].x, 0.7);
+  EXPECT_EQ(world.object_poses()[0].y, 0.2);
 }
 
 TEST(Doors, LetGoOfARobotThatLeansOnThem) {
@@ -129,12 +129,12 @@ TEST(Doors, NeverSqueezeCrowdsThatDriveAboutThem) {
   World world = WorldOf(SwingDoor(true), robots);
   for (int step = 0; step < 600; ++step) {
     if (step % 25 == 0) world.SetDoorClosed(0, step % 50 == 0);
-    std::vector<Twist> twists;
+    std::vector<base::Twist> twists;
     for (int i = 0; i < 12; ++i) {
       // Toward the hinge, each with its own turns.
-      const Pose& pose = world.poses()[i];
+      const base::Pose& pose = world.poses()[i];
       const double wanted = std::atan2(0.3 - pose.y, 0.4 - pose.x) + std::sin(0.1 * step + i);
-      twists.push_back({0.7, 0.0, 2.0 * NormaliseAngle(wanted - pose.yaw)});
+      twists.push_back({0.7, 0.0, 2.0 * base::NormaliseAngle(wanted - pose.yaw)});
     }
     world.Step(twists);
     for (int i = 0; i < 12; ++i) EXPECT_GT(GapToRobot(world, i), -kPressed) << "step " << step << ", robot " << i;
@@ -153,9 +153,9 @@ TEST(Doors, StopFastLeavesBeforeWhatIsInTheirWay) {
 
 TEST(Doors, StopRobotsAndBeamsWhereTheLeafIs) {
   World world = WorldOf(SwingDoor(true), {RobotAt(0.5, -1.0, 0.5 * kPi), RobotAt(-1.0, 0.5, 0.0)});
-  LaserModel model;
+  sensing::LaserModel model;
   model.beams = 1;
-  const Laser laser(model, world);
+  const sensing::Laser laser(model, world);
   EXPECT_NEAR(laser.Scan(world, 0)[0], 0.97, 1e-9);
   EXPECT_EQ(laser.Scan(world, 1)[0], std::numeric_limits<double>::infinity());
   world.SetDoorClosed(0, false);
@@ -170,7 +170,7 @@ TEST(Doors, StopRobotsAndBeamsWhereTheLeafIs) {
 
 TEST(Doors, AreTheSameAgainAfterAReset) {
   const auto run = [](World& world) {
-    std::vector<Pose> ways;
+    std::vector<base::Pose> ways;
     for (int step = 0; step < 60; ++step) {
       if (step == 5 || step == 35) world.SetDoorClosed(0, step == 35);
       world.Step({{0.7, 0.0, 0.3}, {0.5, 0.0, -0.2}});
@@ -180,12 +180,12 @@ TEST(Doors, AreTheSameAgainAfterAReset) {
     return ways;
   };
   World world = WorldOf(SwingDoor(true), {RobotAt(0.5, -0.6, 1.5), RobotAt(-1.0, 0.4, 0.0)});
-  const std::vector<Pose> first = run(world);
+  const std::vector<base::Pose> first = run(world);
   world.Reset();
   EXPECT_TRUE(world.doors()[0].closed);
-  const std::vector<Pose> again = run(world);
+  const std::vector<base::Pose> again = run(world);
   ASSERT_EQ(first.size(), again.size());
-  EXPECT_EQ(std::memcmp(first.data(), again.data(), first.size() * sizeof(Pose)), 0);
+  EXPECT_EQ(std::memcmp(first.data(), again.data(), first.size() * sizeof(base::Pose)), 0);
 }
 
 TEST(Doors, WithAMotionThatCannotBeAreRefused) {
@@ -198,4 +198,4 @@ TEST(Doors, WithAMotionThatCannotBeAreRefused) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

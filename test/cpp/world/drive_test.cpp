@@ -5,23 +5,10 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
 const double kPi = std::acos(-1.0);
-
-TEST(NormaliseAngle, KeepsPiAndTurnsMinusPiIntoIt) {
-  EXPECT_DOUBLE_EQ(NormaliseAngle(kPi), kPi);
-  EXPECT_DOUBLE_EQ(NormaliseAngle(-kPi), kPi);
-  EXPECT_DOUBLE_EQ(NormaliseAngle(5.0 * kPi / 2.0), kPi / 2.0);
-}
-
-TEST(RelativePose, IsSeenFromTheFirstPose) {
-  const Pose way = RelativePose({1.0, 2.0, kPi / 2.0}, {0.0, 5.0, -kPi});
-  EXPECT_NEAR(way.x, 3.0, 1e-12);
-  EXPECT_NEAR(way.y, 1.0, 1e-12);
-  EXPECT_NEAR(way.yaw, kPi / 2.0, 1e-12);
-}
 
 TEST(ReachedSpeed, ChangesByAccelerationTimesTime) {
   const DriveSpeed speed = ReachedSpeed({0.1, -0.5}, {0.7, 0.0, 2.0}, {0.7, 2.0, 2.0, 8.0}, 0.02);
@@ -37,7 +24,7 @@ TEST(ReachedSpeed, StaysWithinTheSpeedLimits) {
 }
 
 TEST(AdvancedPose, OfQuarterCircleHasItsRadius) {
-  const Pose pose = AdvancedPose({0.0, 0.0, 0.0}, {kPi, kPi / 2.0}, 1.0);  // radius v / w = 2
+  const base::Pose pose = AdvancedPose({0.0, 0.0, 0.0}, {kPi, kPi / 2.0}, 1.0);  // radius v / w = 2
   EXPECT_NEAR(pose.x, 2.0, 1e-12);
   EXPECT_NEAR(pose.y, 2.0, 1e-12);
   EXPECT_NEAR(pose.yaw, kPi / 2.0, 1e-12);
@@ -106,17 +93,17 @@ TEST(CheckDrive, RefusesCarsWithoutWheelbaseAndWheelsSteeredToARightAngle) {
 
 TEST(AdvancedPose, OfSidewaysDriveOnAQuarterCircleEndsWhereItsArcDoes) {
   // Leftward at pi m/s, turning by pi/2: a circle of radius 2 around (-2, 0).
-  const Pose pose = AdvancedPose({0.0, 0.0, 0.0}, {0.0, kPi / 2.0, kPi}, 1.0);
+  const base::Pose pose = AdvancedPose({0.0, 0.0, 0.0}, {0.0, kPi / 2.0, kPi}, 1.0);
   EXPECT_NEAR(pose.x, -2.0, 1e-12);
   EXPECT_NEAR(pose.y, 2.0, 1e-12);
   EXPECT_NEAR(pose.yaw, kPi / 2.0, 1e-12);
 }
 
 TEST(AdvancedPose, OfStraightDriveFollowsTheHeading) {
-  const Pose pose = AdvancedPose({1.0, 1.0, kPi / 2.0}, {-0.5, 0.0}, 2.0);
+  const base::Pose pose = AdvancedPose({1.0, 1.0, kPi / 2.0}, {-0.5, 0.0}, 2.0);
   EXPECT_NEAR(pose.x, 1.0, 1e-12);
   EXPECT_NEAR(pose.y, 0.0, 1e-12);
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

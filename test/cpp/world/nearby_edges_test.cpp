@@ -6,19 +6,19 @@
 #include <random>
 #include <stdexcept>
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
-bool Holds(const std::vector<Edge>& edges, const Segment& wanted) {
+bool Holds(const std::vector<Edge>& edges, const base::Segment& wanted) {
   return std::any_of(edges.begin(), edges.end(), [&](const Edge& edge) {
-    const Segment& segment = edge.segment;
+    const base::Segment& segment = edge.segment;
     return segment.a.x == wanted.a.x && segment.a.y == wanted.a.y && segment.b.x == wanted.b.x &&
            segment.b.y == wanted.b.y;
   });
 }
 
 TEST(DistanceToSegment, IsThatToTheNearestOfSideAndEnds) {
-  const Segment segment{{1.0, 1.0}, {4.0, 1.0}};
+  const base::Segment segment{{1.0, 1.0}, {4.0, 1.0}};
   EXPECT_DOUBLE_EQ(DistanceToSegment({2.0, 3.0}, segment), 2.0);
   EXPECT_DOUBLE_EQ(DistanceToSegment({-2.0, 5.0}, segment), 5.0);
   EXPECT_DOUBLE_EQ(DistanceToSegment({7.0, -3.0}, segment), 5.0);
@@ -30,13 +30,13 @@ TEST(NearbyEdges, MissesNoEdgeWithinReach) {
   std::uniform_real_distribution<double> coordinate(0.0, 30.0), offset(-4.0, 4.0);
   std::vector<Edge> edges;
   for (int i = 0; i < 200; ++i) {
-    const Point a{coordinate(random), coordinate(random)};
+    const base::Point a{coordinate(random), coordinate(random)};
     edges.push_back({{a, {a.x + offset(random), a.y + offset(random)}}});
   }
   const NearbyEdges nearby(edges, 3.0);
   std::size_t listed = 0;
   for (int i = 0; i < 500; ++i) {
-    const Point point{coordinate(random) - 1.0, coordinate(random) - 1.0};
+    const base::Point point{coordinate(random) - 1.0, coordinate(random) - 1.0};
     const std::vector<Edge>& near = nearby.Near(point);
     listed += near.size();
     for (const Edge& edge : edges) {
@@ -54,4 +54,4 @@ TEST(NearbyEdges, OfNothingAreNone) {
 TEST(NearbyEdges, RefusesAReachOfZero) { EXPECT_THROW(NearbyEdges({}, 0.0), std::invalid_argument); }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

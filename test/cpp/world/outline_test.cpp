@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
 const double kPi = std::acos(-1.0);
@@ -23,4 +23,4 @@ TEST(ReachOf, IsTheDistanceOfTheFarthestCorner) { EXPECT_DOUBLE_EQ(ReachOf(kBox)
 TEST(HalfWidth, IsThatOfTheNarrowestStripAroundIt) { EXPECT_NEAR(HalfWidth(kBox), 0.2, 1e-12); }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

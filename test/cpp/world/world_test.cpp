@@ -9,14 +9,14 @@
 #include <random>
 #include <stdexcept>
 
-namespace robotteamsim {
+namespace robotteamsim::world {
 namespace {
 
 const double kPi = std::acos(-1.0);
 const double kStep = 0.1;
 const int kSubsteps = 5;
 const double kTouch = 0.005;  // bodies that touch are less apart
-const Twist kForward{0.7, 0.0, 0.0};
+const base::Twist kForward{0.7, 0.0, 0.0};
 
 Solid Rectangle(double x0, double y0, double x1, double y1) {
   const Polygon corners{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
@@ -35,17 +35,17 @@ std::vector<Solid> Room() {
           Rectangle(6.0, 0.0, 6.1, 4.0)};
 }
 
-void Drive(World& world, const std::vector<Twist>& commands, int steps) {
+void Drive(World& world, const std::vector<base::Twist>& commands, int steps) {
   for (int i = 0; i < steps; ++i) world.Step(commands);
 }
 
-bool SameBits(const std::vector<Pose>& a, const std::vector<Pose>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Pose)) == 0;
+bool SameBits(const std::vector<base::Pose>& a, const std::vector<base::Pose>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(base::Pose)) == 0;
 }
 
-std::vector<Twist> RandomCommands(std::mt19937& random, std::size_t count) {
-  std::vector<Twist> commands(count);
-  for (Twist& command : commands) {
+std::vector<base::Twist> RandomCommands(std::mt19937& random, std::size_t count) {
+  std::vector<base::Twist> commands(count);
+  for (base::Twist& command : commands) {
     command.linear_x = random() % 3 == 0 ? -0.7 : 0.7;
     command.angular_z = static_cast<double>(random() % 5) - 2.0;
   }
@@ -82,7 +82,7 @@ TEST(World, AcceleratesWithinItsLimits) {
 TEST(World, DrivesACircleOfRadiusSpeedOverTurn) {
   World world({}, {}, {RobotAt(3.0, 3.0, 0.0)}, kStep, kSubsteps);
   Drive(world, {{0.5, 0.0, 1.0}}, 10);
-  const Pose& pose = world.poses()[0];
+  const base::Pose& pose = world.poses()[0];
   const double center_x = pose.x - 0.5 * std::sin(pose.yaw), center_y = pose.y + 0.5 * std::cos(pose.yaw);
   for (int i = 0; i < 100; ++i) {
     world.Step({{0.5, 0.0, 1.0}});
@@ -95,9 +95,9 @@ TEST(World, DrivesACircleOfRadiusSpeedOverTurn) {
 TEST(World, ReportsTheWayOfTheLastStep) {
   World world({}, {}, {RobotAt(3.0, 3.0, 2.0)}, kStep, kSubsteps);
   Drive(world, {{0.5, 0.0, 1.0}}, 10);
-  const Pose before = world.poses()[0];
+  const base::Pose before = world.poses()[0];
   world.Step({{0.5, 0.0, 1.0}});
-  const Pose expected = RelativePose(before, world.poses()[0]);
+  const base::Pose expected = base::RelativePose(before, world.poses()[0]);
   EXPECT_EQ(world.motions()[0].x, expected.x);
   EXPECT_EQ(world.motions()[0].y, expected.y);
   EXPECT_NEAR(world.motions()[0].yaw, 0.1, 1e-12);
@@ -109,7 +109,7 @@ TEST(World, StopsARobotAtAWallWhereItTouches) {
   EXPECT_NEAR(world.poses()[0].x, 5.8, kTouch);
   EXPECT_NEAR(world.poses()[0].y, 2.0, 1e-6);
   EXPECT_TRUE(world.in_contact()[0]);
-  const Pose before = world.poses()[0];
+  const base::Pose before = world.poses()[0];
   world.Step({kForward});
   EXPECT_NEAR(world.twists()[0].linear_x, 0.0, 1e-6);
   EXPECT_EQ(world.twists()[0].linear_y, 0.0);
@@ -165,7 +165,7 @@ TEST(World, LetsARobotPushAnotherButNotSpeedItUp) {
   EXPECT_GT(world.poses()[1].x, 2.51);
   EXPECT_LT(world.twists()[1].linear_x, 0.35);
   Drive(world, {{-0.7, 0.0, 0.0}, {}}, 5);
-  const Pose left_alone = world.poses()[1];
+  const base::Pose left_alone = world.poses()[1];
   world.Step({{-0.7, 0.0, 0.0}, {}});
   EXPECT_EQ(world.poses()[1].x, left_alone.x);
 }
@@ -185,11 +185,11 @@ TEST(World, LetsNoRobotOutOfARoomWhateverTheCommands) {
   for (int i = 0; i < 6; ++i) robots.push_back(RobotAt(0.6 + 0.8 * i, 1.0 + 0.3 * i, i));
   World world(Room(), {}, robots, kStep, kSubsteps);
   std::mt19937 random(7);
-  std::vector<Twist> commands = RandomCommands(random, robots.size());
+  std::vector<base::Twist> commands = RandomCommands(random, robots.size());
   for (int i = 0; i < 20000; ++i) {
     if (i % 20 == 0) commands = RandomCommands(random, robots.size());
     world.Step(commands);
-    for (const Pose& pose : world.poses()) {
+    for (const base::Pose& pose : world.poses()) {
       ASSERT_GT(pose.x, 0.19) << "step " << i;
       ASSERT_LT(pose.x, 5.81) << "step " << i;
       ASSERT_GT(pose.y, 0.19) << "step " << i;
@@ -204,9 +204,9 @@ TEST(World, RepeatsItselfToTheBit) {
   World first(Room(), doors, robots, kStep, kSubsteps);
   World second(Room(), doors, robots, kStep, kSubsteps);
   std::mt19937 random(3);
-  std::vector<std::vector<Twist>> script;
+  std::vector<std::vector<base::Twist>> script;
   for (int i = 0; i < 2000; ++i) script.push_back(RandomCommands(random, robots.size()));
-  std::vector<std::vector<Pose>> record;
+  std::vector<std::vector<base::Pose>> record;
   for (int i = 0; i < 2000; ++i) {
     first.Step(script[i]);
     second.Step(script[i]);
@@ -301,9 +301,9 @@ TEST(World, LetsNoPolygonOutOfARoomWhateverTheCommands) {
   for (int i = 0; i < 200; ++i) {
     Drive(world, RandomCommands(random, 4), 10);
     for (std::size_t robot = 0; robot < 4; ++robot) {
-      const Pose& pose = world.poses()[robot];
+      const base::Pose& pose = world.poses()[robot];
       const Polygon round{{pose.x - 0.2, pose.y - 0.2}, {pose.x + 0.2, pose.y + 0.2}};
-      for (const Point& corner : robot < 3 ? Placed(world.robots()[robot].footprint, pose) : round) {
+      for (const base::Point& corner : robot < 3 ? Placed(world.robots()[robot].footprint, pose) : round) {
         ASSERT_TRUE(corner.x > -0.02 && corner.x < 6.02 && corner.y > -0.02 && corner.y < 4.02) << i;
       }
     }
@@ -375,4 +375,4 @@ TEST(World, RefusesPiecesThatBox2dCannotTake) {
 }
 
 }  // namespace
-}  // namespace robotteamsim
+}  // namespace robotteamsim::world

@@ -156,10 +156,10 @@ def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry,
             area_center=ros_messages.point(MAKE, (0.0, 0.0)),
             area_radius_m=0.0,
             has_base=True,
-            finds_reported=3,
-            mean_report_delay_s=1.5,
-            max_report_delay_s=2.5,
-            unreported=[],
+            discoveries_delivered=3,
+            mean_delivery_delay_s=1.5,
+            max_delivery_delay_s=2.5,
+            undelivered=[],
         )
 
     states = [(1_000_000_000, "running"), (2_000_000_000, "ended"), (3_000_000_000, "ended")]

@@ -75,16 +75,16 @@ def test_a_cells_seeds_depend_neither_on_other_cells_nor_on_the_form_of_its_valu
     [
         (["voice.noise=1,2"], "--sweep: voice.noise: unknown key; did you mean 'noise_db'?"),
         (["voice.noise_db=1,loud"], "--sweep: voice.noise_db: 'loud' is not a number"),
-        (["voice.noise_db=1,1.0"], "--sweep: voice.noise_db=1.0 stands there twice"),
-        (["voice.noise_db=1", "voice.noise_db=2"], "--sweep: voice.noise_db: varies already by --sweep"),
-        (["mission.time_limit_s=1,2"], "--set: mission.time_limit_s: varies already by --sweep"),
+        (["voice.noise_db=1,1.0"], "--sweep: duplicate cell: voice.noise_db=1.0"),
+        (["voice.noise_db=1", "voice.noise_db=2"], "--sweep: voice.noise_db: already varied by --sweep"),
+        (["mission.time_limit_s=1,2"], "--set: mission.time_limit_s: already varied by --sweep"),
         (["schedule.0.at_s=5,8"], "--sweep: schedule.0: the file has no list schedule; set the whole list"),
-        (["schedule=[{at_s: 1, remove: 7}]"], "--sweep: schedule.0.remove: there is no robot 7, only 0 to 0"),
+        (["schedule=[{at_s: 1, remove: 7}]"], "--sweep: schedule.0.remove: there is no robot 7; expected 0 to 0"),
         (
             ["schedule=[],[{at_s: 1, remove: 0}, {at_s: 2, spawn: 0, pose: [-9, 0, 0]}]"],
             "--sweep: schedule.1.pose: [-9, 0]: robot 0 lies outside the plan, [-2, -2] .. [8, 8]",
         ),
-        (["run.seed=1,2"], "--sweep: run.seed: each trial has a seed of its own; they follow from --seed"),
+        (["run.seed=1,2"], "--sweep: run.seed: not allowed: the seed of each trial is derived from --seed"),
     ],
 )
 def test_wrong_sweeps_are_refused(short_design, sweeps, wanted):
@@ -104,7 +104,7 @@ def test_wrong_numbers_are_refused(short_design):
         short_design(trials=0)
     with pytest.raises(CampaignError, match=r"^--seed: -1 is not between 0 and 2\^53$"):
         short_design(seed=-1)
-    with pytest.raises(CampaignError, match=r"^2000000 trials in all are too many; wanted at most 1000000$"):
+    with pytest.raises(CampaignError, match=r"^2000000 trials in all; expected at most 1000000$"):
         short_design("voice.noise_db=1,2", trials=1_000_000)
 
 

@@ -60,7 +60,7 @@ def test_csv_has_a_line_per_trial_by_cell_then_number(short_design, outcome_of, 
         lines = store.export().read_text().splitlines()
     assert lines == [
         "control.algorithm,voice.noise_db,trial,seed,end,time_s,areas_explored,num_areas,victims_saved,num_victims,"
-        "endangered_links,finds_reported,mean_report_delay_s,max_report_delay_s,distance_m,contact_s,steps,"
+        "endangered_links,discoveries_delivered,mean_delivery_delay_s,max_delivery_delay_s,distance_m,contact_s,steps,"
         "trajectory_hash,error",
         f"rdpso,10.0,1,{trials[0].seed},areas_explored,100.0,4,4,1,1,0,,,,20.0,0.0,1001,{'ab' * 32},",
         f"random_walk,10.0,2,{trials[3].seed},,,,,,,,,,,,,,,KeyError: 7",
@@ -82,7 +82,7 @@ def test_csv_does_not_depend_on_the_order_or_the_time_of_computing(short_design,
 def test_store_of_other_settings_is_refused(short_design, tmp_path):
     with open_store(tmp_path, short_design(SWEEP)):
         pass
-    wanted = f"{tmp_path}: holds a campaign with seed = 1, not 2; choose another folder"
+    wanted = f"{tmp_path}: contains a campaign with seed = 1, not 2; choose another folder"
     assert refusal(tmp_path, short_design(SWEEP, seed=2)) == wanted
     assert refusal(tmp_path, short_design(SWEEP, seed=2, trials=3)) == wanted
     assert read_store(tmp_path).settings["trials"] == 2
@@ -104,7 +104,7 @@ def test_store_goes_on_with_more_trials_of_the_same_design(short_design, outcome
 def test_store_of_more_trials_is_refused(short_design, tmp_path):
     with open_store(tmp_path, short_design(SWEEP, trials=3)):
         pass
-    wanted = f"{tmp_path}: holds a campaign with trials = 3, not 2; choose another folder"
+    wanted = f"{tmp_path}: contains a campaign with trials = 3, not 2; choose another folder"
     assert refusal(tmp_path, short_design(SWEEP, trials=2)) == wanted
 
 
@@ -112,13 +112,13 @@ def test_store_of_another_version_is_refused(short_design, tmp_path, monkeypatch
     with open_store(tmp_path, short_design(SWEEP)):
         pass
     monkeypatch.setattr(robotteamsim, "__version__", "9.9")
-    wanted = f"{tmp_path}: holds a campaign of version 0.1.0, not 9.9; choose another folder"
+    wanted = f"{tmp_path}: contains a campaign of version 0.1.0, not 9.9; choose another folder"
     assert refusal(tmp_path, short_design(SWEEP)) == wanted
 
 
 def test_folder_of_something_else_is_refused_and_left_alone(short_design, tmp_path):
     (tmp_path / "thesis.tex").touch()
-    wanted = f"{tmp_path}: holds 'thesis.tex' and no campaign; wanted a new or an empty folder"
+    wanted = f"{tmp_path}: contains 'thesis.tex' and no campaign; expected a new or an empty folder"
     assert refusal(tmp_path, short_design(SWEEP)) == wanted
     assert os.listdir(tmp_path) == ["thesis.tex"]
 
@@ -130,20 +130,20 @@ def test_other_databases_and_files_under_the_stores_name_are_refused(short_desig
     path.unlink()
     with contextlib.closing(sqlite3.connect(path)) as database:
         database.execute("CREATE TABLE other (x)")
-    assert refusal(tmp_path, short_design(SWEEP)) == f"{path}: is no store of a campaign"
+    assert refusal(tmp_path, short_design(SWEEP)) == f"{path}: is not the store of a campaign"
 
 
 def test_file_and_folders_below_a_file_are_refused(short_design, tmp_path):
     file = tmp_path / "file"
     file.touch()
-    assert refusal(file, short_design(SWEEP)) == f"{file}: is no folder"
-    assert refusal(file / "c", short_design(SWEEP)) == f"{file / 'c'}: cannot be made: {file} is no folder"
+    assert refusal(file, short_design(SWEEP)) == f"{file}: is not a folder"
+    assert refusal(file / "c", short_design(SWEEP)) == f"{file / 'c'}: cannot be created: {file} is not a folder"
 
 
 def test_campaign_that_runs_is_refused_to_others(short_design, tmp_path):
     design = short_design(SWEEP)
     with open_store(tmp_path, design):
-        assert refusal(tmp_path, design) == f"{tmp_path}: another process runs this campaign right now"
+        assert refusal(tmp_path, design) == f"{tmp_path}: another process is running this campaign"
     with open_store(tmp_path, design):
         pass
 
@@ -154,18 +154,18 @@ def test_checking_a_folder_leaves_nothing(short_design, tmp_path):
 
 
 def test_reading_a_folder_without_a_store_is_refused(tmp_path):
-    with pytest.raises(CampaignError, match=r"holds no campaign: there is no campaign\.sqlite$"):
+    with pytest.raises(CampaignError, match=r"contains no campaign: there is no campaign\.sqlite$"):
         read_store(tmp_path)
 
 
-@pytest.mark.parametrize(("number", "lack"), [(1, "the robots' paths"), (2, "what a base heard of")])
+@pytest.mark.parametrize(("number", "lack"), [(1, "the robots' paths"), (2, "the discoveries delivered to a base")])
 def test_store_of_an_older_format_is_refused_with_what_it_lacks(short_design, tmp_path, number, lack):
     path = tmp_path / "campaign.sqlite"
     with open_store(tmp_path, short_design(SWEEP)):
         pass
     with contextlib.closing(sqlite3.connect(path)) as database, database:
         database.execute("UPDATE campaign SET value = ? WHERE name = 'format'", (str(number),))
-    wanted = f"{path}: has format {number}, which lacks {lack}; wanted 3: choose another folder"
+    wanted = f"{path}: has format {number}, which lacks {lack}; expected 3: choose another folder"
     assert refusal(tmp_path, short_design(SWEEP)) == wanted
     with pytest.raises(CampaignError, match=f"which lacks {lack}"):
         read_store(tmp_path)

@@ -14,7 +14,7 @@ def test_interval_is_students():
 
 def test_single_value_has_no_spread():
     assert spread([7.0]) == Spread(7.0, None, None, None)
-    with pytest.raises(ValueError, match="no values"):
+    with pytest.raises(ValueError, match="values must not be empty"):
         spread([])
 
 
@@ -24,5 +24,5 @@ def test_failed_trials_count_but_have_no_figures(short_design, outcome_of, faile
     outcomes = [outcome_of(trials[0], time_s=1.0), failed_outcome_of(trials[2]), failed_outcome_of(trials[1])]
     first, second = summarise(design, outcomes)
     assert first.settings == {"voice.noise_db": 10.0}
-    assert (first.trials, first.failed, first.figures["time_s"].mean) == (1, 1, 1.0)
-    assert (second.trials, second.failed, second.figures) == (0, 1, {})
+    assert (first.trials, first.failed, first.statistics["time_s"].mean) == (1, 1, 1.0)
+    assert (second.trials, second.failed, second.statistics) == (0, 1, {})

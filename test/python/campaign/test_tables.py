@@ -4,7 +4,7 @@ import re
 
 from robotteamsim.campaign import Trial, make_design
 from robotteamsim.campaign.factors import parse_sweep
-from robotteamsim.campaign.reference import Figures, dissertation_missions
+from robotteamsim.campaign.reference import MissionValues, dissertation_missions
 from robotteamsim.campaign.summary import summarise
 from robotteamsim.campaign.tables import (
     dissertation_tables,
@@ -35,7 +35,7 @@ def test_tables_8_and_9_of_the_dissertation_come_out_as_printed():
 
 
 def test_each_mission_stands_beside_the_dissertations():
-    ours = {10.0: [Figures(3, 401.6, 5, 2), None]}
+    ours = {10.0: [MissionValues(3, 401.6, 5, 2), None]}
     text = dissertation_tables(ours)
     assert rows(text, "Table 6")["1"] == ["3", "4", "402", "426"]
     assert rows(text, "Table 6")["2"] == ["-", "4", "-", "438"]
@@ -44,19 +44,19 @@ def test_each_mission_stands_beside_the_dissertations():
 
 
 def test_level_that_the_dissertation_lacks_stands_alone():
-    text = dissertation_tables({15.0: [Figures(3, 401.6, 5, 0), Figures(4, 398.0, 5, 0)]})
+    text = dissertation_tables({15.0: [MissionValues(3, 401.6, 5, 0), MissionValues(4, 398.0, 5, 0)]})
     assert rows(text, "Table 6") == {"1": ["3", "-", "402", "-"], "2": ["4", "-", "398", "-"]}
     assert rows(text, "Table 8")["Mean"] == ["3.5", "-", "400", "-"]
 
 
 def test_missions_beyond_30_are_left_to_the_csv():
-    text = dissertation_tables({10.0: [Figures(4, 400.0, 5, 0)] * 100})
+    text = dissertation_tables({10.0: [MissionValues(4, 400.0, 5, 0)] * 100})
     assert "and 70 more of ours in trials.csv" in text
     assert "31 " not in text.split("Table 7")[0]
 
 
 def test_columns_stand_under_their_heads():
-    lines = dissertation_tables({10.0: [Figures(4, 400.0, 5, 0)], 20.0: []}).splitlines()
+    lines = dissertation_tables({10.0: [MissionValues(4, 400.0, 5, 0)], 20.0: []}).splitlines()
     head, first = lines[3], lines[4]
     assert [m.end() for m in re.finditer(r"\S+", head)] == [m.end() for m in re.finditer(r"\S+", first)][1:]
 
@@ -65,7 +65,7 @@ def test_outcomes_become_missions_by_noise(outcome_of, failed_outcome_of):
     design = make_design("garage_sar", trials=2, factors=[parse_sweep("voice.noise_db=10,30")])
     trials = {(trial.cell, trial.number): trial for trial in design.all_trials()}
     outcomes = [outcome_of(trials[1, 2], victims_saved=2), failed_outcome_of(trials[0, 1])]
-    assert missions_by_noise(design, outcomes) == {10.0: [None, None], 30.0: [None, Figures(2, 100.0, 4, 0)]}
+    assert missions_by_noise(design, outcomes) == {10.0: [None, None], 30.0: [None, MissionValues(2, 100.0, 4, 0)]}
 
 
 def test_only_the_garage_under_noise_is_the_dissertations(short_design):
@@ -95,10 +95,10 @@ def test_summary_has_a_line_per_cell(short_design, outcome_of, failed_outcome_of
 def test_summary_of_a_scenario_with_a_base_tells_what_it_heard_of(outcome_of):
     design = make_design("office_manet", trials=2)
     first, second = design.all_trials()
-    outcomes = [outcome_of(first, finds_reported=3, mean_report_delay_s=0.5, max_report_delay_s=1.0)]
-    outcomes += [outcome_of(second, finds_reported=0)]
+    outcomes = [outcome_of(first, discoveries_delivered=3, mean_delivery_delay_s=0.5, max_delivery_delay_s=1.0)]
+    outcomes += [outcome_of(second, discoveries_delivered=0)]
     table = summary_table(design, summarise(design, outcomes))
-    assert re.search(r"reported +report after \[s\] +last after \[s\]$", table.splitlines()[2])
+    assert re.search(r"delivered +mean delay \[s\] +max delay \[s\]$", table.splitlines()[2])
     assert re.search(r"1\.50 ± 2\.12 \[-17\.56, 20\.56\] +0\.50 +1\.00$", table.splitlines()[3])
 
 
@@ -108,7 +108,7 @@ def test_missions_that_end_by_exclusion_are_told(outcome_of):
 
     others = [ended("areas_explored", 300.0), ended("time_limit", 600.0)]
     assert exclusion_note(others) == ""
-    counts = "since all robots were excluded; that counts as the time here, the time limit in a report"
+    counts = "because all robots were excluded; that is the time here, while a report uses the time limit"
     first, second = ended("all_excluded", 140.0), ended("all_excluded", 129.0)
     assert exclusion_note([*others, first]) == f"1 mission of ours ended at 140 s {counts}"
     assert exclusion_note([first, *others, second]) == f"2 missions of ours ended at 129 to 140 s {counts}"

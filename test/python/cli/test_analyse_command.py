@@ -25,15 +25,6 @@ def bags(tmp_path_factory) -> tuple[Path, Path]:
     return paths
 
 
-def refusal(capsys, *arguments: object) -> str:
-    """Return the one line with which a command is refused."""
-    assert main(["analyse", *map(str, arguments)]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    return captured.err.removeprefix("robotteamsim: ").rstrip("\n")
-
-
 def test_one_bag_is_summarised_in_detail(capsys, bags):
     assert main(["analyse", str(bags[0])]) == 0
     out = capsys.readouterr().out
@@ -85,10 +76,10 @@ def test_png_is_drawn_of_several_bags_too(capsys, bags, tmp_path):
     assert os.listdir(tmp_path) == ["a.png"]
 
 
-def test_more_bags_than_fit_into_a_picture_are_refused(capsys):
+def test_more_bags_than_fit_into_a_picture_are_refused(refusal):
     names = [f"{number}.bag" for number in range(7)]
     line = "--png: 7 bags do not fit side by side; expected at most 6"
-    assert refusal(capsys, *names, "--png", "a.png") == line
+    assert refusal("analyse", *names, "--png", "a.png") == line
 
 
 def test_gif_shows_the_mission(capsys, bags, tmp_path):
@@ -99,39 +90,39 @@ def test_gif_shows_the_mission(capsys, bags, tmp_path):
         assert sum(frame.info["duration"] for frame in ImageSequence.Iterator(film)) == 1000
 
 
-def test_film_of_several_bags_is_refused(capsys):
+def test_film_of_several_bags_is_refused(refusal):
     line = "a film shows one bag, got 2; use --join for the parts of one recording"
-    assert refusal(capsys, "a.bag", "b.bag", "--gif", "a.gif") == line
+    assert refusal("analyse", "a.bag", "b.bag", "--gif", "a.gif") == line
 
 
-def test_film_of_no_length_is_refused(capsys):
-    assert refusal(capsys, "a.bag", "--gif", "a.gif", "--seconds", "0.5") == "--seconds 0.5 is outside 1 to 600 s"
+def test_film_of_no_length_is_refused(refusal):
+    assert refusal("analyse", "a.bag", "--gif", "a.gif", "--seconds", "0.5") == "--seconds 0.5 is outside 1 to 600 s"
 
 
-def test_mp4_without_ffmpeg_is_refused_before_the_bag_is_read(capsys, monkeypatch, tmp_path):
+def test_mp4_without_ffmpeg_is_refused_before_the_bag_is_read(refusal, monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    assert refusal(capsys, "a.bag", "--mp4", tmp_path / "a.mp4").startswith(
+    assert refusal("analyse", "a.bag", "--mp4", tmp_path / "a.mp4").startswith(
         "an MP4 needs ffmpeg, which is not installed"
     )
 
 
-def test_wrong_bag_leaves_nothing_behind(capsys, bags, tmp_path):
+def test_wrong_bag_leaves_nothing_behind(refusal, bags, tmp_path):
     broken = tmp_path / "broken.bag"
     broken.write_bytes(bags[0].read_bytes()[:100_000])
     outputs = ("--json", tmp_path / "a.json", "--csv", tmp_path / "tables", "--png", tmp_path / "a.png")
-    assert refusal(capsys, bags[1], broken, *outputs).startswith(f"{broken}: is damaged; `rosbag reindex")
+    assert refusal("analyse", bags[1], broken, *outputs).startswith(f"{broken}: is damaged; `rosbag reindex")
     assert list(tmp_path.iterdir()) == [broken]
 
 
-def test_output_that_cannot_be_written_is_refused_before_bags_are_read(capsys, tmp_path):
+def test_output_that_cannot_be_written_is_refused_before_bags_are_read(refusal, tmp_path):
     path = tmp_path / "no" / "a.json"
-    assert refusal(capsys, "no.bag", "--json", path) == f"{path}: cannot be written: {path.parent} is not a folder"
+    assert refusal("analyse", "no.bag", "--json", path) == f"{path}: cannot be written: {path.parent} is not a folder"
 
 
-def test_bag_given_twice_is_refused(capsys):
-    assert refusal(capsys, "a.bag", "./a.bag") == "a.bag is given twice"
+def test_bag_given_twice_is_refused(refusal):
+    assert refusal("analyse", "a.bag", "./a.bag") == "a.bag is given twice"
 
 
-def test_two_runs_are_no_parts_of_a_recording(capsys, bags):
-    assert refusal(capsys, "--join", *bags).endswith("overlap in time, so they are not parts of one recording")
+def test_two_runs_are_no_parts_of_a_recording(refusal, bags):
+    assert refusal("analyse", "--join", *bags).endswith("overlap in time, so they are not parts of one recording")

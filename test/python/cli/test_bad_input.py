@@ -64,9 +64,9 @@ class SaysNonsense(Sound):
             "--set: control.exclusion.max_robots: 3 is below min_robots, 9",
         ),
         (["robots.count=0"], "--set: robots.count: 0 is below 1"),
-        (["robots=[]"], "--set: robots: 0 items are too few; wanted at least 1"),
+        (["robots=[]"], "--set: robots: 0 items are too few; expected at least 1"),
         (["network.max_message_bytes=0"], "--set: network.max_message_bytes: 0 is below 1"),
-        (["mission.base=3"], "--set: mission.base: there is no robot 3, only 0 to 2"),
+        (["mission.base=3"], "--set: mission.base: there is no robot 3; expected 0 to 2"),
         (
             ["control.algorithm=faulty_ones:Missing"],
             "garage_sar: control.algorithm: 'faulty_ones:Missing': ModuleNotFoundError: No module named 'faulty_ones'",

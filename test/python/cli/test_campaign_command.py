@@ -15,9 +15,10 @@ import pytest
 
 from robotteamsim.campaign import read_store
 from robotteamsim.cli import campaign_command, main
+from robotteamsim.control.runtime.registry import ALGORITHMS
 
 SHORT = ("--set", "mission.time_limit_s=1")
-KNOWN = "wanted one of: rdpso, random_walk, greedy, pso, rpso, sebs, cover, or module:Class"
+KNOWN = f"wanted one of: {', '.join(ALGORITHMS)}, or module:Class"
 NOISE = ("--noise", "10", "--noise", "20")
 
 
@@ -25,15 +26,6 @@ NOISE = ("--noise", "10", "--noise", "20")
 def on_two_workers(two_workers, monkeypatch):
     """Let the command use the workers that are there already."""
     monkeypatch.setattr(campaign_command, "local_workers", lambda count: contextlib.nullcontext(two_workers))
-
-
-def refusal(capsys, *arguments: str) -> str:
-    """Return the one line with which a campaign is refused."""
-    assert main(["campaign", *arguments]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    return captured.err.removeprefix("robotteamsim: ").rstrip("\n")
 
 
 def test_campaign_of_the_garage_ends_with_the_dissertations_tables(capsys, tmp_path, on_two_workers):
@@ -70,7 +62,7 @@ def test_json_and_quiet(capsys, tmp_path, on_two_workers):
     assert main([*command, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert [cell["settings"] for cell in document["cells"]] == [{"voice.noise_db": 10.0}, {"voice.noise_db": 20.0}]
-    assert document["cells"][0]["figures"]["time_s"] == {"mean": 1.0, "sd": None, "low": None, "high": None}
+    assert document["cells"][0]["statistics"]["time_s"] == {"mean": 1.0, "sd": None, "low": None, "high": None}
     assert (document["failed"], document["given_up"]) == ([], [])
 
 
@@ -160,25 +152,25 @@ def test_cluster_without_workers_gives_a_message(capsys, tmp_path, monkeypatch, 
         (["--scheduler", "tcp://127.0.0.1:9"], None),
     ],
 )
-def test_mistakes_end_in_one_line_and_leave_nothing(capsys, tmp_path, arguments, wanted):
-    line = refusal(capsys, "garage_sar", "--out", str(tmp_path / "c"), *arguments)
+def test_mistakes_end_in_one_line_and_leave_nothing(refusal, tmp_path, arguments, wanted):
+    line = refusal("campaign", "garage_sar", "--out", str(tmp_path / "c"), *arguments)
     assert line == wanted if wanted else line.startswith("tcp://127.0.0.1:9: no scheduler answers: ")
     assert os.listdir(tmp_path) == []
 
 
-def test_wrong_value_in_a_design_file_is_named_with_the_file(capsys, tmp_path):
+def test_wrong_value_in_a_design_file_is_named_with_the_file(refusal, tmp_path):
     design = tmp_path / "d.yaml"
     design.write_text("sweep: {control.alpha: [0.5, 7]}\n")
-    line = refusal(capsys, "garage_sar", "--out", str(tmp_path / "c"), "--design", str(design))
+    line = refusal("campaign", "garage_sar", "--out", str(tmp_path / "c"), "--design", str(design))
     assert line == f"{design}: control.alpha: 7 is above 1"
 
 
-def test_folder_of_something_else_is_refused(capsys, tmp_path):
+def test_folder_of_something_else_is_refused(refusal, tmp_path):
     (tmp_path / "file").touch()
-    line = refusal(capsys, "garage_sar", "--out", str(tmp_path))
-    assert line == f"{tmp_path}: holds 'file' and no campaign; wanted a new or an empty folder"
-    line = refusal(capsys, "garage_sar", "--out", str(tmp_path / "file" / "c"))
-    assert line == f"{tmp_path}/file/c: cannot be made: {tmp_path}/file is no folder"
+    line = refusal("campaign", "garage_sar", "--out", str(tmp_path))
+    assert line == f"{tmp_path}: contains 'file' and no campaign; expected a new or an empty folder"
+    line = refusal("campaign", "garage_sar", "--out", str(tmp_path / "file" / "c"))
+    assert line == f"{tmp_path}/file/c: cannot be created: {tmp_path}/file is not a folder"
 
 
 def test_other_commands_do_not_wait_for_dask():

@@ -24,16 +24,6 @@ def run(*arguments: str, folder: Path | None = None, **settings) -> subprocess.C
     return subprocess.run(command, capture_output=True, text=True, cwd=folder, check=False, timeout=120, **settings)
 
 
-def refusal(capsys, *arguments: str) -> str:
-    """Return the one line with which a command is refused."""
-    assert main(arguments) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    assert captured.err.startswith("robotteamsim: ")
-    return captured.err.removeprefix("robotteamsim: ").rstrip("\n")
-
-
 def test_run_prints_a_table_of_what_happened(capsys):
     assert main(["run", "garage_sar", "--seed", "7", *SHORT]) == 0
     out = capsys.readouterr().out
@@ -79,27 +69,27 @@ def test_out_and_bag_are_written(capsys, tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["m.bag", "out"]
 
 
-def test_unwritable_out_is_refused_before_the_mission_and_leaves_no_bag(capsys, tmp_path):
+def test_unwritable_out_is_refused_before_the_mission_and_leaves_no_bag(refusal, tmp_path):
     (tmp_path / "file").touch()
     bag = tmp_path / "m.bag"
-    line = refusal(capsys, "run", "garage_sar", "--out", str(tmp_path / "file" / "out"), "--bag", str(bag))
+    line = refusal("run", "garage_sar", "--out", str(tmp_path / "file" / "out"), "--bag", str(bag))
     assert line == f"{tmp_path}/file/out/trajectories: cannot be written: Not a directory"
     assert os.listdir(tmp_path) == ["file"]
 
 
-def test_unwritable_bag_is_refused(capsys, tmp_path):
-    line = refusal(capsys, "run", "garage_sar", "--bag", str(tmp_path))
+def test_unwritable_bag_is_refused(refusal, tmp_path):
+    line = refusal("run", "garage_sar", "--bag", str(tmp_path))
     assert line == f"{tmp_path}: cannot be written: is a folder, expected a file name"
-    line = refusal(capsys, "run", "garage_sar", "--bag", "")
+    line = refusal("run", "garage_sar", "--bag", "")
     assert line == ".: cannot be written: is a folder, expected a file name"
 
 
-def test_devices_are_never_replaced(capsys, tmp_path):
+def test_devices_are_never_replaced(refusal, tmp_path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     wanted = f"{pipe}: cannot be written: is a device, expected a file name"
-    assert refusal(capsys, "run", "garage_sar", "--bag", str(pipe)) == wanted
-    assert refusal(capsys, "plan", "render", "garage", "--png", str(pipe)) == wanted
+    assert refusal("run", "garage_sar", "--bag", str(pipe)) == wanted
+    assert refusal("plan", "render", "garage", "--png", str(pipe)) == wanted
     assert pipe.is_fifo()
 
 
@@ -164,7 +154,7 @@ def test_broken_pipe_is_silent():
         (["run", "garage_sar", "--set", "run.seed=-1"], "--set: run.seed: -1 is below 0"),
         (["run", "garage_sar", "--set", "control.alfa=1"], "--set: control.alfa: unknown key; did you mean 'alpha'?"),
         (["run", "garage_sar", "--set", "seed"], "--set: 'seed' is not of the form KEY=VALUE"),
-        (["run", "garage"], "garage: no scenario of this name is shipped; did you mean 'garage_sar'?"),
+        (["run", "garage"], "garage: there is no shipped scenario of this name; did you mean 'garage_sar'?"),
         (["run", "no/such.yaml"], "no/such.yaml: there is no such file"),
         (["run", "garage_sar", "--set", "control.algorithm=rdpos"], "control.algorithm: 'rdpos' is not"),
         (["plan", "import", "no.yaml", "--out", "x.yaml"], "no.yaml: there is no such file"),
@@ -222,9 +212,9 @@ def test_broken_pipe_is_silent():
         (["field", "voice", "garage_sar", "--at", "99,1", "--png", "x.png"], "--at 99,1 lies outside the plan"),
     ],
 )
-def test_mistake_is_reported_in_one_line_with_exit_status_2(capsys, monkeypatch, tmp_path, arguments, line):
+def test_mistake_is_reported_in_one_line_with_exit_status_2(refusal, monkeypatch, tmp_path, arguments, line):
     monkeypatch.chdir(tmp_path)
-    assert line in refusal(capsys, *arguments)
+    assert line in refusal(*arguments)
     assert os.listdir(tmp_path) == []
 
 
@@ -243,9 +233,9 @@ def test_version_is_printed(capsys):
         ("voice.noise=1", "voice.noise_db=20", "--set: voice.noise: unknown key; did you mean 'noise_db'?"),
     ],
 )
-def test_mistake_of_one_of_several_maps_names_the_option_that_it_came_by(capsys, tmp_path, common, own, line):
+def test_mistake_of_one_of_several_maps_names_the_option_that_it_came_by(refusal, tmp_path, common, own, line):
     arguments = ["field", "voice", "garage_sar", "--set", common, "--compare", "range=lowest", "--compare", own]
-    assert line in refusal(capsys, *arguments, "--png", str(tmp_path / "x.png"))
+    assert line in refusal(*arguments, "--png", str(tmp_path / "x.png"))
 
 
 @pytest.mark.parametrize(
@@ -325,7 +315,7 @@ def test_list_names_the_shipped_scenarios(capsys):
     assert "garage_sar" in capsys.readouterr().out.split()
 
 
-def test_imported_map_is_a_plan_to_run_in(capsys, monkeypatch, tmp_path):
+def test_imported_map_is_a_plan_to_run_in(capsys, refusal, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     rows = ["#" * 60] + ["#" + "." * 58 + "#"] * 58 + ["#" * 60]
     pixels = bytes(0 if cell == "#" else 254 for row in rows for cell in row)
@@ -337,7 +327,7 @@ def test_imported_map_is_a_plan_to_run_in(capsys, monkeypatch, tmp_path):
     assert main(["plan", "import", "room.yaml"]) == 0
     assert capsys.readouterr().out.startswith("plan.yaml: ")
     assert yaml.safe_load(Path("plan.yaml").read_text())["bounds"]["max"] == [6.0, 6.0]
-    assert "plan.yaml already exists; choose a file with --out" in refusal(capsys, "plan", "import", "room.yaml")
+    assert "plan.yaml already exists; choose a file with --out" in refusal("plan", "import", "room.yaml")
     Path("trial.yaml").write_text("name: trial\nplan: plan.yaml\nrobots: {count: 2, start: [3, 3, 0]}\n")
     assert main(["run", "trial.yaml", "--quiet", "--set", "mission.time_limit_s=1"]) == 0
 
@@ -383,6 +373,6 @@ def test_plan_or_scenario_is_drawn(capsys, tmp_path, arguments):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-def test_picture_that_cannot_be_written_is_refused(capsys, tmp_path):
-    line = refusal(capsys, "plan", "render", "garage", "--png", str(tmp_path / "no" / "plan.png"))
+def test_picture_that_cannot_be_written_is_refused(refusal, tmp_path):
+    line = refusal("plan", "render", "garage", "--png", str(tmp_path / "no" / "plan.png"))
     assert line == f"{tmp_path}/no/plan.png: cannot be written: No such file or directory"

@@ -12,15 +12,6 @@ from robotteamsim.campaign.factors import Factor
 from robotteamsim.cli import main
 
 
-def refusal(capsys, *arguments) -> str:
-    """Return the one line with which a report is refused."""
-    assert main(["report", *map(str, arguments)]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    return captured.err.removeprefix("robotteamsim: ").rstrip("\n")
-
-
 @pytest.fixture
 def campaign_folder(tmp_path, outcome_of):
     """The folder of a campaign of the garage, of which some trials are done."""
@@ -58,28 +49,28 @@ def test_unfinished_campaign_gets_a_report_that_says_so(capsys, campaign_folder)
     assert "\nOmitted, because no mission has ended: 20 dB.\n" in out
 
 
-def test_campaign_without_missions_is_refused_and_nothing_is_written(capsys, campaign_folder, tmp_path):
+def test_campaign_without_missions_is_refused_and_nothing_is_written(refusal, campaign_folder, tmp_path):
     folder = campaign_folder(0)
     before = sorted(os.listdir(folder))
-    assert refusal(capsys, folder, "--out", tmp_path / "out") == (
+    assert refusal("report", folder, "--out", tmp_path / "out") == (
         f"{folder}: no mission of this campaign has ended yet; nothing to report"
     )
     assert sorted(os.listdir(folder)) == before
     assert not (tmp_path / "out").exists()
 
 
-def test_folders_without_a_campaign_are_refused(capsys, tmp_path):
-    wanted = "holds no campaign: there is no campaign.sqlite"
-    assert refusal(capsys, tmp_path) == f"{tmp_path}: {wanted}"
-    assert refusal(capsys, tmp_path / "nowhere") == f"{tmp_path / 'nowhere'}: {wanted}"
+def test_folders_without_a_campaign_are_refused(refusal, tmp_path):
+    wanted = "contains no campaign: there is no campaign.sqlite"
+    assert refusal("report", tmp_path) == f"{tmp_path}: {wanted}"
+    assert refusal("report", tmp_path / "nowhere") == f"{tmp_path / 'nowhere'}: {wanted}"
     (tmp_path / "campaign.sqlite").write_text("no database" * 100)
-    assert refusal(capsys, tmp_path) == f"{tmp_path / 'campaign.sqlite'}: file is not a database"
+    assert refusal("report", tmp_path) == f"{tmp_path / 'campaign.sqlite'}: file is not a database"
     assert os.listdir(tmp_path) == ["campaign.sqlite"]
 
 
-def test_folder_that_cannot_be_written_is_refused(capsys, campaign_folder, tmp_path):
+def test_folder_that_cannot_be_written_is_refused(refusal, campaign_folder, tmp_path):
     folder = campaign_folder(1)
     (tmp_path / "file").touch()
-    assert refusal(capsys, folder, "--out", tmp_path / "file" / "x").startswith(
+    assert refusal("report", folder, "--out", tmp_path / "file" / "x").startswith(
         f"{tmp_path / 'file' / 'x'}: cannot be "
     )

@@ -9,26 +9,21 @@ from collections.abc import Mapping
 import numpy as np
 
 from robotteamsim.geometry import Pose, Twist, normalise_angle
+from robotteamsim.scenario.control_tuning import NavigatorTuning
 from robotteamsim.scenario.sections import Laser, Robot
 from robotteamsim.swarm import Vector
 
-ARRIVED_M = 0.05
-LASER_MARGIN_M = 0.04
-LOOK_AHEAD_M = 0.5
-LONGEST_PATH_M = 200.0
-TURN_IN_PLACE_RAD = 0.8
-TURN_GAIN_PER_S = 3.0
-BRAKING_MPS2 = 1.0
-MANOEUVRING_MPS = 0.3
-ROOM_TO_TURN_M = 0.4
+TUNING = NavigatorTuning()
+ARRIVED_M, LASER_MARGIN_M, LOOK_AHEAD_M = TUNING.arrived_m, TUNING.laser_margin_m, TUNING.look_ahead_m
+LONGEST_PATH_M, TURN_IN_PLACE_RAD = TUNING.longest_path_m, TUNING.turn_in_place_rad
+TURN_GAIN_PER_S, BRAKING_MPS2 = TUNING.turn_gain_per_s, TUNING.braking_mps2
+MANOEUVRING_MPS, ROOM_TO_TURN_M = TUNING.manoeuvring_mps, TUNING.room_to_turn_m
+PROGRESS_M, STUCK_TIMEOUT_S, YIELD_TIMEOUT_S = TUNING.progress_m, TUNING.stuck_timeout_s, TUNING.yield_timeout_s
+ESCAPE_M, ESCAPE_TIME_S, ESCAPE_HEADINGS = TUNING.escape_m, TUNING.escape_time_s, TUNING.escape_headings
+NEAR_TEAMMATE_M = TUNING.near_teammate_m
+LEFT_PENALTY_RAD, CHANGE_PENALTY_RAD = TUNING.sidestep_left_penalty, TUNING.sidestep_change_penalty
+AHEAD_RAD = TUNING.sidestep_ahead_rad
 SIDESTEPS_RAD = tuple(math.radians(10.0 * i) for i in range(-9, 10))
-
-PROGRESS_M = 0.2
-PATIENCE_S = 4.0
-YIELDING_PATIENCE_S = 2.0
-ESCAPE_M = 0.7
-ESCAPE_S = 3.0
-NEAR_TEAMMATE_M = 1.0
 
 
 class PlainClearance:
@@ -148,10 +143,10 @@ class PlainNavigator:
             self._anchor, self._anchor_s = position, time_s
             return
         waited_s = time_s - self._anchor_s
-        if waited_s <= YIELDING_PATIENCE_S or (waited_s <= PATIENCE_S and not self._yields(position, teammates)):
+        if waited_s <= YIELD_TIMEOUT_S or (waited_s <= STUCK_TIMEOUT_S and not self._yields(position, teammates)):
             return
         self._escape = self._find_escape(known_map, pose, ranges_m, teammates)
-        self._escape_until_s = time_s + ESCAPE_S
+        self._escape_until_s = time_s + ESCAPE_TIME_S
         self._num_escapes += 1
 
     def _yields(self, position: Vector, teammates: Mapping[int, Vector]) -> bool:
@@ -170,9 +165,12 @@ class PlainNavigator:
         # Those farther away leave all the room that counts.
         reach_m = 2.0 * ESCAPE_M + self._radius_m + 1e-6
         near = [other for other in teammates.values() if math.dist(position, other) < reach_m]
-        for i in range(16):
-            heading = math.tau * ((i + 5 * self._robot_id + 3 * self._num_escapes) % 16) / 16.0
-            point = (position[0] + ESCAPE_M * math.cos(heading), position[1] + ESCAPE_M * math.sin(heading))
+        for i in range(ESCAPE_HEADINGS):
+            heading = math.tau * ((i + 5 * self._robot_id + 3 * self._num_escapes) % ESCAPE_HEADINGS) / ESCAPE_HEADINGS
+            point = (
+                position[0] + ESCAPE_M * math.cos(heading),
+                position[1] + ESCAPE_M * math.sin(heading),
+            )
             if not (known_map.grid.is_line_free(position, point) if is_free else known_map.grid.is_free(point)):
                 continue
             room_m = min((math.dist(point, other) - self._radius_m for other in near), default=ESCAPE_M)
@@ -210,7 +208,7 @@ class PlainNavigator:
         def free_m(heading_rad: float) -> float:
             return self._clearance.free_distance(ranges_m, heading_rad, radius_m, needed_m)
 
-        if free_m(wanted_rad) >= needed_m or abs(wanted_rad) >= 1.6:
+        if free_m(wanted_rad) >= needed_m or abs(wanted_rad) >= AHEAD_RAD:
             self._passing_side = 0
             return wanted_rad, free_m(wanted_rad)
         ways = [(heading_rad, free_m(heading_rad)) for heading_rad in self._sidesteps_rad]
@@ -221,7 +219,11 @@ class PlainNavigator:
         def cost(way: tuple[float, float]) -> float:
             offset_rad = way[0] - wanted_rad
             changes = self._passing_side * offset_rad < 0.0
-            return abs(offset_rad) + (0.25 if offset_rad > 0.0 else 0.0) + (0.35 if changes else 0.0)
+            return (
+                abs(offset_rad)
+                + (LEFT_PENALTY_RAD if offset_rad > 0.0 else 0.0)
+                + (CHANGE_PENALTY_RAD if changes else 0.0)
+            )
 
         best = min(free_ways, key=cost)
         self._passing_side = 1 if best[0] > wanted_rad else -1

@@ -14,6 +14,7 @@ from robotteamsim.control.driving.known_map import KnownMap
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.rdpso.obstacles import Surroundings
 from robotteamsim.geometry import Pose
+from robotteamsim.scenario.control_tuning import NavigatorTuning
 from robotteamsim.scenario.drives import CarDrive, Drive
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan
 from robotteamsim.scenario.sections import Laser, PlacedRobot
@@ -50,7 +51,7 @@ def place(rng: np.random.Generator) -> tuple[float, float]:
 def test_navigator_commands_what_the_plain_one_commands(seed, drive, mode):
     rng = np.random.default_rng(seed)
     body = PlacedRobot(start_pose=(0.0, 0.0, 0.0), drive=drive, laser=Laser(forward_m=0.05))
-    robots = Navigator(body, 3, mode), PlainNavigator(body, 3, mode)
+    robots = Navigator(body, 3, mode, NavigatorTuning()), PlainNavigator(body, 3, mode)
     known, goal, x, y = cluttered_map(rng), place(rng), 6.0, 6.0
     escapes = 0
     for step in range(600):

@@ -149,7 +149,7 @@ def test_base_stands_with_any_algorithm_and_receives_announcements(hall_scenario
     assert (base.x_m, base.y_m) == pytest.approx((3.0, 4.0), abs=1e-9)
     assert ("victim_saved", "ann", 1) in events
     if algorithm != "cover":  # whose robots recognise a victim by the voice that falls silent
-        assert ("find_reported", "ann", 1) in events
+        assert ("discovery_delivered", "ann", 1) in events
         assert len(announced) == 1  # the acknowledgement came before a second one was due
 
 

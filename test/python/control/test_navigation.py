@@ -10,6 +10,7 @@ import pytest
 from robotteamsim.control.driving.known_map import KnownMap
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.geometry import Twist
+from robotteamsim.scenario.control_tuning import NavigatorTuning
 from robotteamsim.scenario.drives import AnyDrive, CarDrive, Drive
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.sections import PlacedRobot, Run
@@ -51,7 +52,7 @@ class Drivers:
         self.touched = [False] * len(robots)
         self.top_speed_mps = 0.0
         self._sensors = RobotSensors(self.world, robots, 1)
-        self._navigators = [Navigator(robot, i, mode) for i, robot in enumerate(robots)]
+        self._navigators = [Navigator(robot, i, mode, NavigatorTuning()) for i, robot in enumerate(robots)]
         self._twists = [Twist()] * len(robots)
 
     def run(self, seconds: float) -> None:

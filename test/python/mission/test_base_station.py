@@ -52,8 +52,8 @@ def test_delivery_of_a_discovery_is_an_event_with_its_delay(course):
     (found,) = course.mission.status.task.undelivered
     assert found == Discovery("victim", "ann", 1, ANN_M, 0.1)
     (event,) = course.step(START_M, ANN_M, inbox=["nothing", announcement(found)])
-    assert (event.kind, event.subject, event.robot_id, event.time_s) == ("find_reported", "ann", 1, 0.3)
-    assert event.detail == "the base hears of ann, 0.2 s after robot 1 found it"
+    assert (event.kind, event.subject, event.robot_id, event.time_s) == ("discovery_delivered", "ann", 1, 0.3)
+    assert event.detail == "the base learns of ann, 0.2 s after its discovery by robot 1"
     delivered = course.mission.status.delivered
     assert (delivered.count, delivered.mean_delay_s, delivered.max_delay_s) == pytest.approx((1, 0.2, 0.2))
     assert course.mission.status.task.undelivered == ()
@@ -67,7 +67,7 @@ def test_discovery_is_delivered_once(course):
 
 def test_discoveries_of_the_base_are_delivered_at_once(course):
     kinds = [event.kind for event in course.step(ANN_M, START_M)]
-    assert kinds == ["victim_saved", "find_reported"]
+    assert kinds == ["victim_saved", "discovery_delivered"]
     assert course.mission.status.delivered == DeliveredDiscoveries(1, 0.0, 0.0)
 
 
@@ -79,7 +79,7 @@ def test_mission_continues_until_every_discovery_is_delivered(course):
     course.step(START_M, WEST_M, inbox=[announcement(found[1])])
     assert course.mission.status.state == "running"
     events = course.step(START_M, WEST_M, inbox=[announcement(found[0])])
-    assert [event.kind for event in events] == ["find_reported", "end"]
+    assert [event.kind for event in events] == ["discovery_delivered", "end"]
     assert course.mission.status.end == "areas_explored"
 
 

@@ -375,7 +375,7 @@ def test_mission_ends_when_no_robot_is_left(course):
     assert course.mission.status.state == "running"
     events = course.step(positions=[(np.nan, np.nan)] * 2, present=(False, False))
     assert course.mission.status.end == "none_left"
-    assert events[-1].detail.startswith("mission ends: no robot is left; ")
+    assert events[-1].detail.startswith("mission ends: no robots left; ")
 
 
 def test_robots_held_back_at_the_start_are_no_event(hall_scenario):

@@ -199,7 +199,7 @@ def test_doors_are_their_centre_segments_at_full_weight(make_plan):
 
 
 def test_unknown_door_is_refused(flat):
-    with pytest.raises(ValueError, match=r"^there is no door 'fier', only glass, fire$"):
+    with pytest.raises(ValueError, match=r"^unknown door 'fier'; known: glass, fire$"):
         radio_faces(flat, Radio()).door_face("fier")
 
 

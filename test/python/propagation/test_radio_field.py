@@ -320,7 +320,7 @@ def test_positions_of_another_shape_are_refused(flat):
 
 
 def test_unknown_door_is_refused_by_name(flat):
-    with pytest.raises(ValueError, match="there is no door 'back'"):
+    with pytest.raises(ValueError, match="unknown door 'back'"):
         RadioField(flat, Radio()).set_door("back", True)
 
 

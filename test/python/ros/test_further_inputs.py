@@ -1,15 +1,14 @@
 from __future__ import annotations
 
-from io import BytesIO
-
 import numpy as np
 import pytest
 
 from robotteamsim.geometry import Twist
 from robotteamsim.recording.sensor_messages import sensor_topics
 from robotteamsim.ros.nodes.further_inputs import FurtherInputs
-from robotteamsim.ros.transport.inbox import Step
 from robotteamsim.ros.transport.msg_conversion import RosTypes
+from robotteamsim.ros.transport.serialization import deserialized, serialized
+from robotteamsim.ros.transport.synchronizer import Step
 from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import NOTHING_FURTHER
 from robotteamsim.sensing.robots import RobotSensors
@@ -23,20 +22,15 @@ EQUIPPED = (
 )
 
 
-def sent(message):
-    """Return a message as it comes out of a socket."""
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return type(message)().deserialize(buffer.getvalue())
-
-
 @pytest.fixture
-def told():
-    """Return what each step's readings are, headless, and what the topics of a robot tell of them."""
+def readings():
+    """Return the inputs of a robot, and for each step its stamp, readings without ROS, and messages as received."""
     scenario = load("tutorial_arena", EQUIPPED)
     robots = placed_robots(scenario)
     world = World(scenario.plan, robots, scenario.run)
     sensors = RobotSensors(world, robots, 3)
+    inputs = FurtherInputs(robots[0], "/robot_0/", scenario.run.step_ns)
+    decoders = {an_input.channel.name: an_input.decode for an_input in inputs.inputs}
     steps = []
     for _ in range(24):
         world.step([Twist(0.3, 0.0, 0.2)])
@@ -45,18 +39,21 @@ def told():
             f"/robot_0/{topic.name}": topic.message(RosTypes(), world.sim_time_ns, 0, further)
             for topic in sensor_topics(robots[0])
         }
-        steps.append(
-            (
-                world.sim_time_ns,
-                further,
-                {name: () if message is None else (sent(message),) for name, message in messages.items()},
-            )
-        )
-    return FurtherInputs(robots[0], "/robot_0/", scenario.run.step_ns), steps
+        received = {
+            name: () if message is None else (decoded(message, decoders[name]),) for name, message in messages.items()
+        }
+        steps.append((world.sim_time_ns, further, received))
+    return inputs, steps
 
 
-def test_readings_from_topics_are_those_of_the_headless_run_to_the_bit(told):
-    inputs, steps = told
+def decoded(message, decode):
+    """Return a message as a node receives it."""
+    data = serialized(message)
+    return deserialized(type(message), data) if decode is None else decode(data)
+
+
+def test_readings_from_topics_are_those_of_the_headless_run_to_the_bit(readings):
+    inputs, steps = readings
     for stamp_ns, further, messages in steps:
         reading = inputs.reading(Step(stamp_ns, False, messages))
         assert (reading.sonars_m, reading.fix) == (further.sonars_m, further.fix)
@@ -67,8 +64,8 @@ def test_readings_from_topics_are_those_of_the_headless_run_to_the_bit(told):
     assert sum(further.scans_m[0] is not None for _, further, _ in steps) == 8
 
 
-def test_a_sensor_is_waited_for_exactly_when_it_measures(told):
-    inputs, steps = told
+def test_a_sensor_is_waited_for_exactly_when_it_measures(readings):
+    inputs, steps = readings
     dues = {an_input.channel.name: an_input.channel.due for an_input in inputs.inputs}
     assert len(dues) == 5
     for stamp_ns, _, messages in steps:
@@ -76,14 +73,14 @@ def test_a_sensor_is_waited_for_exactly_when_it_measures(told):
             assert (due is None or due(stamp_ns)) == bool(messages[name])
 
 
-def test_sonar_that_is_late_has_said_what_it_said_before(told):
-    inputs, steps = told
+def test_sonar_that_is_late_keeps_its_last_range(readings):
+    inputs, steps = readings
     nothing = dict.fromkeys(steps[0][2], ())
     assert inputs.reading(Step(100_000_000, False, nothing)).sonars_m == (3.0, 3.0)
     stamp_ns, further, messages = steps[0]
     inputs.reading(Step(stamp_ns, False, messages))
     assert inputs.reading(Step(200_000_000, False, nothing)).sonars_m == further.sonars_m
-    inputs.begin_anew()
+    inputs.restart()
     assert inputs.reading(Step(300_000_000, False, nothing)).sonars_m == (3.0, 3.0)
 
 

@@ -1,11 +1,14 @@
 from __future__ import annotations
 
-import io
-
 import genpy
 import msgspec
 import numpy as np
 import pytest
+from geometry_msgs.msg import Point, Quaternion, TwistStamped, Vector3
+from geometry_msgs.msg import Twist as TwistMessage
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Header
 
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Discovery, Task
@@ -14,6 +17,7 @@ from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffi
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.transport import msg_conversion as conversion
+from robotteamsim.ros.transport.serialization import deserialized, serialized
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
@@ -36,9 +40,7 @@ def make() -> conversion.RosTypes:
 
 def sent(message: genpy.Message) -> genpy.Message:
     """Return the message as a subscriber gets it."""
-    buffer = io.BytesIO()
-    message.serialize(buffer)
-    return type(message)().deserialize(buffer.getvalue())
+    return deserialized(type(message), serialized(message))
 
 
 def test_stamps_are_whole_nanoseconds(make):
@@ -77,16 +79,58 @@ def test_contact_keeps_its_angles(make):
 
 
 def test_command_keeps_its_bits_and_may_be_no_number(make):
-    assert conversion.twist(sent(ros_messages.twist(make, MOTION))) == MOTION
-    assert not conversion.twist(sent(ros_messages.twist(make, Twist(float("nan"), 0.0, 0.0)))).is_finite
-    message = sent(ros_messages.twist_stamped(make, TIME_NS, 2, MOTION))
-    assert (conversion.stamp_ns(message), conversion.twist(message.twist)) == (TIME_NS, MOTION)
+    assert conversion.read_twist(serialized(ros_messages.twist(make, MOTION))) == MOTION
+    assert not conversion.read_twist(serialized(ros_messages.twist(make, Twist(float("nan"), 0.0, 0.0)))).is_finite
+    answer = serialized(ros_messages.twist_stamped(make, TIME_NS, 2, MOTION))
+    assert conversion.read_twist_stamped(answer) == MOTION
 
 
-def test_scan_keeps_its_ranges(make):
-    ranges_m = conversion.ranges_m(sent(ros_messages.scan(make, TIME_NS, 0, Laser(beams=3), RANGES_M)))
+@pytest.mark.parametrize("frame", ["", "robot_7/odom", "ä/odom"])
+def test_odometry_is_read_from_bytes_as_from_the_message(frame):
+    numbers = iter((np.arange(1.0, 86.0) / 7.0).tolist())
+    message = Odometry(header=Header(seq=3, stamp=genpy.Time(12, 345), frame_id=frame), child_frame_id=f"{frame}x")
+    pose, twist = message.pose.pose, message.twist.twist
+    pose.position = Point(next(numbers), next(numbers), next(numbers))
+    pose.orientation = Quaternion(*(next(numbers) for _ in range(4)))
+    message.pose.covariance = [next(numbers) for _ in range(36)]
+    twist.linear, twist.angular = (Vector3(next(numbers), next(numbers), next(numbers)) for _ in range(2))
+    message.twist.covariance = [next(numbers) for _ in range(36)]
+    assert conversion.read_odometry(serialized(message)) == conversion.odometry_reading(message)
+
+
+@pytest.mark.parametrize("intensities", [[], [1.0, 2.0, 3.0]])
+def test_ranges_are_read_from_bytes_as_from_the_message(make, intensities):
+    message = ros_messages.scan(make, TIME_NS, 0, Laser(beams=3), RANGES_M)
+    message.intensities = intensities
+    ranges_m = conversion.read_ranges_m(serialized(message))
     assert ranges_m.dtype == np.float32
     np.testing.assert_array_equal(ranges_m, RANGES_M)
+    ranges_m[0] = 0.0  # a controller may write into it
+
+
+def test_scan_without_beams_is_read():
+    assert len(conversion.read_ranges_m(serialized(LaserScan()))) == 0
+
+
+def test_bytes_that_are_too_few_are_refused():
+    messages = (
+        (Odometry(), conversion.read_odometry),
+        (LaserScan(ranges=[1.0, 2.0]), conversion.read_ranges_m),
+        (TwistMessage(), conversion.read_twist),
+        (TwistStamped(), conversion.read_twist_stamped),
+    )
+    for message, read in messages:
+        data = serialized(message)
+        for length in (0, 3, 10, 20, len(data) - 8):
+            with pytest.raises(ValueError, match="is cut short"):
+                read(data[:length])
+
+
+def test_scan_that_promises_more_ranges_than_it_has_is_refused_before_memory_is_taken():
+    data = bytearray(serialized(LaserScan()))
+    data[-8:-4] = b"\xff\xff\xff\xff"
+    with pytest.raises(ValueError, match="cut short"):
+        conversion.read_ranges_m(bytes(data))
 
 
 @pytest.mark.parametrize(

@@ -5,14 +5,17 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import Range
+from tf2_msgs.msg import TFMessage
 
 from robotteamsim.geometry import Twist
-from robotteamsim.ros.nodes import team_outputs
+from robotteamsim.ros.nodes import objects_output, team_outputs
 from robotteamsim.ros.nodes import world as world_node
 from robotteamsim.ros.nodes.gate import Gate, Pacer
 from robotteamsim.ros.transport import msg_conversion as conversion
-from robotteamsim.ros.transport.node import Settings
+from robotteamsim.ros.transport.serialization import deserialized
+from robotteamsim.ros.transport.settings import Settings
 from robotteamsim.scenario.floor_plan import Door
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot
@@ -41,8 +44,32 @@ class FakeOutput:
     def publish(self, message: Any) -> None:
         FakeOutput.sent.append((self._topic, message))
 
-    def publish_bytes(self, data: memoryview) -> None:
-        self.publish(self._message_class().deserialize(bytes(data[4:])))
+
+class FakeTeamTopic:
+    """Keeps the arrays that the topics of all robots publish, in order, as (stamp [ns], arrays)."""
+
+    def __init__(self, topics: list[str], examples: list[bytes], *, latched: bool) -> None:
+        assert len(topics) == len(examples)
+        self._topics = topics
+        self.is_wanted = True
+        self.num_subscribers = 0
+
+    def publish(self, time_ns: int, *arrays: Any, present: Any = None) -> None:
+        FakeOutput.sent += [(topic, (time_ns, arrays)) for topic in self._topics]
+
+
+class FakeFrames:
+    """Keeps when frames are published, and with which ones it began."""
+
+    frames: list[TransformStamped]
+
+    def __init__(self, topic: str, examples: list[bytes], origins: list[bytes]) -> None:
+        messages = [deserialized(TFMessage, data) for data in (*examples, *origins)]
+        FakeFrames.frames = [transform for message in messages for transform in message.transforms]
+        self.is_wanted = True
+
+    def publish(self, time_ns: int, *arrays: Any) -> None:
+        FakeOutput.sent.append(("/tf", (time_ns, arrays)))
 
 
 class FakeTeam:
@@ -54,8 +81,8 @@ class FakeTeam:
     def assemble(self) -> None:
         pass
 
-    def note_who(self, stamp_ns: int, here: tuple[bool, ...]) -> None:
-        assert here == (True, True)
+    def note_presence(self, stamp_ns: int, present: tuple[bool, ...]) -> None:
+        assert present == (True, True)
 
     def twists(self, step_index: int, sim_time_ns: int) -> list[Twist] | None:
         return [Twist(0.5, 0.0, 0.0), Twist()] if step_index < STEPS else None
@@ -79,10 +106,14 @@ def serve(monkeypatch, hall_scenario) -> Callable[..., None]:
     parameters = {"~speed": 0.0, "~localization": "ground_truth"}
     monkeypatch.setattr(world_node, "Output", FakeOutput)
     monkeypatch.setattr(team_outputs, "Output", FakeOutput)
+    monkeypatch.setattr(objects_output, "Output", FakeOutput)
     monkeypatch.setattr(world_node, "FreeTeam", FakeTeam)
     monkeypatch.setattr(world_node, "parameter", lambda name, default: parameters[name])
     monkeypatch.setattr(world_node, "QUIET_S", 0.0)
-    monkeypatch.setattr(world_node.rospy, "Service", lambda *_: None)
+    monkeypatch.setattr(world_node, "Service", lambda *_: None)
+    for name in ("OdometryTopic", "ScanTopic", "ContactTopic"):
+        monkeypatch.setattr(team_outputs.roscpp, name, FakeTeamTopic)
+    monkeypatch.setattr(team_outputs.roscpp, "FramesTopic", FakeFrames)
     monkeypatch.setattr(world_node, "Gate", FakeGate)
     monkeypatch.setattr(world_node, "Pacer", lambda speed: Pacer(speed, lambda: FakeGate.now_s))
 
@@ -109,7 +140,7 @@ def test_clock_comes_after_all_else_of_its_step(sent):
         if topic == "/clock":
             clock_ns = message.clock.to_nsec()
         elif topic != "/map":
-            stamp_ns = conversion.stamp_ns(message.transforms[0] if topic == "/tf" else message)
+            stamp_ns = message[0] if isinstance(message, tuple) else conversion.stamp_ns(message)
             assert stamp_ns > clock_ns, topic
             stamps.setdefault(topic, []).append(stamp_ns)
     names = ["odom", "base_scan", "base_pose_ground_truth", "contact"]
@@ -133,12 +164,13 @@ def test_world_lasts_as_long_as_its_speed_says(serve, speed, wall_s):
 
 
 def test_true_motion_is_published(sent):
-    truths = [message for topic, message in sent if topic == "/robot_0/base_pose_ground_truth"]
-    assert truths[0].pose.pose.position.x < truths[-1].pose.pose.position.x < 3.2
-    assert truths[-1].twist.twist.linear.x > 0.0
+    truths = [message[1] for topic, message in sent if topic == "/robot_0/base_pose_ground_truth"]
+    (first_poses, _), (last_poses, last_twists) = truths[0], truths[-1]
+    assert first_poses[0, 0] < last_poses[0, 0] < 3.2
+    assert last_twists[0, 0] > 0.0
 
 
-def test_doors_are_told_at_every_step(serve, hall_scenario):
+def test_doors_are_published_at_every_step(serve, hall_scenario):
     scenario = hall_scenario()
     gate = Door(name="gate", start=(10.0, 0.2), end=(10.0, 1.2), motion="swing")
     serve(0.0, scenario.model_copy(update={"plan": scenario.plan.model_copy(update={"doors": (gate,)})}))
@@ -148,8 +180,11 @@ def test_doors_are_told_at_every_step(serve, hall_scenario):
 
 
 def test_map_frame_is_tied_to_odometry_on_demand(sent):
-    links = [link for topic, message in sent if topic == "/tf" for link in message.transforms]
-    assert {link.child_frame_id for link in links if link.header.frame_id == "map"} == {"robot_0/odom", "robot_1/odom"}
+    of_map = {link.child_frame_id for link in FakeFrames.frames if link.header.frame_id == "map"}
+    assert of_map == {"robot_0/odom", "robot_1/odom"}
+    _, (odometry, origins, _) = next(message for topic, message in sent if topic == "/tf")
+    assert origins.shape == (2, 4)
+    assert len(odometry) == 2
 
 
 SENSORS = {
@@ -214,11 +249,10 @@ def test_fixes_have_the_bits_of_a_headless_run(serve, equipped):
 
 def test_further_sensors_have_frames_on_the_robot_that_carries_them(serve, equipped):
     serve(0.0, equipped)
-    links = [link for topic, message in FakeOutput.sent if topic == "/tf" for link in message.transforms]
-    rear = [link for link in links if link.child_frame_id == "robot_0/rear_link"]
-    assert len(rear) == STEPS
+    rear = [link for link in FakeFrames.frames if link.child_frame_id == "robot_0/rear_link"]
+    assert len(rear) == 1
     assert {link.header.frame_id for link in rear} == {"robot_0/base_link"}
     rotation, place = rear[0].transform.rotation, rear[0].transform.translation
     assert 2.0 * math.atan2(rotation.z, rotation.w) == pytest.approx(3.0)
     assert (place.x, place.y, place.z) == (0.1, 0.0, 0.25)
-    assert not [link for link in links if link.child_frame_id == "robot_1/rear_link"]
+    assert not [link for link in FakeFrames.frames if link.child_frame_id == "robot_1/rear_link"]

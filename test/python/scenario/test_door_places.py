@@ -53,14 +53,14 @@ def test_leaf_that_swings_into_a_solid_is_told(leaf, angle_rad, hit) -> None:
 
 def test_leaf_off_its_wall_is_told_with_its_place_and_the_way_to_the_nearest_solid() -> None:
     assert _mistakes(((4.0, 4.0), (6.0, 4.0)), ((4.3, 4.0), (5.8, 4.5))) == [
-        (1, "the leaf [4.3, 4] .. [5.8, 4.5] hangs at no wall: the nearest is 0.3 m away")
+        (1, "the leaf [4.3, 4] .. [5.8, 4.5] is not at a wall: the nearest is 0.3 m away")
     ]
 
 
 @pytest.mark.parametrize("leaf", [((2.5, 4.0), (3.5, 4.0)), ((2.0, 4.05), (4.5, 4.05))])
 def test_leaf_more_than_half_in_a_wall_is_told_with_the_wall(leaf) -> None:
     ((_, text),) = _mistakes(leaf)
-    assert text.endswith("lies in wall 'left'; wanted a gap")
+    assert text.endswith("lies in wall 'left'; expected a gap")
 
 
 def test_leaf_across_a_wall_is_good_where_most_of_it_is_free() -> None:
@@ -80,7 +80,7 @@ def test_plan_file_with_a_stray_door_is_refused_with_file_key_place_and_name(tmp
     path.write_text(PLAN.replace("[6, 5], to: [6, 6]", "[5, 5], to: [5, 6]"), encoding="utf-8")
     with pytest.raises(PlacementError) as raised:
         load_floor_plan(path)
-    text = "doors.0: the leaf [5, 5] .. [5, 6] hangs at no wall: the nearest is 0.9 m away (in 'gate')"
+    text = "doors.0: the leaf [5, 5] .. [5, 6] is not at a wall: the nearest is 0.9 m away (in 'gate')"
     assert str(raised.value) == f"{path}: {text}"
 
 
@@ -90,6 +90,6 @@ def test_door_moved_off_its_wall_by_an_override_is_refused(tmp_path) -> None:
     path.write_text("name: room\nplan: plan.yaml\nrobots: {count: 1, start: [1, 1, 0]}\n", encoding="utf-8")
     assert load(path).plan.doors[0].name == "gate"
     with pytest.raises(
-        PlacementError, match=r"^\S+room.yaml: plan.doors.0: the leaf \[5, 7\] .. \[6, 6\] hangs at no wall"
+        PlacementError, match=r"^\S+room.yaml: plan.doors.0: the leaf \[5, 7\] .. \[6, 6\] is not at a wall"
     ):
         load(path, ["plan.doors.0.from=[5, 7]"])

@@ -48,7 +48,7 @@ def test_shipped_names_are_listed() -> None:
 
 
 def test_misspelt_name_gets_a_suggestion() -> None:
-    assert _message("garage_sra") == "garage_sra: no scenario of this name is shipped; did you mean 'garage_sar'?"
+    assert _message("garage_sra") == "garage_sra: there is no shipped scenario of this name; did you mean 'garage_sar'?"
 
 
 def test_missing_file_is_named() -> None:
@@ -115,7 +115,7 @@ def test_plan_given_as_override_is_relative_to_the_current_folder(room: str) -> 
         # The file has no control.swarms: what its defaults do not fit is what was set.
         ("control.swarms.min=3", "--set: control.swarms.initial: 1 is below min, 3"),
         ("control.swarms.initial=2", "--set: control.swarms.max: 1 is below initial, 2"),
-        ("plan.bounds.max=[-1, 2]", "--set: plan.bounds.max: x -1 is not above that of min, 0"),
+        ("plan.bounds.max=[-1, 2]", "--set: plan.bounds.max: x -1 is not above min, 0"),
     ],
 )
 def test_wrong_override_is_refused_with_its_exact_message(room: str, override: str, message: str) -> None:
@@ -148,7 +148,7 @@ def test_mistake_in_a_plan_file_names_that_file(room: str) -> None:
 
 def test_shipped_plan_loads_by_name_and_a_missing_one_is_named() -> None:
     assert load_floor_plan("garage").name == "garage"
-    with pytest.raises(ScenarioError, match=r"^garaj: no map of this name is shipped; did you mean 'garage'"):
+    with pytest.raises(ScenarioError, match=r"^garaj: there is no shipped map of this name; did you mean 'garage'"):
         load_floor_plan("garaj")
     with pytest.raises(ScenarioError, match=r"^maps/garaj.yaml: there is no such file$"):
         load_floor_plan("maps/garaj.yaml")

@@ -34,14 +34,14 @@ def test_scenario_names_the_file_and_holds_the_graph():
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ("3\n200", "x\n200", "x.graph:1: 'x' is no whole number; wanted the number of vertices"),
-        ("3\n200", "0\n200", "x.graph:1: 0 vertices; wanted 1 to 10000"),
-        ("0.05", "nan", "x.graph:4: 'nan' is no number; wanted the resolution [m]"),
+        ("3\n200", "x\n200", "x.graph:1: 'x' is not a whole number; expected the number of vertices"),
+        ("3\n200", "0\n200", "x.graph:1: 0 vertices; expected 1 to 10000"),
+        ("0.05", "nan", "x.graph:4: 'nan' is not a number; expected the resolution [m]"),
         ("0.05", "0", "x.graph:4: resolution 0 is not above 0"),
-        ("E\n60", "E\nfar", "x.graph:14: 'far' is no number; wanted the cost of an edge of vertex 0 [px]"),
-        ("\n2\n100\n60", "\n7\n100\n60", "x.graph:27: vertex 7; wanted 2: ids count from 0"),
-        ("S\n40\n", "S\n", "x.graph:32: the file ends here; wanted the cost of an edge of vertex 2 [px]"),
-        ("S\n40\n", "S\n40\n9\n", "x.graph:34: '9' follows after the last vertex; wanted the end of the file"),
+        ("E\n60", "E\nfar", "x.graph:14: 'far' is not a number; expected the cost of an edge of vertex 0 [px]"),
+        ("\n2\n100\n60", "\n7\n100\n60", "x.graph:27: vertex 7; expected 2: ids count from 0"),
+        ("S\n40\n", "S\n", "x.graph:32: the file ends here; expected the cost of an edge of vertex 2 [px]"),
+        ("S\n40\n", "S\n40\n9\n", "x.graph:34: '9' follows the last vertex; expected the end of the file"),
     ],
 )
 def test_mistake_in_a_graph_file_is_told_with_its_line(old, new, line, tmp_path):
@@ -55,13 +55,13 @@ def test_mistake_in_a_graph_file_is_told_with_its_line(old, new, line, tmp_path)
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ("1\nE", "5\nE", "control.patrol.graph.vertices.0.neighbours.0: 5 is no other vertex; wanted 0 to 2"),
-        ("1\nE", "0\nE", "control.patrol.graph.vertices.0.neighbours.0: 0 is no other vertex; wanted 0 to 2"),
+        ("1\nE", "5\nE", "control.patrol.graph.vertices.0.neighbours.0: 5 is not another vertex; expected 0 to 2"),
+        ("1\nE", "0\nE", "control.patrol.graph.vertices.0.neighbours.0: 0 is not another vertex; expected 0 to 2"),
         ("E\n60", "E\n0", "control.patrol.graph.vertices.0.lengths_m.0: 0 is not above 0"),
         (
             "1\n1\nE\n60\n",
             "0\n",
-            "control.patrol.graph.vertices.0.neighbours: a vertex without neighbours is never left",
+            "control.patrol.graph.vertices.0.neighbours: a robot could never leave a vertex without neighbours",
         ),
     ],
 )

@@ -61,7 +61,7 @@ def test_open_door_is_no_solid_until_closed() -> None:
 
 
 def test_unknown_door_is_refused_by_name() -> None:
-    with pytest.raises(ScenarioError, match="room: there is no door 'gate', only none"):
+    with pytest.raises(ScenarioError, match="room: unknown door 'gate'; known: none"):
         solids(_plan(), {"gate": True})
 
 

@@ -113,7 +113,7 @@ def test_wrong_names_and_values_are_refused(plan):
     sensor = VoiceSensor(plan, Voice(), [_ANN, _BOB], seed=1)
     with pytest.raises(ValueError, match=r"^there is no victim 'eve', only ann, bob$"):
         sensor.silence("eve")
-    with pytest.raises(ValueError, match=r"^there is no door 'back', only gate$"):
+    with pytest.raises(ValueError, match=r"^unknown door 'back'; known: gate$"):
         sensor.set_door("back", True)
     with pytest.raises(ValueError, match=r"^position_m must be finite, got \(nan, 1\)$"):
         sensor.read((math.nan, 1.0))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from robotteamsim import scenario
-from robotteamsim.errors import RecordingError
+from robotteamsim.errors import PlacementError, RecordingError
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import Decision, Task
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
@@ -174,6 +174,12 @@ def test_saved_victims_are_silent_from_the_next_step_on(parts, hall_scenario):
     parts.calls.clear()
     loop.step()
     assert parts.calls[2][2] == ("eve",)
+
+
+def test_victim_outside_the_plan_is_refused_with_the_override_that_put_them_there():
+    loaded = scenario.load("garage_sar", ["mission.victims.0.position=[99, 5]"])
+    with pytest.raises(PlacementError, match=r"^--set: mission\.victims\.0\.position: \[99, 5\] lies outside the plan"):
+        Simulation(loaded)
 
 
 def test_voice_map_is_recorded_when_it_changes(hall_scenario):

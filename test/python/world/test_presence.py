@@ -182,12 +182,12 @@ def test_robots_that_are_unknown_there_or_not_there_are_refused():
         world.remove_robot(2)
     with pytest.raises(ValueError, match=r"robot_id must be in 0..1, got -1"):
         world.spawn_robot(-1)
-    with pytest.raises(ValueError, match="robot_1 is there already; it cannot be spawned"):
+    with pytest.raises(ValueError, match="robot_1 is already present; it cannot be spawned"):
         world.spawn_robot(1)
     world.remove_robot(1)
-    with pytest.raises(ValueError, match="robot_1 is not there; it cannot be removed"):
+    with pytest.raises(ValueError, match="robot_1 is not present; it cannot be removed"):
         world.remove_robot(1)
-    with pytest.raises(ValueError, match="robot_1 is not there; wanted one that is"):
+    with pytest.raises(ValueError, match="robot_1 is not present; it cannot be moved"):
         world.set_pose(1, Pose(8.0, 4.0, 0.0))
 
 

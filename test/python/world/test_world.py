@@ -212,15 +212,15 @@ def test_robot_may_start_touching_a_wall_or_a_robot():
     [
         (
             [(2.0, 2.0, 0.0), (4.0, 5.9, 0.0)],
-            "robot_1: start pose (4.00, 5.90) is inside wall 'north'; wanted 0.2 m of clearance",
+            "robot_1: start pose (4.00, 5.90) is inside wall 'north'; expected 0.2 m of clearance",
         ),
         (
             [(7.85, 2.0, 0.0)],
-            "robot_0: start pose (7.85, 2.00) is inside block 'core'; wanted 0.2 m of clearance",
+            "robot_0: start pose (7.85, 2.00) is inside block 'core'; expected 0.2 m of clearance",
         ),
         (
             [(2.0, 2.0, 0.0), (4.0, 2.0, 0.0), (2.3, 2.0, 1.0)],
-            "robot_2: start pose (2.30, 2.00) is inside robot_0 at (2.00, 2.00); wanted 0.4 m between them",
+            "robot_2: start pose (2.30, 2.00) is inside robot_0 at (2.00, 2.00); expected 0.4 m between them",
         ),
         ([(13.0, 2.0, 0.0)], "robot_0: start pose (13.00, 2.00) is outside the plan, [0, 0] .. [12, 6]"),
     ],
@@ -253,7 +253,7 @@ def test_twist_that_is_not_finite_is_refused_and_nothing_moves():
 
 def test_unknown_doors_and_robots_are_refused():
     world = world_of((2.0, 2.0, 0.0))
-    with pytest.raises(ValueError, match="there is no door 'gat', only gate"):
+    with pytest.raises(ValueError, match="unknown door 'gat'; known: gate"):
         world.set_door("gat", True)
     with pytest.raises(ValueError, match=r"robot_id must be in 0..0, got 1"):
         world.set_pose(1, Pose(2.0, 2.0, 0.0))

@@ -95,7 +95,7 @@ def test_speeds_and_their_changes_keep_to_the_drive_whatever_the_commands(garage
 def test_robot_that_starts_in_a_closed_door_of_the_plan_is_refused(garage):
     with pytest.raises(PlacementError) as error:
         World(garage, [PlacedRobot(start_pose=(54.4, 37.5, 0.0))], Run())
-    expected = "robot_0: start pose (54.40, 37.50) is inside door 'stair_door'; wanted 0.2 m of clearance"
+    expected = "robot_0: start pose (54.40, 37.50) is inside door 'stair_door'; expected 0.2 m of clearance"
     assert str(error.value) == expected
 
 

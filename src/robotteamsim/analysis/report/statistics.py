@@ -122,7 +122,7 @@ def mean_ratio(ours: np.ndarray, theirs: np.ndarray, margin: float, generator: n
 
 
 def fisher_freeman_halton(samples: Sequence[np.ndarray], generator: np.random.Generator) -> float | None:
-    """Return p of the hypothesis that samples of counts have one distribution, from random tables of the same margins.
+    """Return p of the hypothesis that samples of counts have one distribution, with random tables of the same margins.
 
     Returns: None if all counts are equal or there is only one sample, because then there is nothing to test.
     """

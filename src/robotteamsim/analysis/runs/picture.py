@@ -26,7 +26,7 @@ from robotteamsim.analysis.runs.plan_panel import (
 )
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.analysis.runs.totals import RunTotals
-from robotteamsim.recording.table import END_WORDS
+from robotteamsim.mission.status import END_TEXTS
 from robotteamsim.scenario import FloorPlan
 
 _SLIDE_INCHES = (13.3, 7.0)
@@ -50,7 +50,7 @@ def outcome(totals: RunTotals) -> str:
     mission = totals.mission
     if mission is None:
         return ""
-    end = next((words for kind, words in END_WORDS.items() if kind == mission.end), "end not in this bag")
+    end = END_TEXTS.get(mission.end, "end not in this bag")
     counts = (
         f"{mission.areas_explored}/{mission.num_areas} areas, {mission.victims_saved}/{mission.num_victims} victims"
     )

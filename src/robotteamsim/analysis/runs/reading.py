@@ -272,7 +272,9 @@ def _status(stamp_ns: int, message: Any) -> RecordedStatus:
 
 
 def _delivered(message: Any) -> DeliveredDiscoveries:
-    return DeliveredDiscoveries(int(message.finds_reported), message.mean_report_delay_s, message.max_report_delay_s)
+    return DeliveredDiscoveries(
+        int(message.discoveries_delivered), message.mean_delivery_delay_s, message.max_delivery_delay_s
+    )
 
 
 def _event(stamp_ns: int, message: Any) -> Event:

@@ -12,7 +12,8 @@ from rich.text import Text
 
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.analysis.runs.totals import MissionTotals, NetworkTotals, RobotTotals, RunTotals
-from robotteamsim.recording.table import END_WORDS, delivery_rows, event_table
+from robotteamsim.mission.status import END_TEXTS
+from robotteamsim.recording.table import delivery_rows, event_table
 
 _UNKNOWN = "-"
 _SHORT_ENDS = {
@@ -172,7 +173,7 @@ def _hops(count: int) -> str:
 
 
 def _end_words(end: str) -> str:
-    return next((words for kind, words in END_WORDS.items() if kind == end), end) if end else "not in this bag"
+    return END_TEXTS.get(end, end) if end else "not in this bag"
 
 
 def _print_omitted(console: Console, totals: RunTotals, prefix: str) -> None:

@@ -45,7 +45,7 @@ class CoverController:
         self._localiser = Localiser(robot_id, scenario)
         self._map = known_map(scenario.plan, body.reach_m)
         self._cover = FloorCover(scenario.plan, body.reach_m, start[:2], control.cover.radius_m)
-        self._navigator = Navigator(body, robot_id, control.navigation)
+        self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self._links = LinkKeeper(scenario)
         self._ruled_out = RuledOut(scenario)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.geometry import Pose, Twist
+from robotteamsim.scenario.control_tuning import NavigatorTuning
 from robotteamsim.scenario.sections import Laser, Robot
 from robotteamsim.swarm import Vector
 
@@ -16,7 +17,7 @@ from robotteamsim.swarm import Vector
 class Navigator:
     """Drives one robot to a goal that may change in any step. `src/cpp/control/navigator.cpp` describes how."""
 
-    def __init__(self, body: Robot, robot_id: int, mode: Literal["path", "straight"]) -> None:
+    def __init__(self, body: Robot, robot_id: int, mode: Literal["path", "straight"], tuning: NavigatorTuning) -> None:
         self._core = _core.control.Navigator(
             robot_id=robot_id,
             radius_m=body.reach_m,
@@ -25,6 +26,7 @@ class Navigator:
             max_turn_radps=body.drive.max_turn_radps,
             is_car=body.drive.kind == "car",
             by_path=mode == "path",
+            parameters=_core.control.NavigatorParameters(**tuning.model_dump()),
         )
 
     def drive(

@@ -26,7 +26,8 @@ class PathController:
         self.map = known_map(scenario.plan, body.reach_m)
         self.speed_mps = scenario.control.max_step_speed_mps
         self._localiser = Localiser(robot_id, scenario)
-        self._navigator = Navigator(body, robot_id, scenario.control.navigation)
+        control = scenario.control
+        self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self._wander = Wander(
             scenario.control.wander, robot_stream(scenario, "wander", robot_id, arrival), self.speed_mps
         )

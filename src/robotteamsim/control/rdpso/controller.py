@@ -62,7 +62,7 @@ class RdpsoController:
         self._doors = DoorBeliefs(scenario.plan, body.laser, control.doors)
         self._map = known_map(scenario.plan, body.reach_m)
         self._map_doors = self._doors.changed
-        self._navigator = Navigator(body, robot_id, control.navigation)
+        self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self._surroundings = Surroundings(body.laser, control.sensing_radius_m)
         self._links = LinkKeeper(scenario)
         self._ruled_out = RuledOut(scenario)

@@ -1,8 +1,7 @@
-"""What the world was last told to do by each robot's controller. Knows threads, but no ROS."""
+"""The last command and the last answer of each robot's controller. Knows no ROS."""
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterable, Sequence
 
 from robotteamsim.geometry import Twist
@@ -44,37 +43,19 @@ class Answers:
     def __init__(self, names: Iterable[str]) -> None:
         self._last_ns = dict.fromkeys(names, -1)
         self._excused: frozenset[str] = frozenset()
-        self._closed = False
-        self._changed = threading.Condition()
 
     def put(self, name: str, stamp_ns: int) -> None:
-        """Note an answer; its stamp is 0 when a node says that it is there."""
-        with self._changed:
-            self._last_ns[name] = stamp_ns
-            self._changed.notify_all()
+        """Note an answer; its stamp is 0 when a node announces itself."""
+        self._last_ns[name] = stamp_ns
 
     def excuse(self, names: Iterable[str]) -> None:
-        """Wait for all but these from now on."""
-        with self._changed:
-            self._excused = frozenset(names)
-            self._changed.notify_all()
-
-    def wait_for(self, stamp_ns: int, timeout_s: float) -> list[str]:
-        """Wait until all have answered a step, and return who has not in time [s, wall]."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._closed or not self._missing(stamp_ns), timeout=timeout_s)
-            return self._missing(stamp_ns)
+        """Expect answers from all but these from now on."""
+        self._excused = frozenset(names)
 
     def clear(self) -> None:
-        """Begin again with the first step; who was there still is."""
-        with self._changed:
-            self._last_ns = {name: min(last_ns, 0) for name, last_ns in self._last_ns.items()}
+        """Begin again with the first step; the nodes have started already."""
+        self._last_ns = {name: min(last_ns, 0) for name, last_ns in self._last_ns.items()}
 
-    def close(self) -> None:
-        """Let nobody wait any more."""
-        with self._changed:
-            self._closed = True
-            self._changed.notify_all()
-
-    def _missing(self, stamp_ns: int) -> list[str]:
+    def missing(self, stamp_ns: int) -> list[str]:
+        """Return the nodes that have not answered a step yet."""
         return [name for name, last_ns in self._last_ns.items() if last_ns < stamp_ns and name not in self._excused]

@@ -10,6 +10,8 @@ from functools import partial
 
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
 
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.driving.localisation import body_of
@@ -19,21 +21,11 @@ from robotteamsim.network.messages import Message
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.further_inputs import FurtherInputs
 from robotteamsim.ros.transport import msg_conversion as conversion
-from robotteamsim.ros.transport.inbox import Channel, Step
-from robotteamsim.ros.transport.node import (
-    WHO_IS_THERE,
-    Attendance,
-    Input,
-    Output,
-    ParameterError,
-    Settings,
-    make_inbox,
-    parameter,
-    read_seed,
-    read_settings,
-    run,
-)
-from robotteamsim.ros.transport.quick_messages import BareScan, PlanarOdometry
+from robotteamsim.ros.transport.node import ParameterError, parameter, run
+from robotteamsim.ros.transport.presence import PRESENCE, Presence
+from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
+from robotteamsim.ros.transport.synchronizer import Channel, Step
+from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
 from robotteamsim.sensing.readings import RobotReading
 
 STATUS = "/mission/status"
@@ -53,21 +45,21 @@ def _serve_robot() -> None:
     settings = read_settings()
     robot_id = parameter("~robot_id", -1)
     if not 0 <= robot_id < settings.num_robots:
-        raise ParameterError(f"~robot_id: {robot_id}; wanted 0 to {settings.num_robots - 1}")
+        raise ParameterError(f"~robot_id: {robot_id}; expected 0 to {settings.num_robots - 1}")
     ControllerNode(settings, [ControllerSlot(settings, robot_id, "")]).serve()
 
 
 def _serve_team() -> None:
     settings = read_settings()
-    seats = [
+    slots = [
         ControllerSlot(settings, robot_id, f"/{ros_messages.robot_name(robot_id)}/")
         for robot_id in range(settings.num_robots)
     ]
-    ControllerNode(settings, seats).serve()
+    ControllerNode(settings, slots).serve()
 
 
 class ControllerSlot:
-    """Where one robot's controller sits: its topics, each with `prefix` before its name, and the controller."""
+    """One robot's controller and its topics, each with `prefix` before its name."""
 
     def __init__(self, settings: Settings, robot_id: int, prefix: str) -> None:
         self._robot_id = robot_id
@@ -79,7 +71,7 @@ class ControllerSlot:
         self._contact, self._voice, self._received = (f"{prefix}{name}" for name in ("contact", "voice", "network/rx"))
         self._further = FurtherInputs(body_of(robot_id, settings.scenario), prefix, settings.step_ns, robot_id)
         self._arrival = 1
-        """How often the robot has come, its start included."""
+        """How often the robot has arrived, its start included."""
         self.build(settings)
         latched = settings.lockstep
         self._answer = Output(f"{prefix}cmd_vel_stamped", TwistStamped, latched=True)
@@ -90,31 +82,32 @@ class ControllerSlot:
     @property
     def inputs(self) -> list[Input]:
         """The topics that it needs."""
+        of_robot = partial(Channel, robot_id=self._robot_id)
         return [
-            Input(Channel(self._odom, needed=True, robot_id=self._robot_id), PlanarOdometry),
-            Input(Channel(self._scan, needed=True, robot_id=self._robot_id), BareScan),
-            Input(Channel(self._truth, needed=self._by_truth, robot_id=self._robot_id), PlanarOdometry),
-            Input(Channel(self._contact, robot_id=self._robot_id), Contact),
-            Input(Channel(self._voice, needed=True, robot_id=self._robot_id), Voice),
-            Input(Channel(self._received, robot_id=self._robot_id), NetworkMessages),
+            Input(of_robot(self._odom, needed=True), Odometry, conversion.read_odometry),
+            Input(of_robot(self._scan, needed=True), LaserScan, conversion.read_ranges_m),
+            Input(of_robot(self._truth, needed=self._by_truth), Odometry, conversion.read_odometry),
+            Input(of_robot(self._contact), Contact),
+            Input(of_robot(self._voice, needed=True), Voice),
+            Input(of_robot(self._received), NetworkMessages),
             *self._further.inputs,
         ]
 
     def build(self, settings: Settings) -> None:
-        """Make the controller, or make it anew."""
-        self._further.begin_anew()
+        """Make the controller, or make it again."""
+        self._further.restart()
         make = partial(make_controller, self._robot_id, settings.scenario, self._arrival)
         self._controller = Guard(self._robot_id, settings.num_robots, make)
 
-    def is_taken(self, attendance: Attendance, settings: Settings) -> bool:
-        """Return whether the robot is there; where it has come (again), its controller begins anew."""
-        if attendance.arrivals is not None and attendance.arrivals[self._robot_id] != self._arrival:
-            self._arrival = attendance.arrivals[self._robot_id]
+    def is_occupied(self, presence: Presence, settings: Settings) -> bool:
+        """Return whether the robot is present; where it has arrived (again), its controller starts again."""
+        if presence.arrivals is not None and presence.arrivals[self._robot_id] != self._arrival:
+            self._arrival = presence.arrivals[self._robot_id]
             self.build(settings)
-        return attendance.is_there(self._robot_id)
+        return presence.is_present(self._robot_id)
 
-    def greet(self) -> None:
-        """Answer no step yet: it says that the controller is there."""
+    def announce(self) -> None:
+        """Publish that the controller has started, before its answer to any step."""
         self._answer.publish(ros_messages.twist_stamped(self._make, 0, self._robot_id, Decision().twist))
 
     def step(self, step: Step, task: Task) -> None:
@@ -123,16 +116,15 @@ class ControllerSlot:
         self._publish(step.stamp_ns, self._controller.decide())
 
     def _observation(self, step: Step) -> Observation:
-        odometry = step.latest(self._odom).reading
+        odometry = step.latest(self._odom)
         # A real robot that navigates by odometry has no ground truth.
-        truth = step.latest(self._truth)
-        ground_truth = odometry if truth is None else truth.reading
+        ground_truth = step.latest(self._truth) or odometry
         contact = step.latest(self._contact)
         robot = RobotReading(
             ground_truth=ground_truth.pose,
             twist=ground_truth.twist,
             odometry=odometry,
-            ranges_m=conversion.ranges_m(step.latest(self._scan)),
+            ranges_m=step.latest(self._scan),
             in_contact=contact is not None and contact.in_contact,
             contact_angles_rad=() if contact is None else tuple(contact.angles_rad),
             further=self._further.reading(step),
@@ -156,31 +148,31 @@ class ControllerSlot:
 
 
 class ControllerNode:
-    """Steps the controllers of its seats by what the robots sense and what reaches them over the network."""
+    """Steps the controllers of its slots by what the robots sense and what reaches them over the network."""
 
-    def __init__(self, settings: Settings, seats: Sequence[ControllerSlot]) -> None:
+    def __init__(self, settings: Settings, slots: Sequence[ControllerSlot]) -> None:
         self._settings = settings
-        self._seats = seats
+        self._slots = slots
         self._task = Task()
-        self._attendance = Attendance()
-        inputs = [an_input for seat in seats for an_input in seat.inputs]
+        self._presence = Presence()
         status = Input(Channel(STATUS, of_last_step=True), MissionStatus)
-        self._inbox = make_inbox(settings, [*inputs, WHO_IS_THERE, status])
-        for seat in seats:
-            seat.greet()
+        inputs = [*(an_input for slot in slots for an_input in slot.inputs), PRESENCE, status]
+        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs)
+        for slot in slots:
+            slot.announce()
 
     def serve(self) -> None:
         """Step until the node is shut down."""
-        while (step := self._inbox.take()) is not None:
+        while (step := self._steps.take()) is not None:
             if step.restarted:
                 self._settings = read_seed(self._settings)
                 self._task = Task()
-                for seat in self._seats:
-                    seat.build(self._settings)
+                for slot in self._slots:
+                    slot.build(self._settings)
             status = step.latest(STATUS)
             if status is not None:
                 self._task = conversion.task(status)
-            self._attendance.follow(step)
-            for seat in self._seats:
-                if seat.is_taken(self._attendance, self._settings):
-                    seat.step(step, self._task)
+            self._presence.follow(step)
+            for slot in self._slots:
+                if slot.is_occupied(self._presence, self._settings):
+                    slot.step(step, self._task)

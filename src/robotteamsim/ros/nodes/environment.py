@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 import numpy as np
-import rospy
-from nav_msgs.msg import OccupancyGrid
+from nav_msgs.msg import OccupancyGrid, Odometry
 from pydantic import ValidationError
 
 from robotteamsim.errors import PlacementError
@@ -17,20 +17,13 @@ from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkMessages, Ne
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.transport import msg_conversion as conversion
-from robotteamsim.ros.transport.inbox import Channel, Step
 from robotteamsim.ros.transport.msg_conversion import RosTypes
-from robotteamsim.ros.transport.node import (
-    WHO_IS_THERE,
-    Attendance,
-    Input,
-    Output,
-    Settings,
-    make_inbox,
-    read_seed,
-    read_settings,
-    run,
-)
-from robotteamsim.ros.transport.quick_messages import PlanarOdometry
+from robotteamsim.ros.transport.node import run
+from robotteamsim.ros.transport.presence import PRESENCE, Presence
+from robotteamsim.ros.transport.services import Service, call_service
+from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
+from robotteamsim.ros.transport.synchronizer import Channel, Step
+from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.sections import Mission as MissionSection
 from robotteamsim.scenario.sections import Victim
@@ -53,13 +46,15 @@ from robotteamsim.srv import (
 )
 from robotteamsim.world.placement import check_mission
 
+logger = logging.getLogger(__name__)
+
 STATUS = "/mission/status"
 DOORS = "/world/doors"
 RADIO_MAP_RESOLUTION_M = 0.25
 FINEST_M, COARSEST_M = 0.05, 10.0
 """Range of the resolution of a map made on demand: a finer one would be a message of many megabytes."""
 RADIO_MAP_PERIOD_NS = 10**9
-NODE_PATIENCE_S = 2.0
+NODE_TIMEOUT_S = 2.0
 """A change waits this long for another node's service [s, wall]."""
 
 
@@ -69,10 +64,10 @@ def main() -> None:
 
 
 class RadioMaps:
-    """The signal of one robot over the floor: costly, so only for those who look, once a second and when they come."""
+    """The signal of one robot over the floor: expensive, so only for subscribers, once a second and when they come."""
 
     def __init__(self, robot_name: str, make: RosTypes, now: Callable[[], tuple[int, FieldMap] | None]) -> None:
-        """Advertise the maps. now: returns stamp [ns] and map of the last step, for who comes late; None: no map."""
+        """Advertise the maps. now: returns stamp [ns] and map of the last step, for late subscribers; None: no map."""
         self._make = make
         self._now = now
         self._picture = Output(
@@ -84,7 +79,7 @@ class RadioMaps:
         self._due_ns = 0
 
     def publish(self, time_ns: int, position_m: tuple[float, float], environment: Environment) -> None:
-        """Publish the maps, if they are due and somebody listens."""
+        """Publish the maps, if they are due and somebody subscribes."""
         if time_ns < self._due_ns or not (self._picture.wanted or self._values.wanted):
             return
         self._due_ns = time_ns + RADIO_MAP_PERIOD_NS
@@ -123,7 +118,7 @@ class EnvironmentNode:
         self._network = Output("/network/state", NetworkState, latched=latched)
         self._voice_picture = Output("/voice_map", OccupancyGrid, latched=True)
         self._voice_map = Output("/voice_map/values", FloatMap, latched=True)
-        self._attendance = Attendance()
+        self._presence = Presence()
         self._last_step: tuple[int, list[tuple[float, float]]] | None = None
         self._radio_maps = [
             RadioMaps(ros_messages.robot_name(robot_id), self._make, partial(self._radio_map_now, robot_id))
@@ -131,15 +126,18 @@ class EnvironmentNode:
         ]
         self._build()
         self._publish_voice_map(0)
-        self._inbox = make_inbox(settings, self._inputs())
-        rospy.Service("/get_radio_map", GetRadioMap, self._serve_get_radio_map)
-        rospy.Service("/set_door", SetDoor, self._serve_set_door)
-        rospy.Service("/set_noise", SetNoise, self._serve_set_noise)
-        rospy.Service("/set_victim", SetVictim, self._serve_set_victim)
+        inputs = self._inputs()
+        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs)
+        self._services = (
+            Service("/get_radio_map", GetRadioMap, self._serve_get_radio_map),
+            Service("/set_door", SetDoor, self._serve_set_door),
+            Service("/set_noise", SetNoise, self._serve_set_noise),
+            Service("/set_victim", SetVictim, self._serve_set_victim),
+        )
 
     def serve(self) -> None:
         """Step until the node is shut down."""
-        while (step := self._inbox.take()) is not None:
+        while (step := self._steps.take()) is not None:
             if step.restarted:
                 with self._environment_lock:
                     self._settings = read_seed(self._settings)
@@ -148,7 +146,7 @@ class EnvironmentNode:
 
     def _inputs(self) -> list[Input]:
         places = [
-            Input(Channel(topic, needed=True, robot_id=robot_id), PlanarOdometry)
+            Input(Channel(topic, needed=True, robot_id=robot_id), Odometry, conversion.read_odometry)
             for robot_id, topic in enumerate(self._places)
         ]
         controlled = self._settings.controlled
@@ -158,7 +156,7 @@ class EnvironmentNode:
             if robot_id in controlled or not self._settings.lockstep
         ]
         doors = [Input(Channel(DOORS), Doors)] if self._settings.scenario.plan.doors else []
-        return [*places, *sent, *doors, WHO_IS_THERE, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
+        return [*places, *sent, *doors, PRESENCE, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
 
     def _build(self) -> None:
         self._environment = Environment(self._settings.scenario)
@@ -170,10 +168,10 @@ class EnvironmentNode:
             radio_maps.restart()
 
     def _step(self, step: Step) -> None:
-        self._attendance.follow(step)
-        is_there = self._attendance.is_there
+        self._presence.follow(step)
+        is_present = self._presence.is_present
         places = [
-            step.latest(topic).reading.pose if is_there(robot_id) else NOT_THERE.ground_truth
+            step.latest(topic).pose if is_present(robot_id) else NOT_THERE.ground_truth
             for robot_id, topic in enumerate(self._places)
         ]
         positions_m = np.array([(place.x_m, place.y_m) for place in places])
@@ -190,14 +188,14 @@ class EnvironmentNode:
                 states = zip(self._victims, status.victims, strict=False)
                 self._saved = tuple(name for name, state in states if state == "saved")
             voices, network, inboxes = self._environment.step(
-                positions_m, outboxes, self._saved, self._attendance.present
+                positions_m, outboxes, self._saved, self._presence.present
             )
         make, time_ns = self._make, step.stamp_ns
         for robot_id, (output, voice) in enumerate(zip(self._voices, voices, strict=True)):
-            if is_there(robot_id) and output.wanted:
+            if is_present(robot_id) and output.wanted:
                 output.publish(ros_messages.voice(make, time_ns, voice))
         for robot_id, (output, inbox) in enumerate(zip(self._received, inboxes, strict=True)):
-            if is_there(robot_id) and output.wanted:
+            if is_present(robot_id) and output.wanted:
                 output.publish(ros_messages.network_messages(make, time_ns, inbox))
         if self._network.wanted:
             self._network.publish(ros_messages.network_state(make, time_ns, network))
@@ -205,7 +203,7 @@ class EnvironmentNode:
         with self._environment_lock:
             self._last_step = time_ns, [(place.x_m, place.y_m) for place in places]
             for robot_id, (radio_maps, place) in enumerate(zip(self._radio_maps, places, strict=True)):
-                if not is_there(robot_id):
+                if not is_present(robot_id):
                     continue
                 radio_maps.publish(time_ns, (place.x_m, place.y_m), self._environment)
 
@@ -220,9 +218,9 @@ class EnvironmentNode:
         self._voice_map.publish(ros_messages.field_map(self._make, time_ns, voice_map, "voice_level", "dB"))
 
     def _radio_map_now(self, robot_id: int) -> tuple[int, FieldMap] | None:
-        """Return stamp [ns] and radio map of a robot's last step; None: there was none, or it is not there."""
+        """Return stamp [ns] and radio map of a robot's last step; None: there was none, or it is not present."""
         with self._environment_lock:
-            if self._last_step is None or not self._attendance.is_there(robot_id):
+            if self._last_step is None or not self._presence.is_present(robot_id):
                 return None
             time_ns, positions_m = self._last_step
             return time_ns, self._environment.radio_map(positions_m[robot_id], RADIO_MAP_RESOLUTION_M)
@@ -242,16 +240,16 @@ class EnvironmentNode:
     def _problem_of(self, robot_id: int, resolution_m: float) -> str:
         """Return why there is no such radio map; empty: there is one."""
         if not 0 <= robot_id < self._settings.num_robots:
-            return f"robot_id: {robot_id}; wanted 0 to {self._settings.num_robots - 1}"
+            return f"robot_id: {robot_id}; expected 0 to {self._settings.num_robots - 1}"
         if not FINEST_M <= resolution_m <= COARSEST_M:
-            return f"resolution_m: {resolution_m:g}; wanted {FINEST_M:g} to {COARSEST_M:g}, or 0"
-        if not self._attendance.is_there(robot_id):
-            return f"robot_id: {robot_id}; that robot is not there"
+            return f"resolution_m: {resolution_m:g}; expected {FINEST_M:g} to {COARSEST_M:g}, or 0"
+        if not self._presence.is_present(robot_id):
+            return f"robot_id: {robot_id}; that robot is not present"
         return "" if self._last_step else "no step has been taken so far"
 
     def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
-        """Have the world set a door, which then tells everybody by a topic; without such a world, tell them here."""
-        answer = _told("/world/set_door", SetDoor, request)
+        """Have the world set a door and publish it; in a world without doors, set it here and in the mission."""
+        answer = _passed_on("/world/set_door", SetDoor, request)
         if answer is not None:
             return answer
         try:
@@ -259,7 +257,7 @@ class EnvironmentNode:
                 self._environment.set_door(request.name, request.closed)
         except ValueError as error:
             return SetDoorResponse(success=False, message=str(error))
-        _told("/mission/set_door", SetDoor, request)
+        _passed_on("/mission/set_door", SetDoor, request)
         return SetDoorResponse(success=True, message="")
 
     def _serve_set_noise(self, request: SetNoiseRequest) -> SetNoiseResponse:
@@ -270,7 +268,7 @@ class EnvironmentNode:
             return SetNoiseResponse(success=False, message=str(problems(error, VoiceSection)[0]))
         with self._environment_lock:
             self._environment.set_noise_db(request.noise_db)
-        _told("/mission/set_noise", SetNoise, request)
+        _passed_on("/mission/set_noise", SetNoise, request)
         return SetNoiseResponse(success=True, message="")
 
     def _serve_set_victim(self, request: SetVictimRequest) -> SetVictimResponse:
@@ -287,15 +285,13 @@ class EnvironmentNode:
             self._environment.set_victim(request.name, position_m)
             if request.name not in self._victims:
                 self._victims.append(request.name)
-        _told("/mission/set_victim", SetVictim, request)
+        _passed_on("/mission/set_victim", SetVictim, request)
         return SetVictimResponse(success=True, message="")
 
 
-def _told(service: str, service_class: Any, request: Any) -> Any | None:
-    """Pass a change on to another node and return its answer; None: it is not there."""
-    try:
-        rospy.wait_for_service(service, timeout=NODE_PATIENCE_S)
-        return rospy.ServiceProxy(service, service_class)(request)
-    except (rospy.ROSException, rospy.ServiceException) as error:
-        rospy.logwarn(f"{service} was not told: {error}")
-        return None
+def _passed_on(service: str, service_class: Any, request: Any) -> Any | None:
+    """Pass a change on to another node and return its answer; None: it does not answer."""
+    answer = call_service(service, service_class, request, NODE_TIMEOUT_S)
+    if answer is None:
+        logger.warning("%s does not answer", service)
+    return answer

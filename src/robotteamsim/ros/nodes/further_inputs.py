@@ -1,17 +1,15 @@
-"""The further lasers, sonars and GPS of a robot, as its controller's node hears them."""
+"""The further lasers, sonars and GPS of a robot, as its controller's node receives them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
-from sensor_msgs.msg import NavSatFix, Range
+from sensor_msgs.msg import LaserScan, NavSatFix, Range
 
 from robotteamsim.ros.transport import msg_conversion as conversion
-from robotteamsim.ros.transport.inbox import Channel, Step
-from robotteamsim.ros.transport.node import Input
-from robotteamsim.ros.transport.quick_messages import BareScan
+from robotteamsim.ros.transport.synchronizer import Channel, Step
+from robotteamsim.ros.transport.topics import Input
 from robotteamsim.scenario.sections import Robot
 from robotteamsim.scenario.sensors import Gps
 from robotteamsim.sensing.gps import is_due
@@ -22,29 +20,32 @@ class FurtherInputs:
     """Makes `RobotReading.further` of the topics of one robot."""
 
     def __init__(self, robot: Robot, prefix: str, step_ns: int, robot_id: int | None = None) -> None:
-        """Args: prefix: stands before the names of the topics. step_ns: length of a step [ns]."""
+        """Args: prefix: comes before the names of the topics. step_ns: length of a step [ns]."""
         self._robot = robot
         self._lasers = [f"{prefix}{laser.name}" for laser in robot.lasers]
         self._sonars = [f"{prefix}{sonar.name}" for sonar in robot.sonars]
         self._fix = f"{prefix}fix"
         self._step_ns = step_ns
         self._robot_id = robot_id
-        self.begin_anew()
+        self.restart()
 
     @property
     def inputs(self) -> list[Input]:
         """The topics; out of lockstep no step waits for them."""
-        dues = [_turns(laser.every_steps, self._step_ns) for laser in self._robot.lasers]
+        dues = [_due(laser.every_steps, self._step_ns) for laser in self._robot.lasers]
         mine = partial(Channel, robot_id=self._robot_id)
-        inputs = [Input(mine(name, due=due), BareScan) for name, due in zip(self._lasers, dues, strict=True)]
+        inputs = [
+            Input(mine(name, due=due), LaserScan, conversion.read_ranges_m)
+            for name, due in zip(self._lasers, dues, strict=True)
+        ]
         inputs += [Input(mine(name), Range) for name in self._sonars]
         if self._robot.gps is not None:
-            inputs.append(Input(mine(self._fix, due=_turns_of_fix(self._robot.gps, self._step_ns)), NavSatFix))
+            inputs.append(Input(mine(self._fix, due=_fix_due(self._robot.gps, self._step_ns)), NavSatFix))
         return inputs
 
-    def begin_anew(self) -> None:
-        """Forget what sonars told: out of lockstep one that is late has said what it said before."""
-        self._heard_m = [sonar.range_max_m for sonar in self._robot.sonars]
+    def restart(self) -> None:
+        """Forget what sonars measured: out of lockstep the last range holds until the next one comes."""
+        self._sonars_m = [sonar.range_max_m for sonar in self._robot.sonars]
 
     def reading(self, step: Step) -> FurtherReadings:
         """Return what the sensors measured in a step."""
@@ -52,22 +53,18 @@ class FurtherInputs:
         if not robot.mounts and robot.gps is None:
             return NOTHING_FURTHER
         for i, name in enumerate(self._sonars):
-            if (told := step.latest(name)) is not None:
-                self._heard_m[i] = conversion.sonar_m(told)
-        fix = None if robot.gps is None else _converted(conversion.fix, step.latest(self._fix))
-        scans_m = tuple(_converted(conversion.ranges_m, step.latest(name)) for name in self._lasers)
-        return FurtherReadings(scans_m, tuple(self._heard_m), fix)
+            if (message := step.latest(name)) is not None:
+                self._sonars_m[i] = conversion.sonar_m(message)
+        fix = None if robot.gps is None else step.latest(self._fix)
+        scans_m = tuple(step.latest(name) for name in self._lasers)
+        return FurtherReadings(scans_m, tuple(self._sonars_m), None if fix is None else conversion.fix(fix))
 
 
-def _turns(every_steps: int, step_ns: int) -> Callable[[int], bool] | None:
-    """Return whether the step of a stamp [ns] is a laser's turn; none: every step is."""
+def _due(every_steps: int, step_ns: int) -> Callable[[int], bool] | None:
+    """Return whether a laser measures in the step of a stamp [ns]; None: in every step."""
     return None if every_steps == 1 else lambda stamp_ns: stamp_ns // step_ns % every_steps == 0
 
 
-def _turns_of_fix(gps: Gps, step_ns: int) -> Callable[[int], bool] | None:
-    """Return whether a fix falls into the step of a stamp [ns]; none: into every one."""
+def _fix_due(gps: Gps, step_ns: int) -> Callable[[int], bool] | None:
+    """Return whether a fix falls into the step of a stamp [ns]; None: into every one."""
     return None if is_due(gps, step_ns, step_ns) else lambda stamp_ns: is_due(gps, stamp_ns, step_ns)
-
-
-def _converted(convert: Callable[[Any], Any], message: Any | None) -> Any | None:
-    return None if message is None else convert(message)

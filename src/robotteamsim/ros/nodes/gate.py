@@ -92,7 +92,7 @@ class Gate:
 
 
 class Pacer:
-    """Tells how long to wait so that simulated time passes `speed` times as fast as wall time; 0: flat out."""
+    """Computes how long to wait so that simulated time passes `speed` times as fast as wall time; 0: flat out."""
 
     def __init__(self, speed: float, wall_s: Callable[[], float] = time.monotonic) -> None:
         """Raises: ValueError: as `set_speed`."""

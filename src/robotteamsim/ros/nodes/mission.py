@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import rospy
+from nav_msgs.msg import Odometry
 from rich.console import Console
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
@@ -31,21 +32,12 @@ from robotteamsim.recording import ResultWriter, TumWriter, ros_messages
 from robotteamsim.recording.table import print_result
 from robotteamsim.ros.nodes.trial import Trial
 from robotteamsim.ros.transport import msg_conversion as conversion
-from robotteamsim.ros.transport.inbox import Channel, Step
-from robotteamsim.ros.transport.node import (
-    WHO_IS_THERE,
-    Attendance,
-    Input,
-    Output,
-    Settings,
-    make_inbox,
-    parameter,
-    read_seed,
-    read_settings,
-    run,
-    wait_for_shutdown,
-)
-from robotteamsim.ros.transport.quick_messages import PlanarOdometry
+from robotteamsim.ros.transport.node import parameter, run, wait_for_shutdown
+from robotteamsim.ros.transport.presence import PRESENCE, Presence
+from robotteamsim.ros.transport.services import Service
+from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
+from robotteamsim.ros.transport.synchronizer import Channel, Step
+from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
 from robotteamsim.sensing.readings import NOT_THERE, NOTHING_HEARD, RobotReading, VoiceReading
 from robotteamsim.simulation import Observer
 from robotteamsim.srv import (
@@ -59,6 +51,8 @@ from robotteamsim.srv import (
     SetVictimRequest,
     SetVictimResponse,
 )
+
+logger = logging.getLogger(__name__)
 
 FAREWELL_S = 0.5
 """The last messages get this long to reach recorders before the node, and with it the launch, ends [s, wall]."""
@@ -74,7 +68,7 @@ def main() -> None:
 
 
 class RobotInputs:
-    """What the mission is told of one robot."""
+    """The topics of one robot that the mission needs."""
 
     def __init__(self, robot_id: int) -> None:
         name = ros_messages.robot_name(robot_id)
@@ -85,10 +79,10 @@ class RobotInputs:
         self.status = f"/{name}/controller/status"
 
     def inputs(self, controlled: bool) -> list[Input]:
-        """Return the inputs; a robot without a controller tells nothing of decisions."""
+        """Return the inputs; a robot without a controller publishes no decisions."""
         mine = partial(Channel, robot_id=self._robot_id)
         inputs = [
-            Input(mine(self.ground_truth, needed=True), PlanarOdometry),
+            Input(mine(self.ground_truth, needed=True), Odometry, conversion.read_odometry),
             Input(mine(self.contact), Contact),
             Input(mine(self.voice, needed=True), Voice),
         ]
@@ -98,7 +92,7 @@ class RobotInputs:
 
     def reading(self, step: Step) -> RobotReading:
         """Return what the mission knows of the robot's senses: no odometry of its own, and no ranges."""
-        truth = step.latest(self.ground_truth).reading
+        truth = step.latest(self.ground_truth)
         contact = step.latest(self.contact)
         return RobotReading(truth.pose, truth.twist, truth, _NO_RANGES, contact is not None and contact.in_contact)
 
@@ -107,13 +101,13 @@ class RobotInputs:
         return conversion.voice_reading(step.latest(self.voice))
 
     def decision(self, step: Step) -> Decision:
-        """Return what is told of the robot's decision."""
+        """Return what is published of the robot's decision."""
         status = step.latest(self.status) if self.status in step.messages else None
         return Decision() if status is None else conversion.decision(status)
 
 
 class MissionNode:
-    """Steps the mission by what the other nodes tell, with recorders looking on."""
+    """Steps the mission by what the other nodes publish; recorders observe it."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
@@ -125,10 +119,11 @@ class MissionNode:
         base = settings.scenario.mission.base
         self._base = base
         self._base_received = "" if base is None else f"/{ros_messages.robot_name(base)}/network/rx"
-        self._attendance = Attendance()
+        self._presence = Presence()
         self._trial_lock = threading.Lock()
         self._trial = self._begin_trial()
-        self._inbox = make_inbox(settings, self._inputs())
+        inputs = self._inputs()
+        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs)
         self._events = Output("/mission/events", MissionEvent)
         self._victims = Output("/mission/victims", Victims, latched=True)
         self._areas = Output("/mission/areas", Areas, latched=True)
@@ -140,7 +135,7 @@ class MissionNode:
     def serve(self) -> None:
         """Step until the mission has ended (or on, if it is to stay), or the node is shut down."""
         try:
-            while (step := self._inbox.take()) is not None:
+            while (step := self._steps.take()) is not None:
                 if step.restarted:
                     with self._trial_lock:
                         self._trial.abandon()
@@ -163,7 +158,7 @@ class MissionNode:
         base = (
             [Input(Channel(self._base_received, robot_id=self._base), NetworkMessages)] if self._base_received else []
         )
-        return [*inputs, *doors, *base, WHO_IS_THERE, Input(Channel(NETWORK, needed=True), NetworkState)]
+        return [*inputs, *doors, *base, PRESENCE, Input(Channel(NETWORK, needed=True), NetworkState)]
 
     def _begin_trial(self) -> Trial:
         recorders: list[Observer] = []
@@ -173,20 +168,19 @@ class MissionNode:
         return Trial(self._settings.scenario, recorders)
 
     def _step(self, step: Step) -> None:
-        self._attendance.follow(step)
-        present = self._attendance.present
-        there = [True] * len(self._robots) if present is None else present.tolist()
-        told_of = list(zip(self._robots, there, strict=True))
-        readings = tuple(topics.reading(step) if is_there else NOT_THERE for topics, is_there in told_of)
-        voices = tuple(topics.heard(step) if is_there else NOTHING_HEARD for topics, is_there in told_of)
-        decisions = tuple(topics.decision(step) if is_there else Decision() for topics, is_there in told_of)
+        self._presence.follow(step)
+        present = self._presence.present
+        robots = [(topics, self._presence.is_present(robot_id)) for robot_id, topics in enumerate(self._robots)]
+        readings = tuple(topics.reading(step) if is_present else NOT_THERE for topics, is_present in robots)
+        voices = tuple(topics.heard(step) if is_present else NOTHING_HEARD for topics, is_present in robots)
+        decisions = tuple(topics.decision(step) if is_present else Decision() for topics, is_present in robots)
         network = conversion.network_state(step.latest(NETWORK))
-        told = step.latest(DOORS) if self._settings.scenario.plan.doors else None
-        doors = None if told is None else conversion.door_states(told)
+        message = step.latest(DOORS) if self._settings.scenario.plan.doors else None
+        doors = None if message is None else conversion.door_states(message)
         received = step.messages[self._base_received] if self._base_received else ()
-        heard = [told for message in received for told in conversion.network_messages(message)]
+        base_inbox = [received_by_base for one in received for received_by_base in conversion.network_messages(one)]
         with self._trial_lock:
-            events = self._trial.step(step.stamp_ns, readings, voices, network, decisions, doors, heard, present)
+            events = self._trial.step(step.stamp_ns, readings, voices, network, decisions, doors, base_inbox, present)
         self._publish(step.stamp_ns, events)
 
     def _publish(self, time_ns: int, events: Sequence[Event]) -> None:
@@ -198,7 +192,7 @@ class MissionNode:
         self._status.publish(ros_messages.mission_status(make, time_ns, scenario.name, status, noise_db))
         for event in events:
             self._events.publish(ros_messages.mission_event(make, time_ns, event))
-            rospy.loginfo(f"{event.time_s:.1f} s: {event.detail}")
+            logger.info("%.1f s: %s", event.time_s, event.detail)
         shown = (victims, status.victims, status.explored, status.target_area)
         if shown != self._published:
             self._published = shown
@@ -212,11 +206,13 @@ class MissionNode:
         print_result(Console(), self._settings.scenario, result, self._trial.events, written)
 
     def _offer_services(self) -> None:
-        for name in ("start", "pause", "resume", "abort"):
-            rospy.Service(f"/mission/{name}", Trigger, self._server_of(name))
-        rospy.Service("/mission/set_door", SetDoor, self._serve_set_door)
-        rospy.Service("/mission/set_noise", SetNoise, self._serve_set_noise)
-        rospy.Service("/mission/set_victim", SetVictim, self._serve_set_victim)
+        actions = ("start", "pause", "resume", "abort")
+        self._services = (
+            *(Service(f"/mission/{name}", Trigger, self._server_of(name)) for name in actions),
+            Service("/mission/set_door", SetDoor, self._serve_set_door),
+            Service("/mission/set_noise", SetNoise, self._serve_set_noise),
+            Service("/mission/set_victim", SetVictim, self._serve_set_victim),
+        )
 
     def _server_of(self, name: str) -> Callable[[TriggerRequest], TriggerResponse]:
         def serve(_: TriggerRequest) -> TriggerResponse:

@@ -27,10 +27,11 @@ def set_object(world: World, request: SetObjectRequest) -> None:
 
 def _object(request: SetObjectRequest, pose: Pose) -> MovableObject:
     size_m = (request.length_m, request.width_m)
-    values: dict[str, Any] = {"size_m": size_m if any(size_m) else None, "radius_m": request.radius_m or None}
-    # What is 0 in a request was not told.
+    values: dict[str, Any] = {"name": request.name, "kind": request.kind, "pose": (pose.x_m, pose.y_m, pose.yaw_rad)}
+    values |= {"size_m": size_m if any(size_m) else None, "radius_m": request.radius_m or None}
+    # 0 in a request means the default.
     values |= {key: value for key in ("height_m", "mass_kg", "friction") if (value := getattr(request, key))}
     try:
-        return MovableObject(name=request.name, kind=request.kind, pose=(pose.x_m, pose.y_m, pose.yaw_rad), **values)
+        return MovableObject.model_validate(values)
     except ValidationError as error:
         raise ValueError(str(problems(error, MovableObject)[0])) from None

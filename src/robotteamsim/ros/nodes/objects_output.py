@@ -1,4 +1,4 @@
-"""Where boxes and barrels are, for those who listen now and those who come later."""
+"""Where boxes and barrels are, for subscribers of now and later."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from visualization_msgs.msg import MarkerArray
 
 from robotteamsim.geometry import Pose
 from robotteamsim.ros.scene.objects import object_markers
-from robotteamsim.ros.transport.node import Output
+from robotteamsim.ros.transport.topics import Output
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.world import World
 
 
 class ObjectsOutput:
-    """The topic `/world/objects`; latched, so what stands still is told once."""
+    """The topic `/world/objects`; latched, so what stands still is published once."""
 
     def __init__(self) -> None:
         self._output = Output("/world/objects", MarkerArray, latched=True)
@@ -22,9 +22,9 @@ class ObjectsOutput:
         self._poses: Sequence[Pose] = ()
 
     def show(self, world: World) -> None:
-        """Publish all objects, unless they are as they were told last. Nobody may change the world meanwhile."""
+        """Publish all objects, unless nothing has changed. Nobody may change the world meanwhile."""
         objects, poses = world.object_models(), tuple(world.objects().values())
         if (objects, poses) == (self._objects, self._poses):
             return
-        self._output.publish(object_markers(objects, poses, anew=objects != self._objects))
+        self._output.publish(object_markers(objects, poses, replace=objects != self._objects))
         self._objects, self._poses = objects, poses

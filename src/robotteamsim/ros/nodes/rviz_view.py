@@ -11,7 +11,8 @@ import rospkg
 import yaml
 
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.ros.transport.node import PARAMETERS, parameter
+from robotteamsim.ros.transport.node import parameter
+from robotteamsim.ros.transport.settings import PARAMETERS
 from robotteamsim.scenario import Bounds, load
 
 FITTED = 60.0, 40.0
@@ -25,14 +26,14 @@ def main() -> None:
     try:
         bounds = load(parameter(f"{PARAMETERS}/scenario", ""), parameter(f"{PARAMETERS}/set", "").split()).plan.bounds
         config = write_view(fitted(config, bounds), Path(rospkg.get_log_dir()))
-    except (RobotTeamSimError, OSError) as error:  # The world tells of mistakes; rviz shows what there is.
+    except (RobotTeamSimError, OSError) as error:  # The world reports mistakes; rviz shows what there is.
         sys.stderr.write(f"rviz_view: the view is not fitted to the building: {error}\n")
     os.execvp("rviz", ["rviz", "-d", str(config), *sys.argv[1:]])
 
 
 def fitted(config: Path, bounds: Bounds) -> dict[str, Any]:
     """Return rviz's settings with views from so far that the building just fits."""
-    settings = yaml.safe_load(config.read_text(encoding="utf-8"))
+    settings: dict[str, Any] = yaml.safe_load(config.read_text(encoding="utf-8"))
     sides_m = (high - low for low, high in zip(bounds.min, bounds.max, strict=True))
     scale = max(side_m / fitted_m for side_m, fitted_m in zip(sides_m, FITTED, strict=True))
     views = settings["Visualization Manager"]["Views"]

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Iterable
 
 import numpy as np
-import rospy
-import tf2_ros
 from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import PointCloud2
+from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robotteamsim.msg import (
@@ -32,7 +30,10 @@ from robotteamsim.ros.scene.feed import Feed, robot_topics
 from robotteamsim.ros.scene.robot import RobotFeed
 from robotteamsim.ros.scene.shapes import FRAME, Shown
 from robotteamsim.ros.transport import msg_conversion
-from robotteamsim.ros.transport.node import ROBOTS, Output, parameter, read_settings, run
+from robotteamsim.ros.transport.node import is_running, parameter, published_topics, run, wait_for_shutdown
+from robotteamsim.ros.transport.presence import ROBOTS
+from robotteamsim.ros.transport.settings import read_settings
+from robotteamsim.ros.transport.topics import Output
 from robotteamsim.scenario import Bounds, Scenario, occupancy_grid
 from robotteamsim.scenario.plan import OCCUPIED
 from robotteamsim.scenario.sections import Robot
@@ -62,11 +63,11 @@ def main() -> None:
 
 def _serve() -> None:
     scene = Scene(read_settings().scenario, parameter("~wall_height_m", WALL_HEIGHT_M))
-    while not rospy.is_shutdown():
+    while is_running():
         started_s = time.monotonic()
         scene.step(started_s)
         drawing_s = time.monotonic() - started_s
-        scene.wait(max(DRAW_PERIOD_S - drawing_s, min(IDLE_SHARE * drawing_s, MAX_IDLE_S)))
+        wait_for_shutdown(max(DRAW_PERIOD_S - drawing_s, min(IDLE_SHARE * drawing_s, MAX_IDLE_S)))
 
 
 class Canvas:
@@ -84,7 +85,7 @@ class Canvas:
 
     @property
     def watched(self) -> bool:
-        """Whether somebody looks at it right now."""
+        """Whether somebody subscribes right now."""
         return self._output.num_subscribers > 0
 
     @property
@@ -112,10 +113,10 @@ class Scene:
         self._status = Feed("/mission/status", MissionStatus)
         self._events = Feed("/mission/events", MissionEvent, keep=1000)
         self._doors = Feed("/world/doors", Doors)
-        self._tells_doors = False
+        self._has_doors = False
         self._areas = Feed("/mission/areas", Areas)
         self._victims = Feed("/mission/victims", Victims)
-        self._who = Feed(ROBOTS, Robots)
+        self._presence = Feed(ROBOTS, Robots)
         self._absent: frozenset[int] = frozenset()
         self._network = Feed("/network/state", NetworkState)
         self._voice = Feed("/voice_map/values", FloatMap)
@@ -128,13 +129,7 @@ class Scene:
         self._discovery_due_s = self._trails_due_s = self._resend_due_s = 0.0
         self._trails_stale = False
         self._frame = _publish_frame(scenario.plan.bounds)
-        self._ended = threading.Event()
-        rospy.on_shutdown(self._ended.set)
         self._draw_start()
-
-    def wait(self, duration_s: float) -> None:
-        """Wait, but not beyond the node's end [s, wall]."""
-        self._ended.wait(duration_s)
 
     def _draw_start(self) -> None:
         mission, plan = self._scenario.mission, self._scenario.plan
@@ -175,7 +170,7 @@ class Scene:
         self._draw_laser()
 
     def _note_time(self, now_s: float) -> None:
-        """Begin anew when the world does: doors are as in the plan again."""
+        """Start again when the world does: doors are as in the plan again."""
         stamp_ns = max((robot.stamp_ns for robot in self._robots.values()), default=0)
         if stamp_ns < self._stamp_ns:
             self._resend_due_s = now_s + RESEND_DELAY_S
@@ -184,7 +179,7 @@ class Scene:
 
     def _discover(self) -> None:
         """Follow the robots that are published; the last ones stay when a run or a bag has ended."""
-        found = robot_topics(topic for topic, _ in rospy.get_published_topics())
+        found = robot_topics(published_topics())
         if not found:
             return
         gone = self._robots.keys() - found.keys()
@@ -212,8 +207,8 @@ class Scene:
         changes = dict(filter(None, map(scene_plan.door_change, self._events.take())))
         doors = self._doors.newest()
         if doors is not None:
-            self._tells_doors, changes = True, {door.name: door.opening for door in doors.doors}
-        elif self._tells_doors:  # only of another kind of world events are all that is told
+            self._has_doors, changes = True, {door.name: door.opening for door in doors.doors}
+        elif self._has_doors:  # only in a world of another kind events are all there is
             changes = {}
         openings = self._openings | {name: changes[name] for name in self._openings if name in changes}
         if openings != self._openings:
@@ -253,7 +248,7 @@ class Scene:
         num_seen = sum(robot.view() is not None for robot in self._robots.values())
         trail_points = max(100, TRAIL_POINTS // max(1, num_seen))
         changed = [robot.look(trail_points) for robot in self._robots.values()]
-        changed.append(self._follow_who_is_there())
+        changed.append(self._follow_presence())
         network = self._network.newest()
         if network is not None:
             self._links = scene_team.link_views(msg_conversion.network_state(network))
@@ -273,10 +268,10 @@ class Scene:
                 scene_team.trail_marker(robot_id, points) for robot_id, points in trails.items() if len(points) > 1
             )
 
-    def _follow_who_is_there(self) -> bool:
-        """Return whether robots have left or come; of those who left the trail stays."""
-        told = self._who.newest()
-        absent = self._absent if told is None else frozenset(i for i, there in enumerate(told.present) if not there)
+    def _follow_presence(self) -> bool:
+        """Return whether robots have left or arrived; of those that left the trail stays."""
+        message = self._presence.newest()
+        absent = self._absent if message is None else frozenset(i for i, here in enumerate(message.present) if not here)
         if absent == self._absent:
             return False
         for robot_id in self._absent - absent:
@@ -287,7 +282,7 @@ class Scene:
         return True
 
     def _seen(self) -> dict[int, RobotFeed]:
-        """Return the robots that are there."""
+        """Return the robots that are present."""
         return {robot_id: robot for robot_id, robot in self._robots.items() if robot_id not in self._absent}
 
     def _draw_sensors(self) -> None:
@@ -312,16 +307,16 @@ class Scene:
             self._laser.publish(scene_laser.cloud([self._scans[key] for key in sorted(self._scans)]))
 
 
-def _publish_frame(bounds: Bounds) -> tf2_ros.StaticTransformBroadcaster:
+def _publish_frame(bounds: Bounds) -> Output:
     """Publish the frame `building` in the middle of the plan: rviz's camera looks there, whatever the plan.
 
-    It also makes `map` known, of which the world may say nothing; rviz warns of a fixed frame that is not there.
+    It also makes `map` known, which the world may not publish; rviz warns of a fixed frame that does not exist.
     """
     transform = TransformStamped(child_frame_id="building")
     transform.header.frame_id = FRAME
     transform.transform.translation.x = (bounds.min[0] + bounds.max[0]) / 2.0
     transform.transform.translation.y = (bounds.min[1] + bounds.max[1]) / 2.0
     transform.transform.rotation.w = 1.0
-    broadcaster = tf2_ros.StaticTransformBroadcaster()
-    broadcaster.sendTransform(transform)
-    return broadcaster
+    output = Output("/tf_static", TFMessage, latched=True)
+    output.publish(TFMessage([transform]))
+    return output

@@ -2,56 +2,85 @@
 
 from __future__ import annotations
 
+import logging
+import time
 from collections.abc import Callable, Sequence
 
-import rospy
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import TwistStamped
 
 from robotteamsim.geometry import Twist
-from robotteamsim.msg import MissionStatus
+from robotteamsim.msg import FloatMap, MissionStatus
 from robotteamsim.recording.ros_messages import robot_name
 from robotteamsim.ros.nodes.commands import STOP, Answers, Commands
 from robotteamsim.ros.transport import msg_conversion as conversion
-from robotteamsim.ros.transport.inbox import Channel, LockstepInbox
-from robotteamsim.ros.transport.node import Input, Settings, make_inbox, subscribe
+from robotteamsim.ros.transport.serialization import message_type
+from robotteamsim.ros.transport.settings import Settings
+from robotteamsim.ros.transport.synchronizer import Channel, LockstepSynchronizer
+from robotteamsim.ros.transport.topics import Input, message_queue, receive_steps
 from robotteamsim.scenario.sections import PlacedRobot
 
-FOLLOW_PATIENCE_S = 0.02
+FOLLOW_TIMEOUT_S = 0.02
 """Flat out, the world waits this long for controllers and mission to follow [s, wall]."""
-RESTART_PATIENCE_S = 3.0
-"""A reset waits this long for all to have answered the last step [s, wall]."""
-START_PATIENCE_S = 60.0
-"""Out of lockstep, the world starts without controllers that are not there after this long [s, wall]."""
+RESTART_TIMEOUT_S = 3.0
+"""A reset waits this long until all have answered the last step [s, wall]."""
+START_TIMEOUT_S = 60.0
+"""Out of lockstep, the world starts without controllers that have not started after this long [s, wall]."""
+WARNING_PERIOD_S = 1.0
+"""Commands that are not finite are reported at most once in this time [s, wall]."""
+COMMANDS_KEPT = 100
+"""Of more commands for a robot within one step the oldest are dropped."""
+
+logger = logging.getLogger(__name__)
 
 
 class _Team:
     """Commands by topic `cmd_vel`."""
 
-    def __init__(self, robots: Sequence[PlacedRobot]) -> None:
+    def __init__(self, robots: Sequence[PlacedRobot], driven: Sequence[int]) -> None:
+        """Args: driven: the robots whose topic `cmd_vel` counts."""
         self._commands = Commands([round(robot.cmd_vel_hold_s * 1e9) for robot in robots])
         self._ids = range(len(robots))
-        self._now_ns = 0
-        self._here: tuple[bool, ...] = (True,) * len(robots)
+        self._driven = driven
+        self._present: tuple[bool, ...] = (True,) * len(robots)
+        self._warning_due_s = 0.0
+        self._queue = message_queue()
+        twist = message_type(TwistMessage)
+        for robot_id in driven:
+            self._queue.subscribe(f"/{robot_name(robot_id)}/cmd_vel", twist, COMMANDS_KEPT)
 
-    def note_who(self, stamp_ns: int, here: tuple[bool, ...]) -> None:
-        """Take note of which robots are there in a step: nobody waits for the others, and their commands are void."""
+    def note_presence(self, stamp_ns: int, present: tuple[bool, ...]) -> None:
+        """Note which robots are present in a step: the world waits for no others, and drops their commands."""
         for robot_id in self._ids:
-            if not here[robot_id]:
+            if not present[robot_id]:
                 self._commands.stop(robot_id)
-        self._here = here
+        self._present = present
 
-    def _listen(self, robot_id: int) -> None:
-        """Take the robot's commands from its `cmd_vel`, as they come."""
-        subscribe(
-            f"/{robot_name(robot_id)}/cmd_vel",
-            TwistMessage,
-            lambda message: self._take(robot_id, self._now_ns, message),
-        )
+    def _receive(self, sim_time_ns: int, timeout_s: float) -> bool:
+        """Take in what has come, and wait for the first of it [s, wall]; return whether anything has."""
+        messages = self._queue.take(timeout_s)
+        for index, stamp_ns, data in messages:
+            if index < len(self._driven):
+                self._take_command(self._driven[index], sim_time_ns, data)
+            else:
+                self._take_answer(index - len(self._driven), stamp_ns)
+        return bool(messages)
 
-    def _take(self, robot_id: int, sim_time_ns: int, message: TwistMessage) -> None:
-        if not self._commands.put(robot_id, sim_time_ns, conversion.twist(message)):
-            rospy.logwarn_throttle(1.0, f"{robot_name(robot_id)}: a command that is not finite is ignored")
+    def _take_command(self, robot_id: int, sim_time_ns: int, data: bytes) -> None:
+        try:
+            twist = conversion.read_twist(data)
+        except ValueError as error:
+            logger.warning("%s: ignoring a command that cannot be read: %s", robot_name(robot_id), error)
+        else:
+            self._put(robot_id, sim_time_ns, twist)
+
+    def _take_answer(self, index: int, stamp_ns: int) -> None:
+        """Take in a message of a topic subscribed to after the commands."""
+
+    def _put(self, robot_id: int, sim_time_ns: int, twist: Twist) -> None:
+        if not self._commands.put(robot_id, sim_time_ns, twist) and time.monotonic() >= self._warning_due_s:
+            self._warning_due_s = time.monotonic() + WARNING_PERIOD_S
+            logger.warning("%s: ignoring a command that is not finite", robot_name(robot_id))
 
 
 class LockstepTeam(_Team):
@@ -61,50 +90,50 @@ class LockstepTeam(_Team):
     """
 
     def __init__(self, settings: Settings, robots: Sequence[PlacedRobot]) -> None:
-        super().__init__(robots)
+        super().__init__(robots, [i for i in range(len(robots)) if not settings.drives(i)])
         self._answers = {robot_id: f"/{robot_name(robot_id)}/cmd_vel_stamped" for robot_id in settings.controlled}
-        self._by_hand = [robot_id for robot_id in self._ids if not settings.drives(robot_id)]
-        for robot_id in self._by_hand:
-            self._listen(robot_id)
         inputs = [
-            Input(Channel(topic, may_be_silent=True, robot_id=robot_id), TwistStamped)
-            for robot_id, topic in self._answers.items()
+            Input(Channel(topic, may_be_silent=True, robot_id=i), TwistStamped, conversion.read_twist_stamped)
+            for i, topic in self._answers.items()
         ]
         inputs.append(Input(Channel("/mission/status"), MissionStatus))
-        inbox = make_inbox(settings, inputs)
-        assert isinstance(inbox, LockstepInbox)
-        self._inbox = inbox
+        self._synchronizer = LockstepSynchronizer(
+            [an_input.channel for an_input in inputs],
+            step_ns=settings.step_ns,
+            silence_limit_s=settings.silence_limit_s,
+        )
+        self._steps = receive_steps(self._synchronizer, inputs)
 
-    def note_who(self, stamp_ns: int, here: tuple[bool, ...]) -> None:
+    def note_presence(self, stamp_ns: int, present: tuple[bool, ...]) -> None:
         """As for all teams."""
-        super().note_who(stamp_ns, here)
-        self._inbox.note_who(stamp_ns, here)
+        super().note_presence(stamp_ns, present)
+        self._synchronizer.note_presence(stamp_ns, present)
 
     def assemble(self) -> None:
-        """Wait for nobody: who comes late gets the first step all the same, and the second one waits for all."""
+        """Wait for no node: late ones get the first step all the same, and the second step waits for all."""
 
     def twists(self, step_index: int, sim_time_ns: int) -> list[Twist] | None:
         """Return the commands after a step, in id order; None when the node is shutting down."""
-        self._now_ns = sim_time_ns
         if step_index == 0:
             return [STOP for _ in self._ids]
-        step = self._inbox.take()
+        step = self._steps.take()
         if step is None:
             return None
+        self._receive(sim_time_ns, 0.0)
         twists = []
         for robot_id in self._ids:
-            if robot_id not in self._by_hand:
+            if robot_id not in self._driven:
                 answer = step.latest(self._answers[robot_id])
                 if answer is None:
                     self._commands.stop(robot_id)
                 else:
-                    self._take(robot_id, sim_time_ns, answer.twist)
+                    self._put(robot_id, sim_time_ns, answer)
             twists.append(self._commands.at(robot_id, sim_time_ns))
         return twists
 
     def restart(self, sim_time_ns: int) -> None:
         """Begin again with the first step; all have answered the last one."""
-        self._inbox.restart()
+        self._synchronizer.restart()
         self._commands.clear()
 
 
@@ -112,45 +141,61 @@ class FreeTeam(_Team):
     """Takes the commands that have come. While `follow` says so, controllers and mission get a moment for each step."""
 
     def __init__(self, settings: Settings, robots: Sequence[PlacedRobot], *, follow: Callable[[], bool]) -> None:
-        super().__init__(robots)
+        super().__init__(robots, range(len(robots)))
         self._follow = follow
-        controllers = {f"/{robot_name(robot_id)}/controller": robot_id for robot_id in settings.controlled}
-        self._names = {robot_id: name for name, robot_id in controllers.items()}
-        self._answers = Answers((*controllers, "/mission") if settings.mission else controllers)
+        self._controllers = {robot_id: f"/{robot_name(robot_id)}/controller" for robot_id in settings.controlled}
+        self._answering: list[str] = []
+        """Node by the index of its topic."""
+        for robot_id, node in self._controllers.items():
+            self._subscribe_answers(node, f"/{robot_name(robot_id)}/cmd_vel_stamped", TwistStamped)
         self._environment = Answers(("/environment",) if settings.mission else ())
-        rospy.on_shutdown(self._answers.close)
-        rospy.on_shutdown(self._environment.close)
-        for robot_id in self._ids:
-            self._listen(robot_id)
-        for name, robot_id in controllers.items():
-            self._listen_to_answers(name, f"/{robot_name(robot_id)}/cmd_vel_stamped", TwistStamped)
-        self._listen_to_answers("/mission", "/mission/status", MissionStatus)
-        # Latched: it tells that the environment is there; what it says does not matter here.
-        subscribe("/voice_map/values", rospy.AnyMsg, lambda _: self._environment.put("/environment", 0))
+        self._answers = Answers((*self._controllers.values(), *(("/mission",) if settings.mission else ())))
+        if settings.mission:
+            self._subscribe_answers("/mission", "/mission/status", MissionStatus)
+            # Latched: it shows that the environment has started.
+            self._subscribe_answers("/environment", "/voice_map/values", FloatMap)
 
-    def note_who(self, stamp_ns: int, here: tuple[bool, ...]) -> None:
+    def note_presence(self, stamp_ns: int, present: tuple[bool, ...]) -> None:
         """As for all teams."""
-        if here != self._here:
-            self._answers.excuse(name for robot_id, name in self._names.items() if not here[robot_id])
-        super().note_who(stamp_ns, here)
+        if present != self._present:
+            self._answers.excuse(node for robot_id, node in self._controllers.items() if not present[robot_id])
+        super().note_presence(stamp_ns, present)
 
     def assemble(self) -> None:
-        """Wait until all nodes are there, with patience."""
-        for name in self._environment.wait_for(0, START_PATIENCE_S) + self._answers.wait_for(0, START_PATIENCE_S):
-            rospy.logwarn(f"starting without {name}")
+        """Wait until all nodes have started, but not without limit."""
+        missing = self._wait_for(self._environment, 0, START_TIMEOUT_S)
+        for name in missing + self._wait_for(self._answers, 0, START_TIMEOUT_S):
+            logger.warning("starting without %s", name)
 
     def twists(self, step_index: int, sim_time_ns: int) -> list[Twist] | None:
         """Return the commands after a step, in id order; None when the node is shutting down."""
-        self._now_ns = sim_time_ns
         if step_index > 0 and self._follow():
-            self._answers.wait_for(sim_time_ns, FOLLOW_PATIENCE_S)
-        return None if rospy.is_shutdown() else [self._commands.at(robot_id, sim_time_ns) for robot_id in self._ids]
+            self._wait_for(self._answers, sim_time_ns, FOLLOW_TIMEOUT_S)
+        self._receive(sim_time_ns, 0.0)
+        if self._queue.is_closed:
+            return None
+        return [self._commands.at(robot_id, sim_time_ns) for robot_id in self._ids]
 
     def restart(self, sim_time_ns: int) -> None:
         """Begin again with the first step, once all have answered the last one: only then do all see time jump back."""
-        self._answers.wait_for(sim_time_ns, RESTART_PATIENCE_S)
+        self._wait_for(self._answers, sim_time_ns, RESTART_TIMEOUT_S)
         self._answers.clear()
         self._commands.clear()
 
-    def _listen_to_answers(self, name: str, topic: str, message_class: type) -> None:
-        subscribe(topic, message_class, lambda message: self._answers.put(name, conversion.stamp_ns(message)))
+    def _subscribe_answers(self, node: str, topic: str, message_class: type) -> None:
+        self._answering.append(node)
+        self._queue.subscribe(topic, message_type(message_class))
+
+    def _take_answer(self, index: int, stamp_ns: int) -> None:
+        node = self._answering[index]
+        (self._environment if node == "/environment" else self._answers).put(node, stamp_ns)
+
+    def _wait_for(self, answers: Answers, stamp_ns: int, timeout_s: float) -> list[str]:
+        """Wait until a step is answered, but not longer than a time [s, wall]; return whose answers are missing."""
+        until_s = time.monotonic() + timeout_s
+        while (missing := answers.missing(stamp_ns)) and not self._queue.is_closed:
+            left_s = until_s - time.monotonic()
+            if left_s <= 0.0:
+                return missing
+            self._receive(stamp_ns, left_s)
+        return []

@@ -11,19 +11,19 @@ import time
 import tty
 from collections.abc import Iterator
 
-import rospy
 from geometry_msgs.msg import Twist as TwistMessage
 
 from robotteamsim.geometry import Twist
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.commands import STOP
 from robotteamsim.ros.transport.msg_conversion import RosTypes
-from robotteamsim.ros.transport.node import Output, ParameterError, parameter, run
+from robotteamsim.ros.transport.node import ParameterError, is_running, parameter, run
+from robotteamsim.ros.transport.topics import Output
 
 PERIOD_S = 0.1
 FIRST_HOLD_S = 0.6
-"""A terminal tells of no release. A key counts as held this long after its first character [s, wall]: keyboards wait
-that long before they repeat it."""
+"""A terminal does not report releases. A key counts as held this long after its first character [s, wall]: keyboards
+wait that long before they repeat it."""
 REPEAT_HOLD_S = 0.2
 """And this long after each repetition."""
 
@@ -96,7 +96,7 @@ def serve() -> None:
     print(HELP, flush=True)
     moving = False
     with unbuffered(sys.stdin.fileno()) as terminal:
-        while not rospy.is_shutdown():
+        while is_running():
             for key in read_keys(terminal, PERIOD_S):
                 keys.press(key, time.monotonic())
             command = keys.twist(time.monotonic())

@@ -17,7 +17,7 @@ from robotteamsim.world.doors import DoorStates
 
 
 class Trial:
-    """The mission, what is added up over it, and the recorders that look on; `result` when it has ended."""
+    """The mission, what is added up over it, and the recorders that observe it; `result` when it has ended."""
 
     def __init__(self, scenario: Scenario, recorders: Sequence[Observer]) -> None:
         """Begin. Raises: RecordingError: a recorder cannot write."""
@@ -45,8 +45,8 @@ class Trial:
     ) -> tuple[Event, ...]:
         """Judge one step and return its events; after the end nothing is added up any more.
 
-        Args: doors: as they are after the step; None: not told.  base_inbox: what the base receives in it.
-              present: whether each robot is there, bool, shape (n,); None: all are.
+        Args: doors: as they are after the step; None: not known.  base_inbox: what the base receives in it.
+              present: whether each robot is present, bool, shape (n,); None: all are.
         """
         if doors is not None:
             self.mission.follow_doors(doors)
@@ -80,7 +80,7 @@ class Trial:
         return events
 
     def abandon(self) -> None:
-        """Tell the recorders that the mission broke off, unless it has ended."""
+        """End the recorders of a mission that broke off, unless it has ended."""
         while self._recorders:
             self._recorders.pop().abandon()
 

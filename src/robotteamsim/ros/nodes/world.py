@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 
 import numpy as np
-import rospy
 from nav_msgs.msg import OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse
 from rosgraph_msgs.msg import Clock
@@ -22,16 +22,11 @@ from robotteamsim.ros.nodes.objects_output import ObjectsOutput
 from robotteamsim.ros.nodes.team import FreeTeam, LockstepTeam
 from robotteamsim.ros.nodes.team_outputs import TeamOutputs
 from robotteamsim.ros.transport import msg_conversion as conversion
-from robotteamsim.ros.transport.node import (
-    ROBOTS,
-    SEED,
-    Output,
-    ParameterError,
-    Settings,
-    parameter,
-    read_settings,
-    run,
-)
+from robotteamsim.ros.transport.node import ParameterError, on_shutdown, parameter, run, set_parameter
+from robotteamsim.ros.transport.presence import ROBOTS
+from robotteamsim.ros.transport.services import Service
+from robotteamsim.ros.transport.settings import SEED, Settings, read_settings
+from robotteamsim.ros.transport.topics import Output
 from robotteamsim.scenario import occupancy_grid
 from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
@@ -68,20 +63,22 @@ from robotteamsim.world import World
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.placement import placed_robots
 
+logger = logging.getLogger(__name__)
+
 MAP_RESOLUTION_M = 0.05
-SERVICE_PATIENCE_S = 5.0
+SERVICE_TIMEOUT_S = 5.0
 """A service waits this long for the step under way [s, wall]."""
 START_NS = 1_000_000
-"""What the clock shows before the first step; to ROS, 0 means that there is no time yet."""
+"""What the clock shows before the first step; in ROS, 0 means that there is no time yet."""
 QUIET_S = 1.0
-"""The world starts when no listener has come for this long [s, wall]."""
+"""The world starts when no subscriber has come for this long [s, wall]."""
 NAP_S = 0.1
 """A world that waits for its time looks this often whether the speed has changed [s, wall]."""
 FIRST_STEPS = 2
 """A reset comes after these: only then do all nodes see stamps jump backwards."""
 
 
-Who = tuple[np.ndarray | None, tuple[int, ...]]
+Presence = tuple[np.ndarray | None, tuple[int, ...]]
 """`World.present` and `World.arrivals` of one step."""
 
 
@@ -104,31 +101,33 @@ class WorldNode:
         self._pacer = _pacer()
         localization = parameter("~localization", "none")
         if localization not in ("none", "ground_truth"):
-            raise ParameterError(f"~localization: {localization!r}; wanted none or ground_truth")
+            raise ParameterError(f"~localization: {localization!r}; expected none or ground_truth")
         self._world_lock = threading.Lock()
         self._build()
-        rospy.on_shutdown(self._gate.close)
+        on_shutdown(self._gate.close)
         self._team = (
             LockstepTeam(settings, self._robots)
             if settings.lockstep
             else FreeTeam(settings, self._robots, follow=lambda: self._pacer.is_flat_out)
         )
-        self._clock = Output("/clock", Clock, latched=True)
         self._objects = ObjectsOutput()
         self._show_objects()
         # Environment and mission take from it alone whether a door is closed, in lockstep step by step.
         self._doors = Output("/world/doors", Doors, latched=True)
-        self._who = Output(ROBOTS, Robots, latched=True)
+        self._presence = Output(ROBOTS, Robots, latched=True)
         # In lockstep a late subscriber must still get the step that everybody waits for.
         self._outputs = TeamOutputs(self._robots, latched=settings.lockstep, localized=localization == "ground_truth")
         self._offer_map()
         self._offer_services()
+        # Of messages that wait together roscpp sends those first whose topic was advertised first, and the clock must
+        # not overtake the other messages of its step.
+        self._clock = Output("/clock", Clock, latched=True)
 
     def serve(self) -> None:
         """Step until the node is shut down."""
         self._publish_clock(START_NS)
         self._team.assemble()
-        self._await_listeners()
+        self._wait_for_subscribers()
         while self._gate.wait():
             self._tick()
             twists = self._team.twists(self._world.step_index, self._world.sim_time_ns)
@@ -139,17 +138,17 @@ class WorldNode:
                 self._gate.reset_done()
                 continue
             with self._world_lock:
-                for robot_id in self._come:
+                for robot_id in self._arrived:
                     twists[robot_id] = STOP  # what its controller decided before it left
-                self._come.clear()
+                self._arrived.clear()
                 self._world.step(twists)
-                readings, doors, present = self._sensors.read(), self._world.door_states(), self._world.present
-                who = present, self._world.arrivals
-            self._publish(readings, doors, who)
+                readings, doors = self._sensors.read(), self._world.door_states()
+                presence = self._world.present, self._world.arrivals
+            self._publish(readings, doors, presence)
             self._gate.passed()
 
-    def _await_listeners(self) -> None:
-        """Wait until no new listener comes: a recorder is to get the first step, too."""
+    def _wait_for_subscribers(self) -> None:
+        """Wait until no new subscriber comes: a recorder must get the first step, too."""
         connected = -1
         while connected != (now_connected := self._outputs.num_subscribers):
             connected = now_connected
@@ -159,19 +158,19 @@ class WorldNode:
         seed = self._scenario.run.seed
         objects, schedule = self._scenario.objects, self._scenario.schedule
         self._world = World(self._scenario.plan, self._robots, self._scenario.run, objects=objects, schedule=schedule)
-        self._come: set[int] = set()
+        self._arrived: set[int] = set()
         self._sensors = RobotSensors(self._world, self._robots, seed)
 
     def _reset(self) -> None:
         self._team.restart(self._world.sim_time_ns)
         self._scenario = self._settings.scenario
-        # Before stamps jump back, by which the other nodes see that they have to begin anew.
-        rospy.set_param(SEED, str(self._scenario.run.seed))
+        # Before stamps jump back, which makes the other nodes start again.
+        set_parameter(SEED, str(self._scenario.run.seed))
         with self._world_lock:
             self._build()
             self._objects.show(self._world)
         self._publish_clock(START_NS)
-        rospy.loginfo("the world begins anew")
+        logger.info("the world starts again")
 
     def _tick(self) -> None:
         """Let the clock run up to the next step, whose own tick comes after its data."""
@@ -183,11 +182,11 @@ class WorldNode:
             if tick < ticks:
                 self._publish_clock(time_ns)
 
-    def _publish(self, readings: TeamReadings, doors: DoorStates, who: Who) -> None:
-        time_ns, (present, arrivals) = self._world.sim_time_ns, who
-        here = (True,) * len(arrivals) if present is None else tuple(present.tolist())
-        self._team.note_who(time_ns, here)
-        self._who.publish(ros_messages.robots(self._make, time_ns, present, arrivals))
+    def _publish(self, readings: TeamReadings, doors: DoorStates, presence: Presence) -> None:
+        time_ns, (present, arrivals) = self._world.sim_time_ns, presence
+        everybody = (True,) * len(arrivals)
+        self._team.note_presence(time_ns, everybody if present is None else tuple(present.tolist()))
+        self._presence.publish(ros_messages.robots(self._make, time_ns, present, arrivals))
         if self._scenario.plan.doors:
             self._doors.publish(ros_messages.doors(self._make, time_ns, doors))
         self._show_objects()
@@ -205,49 +204,52 @@ class WorldNode:
         grid = ros_messages.occupancy_grid(self._make, 0, occupancy_grid(self._scenario.plan, MAP_RESOLUTION_M))
         self._map = Output("/map", OccupancyGrid, latched=True)
         self._map.publish(grid)
-        rospy.Service("/static_map", GetMap, lambda _: GetMapResponse(map=grid))
+        self._static_map = Service("/static_map", GetMap, lambda _: GetMapResponse(map=grid))
 
     def _offer_services(self) -> None:
-        rospy.Service("/pause", Trigger, self._serve_pause)
-        rospy.Service("/resume", Trigger, self._serve_resume)
-        rospy.Service("/step", Step, self._serve_step)
-        rospy.Service("/reset", Trigger, self._serve_reset)
-        rospy.Service("/reset_seed", ResetSeed, self._serve_reset_seed)
-        rospy.Service("/reset_positions", Empty, self._serve_reset_positions)
-        rospy.Service("/set_speed", SetSpeed, self._serve_set_speed)
-        rospy.Service("/set_pose", SetPose, self._serve_set_pose)
-        rospy.Service("/spawn_robot", SpawnRobot, self._serve_spawn_robot)
-        rospy.Service("/remove_robot", RemoveRobot, self._serve_remove_robot)
-        rospy.Service("/set_object", SetObject, self._serve_set_object)
-        rospy.Service("/remove_object", RemoveObject, self._serve_remove_object)
-        rospy.Service("/world/set_door", SetDoor, self._serve_set_door)
+        self._services = (
+            Service("/pause", Trigger, self._serve_pause),
+            Service("/resume", Trigger, self._serve_resume),
+            Service("/step", Step, self._serve_step),
+            Service("/reset", Trigger, self._serve_reset),
+            Service("/reset_seed", ResetSeed, self._serve_reset_seed),
+            Service("/reset_positions", Empty, self._serve_reset_positions),
+            Service("/set_speed", SetSpeed, self._serve_set_speed),
+            Service("/set_pose", SetPose, self._serve_set_pose),
+            Service("/spawn_robot", SpawnRobot, self._serve_spawn_robot),
+            Service("/remove_robot", RemoveRobot, self._serve_remove_robot),
+            Service("/set_object", SetObject, self._serve_set_object),
+            Service("/remove_object", RemoveObject, self._serve_remove_object),
+            Service("/world/set_door", SetDoor, self._serve_set_door),
+        )
 
     def _serve_pause(self, _: object) -> TriggerResponse:
-        done = self._gate.pause(SERVICE_PATIENCE_S)
-        return TriggerResponse(success=True, message="paused" if done else "pauses after the step under way")
+        done = self._gate.pause(SERVICE_TIMEOUT_S)
+        return TriggerResponse(success=True, message="paused" if done else "pausing after the current step")
 
     def _serve_resume(self, _: object) -> TriggerResponse:
         self._gate.resume()
-        return TriggerResponse(success=True, message="goes on")
+        return TriggerResponse(success=True, message="resumed")
 
     def _serve_step(self, request: StepRequest) -> StepResponse:
         if request.steps == 0:
-            return StepResponse(success=False, message="steps: 0; wanted at least 1")
+            return StepResponse(success=False, message="steps: 0; expected at least 1")
         done = self._gate.step(request.steps)
         return StepResponse(success=done, message="" if done else "the world is not paused")
 
     def _serve_reset(self, _: object) -> TriggerResponse:
-        return TriggerResponse(success=True, message=self._begin_anew())
+        return TriggerResponse(success=True, message=self._restart())
 
     def _serve_reset_seed(self, request: ResetSeedRequest) -> ResetSeedResponse:
         try:
             self._settings = self._settings.with_seed(request.seed)
         except ParameterError as error:
             return ResetSeedResponse(success=False, message=str(error))
-        return ResetSeedResponse(success=True, message=self._begin_anew())
+        return ResetSeedResponse(success=True, message=self._restart())
 
-    def _begin_anew(self) -> str:
-        return "begun anew" if self._gate.reset(SERVICE_PATIENCE_S) else "begins anew after the step under way"
+    def _restart(self) -> str:
+        done = self._gate.reset(SERVICE_TIMEOUT_S)
+        return "reset" if done else "resetting after the current step"
 
     def _serve_reset_positions(self, _: object) -> EmptyResponse:
         with self._world_lock:
@@ -275,7 +277,7 @@ class WorldNode:
         try:
             with self._world_lock:
                 self._world.spawn_robot(request.robot_id, pose)
-                self._come.add(request.robot_id)
+                self._arrived.add(request.robot_id)
         except (PlacementError, ValueError) as error:
             return SpawnRobotResponse(success=False, message=str(error))
         return SpawnRobotResponse(success=True, message="")

@@ -2,44 +2,55 @@
 
 from __future__ import annotations
 
+import logging
 import re
-from collections import deque
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-import rospy
+from robotteamsim import _ros_transport as roscpp
+from robotteamsim.ros.transport.serialization import deserialized, message_type
+
+logger = logging.getLogger(__name__)
 
 GROUND_TRUTH = "base_pose_ground_truth"
 
 
 class Feed:
-    """What came on a topic since it was last looked at.
+    """What came on a topic since it was last read.
 
-    A world that runs as fast as it goes sends a hundred times more than can be seen, and decoding is what costs.
+    A world that runs flat out sends a hundred times more than can be seen, and decoding is expensive.
     """
 
-    def __init__(self, topic: str, message_class: type, keep: int = 1) -> None:
-        """Subscribe; of more than `keep` messages between two looks the oldest are dropped."""
+    def __init__(self, topic: str, message_class: Any, keep: int = 1) -> None:
+        """Subscribe; of more than `keep` messages between two readings the oldest are dropped."""
         self._class = message_class
-        self._waiting: deque[bytes] = deque(maxlen=keep)
-        self._subscriber = rospy.Subscriber(topic, rospy.AnyMsg, lambda message: self._waiting.append(message._buff))
+        self._queue = roscpp.MessageQueue()
+        self._queue.subscribe(topic, message_type(message_class), keep)
 
     def take(self, at_most: int = 1_000_000) -> list[Any]:
-        """Return the messages since the last look, oldest first; at most so many, evenly spread, the newest included.
+        """Return the messages since the last call, oldest first; at most so many, evenly spread, the newest included.
 
         Args: at_most: 1 for the newest alone.
         """
-        raw = [self._waiting.popleft() for _ in range(len(self._waiting))]
-        return [self._class().deserialize(data) for data in thinned(raw, at_most)]
+        raw = [data for _, _, data in self._queue.take(0.0)]
+        return [message for data in thinned(raw, at_most) for message in self._decoded(data)]
 
     def newest(self) -> Any | None:
-        """Return the newest message since the last look, or None."""
+        """Return the newest message since the last call, or None."""
         messages = self.take(1)
         return messages[-1] if messages else None
 
     def close(self) -> None:
         """Unsubscribe."""
-        self._subscriber.unregister()
+        self._queue.unsubscribe()
+
+    def _decoded(self, data: bytes) -> list[Any]:
+        """Return the message, or nothing where it cannot be read."""
+        try:
+            return [deserialized(self._class, data)]
+        except ValueError:
+            logger.warning("ignoring a message that cannot be read", exc_info=True)
+            return []
 
 
 def thinned(items: Sequence[Any], at_most: int) -> list[Any]:

@@ -1,9 +1,9 @@
-"""Between ROS messages and our values. Our values become messages in `recording.ros_messages`, for bags as well."""
+"""From ROS messages to our values. Our values become messages in `recording.ros_messages`, for bags as well."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import geometry_msgs.msg
 import nav_msgs.msg
@@ -15,9 +15,10 @@ import tf2_msgs.msg
 from genpy import Time
 
 import robotteamsim.msg
+from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Discovery, Task
-from robotteamsim.mission.status import DeliveredDiscoveries, MissionStatus
+from robotteamsim.mission.status import DeliveredDiscoveries, MissionEnd, MissionState, MissionStatus
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
 from robotteamsim.world.doors import DoorState, DoorStates
@@ -26,7 +27,7 @@ _PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_
 
 
 class RosTypes:
-    """Builds messages of rospy's classes; the `make` of `recording.ros_messages`."""
+    """Builds messages of genpy's classes; the `make` of `recording.ros_messages`."""
 
     def __init__(self) -> None:
         self._classes: dict[str, Any] = {}
@@ -52,14 +53,14 @@ class RosTypes:
 
 
 def _plain(values: np.ndarray) -> Any:
-    """uint8[] is bytes in rospy; other arrays are written fastest from lists."""
+    """uint8[] is bytes in genpy; other arrays are written fastest from lists."""
     return values.tobytes() if values.dtype == np.uint8 else values.tolist()
 
 
 def stamp_ns(message: Any) -> int:
     """Return the stamp of a message with a header [ns]."""
     stamp = message.header.stamp
-    return stamp.secs * 10**9 + stamp.nsecs
+    return int(stamp.secs * 10**9 + stamp.nsecs)
 
 
 def pose_reading(message: geometry_msgs.msg.Pose) -> PoseReading:
@@ -67,8 +68,7 @@ def pose_reading(message: geometry_msgs.msg.Pose) -> PoseReading:
     return PoseReading(message.position.x, message.position.y, message.orientation.z, message.orientation.w)
 
 
-def twist(message: geometry_msgs.msg.Twist) -> Twist:
-    """Return a velocity in the plane, which may hold NaN or infinity."""
+def _twist(message: geometry_msgs.msg.Twist) -> Twist:
     return Twist(message.linear.x, message.linear.y, message.angular.z)
 
 
@@ -77,24 +77,40 @@ def odometry_reading(message: nav_msgs.msg.Odometry) -> OdometryReading:
     of_pose, of_twist = message.pose.covariance, message.twist.covariance
     return OdometryReading(
         pose_reading(message.pose.pose),
-        twist(message.twist.twist),
+        _twist(message.twist.twist),
         pose_covariance=(of_pose[0], of_pose[1], of_pose[5], of_pose[7], of_pose[11], of_pose[35]),
         twist_variances=(of_twist[0], of_twist[7], of_twist[35]),
     )
 
 
-def ranges_m(message: sensor_msgs.msg.LaserScan) -> np.ndarray:
-    """Return the ranges of a scan as float32, shape (beams,) [m]."""
-    return np.asarray(message.ranges, dtype=np.float32)
+def read_odometry(data: bytes) -> OdometryReading:
+    """Return pose and twist of a serialized nav_msgs/Odometry. Raises: ValueError: the bytes are too few."""
+    pose, velocity, pose_covariance, twist_variances = roscpp.read_odometry(data)
+    return OdometryReading(PoseReading(*pose), Twist(*velocity), pose_covariance, twist_variances)
+
+
+def read_ranges_m(data: bytes) -> np.ndarray:
+    """Return the ranges of a serialized sensor_msgs/LaserScan as float32, shape (beams,) [m]. Raises: ValueError."""
+    return roscpp.read_ranges(data)
+
+
+def read_twist(data: bytes) -> Twist:
+    """Return a serialized geometry_msgs/Twist, which may hold NaN or infinity. Raises: ValueError."""
+    return Twist(*roscpp.read_twist(data))
+
+
+def read_twist_stamped(data: bytes) -> Twist:
+    """Return the twist of a serialized geometry_msgs/TwistStamped, as `read_twist`."""
+    return Twist(*roscpp.read_twist_stamped(data))
 
 
 def sonar_m(message: sensor_msgs.msg.Range) -> float:
-    """Return the range that a sonar told, a float32 [m]."""
-    return message.range
+    """Return the range that a sonar measured, a float32 [m]."""
+    return float(message.range)
 
 
 def fix(message: sensor_msgs.msg.NavSatFix) -> Fix:
-    """Return what a receiver of satellites told."""
+    """Return what a GPS receiver measured."""
     return Fix(message.latitude, message.longitude, message.altitude, message.position_covariance[0])
 
 
@@ -137,7 +153,7 @@ def network_state(message: robotteamsim.msg.NetworkState) -> NetworkState:
 
 
 def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
-    """Return what is told of a decision; its twist and outbox travel on topics of their own."""
+    """Return what is published of a decision; its twist and outbox travel on topics of their own."""
     return Decision(
         excluded=message.excluded,
         swarm=message.swarm,
@@ -151,8 +167,8 @@ def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
 def mission_status(message: robotteamsim.msg.MissionStatus) -> MissionStatus:
     """Return the mission and the task it sets."""
     return MissionStatus(
-        state=message.state,
-        end=message.end,
+        state=cast("MissionState", message.state),
+        end=cast("MissionEnd", message.end),
         time_s=message.time_s,
         explored=tuple(map(bool, message.explored)),
         victims=tuple(message.victims),
@@ -172,16 +188,18 @@ def task(message: robotteamsim.msg.MissionStatus) -> Task:
         area_radius_m=message.area_radius_m,
         undelivered=tuple(
             Discovery(find.kind, find.name, find.robot_id, _point(find.position), find.time_s)
-            for find in message.unreported
+            for find in message.undelivered
         ),
     )
 
 
 def delivered(message: robotteamsim.msg.MissionStatus) -> DeliveredDiscoveries | None:
-    """Return what the base has heard of; None: there is no base."""
+    """Return what the base has received; None: there is no base."""
     if not message.has_base:
         return None
-    return DeliveredDiscoveries(message.finds_reported, message.mean_report_delay_s, message.max_report_delay_s)
+    return DeliveredDiscoveries(
+        message.discoveries_delivered, message.mean_delivery_delay_s, message.max_delivery_delay_s
+    )
 
 
 def _point(message: geometry_msgs.msg.Point) -> tuple[float, float]:

@@ -11,12 +11,12 @@ import pytest
 from robotteamsim.campaign import Design, Outcome, StoredCampaign, Trial, make_design
 from robotteamsim.campaign.factors import Factor
 from robotteamsim.campaign.paths import encode_paths
-from robotteamsim.campaign.reference import Figures, dissertation_missions
+from robotteamsim.campaign.reference import MissionValues, dissertation_missions
 
 LIMIT_S = 600.0
 
 
-def mission(trial: Trial, figures: Figures, num_areas: int = 5, num_victims: int = 4) -> Outcome:
+def mission(trial: Trial, figures: MissionValues, num_areas: int = 5, num_victims: int = 4) -> Outcome:
     """Return the outcome of a mission with such figures; its two robots drive 30 m eastwards, 2 m apart."""
     x_m = 4.0 + np.linspace(0.0, 30.0, 60)
     paths_m = np.stack([np.stack([x_m, np.full(60, y_m)], axis=1) for y_m in (7.0, 9.0)], axis=1)
@@ -63,7 +63,9 @@ def garage(garage_design) -> Callable[..., StoredCampaign]:
     """Make a campaign of the dissertation's own missions, again and again; `change` makes other ones of them."""
 
     def make(
-        *noises_db: float, trials: int, change: Callable[[float, Figures], Figures] = lambda noise_db, figures: figures
+        *noises_db: float,
+        trials: int,
+        change: Callable[[float, MissionValues], MissionValues] = lambda noise_db, figures: figures,
     ) -> StoredCampaign:
         design, missions = garage_design(*noises_db, trials=trials), dissertation_missions()
         outcomes = []
@@ -86,7 +88,9 @@ def arena() -> Callable[..., StoredCampaign]:
         return stored(
             design,
             [
-                mission(trial, Figures(trial.cell % 2, 20.0 + 5.0 * trial.cell + trial.number, areas, 0), areas, 1)
+                mission(
+                    trial, MissionValues(trial.cell % 2, 20.0 + 5.0 * trial.cell + trial.number, areas, 0), areas, 1
+                )
                 for trial in design.all_trials()
             ],
         )

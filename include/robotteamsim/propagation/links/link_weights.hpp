@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "robotteamsim/propagation/face_set.hpp"
+#include "robotteamsim/propagation/links/link_kernels.hpp"
+
+namespace robotteamsim::propagation {
+
+/// The weights between a point and the points after it, in some order: the point i + 1 places after it is target
+/// places[i], in lane places[i] % kLinkLanes of block places[i] / kLinkLanes.
+struct LinkTargets {
+  int count = 0;
+  const TargetBlock* blocks = nullptr;
+  const std::int32_t* places = nullptr;
+};
+
+/// The weights of the faces between all pairs of many points: equal to FaceSet::WeightBetween.
+///
+/// For each point, the others are sorted into bins by direction. A face shades the points between its two ends that are
+/// beyond its line, so only the bins from one end to the other are tested. The four faces of a convex ring are
+/// processed together: between its outermost corners, each target is before, in or behind it. The tests are exact in
+/// doubles if all coordinates are within 4 km; otherwise links are computed one by one.
+class LinkWeights {
+ public:
+  /// Args: faces: must outlive this object and not change.
+  /// Throws std::invalid_argument if this machine does not support the instruction set.
+  LinkWeights(const FaceSet& faces, std::vector<PointMm> points, base::Simd simd = base::BestSimd());
+
+  /// Returns the points after a point with the weights between them; valid until the next call.
+  LinkTargets After(std::size_t source);
+
+ private:
+  /// Screens of one kind and the index of the first face of each.
+  template <int kFaces>
+  struct Screens {
+    std::vector<ScreenBlock<kFaces>> blocks;
+    std::vector<std::size_t> first_face;
+  };
+
+  void AddFaces();
+  void AddScreenAt(std::size_t first_face, std::optional<std::array<Face, 4>> ring);
+  template <int kFaces>
+  void AddScreen(std::size_t first_face, const std::array<Face, kFaces>& faces, bool is_box, Screens<kFaces>* screens);
+  void CountOneByOne(std::size_t source);
+  void SortTargets(std::size_t source);
+  template <int kFaces>
+  void AddScreensAt(std::size_t source, const Screens<kFaces>& screens);
+
+  const FaceSet& face_set_;
+  const std::vector<PointMm> points_;
+  const LinkKernels& kernels_;
+  bool exact_in_doubles_ = true;
+  std::vector<double> point_x_, point_y_;  // [mm]
+  Screens<1> faces_;
+  Screens<4> rings_;
+  Screens<4> boxes_;
+  std::vector<std::int32_t> scratch_;
+  LinkSource seen_from_;
+  std::vector<double> directions_;  // of the targets
+  std::vector<std::int32_t> bins_;
+  std::vector<std::int32_t> bin_start_;
+  std::vector<std::int32_t> order_;   // of the targets, by bins
+  std::vector<std::int32_t> places_;  // of each in that order
+  std::vector<TargetBlock> blocks_;
+};
+
+}  // namespace robotteamsim::propagation

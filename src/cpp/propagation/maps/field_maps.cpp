@@ -1,0 +1,202 @@
+#include "robotteamsim/propagation/maps/field_maps.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "robotteamsim/base/parallel.hpp"
+#include "robotteamsim/propagation/maps/wall_shadows.hpp"
+
+namespace robotteamsim::propagation {
+namespace {
+
+/// Rows are processed in bands whose changes of weight take about this many bytes, to stay in the core's cache.
+constexpr std::size_t kBandBytes = 1 << 18;
+
+bool FitsNarrow(const FaceSet& faces) { return faces.TotalWeight() <= std::numeric_limits<std::int16_t>::max(); }
+
+/// One source and the shadows of the walls on the grid.
+struct PreparedSource {
+  PreparedSource(const FaceSet& faces, const FieldSource& source, const CellCentersMm& cells)
+      : shadows(faces, source.position, cells), rows(source.fading, source.position, cells) {}
+
+  WallShadows shadows;
+  FadingRows rows;
+};
+
+/// Returns the number of rows of a band.
+template <typename Weight>
+int RowsInBand(int cols) {
+  return static_cast<int>(std::max<std::size_t>(kBandBytes / (sizeof(Weight) * cols), 1));
+}
+
+/// Writes some columns of the highest values of all sources.
+template <typename Weight>
+void WriteColumns(const std::vector<const PreparedSource*>& sources, base::Simd simd, IndexRange cols, MapView map) {
+  const RowKernels<Weight>& kernels = RowKernelsFor<Weight>(simd);
+  const int width = cols.last - cols.first;
+  const auto num_rows = static_cast<int>(map.rows());
+  const int band_rows = RowsInBand<Weight>(width);
+  std::vector<Weight> changes(static_cast<std::size_t>(band_rows) * width);
+  std::vector<Weight> running(sources.size() * width);
+  std::vector<ShadowSweep> sweeps;
+  sweeps.reserve(sources.size());
+  for (const PreparedSource* source : sources) sweeps.emplace_back(source->shadows, cols);
+  for (int row = 0; row < num_rows; row += band_rows) {
+    const IndexRange rows{row, std::min(row + band_rows, num_rows)};
+    for (std::size_t i = 0; i < sources.size(); ++i) {  // all sources, while the band is in the cache
+      sweeps[i].AddChanges(rows, changes.data(), width);
+      const WeightRows<Weight> weights{changes.data(), width, &running[i * width]};
+      sources[i]->rows.Write(kernels, rows, cols, weights, &map(row, cols.first), map.outerStride(), i > 0);
+    }
+  }
+}
+
+void WriteColumns(const std::vector<const PreparedSource*>& sources, base::Simd simd, bool narrow, IndexRange cols,
+                  MapView map) {
+  if (narrow) {
+    WriteColumns<std::int16_t>(sources, simd, cols, map);
+  } else {
+    WriteColumns<std::int32_t>(sources, simd, cols, map);
+  }
+}
+
+/// Divides the columns of a map into one part per thread, each of whole fading blocks.
+std::vector<IndexRange> PartsOf(int cols, int threads) {
+  const int blocks = (cols + kFadingBlock - 1) / kFadingBlock;
+  const int parts = std::min(blocks, base::NumThreads(threads));
+  std::vector<IndexRange> columns;
+  columns.reserve(static_cast<std::size_t>(parts));
+  for (int i = 0; i < parts; ++i) {
+    columns.push_back({blocks * i / parts * kFadingBlock, std::min(blocks * (i + 1) / parts * kFadingBlock, cols)});
+  }
+  return columns;
+}
+
+void CheckSources(const std::vector<FieldSource>& sources) {
+  if (sources.empty()) throw std::invalid_argument("a map needs at least one source");
+}
+
+}  // namespace
+
+void CheckShape(const MapView& map, Eigen::Index rows, Eigen::Index cols) {
+  if (map.rows() == rows && map.cols() == cols) return;
+  throw std::invalid_argument("a map must have shape (" + std::to_string(rows) + ", " + std::to_string(cols) +
+                              "), got (" + std::to_string(map.rows()) + ", " + std::to_string(map.cols()) + ")");
+}
+
+void WriteHighest(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid,
+                  MapView map, const MapWork& work) {
+  CheckSources(sources);
+  CheckShape(map, grid.rows, grid.cols);
+  const CellCentersMm cells(grid);
+  const auto count = static_cast<int>(sources.size());
+  std::vector<std::optional<PreparedSource>> prepared(sources.size());
+  base::ForEachInParallel(count, work.threads, [&](int i) { prepared[i].emplace(faces, sources[i], cells); });
+  std::vector<const PreparedSource*> all;
+  all.reserve(prepared.size());
+  for (const std::optional<PreparedSource>& source : prepared) all.push_back(&*source);
+  const bool narrow = FitsNarrow(faces);
+  const std::vector<IndexRange> parts = PartsOf(grid.cols, work.threads);
+  base::ForEachInParallel(static_cast<int>(parts.size()), work.threads,
+                          [&](int i) { WriteColumns(all, work.simd, narrow, parts[i], map); });
+}
+
+void WriteEach(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid, MapView maps,
+               const MapWork& work) {
+  CheckSources(sources);
+  CheckShape(maps, grid.rows * static_cast<Eigen::Index>(sources.size()), grid.cols);
+  const CellCentersMm cells(grid);
+  const bool narrow = FitsNarrow(faces);
+  base::ForEachInParallel(static_cast<int>(sources.size()), work.threads, [&](int i) {
+    const PreparedSource prepared(faces, sources[i], cells);
+    const MapView map = maps.middleRows(static_cast<Eigen::Index>(i) * grid.rows, grid.rows);
+    WriteColumns({&prepared}, work.simd, narrow, {0, grid.cols}, map);
+  });
+}
+
+WeightMap::WeightMap(const FaceSet& faces, PointMm source, const plan::GridShape& grid, const MapWork& work)
+    : source_(source), cells_(grid), simd_(work.simd), face_weights_(faces.Weights()) {
+  if (FitsNarrow(faces)) {
+    Fill(faces, &narrow_);
+  } else {
+    Fill(faces, &wide_);
+  }
+}
+
+template <typename Weight>
+void WeightMap::Fill(const FaceSet& faces, std::vector<Weight>* weights) {
+  const int cols = cells_.x.Count();
+  const RowKernels<Weight>& kernels = RowKernelsFor<Weight>(simd_);
+  weights->assign(static_cast<std::size_t>(cells_.y.Count()) * cols, 0);
+  const WallShadows shadows(faces, source_, cells_);
+  ShadowSweep sweep(shadows, {0, cols});
+  const int num_rows = cells_.y.Count();
+  const int band_rows = RowsInBand<Weight>(cols);
+  std::vector<Weight> changes(static_cast<std::size_t>(band_rows) * cols);
+  const std::vector<Weight> below_all(cols);
+  const Weight* below = below_all.data();
+  for (int row = 0; row < num_rows; ++row) {
+    if (row % band_rows == 0) sweep.AddChanges({row, std::min(row + band_rows, num_rows)}, changes.data(), cols);
+    Weight* const in_row = weights->data() + static_cast<std::ptrdiff_t>(row) * cols;
+    kernels.sum_row(below, &changes[static_cast<std::size_t>(row % band_rows) * cols], in_row, cols);
+    below = in_row;
+  }
+}
+
+void WeightMap::Update(const FaceSet& faces) {
+  if (faces.Size() != face_weights_.size()) {
+    throw std::invalid_argument("faces must be those of the map: expected " + std::to_string(face_weights_.size()) +
+                                ", got " + std::to_string(faces.Size()));
+  }
+  for (std::size_t i = 0; i < face_weights_.size(); ++i) {
+    const std::int32_t change = faces.Weights()[i] - face_weights_[i];
+    if (change == 0) continue;
+    face_weights_[i] += change;
+    if (wide_.empty()) {
+      AddShadow(faces.At(i), change, &narrow_);
+    } else {
+      AddShadow(faces.At(i), change, &wide_);
+    }
+  }
+}
+
+template <typename Weight>
+void WeightMap::AddShadow(const Face& face, std::int32_t change, std::vector<Weight>* weights) {
+  const RowKernels<Weight>& kernels = RowKernelsFor<Weight>(simd_);
+  const int cols = cells_.x.Count();
+  const std::vector<IndexRange> runs = ShadowOf(face, source_, cells_);
+  for (std::size_t row = 0; row < runs.size(); ++row) {
+    if (runs[row].first >= runs[row].last) continue;
+    kernels.add_number(static_cast<Weight>(change), weights->data() + row * cols + runs[row].first,
+                       runs[row].last - runs[row].first);
+  }
+}
+
+std::int32_t WeightMap::At(int row, int col) const {
+  const std::size_t cell = static_cast<std::size_t>(row) * cells_.x.Count() + col;
+  return wide_.empty() ? narrow_[cell] : wide_[cell];
+}
+
+void WeightMap::WriteValues(const Fading& fading, MapView map) const {
+  const int cols = cells_.x.Count();
+  CheckShape(map, cells_.y.Count(), cols);
+  const FadingRows rows(fading, source_, cells_);
+  // The loops only read stored weights.
+  const auto write = [&](const auto& weights) {
+    using Weight = typename std::decay_t<decltype(weights)>::value_type;
+    const WeightRows<Weight> stored{const_cast<Weight*>(weights.data()), cols, nullptr};
+    rows.Write(RowKernelsFor<Weight>(simd_), {0, cells_.y.Count()}, {0, cols}, stored, map.data(), map.outerStride(),
+               false);
+  };
+  if (wide_.empty()) {
+    write(narrow_);
+  } else {
+    write(wide_);
+  }
+}
+
+}  // namespace robotteamsim::propagation

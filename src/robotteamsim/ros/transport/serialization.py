@@ -1,0 +1,37 @@
+"""Messages and services of genpy's classes as bytes."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from typing import Any
+
+import genpy
+
+from robotteamsim import _ros_transport as roscpp
+
+
+def serialized(message: genpy.Message) -> bytes:
+    """Return the bytes of a message."""
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+def deserialized(message_class: Any, data: bytes) -> Any:
+    """Return a message of a class. Raises: ValueError: the bytes are not such a message."""
+    try:
+        return message_class().deserialize(data)
+    except genpy.DeserializationError as error:
+        raise ValueError(f"not a {message_class._type}: {error}") from None
+
+
+def message_type(message_class: Any) -> roscpp.MessageType:
+    """Return what roscpp needs to know of a message class."""
+    return roscpp.MessageType(
+        message_class._type, message_class._md5sum, message_class._full_text, message_class._has_header
+    )
+
+
+def service_type(service_class: Any) -> roscpp.ServiceType:
+    """Return what roscpp needs to know of a service class."""
+    return roscpp.ServiceType(service_class._type, service_class._md5sum)

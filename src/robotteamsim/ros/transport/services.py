@@ -1,0 +1,36 @@
+"""The services that a node offers and calls."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any
+
+from robotteamsim import _ros_transport as roscpp
+from robotteamsim.ros.transport.serialization import deserialized, serialized, service_type
+
+logger = logging.getLogger(__name__)
+
+
+class Service:
+    """A service that a node offers; each request is served in a thread of its own."""
+
+    def __init__(self, name: str, service_class: Any, serve: Callable[[Any], Any]) -> None:
+        """Advertise. serve: returns the response to a request, messages of the class."""
+        self._name = name
+        self._request_class = service_class._request_class
+        self._serve = serve
+        self._server = roscpp.ServiceServer(name, service_type(service_class), self._respond)
+
+    def _respond(self, data: bytes) -> bytes:
+        try:
+            return serialized(self._serve(deserialized(self._request_class, data)))
+        except Exception:  # The caller gets the message; the node goes on.
+            logger.exception("%s failed", self._name)
+            raise
+
+
+def call_service(name: str, service_class: Any, request: Any, timeout_s: float) -> Any | None:
+    """Call a service; None: it is not there in time [s, wall], or has failed."""
+    response = roscpp.call_service(name, service_type(service_class), serialized(request), timeout_s)
+    return None if response is None else deserialized(service_class._response_class, response)

@@ -1,0 +1,129 @@
+"""What all nodes of a launch must agree on, from the parameter server."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from pydantic import ValidationError
+
+from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.ros.transport.node import ParameterError, node_name, parameter, wait_for_shutdown
+from robotteamsim.scenario import Scenario, load
+from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.sections import Run, Team
+
+PARAMETERS = "/robotteamsim"
+"""Namespace of the parameters that all nodes read."""
+
+SEED = f"{PARAMETERS}/seed"
+"""The parameter by which a seed reaches all nodes; a string, as XML-RPC has integers of 32 bits only."""
+
+WORLD_REPORTS_S = 5.0
+"""How long other nodes leave it to the world to report a mistake in the settings [s, wall]."""
+NOT_SET = -1
+"""Number of robots, or id of the one driven by hand, where none is given."""
+
+NO_CONTROLLERS = "false"
+HOSTED = ("per_robot", "team", NO_CONTROLLERS)
+"""Where controllers run: a process for each robot, one for all, or none at all."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What all nodes must agree on; see docs/ros_api.md for the parameters."""
+
+    scenario: Scenario
+    lockstep: bool
+    controllers: bool
+    teleop: int
+    silence_limit_s: float
+    mission: bool = True
+    """Whether there are an environment and a mission to wait for."""
+
+    @property
+    def controlled(self) -> range:
+        """Ids of the robots that have a controller."""
+        return range(self.num_robots if self.controllers else 0)
+
+    def with_seed(self, seed: int | str) -> Settings:
+        """Return the same settings with another seed. Raises: ParameterError."""
+        try:
+            run = Run.model_validate(self.scenario.run.model_dump() | {"seed": seed})
+        except ValidationError as error:
+            raise ParameterError(str(problems(error, Run)[0])) from None
+        return replace(self, scenario=self.scenario.model_copy(update={"run": run}))
+
+    def drives(self, robot_id: int) -> bool:
+        """Whether the robot's own controller drives it, and not somebody by hand."""
+        return robot_id in self.controlled and robot_id != self.teleop
+
+    @property
+    def step_ns(self) -> int:
+        """Length of a step [ns]."""
+        return round(self.scenario.run.step_s * 1e9)
+
+    @property
+    def num_robots(self) -> int:
+        """Number of robots."""
+        robots = self.scenario.robots
+        return robots.count if isinstance(robots, Team) else len(robots)
+
+
+def read_settings() -> Settings:
+    """Return the settings from the parameter server.
+
+    Raises: ParameterError, ScenarioError. All nodes of a launch find the same mistake: the world reports it at once,
+    which ends the launch, and the others only if they are still running after a while.
+    """
+    try:
+        return _read_settings()
+    except RobotTeamSimError:
+        if node_name() != "/world":
+            wait_for_shutdown(WORLD_REPORTS_S)
+        raise
+
+
+def read_seed(settings: Settings) -> Settings:
+    """Return the settings with the seed of the last reset, for a node that starts again. Raises: ParameterError."""
+    text = parameter(SEED, "")
+    try:
+        return settings.with_seed(int(text) if text.lstrip("-").isdecimal() else text) if text else settings
+    except ParameterError as error:
+        raise ParameterError(f"{PARAMETERS}/{error}") from None
+
+
+def _read_settings() -> Settings:
+    name = parameter(f"{PARAMETERS}/scenario", "")
+    if not name:
+        raise ParameterError(f"{PARAMETERS}/scenario: is not set; expected the name or file of a scenario")
+    overrides = parameter(f"{PARAMETERS}/set", "").split()
+    scenario = load(name, overrides)
+    num_robots = parameter(f"{PARAMETERS}/robots", NOT_SET)
+    if num_robots != NOT_SET and isinstance(scenario.robots, Team) and scenario.robots.count != num_robots:
+        scenario = load(name, [*overrides, f"robots.count={num_robots}"])
+    settings = Settings(
+        scenario,
+        lockstep=parameter(f"{PARAMETERS}/lockstep", False),
+        controllers=_has_controllers(),
+        teleop=parameter(f"{PARAMETERS}/teleop", NOT_SET),
+        silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
+        mission=parameter(f"{PARAMETERS}/mission", True),
+    )
+    if settings.lockstep and not settings.mission:
+        raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False where there is no mission")
+    if num_robots not in (NOT_SET, settings.num_robots):
+        raise ParameterError(
+            f"{PARAMETERS}/robots: {num_robots}; expected {settings.num_robots}, the length of the robots' list in"
+            f" {name}"
+        )
+    if settings.teleop not in range(NOT_SET, settings.num_robots):
+        raise ParameterError(f"{PARAMETERS}/teleop: {settings.teleop}; expected 0 to {settings.num_robots - 1}")
+    return read_seed(settings)
+
+
+def _has_controllers() -> bool:
+    """Return whether there are controllers, in whichever processes. Raises: ParameterError."""
+    hosted = parameter(f"{PARAMETERS}/controllers", "per_robot")
+    if hosted.lower() not in HOSTED:
+        raise ParameterError(f"{PARAMETERS}/controllers: {hosted}; expected {', '.join(HOSTED)}")
+    return bool(hosted.lower() != NO_CONTROLLERS)

@@ -1,0 +1,77 @@
+"""Waits for the messages of the next step. Knows no ROS."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+from robotteamsim.ros.transport.synchronizer import Step, StepSynchronizer
+
+CHECK_PERIOD_S = 1.0
+"""During a wait a node checks this often what is missing [s, wall]."""
+
+Decode = Callable[[bytes], Any]
+"""Makes a value of a serialized message; raises ValueError where it cannot."""
+
+
+class MessageSource(Protocol):
+    """Where messages come from, as `_ros_transport.MessageQueue`."""
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether nothing comes any more."""
+
+    def take(self, timeout_s: float) -> list[tuple[int, int, bytes]]:
+        """Return index of the topic, stamp [ns] and bytes of all that has come; waits for the first one [s, wall]."""
+
+
+class StepReceiver:
+    """Feeds a synchronizer with messages until it has a step."""
+
+    def __init__(
+        self,
+        synchronizer: StepSynchronizer,
+        source: MessageSource,
+        channels: Sequence[tuple[str, Decode]],
+        warn: Callable[[str], object],
+    ) -> None:
+        """Args: channels: by the source's index, a channel's name and how its messages are read."""
+        self._synchronizer = synchronizer
+        self._source = source
+        self._channels = channels
+        self._warn = warn
+        self._unreadable: set[str] = set()
+
+    def take(self) -> Step | None:
+        """Wait for the next step and return it; None when the source is closed."""
+        started_s = time.monotonic()
+        check_s = started_s + CHECK_PERIOD_S
+        self._receive(0.0)
+        while not self._source.is_closed:
+            if (step := self._synchronizer.take_step()) is not None:
+                return step
+            now_s = time.monotonic()
+            if now_s < check_s:
+                self._receive(check_s - now_s)
+                continue
+            check_s += CHECK_PERIOD_S
+            for line in self._synchronizer.check_wait(now_s - started_s):
+                self._warn(line)
+        return None
+
+    def _receive(self, timeout_s: float) -> None:
+        for index, stamp_ns, data in self._source.take(timeout_s):
+            name, decode = self._channels[index]
+            try:
+                message = decode(data)
+            except ValueError as error:
+                self._warn_unreadable(name, error)
+            else:
+                self._synchronizer.add(name, stamp_ns, message)
+
+    def _warn_unreadable(self, name: str, error: ValueError) -> None:
+        """Warn once per channel."""
+        if name not in self._unreadable:
+            self._unreadable.add(name)
+            self._warn(f"{name}: ignoring messages that cannot be read: {error}")

@@ -1,0 +1,270 @@
+"""Puts the stamped messages of several channels together to steps. Knows neither ROS nor threads."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+REPORT_TIMEOUT_S = 10.0
+"""A wait that is longer than this is reported once [s, wall]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """One stream of stamped messages into a node.
+
+    needed:         out of lockstep, a step waits until this channel has brought something new.
+    of_last_step:   in lockstep, the step at t takes the message of the step before t.
+    may_be_silent:  in lockstep, this channel is not waited for while it has been silent for too long.
+    due:            in lockstep, returns by a step's stamp whether there is a message then; None: in every step. Such a
+                    channel has no message in the first step.
+    robot_id:       whose channel it is: silent in the steps in which that robot is not present; None: of no robot.
+    has_presence:   `present` of its messages says which robots are present in the step of their stamp.
+    """
+
+    name: str
+    needed: bool = False
+    of_last_step: bool = False
+    may_be_silent: bool = False
+    due: Callable[[int], bool] | None = None
+    robot_id: int | None = None
+    has_presence: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What a node makes one step from.
+
+    stamp_ns:  of the step.
+    restarted: time has jumped backwards since the last step, so the node has to start again.
+    messages:  per channel what came since the last step, oldest first.
+    """
+
+    stamp_ns: int
+    restarted: bool
+    messages: Mapping[str, Sequence[Any]]
+
+    def latest(self, channel: str) -> Any:
+        """Return the newest message of a channel, or None."""
+        messages = self.messages[channel]
+        return messages[-1] if messages else None
+
+
+@dataclass(slots=True)
+class _Queue:
+    """Messages of one channel; `life` counts how often its stamps have jumped backwards."""
+
+    channel: Channel
+    life: int = 0
+    last_ns: int = -1
+    silent: bool = False
+    skipped: bool = False
+    waiting: list[tuple[int, Any]] = field(default_factory=list)
+
+    def has(self, stamp_ns: int) -> bool:
+        """Whether the message of a stamp has come; forgets older ones."""
+        while self.waiting and self.waiting[0][0] < stamp_ns:
+            del self.waiting[0]
+        return bool(self.waiting) and self.waiting[0][0] == stamp_ns
+
+    def skip(self, stamp_ns: int, life: int) -> None:
+        """Count a step without this robot as if its message had come: later stamps then show whether time jumps."""
+        self.last_ns = max(self.last_ns, stamp_ns) if self.life == life else stamp_ns
+        self.life, self.skipped = life, True
+
+
+class StepSynchronizer(ABC):
+    """Collects messages and hands them out, a step's worth at a time."""
+
+    def __init__(self, channels: Iterable[Channel]) -> None:
+        """Start without messages."""
+        self._queues = {channel.name: _Queue(channel) for channel in channels}
+        self._life = 0
+        self._restarted = False
+        self._present: dict[int, Sequence[int]] = {}
+        """Which robots are present, by the stamps of steps; where a stamp is missing, all are."""
+        self._wait_reported = False
+
+    def add(self, channel: str, stamp_ns: int, message: Any) -> None:
+        """Take a message in."""
+        queue = self._queues[channel]
+        self._accept(queue, stamp_ns, message)
+        if queue.channel.has_presence:
+            self.note_presence(stamp_ns, message.present)
+
+    def note_presence(self, stamp_ns: int, present: Sequence[int]) -> None:
+        """Note which robots are present in a step; for the node that decides it."""
+        if self._present and stamp_ns < next(reversed(self._present)):
+            self._present.clear()
+        self._present[stamp_ns] = present
+
+    def take_step(self) -> Step | None:
+        """Return the next step, or None as long as messages are missing."""
+        if not self._has_step():
+            return None
+        step, self._restarted = self._hand_out(), False
+        self._wait_reported = False
+        return step
+
+    def check_wait(self, waited_s: float) -> list[str]:
+        """Return lines to report about a wait of this length [s, wall]; to be called about once a second."""
+        missing = [queue.channel.name for queue in self._missing()]
+        if not missing or self._wait_reported or waited_s < REPORT_TIMEOUT_S:
+            return []
+        self._wait_reported = True
+        return [f"waiting for {', '.join(missing)}"]
+
+    def _missing(self) -> list[_Queue]:
+        return [queue for queue in self._queues.values() if not self._ready(queue)]
+
+    def _has_step(self) -> bool:
+        return all(map(self._ready, self._queues.values()))
+
+    @staticmethod
+    def _is_absent(queue: _Queue, present: Sequence[int] | None) -> bool:
+        robot_id = queue.channel.robot_id
+        return robot_id is not None and present is not None and not present[robot_id]
+
+    @abstractmethod
+    def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None: ...
+
+    @abstractmethod
+    def _ready(self, queue: _Queue) -> bool: ...
+
+    @abstractmethod
+    def _hand_out(self) -> Step: ...
+
+
+class LatestSynchronizer(StepSynchronizer):
+    """A step is complete when every needed channel has brought something new; it gets all that came meanwhile.
+
+    When the stamps of a needed channel jump back, time has been reset: messages with later stamps are from the time
+    before and are dropped. A channel that lags behind may still bring something of that time; the step that it gets
+    into is followed by another restart as soon as that channel, too, jumps back.
+    """
+
+    def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
+        if queue.channel.needed and stamp_ns < queue.last_ns:
+            self._restarted = True
+            queue.waiting.clear()
+            for other in self._queues.values():
+                other.waiting = [waiting for waiting in other.waiting if waiting[0] <= stamp_ns]
+        queue.last_ns = stamp_ns
+        queue.waiting.append((stamp_ns, message))
+
+    def _ready(self, queue: _Queue) -> bool:
+        return not queue.channel.needed or bool(queue.waiting) or self._is_absent(queue, self._newest_presence())
+
+    def _has_step(self) -> bool:
+        # With no robot present all may be ready, but nothing new has come.
+        return super()._has_step() and any(queue.waiting for queue in self._pacing())
+
+    def _pacing(self) -> list[_Queue]:
+        """Return the queues that a step is made from: those needed; with no robot present, those with presence."""
+        present, queues = self._newest_presence(), self._queues.values()
+        needed = [queue for queue in queues if queue.channel.needed and not self._is_absent(queue, present)]
+        return needed or [queue for queue in queues if queue.channel.has_presence]
+
+    def _newest_presence(self) -> Sequence[int] | None:
+        return next(reversed(self._present.values())) if self._present else None
+
+    def _hand_out(self) -> Step:
+        present = self._newest_presence()
+        for queue in self._queues.values():
+            if self._is_absent(queue, present):
+                queue.waiting.clear()
+        stamp_ns = max(queue.last_ns for queue in self._pacing())
+        self._present = {} if present is None else {stamp_ns: present}
+        messages = {name: tuple(message for _, message in queue.waiting) for name, queue in self._queues.items()}
+        for queue in self._queues.values():
+            queue.waiting.clear()
+        return Step(stamp_ns, self._restarted, messages)
+
+
+class LockstepSynchronizer(StepSynchronizer):
+    """A step is complete when every channel has brought the message of the wanted stamp, and gets exactly that one.
+
+    Every node thus computes on the same inputs in every run. The first step is at `step_ns`, each next one `step_ns`
+    later. A silent channel, and in the first step a channel of the last step, gives nothing. Messages with stamp 0, by
+    which a node announces itself, are never handed out.
+    """
+
+    def __init__(self, channels: Iterable[Channel], *, step_ns: int, silence_limit_s: float) -> None:
+        """Start without messages.
+
+        Args:
+            step_ns: length of a step [ns].
+            silence_limit_s: when a wait is longer than this [s, wall] and only for channels that may be silent, they
+                are given up until they speak again; channels that have not spoken yet are waited for without limit.
+        """
+        super().__init__(channels)
+        self._step_ns = step_ns
+        self._next_ns = step_ns
+        self._silence_limit_s = silence_limit_s
+        self._only_silent = False
+        """Whether at the last check of this wait only channels were missing that may be silent."""
+
+    def restart(self) -> None:
+        """Wait for the first stamp again, in messages yet to come. For the node that turns time back itself."""
+        self._life += 1
+        self._next_ns = self._step_ns
+        self._present.clear()
+
+    def check_wait(self, waited_s: float) -> list[str]:
+        """As for every synchronizer; gives channels up that have been silent for too long."""
+        missing, lines = self._missing(), []
+        only_silent = all(queue.channel.may_be_silent and queue.last_ns > 0 for queue in missing)
+        # Seen twice in a row: it may be others that have only just stopped keeping this node waiting.
+        if only_silent and self._only_silent and waited_s >= self._silence_limit_s:
+            for queue in missing:
+                queue.silent = True
+                lines.append(f"{queue.channel.name} has been silent for {waited_s:.0f} s; going on without it")
+        self._only_silent = only_silent
+        return lines or super().check_wait(waited_s)
+
+    def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
+        if stamp_ns == queue.last_ns and queue.life == self._life:
+            return  # a latched message can arrive twice at a late subscriber
+        if stamp_ns == 0 and queue.skipped:
+            return  # the node of a robot that is not present is late; no step has waited for it
+        queue.skipped = False
+        if queue.channel.due is not None:
+            # It may have had no message before time jumped back, so its stamps do not show that it did. Those of the
+            # others have shown it: the world does not go on to such a step before all have made the first one.
+            if queue.life != self._life:
+                queue.waiting.clear()
+            queue.life = self._life
+        elif stamp_ns <= queue.last_ns:
+            queue.life += 1
+            queue.waiting.clear()
+            if queue.life > self._life:
+                self._life, self._restarted = queue.life, True
+                self._next_ns = self._step_ns
+        queue.last_ns = stamp_ns
+        queue.silent = False
+        queue.waiting.append((stamp_ns, message))
+
+    def _ready(self, queue: _Queue) -> bool:
+        stamp_ns, due = self._wanted_ns(queue), queue.channel.due
+        if (due is not None and not due(stamp_ns)) or self._is_absent(queue, self._present.get(stamp_ns)):
+            return True
+        return queue.silent or stamp_ns == 0 or (queue.life == self._life and queue.has(stamp_ns))
+
+    def _hand_out(self) -> Step:
+        messages = {}
+        for name, queue in self._queues.items():
+            stamp_ns = self._wanted_ns(queue)
+            if self._is_absent(queue, self._present.get(stamp_ns)):
+                queue.skip(stamp_ns, self._life)
+            has_message = stamp_ns > 0 and queue.life == self._life and queue.has(stamp_ns)
+            messages[name] = (queue.waiting.pop(0)[1],) if has_message else ()
+        stamp_ns, self._next_ns = self._next_ns, self._next_ns + self._step_ns
+        for old_ns in [noted_ns for noted_ns in self._present if noted_ns < stamp_ns]:
+            del self._present[old_ns]
+        self._only_silent = False
+        return Step(stamp_ns, self._restarted, messages)
+
+    def _wanted_ns(self, queue: _Queue) -> int:
+        return self._next_ns - self._step_ns if queue.channel.of_last_step else self._next_ns

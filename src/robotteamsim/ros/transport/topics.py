@@ -1,0 +1,99 @@
+"""The topics that a node subscribes to and publishes."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from robotteamsim import _ros_transport as roscpp
+from robotteamsim.ros.transport.node import on_shutdown
+from robotteamsim.ros.transport.serialization import deserialized, message_type, serialized
+from robotteamsim.ros.transport.settings import Settings
+from robotteamsim.ros.transport.step_receiver import Decode, StepReceiver
+from robotteamsim.ros.transport.synchronizer import (
+    Channel,
+    LatestSynchronizer,
+    LockstepSynchronizer,
+    StepSynchronizer,
+)
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """A topic that a node needs, how it is synchronized, and how its messages are read."""
+
+    channel: Channel
+    message_class: type
+    decode: Decode | None = None
+    """None: a message of the class."""
+
+
+class Output:
+    """A topic that a node publishes; a message that nobody gets need not be built."""
+
+    def __init__(
+        self, topic: str, message_class: type, *, latched: bool = False, greeting: Callable[[], Any] | None = None
+    ) -> None:
+        """Advertise. greeting: makes what a new subscriber gets at once, or None for nothing; in a thread of its own.
+
+        No message is dropped, however slow a subscriber is: lockstep waits for each.
+        """
+        self._publisher = roscpp.Publisher(
+            topic,
+            message_type(message_class),
+            latched=latched,
+            greeting=None if greeting is None else partial(_serialized_greeting, greeting),
+        )
+
+    @property
+    def wanted(self) -> bool:
+        """Whether somebody gets the next message, now or (latched) later."""
+        return self._publisher.is_wanted
+
+    @property
+    def num_subscribers(self) -> int:
+        """How many nodes are connected."""
+        return self._publisher.num_subscribers
+
+    def publish(self, message: Any) -> None:
+        """Send a message, unless the node is shutting down."""
+        self._publisher.publish(serialized(message))
+
+
+def make_synchronizer(settings: Settings, inputs: Iterable[Input]) -> StepSynchronizer:
+    """Return how messages become steps: in lockstep, or from the latest of everything."""
+    channels = [an_input.channel for an_input in inputs]
+    if settings.lockstep:
+        return LockstepSynchronizer(channels, step_ns=settings.step_ns, silence_limit_s=settings.silence_limit_s)
+    return LatestSynchronizer(channels)
+
+
+def receive_steps(synchronizer: StepSynchronizer, inputs: Iterable[Input]) -> StepReceiver:
+    """Subscribe to all inputs without limit, and return what gives the steps until the node shuts down."""
+    queue = message_queue()
+    channels = []
+    for an_input in inputs:
+        queue.subscribe(an_input.channel.name, message_type(an_input.message_class))
+        channels.append((an_input.channel.name, an_input.decode or partial(deserialized, an_input.message_class)))
+    return StepReceiver(synchronizer, queue, channels, logger.warning)
+
+
+def message_queue() -> roscpp.MessageQueue:
+    """Return a queue that is closed when the node shuts down."""
+    queue = roscpp.MessageQueue()
+    on_shutdown(queue.close)
+    return queue
+
+
+def _serialized_greeting(greeting: Callable[[], Any]) -> bytes | None:
+    try:
+        message = greeting()
+    except Exception:  # The subscriber gets what is published later; the node goes on.
+        logger.exception("a new subscriber gets no message")
+        return None
+    return None if message is None else serialized(message)

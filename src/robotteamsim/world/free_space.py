@@ -1,0 +1,120 @@
+"""Checks whether a robot or an object has room at a pose in a world as it is now."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from robotteamsim.errors import PlacementError
+from robotteamsim.geometry import Pose
+from robotteamsim.scenario.body import Body
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.objects import MovableObject
+from robotteamsim.scenario.plan import Solid
+from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.world.clearance import TOUCH_M
+from robotteamsim.world.core_parts import still_solids
+from robotteamsim.world.doors import DoorStates, leaf_outline
+
+
+class Occupants(NamedTuple):
+    """Everything in a world that moves.
+
+    robot_poses:  of all robots in `map`, float64, shape (n, 3) [m, m, rad]; NaN where a robot is not present.
+    objects:      each with its pose.
+    """
+
+    robot_poses: np.ndarray
+    objects: Sequence[tuple[MovableObject, Pose]]
+    doors: DoorStates
+
+
+class FreeSpace:
+    """The plan of a world and its team, for checks of poses against what is there now.
+
+    All checks raise PlacementError, which names what is in the way, or ValueError: the pose is not finite.
+    """
+
+    def __init__(self, plan: FloorPlan, robots: Sequence[PlacedRobot]) -> None:
+        self._plan = plan
+        self._robots = robots
+        self._reaches_m = np.array([robot.reach_m for robot in robots])
+        self._solids, self._shapes = still_solids(plan)
+
+    def check_start_poses(self, doors: DoorStates) -> None:
+        """Check the start poses of the robots that are present at the start."""
+        placed = np.full((len(self._robots), 3), math.nan)
+        for robot_id, robot in enumerate(self._robots):
+            if robot.present:
+                pose = Pose(*robot.start_pose)
+                self.check_robot(robot_id, pose, Occupants(placed, (), doors), "start pose")
+                placed[robot_id] = pose.x_m, pose.y_m, pose.yaw_rad
+
+    def check_robot(self, robot_id: int, pose: Pose, others: Occupants, what: str = "pose") -> None:
+        """Check a pose for a robot, wherever it is now; `what` is what messages call the pose."""
+        robot = self._robots[robot_id]
+        place = f"robot_{robot_id}: {what} ({pose.x_m:.2f}, {pose.y_m:.2f})"
+        self._check_point(f"robot_{robot_id}: {what}", place, pose)
+        body = robot.body_at((pose.x_m, pose.y_m, pose.yaw_rad))
+        hit = self._solid_in(body, others.doors)
+        if hit is not None:
+            clearance = "" if robot.footprint_m else f"; expected {robot.radius_m:g} m of clearance"
+            raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'{clearance}")
+        self._check_other_robots(robot_id, pose, body, others.robot_poses, place)
+        for obj, (x_m, y_m, yaw_rad) in others.objects:
+            if body.overlaps(obj.body_at((x_m, y_m, yaw_rad)), TOUCH_M):
+                raise PlacementError(f"{place} is inside {obj.kind} '{obj.name}'")
+
+    def check_object(self, obj: MovableObject, pose: Pose, others: Occupants) -> None:
+        """Check a pose for an object, wherever it is now."""
+        place = f"{obj.kind} '{obj.name}': pose ({pose.x_m:.2f}, {pose.y_m:.2f})"
+        self._check_point(f"{obj.kind} '{obj.name}': pose", place, pose)
+        body = obj.body_at((pose.x_m, pose.y_m, pose.yaw_rad))
+        hit = self._solid_in(body, others.doors)
+        if hit is not None:
+            raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'")
+        for other, (x_m, y_m, yaw_rad) in others.objects:
+            if other.name != obj.name and body.overlaps(other.body_at((x_m, y_m, yaw_rad)), TOUCH_M):
+                raise PlacementError(f"{place} is inside {other.kind} '{other.name}'")
+        for robot_id, (x_m, y_m, yaw_rad) in enumerate(others.robot_poses.tolist()):
+            robot = self._robots[robot_id]
+            is_near = math.dist((pose.x_m, pose.y_m), (x_m, y_m)) < obj.reach_m + robot.reach_m
+            if is_near and body.overlaps(robot.body_at((x_m, y_m, yaw_rad)), TOUCH_M):
+                raise PlacementError(f"{place} is inside robot_{robot_id}")
+
+    def _check_point(self, name: str, place: str, pose: Pose) -> None:
+        if not all(map(math.isfinite, (pose.x_m, pose.y_m, pose.yaw_rad))):
+            raise ValueError(f"{name} must be finite, got {pose}")
+        if not self._plan.bounds.contains((pose.x_m, pose.y_m)):
+            raise PlacementError(f"{place} is outside the plan, {self._plan.bounds}")
+
+    def _check_other_robots(self, robot_id: int, pose: Pose, body: Body, poses: np.ndarray, place: str) -> None:
+        robot = self._robots[robot_id]
+        apart_m = self._reaches_m + (robot.reach_m - TOUCH_M)
+        near = np.hypot(*(poses[:, :2] - (pose.x_m, pose.y_m)).T) < apart_m
+        near[robot_id] = False
+        for other_id in np.flatnonzero(near).tolist():
+            other, (x_m, y_m, yaw_rad) = self._robots[other_id], poses[other_id].tolist()
+            if robot.footprint_m or other.footprint_m:
+                if not body.overlaps(other.body_at((x_m, y_m, yaw_rad)), TOUCH_M):
+                    continue
+                distance = ""
+            else:
+                distance = f"; expected {robot.radius_m + other.radius_m:g} m between them"
+            raise PlacementError(f"{place} is inside robot_{other_id} at ({x_m:.2f}, {y_m:.2f}){distance}")
+
+    def _solid_in(self, body: Body, doors: DoorStates) -> Solid | None:
+        """Return a solid that a body overlaps, or a leaf where it is now; None: there is none."""
+        near = self._shapes.query(body.core, predicate="dwithin", distance=body.margin_m - TOUCH_M)
+        if len(near):
+            return self._solids[int(min(near))]
+        for door in self._plan.doors:
+            corners = leaf_outline(door, doors[door.name])
+            if corners is not None:
+                leaf = Solid(door.name, "door", corners, door)
+                if body.overlaps_shape(leaf.polygon, TOUCH_M):
+                    return leaf
+        return None

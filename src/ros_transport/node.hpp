@@ -1,0 +1,31 @@
+// The one node of this process.
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <string>
+#include <vector>
+
+namespace robotteamsim::ros_transport {
+
+// Registers the process as a node; arguments such as "__name:=world" and "odom:=odometry" rename it and its topics.
+// The node does not listen to /clock: it takes the time from the stamps of its messages.
+void StartNode(const std::string& name, std::vector<std::string> arguments);
+// For what needs a started node. Throws std::logic_error: it is not started.
+ros::NodeHandle StartedNode();
+// False as soon as the node is shutting down.
+bool IsOk();
+// Waits for services that are being served, at most 5 s, and takes everything back from the master.
+void ShutDown();
+
+// Waits until all messages published so far are on their way, as far as sockets take them; at most 0.1 s.
+void WaitUntilSent();
+
+std::string NodeName();
+std::string ResolvedName(const std::string& name);
+
+enum class Level { kDebug, kInfo, kWarning, kError, kFatal };
+// Writes a line to the console and to /rosout.
+void Log(Level level, const std::string& line);
+
+}  // namespace robotteamsim::ros_transport

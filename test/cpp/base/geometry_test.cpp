@@ -1,0 +1,43 @@
+#include "robotteamsim/base/geometry.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "robotteamsim/base/nearest.hpp"
+
+namespace robotteamsim::base {
+namespace {
+
+const double kPi = std::acos(-1.0);
+
+TEST(NormaliseAngle, KeepsPiAndTurnsMinusPiIntoIt) {
+  EXPECT_DOUBLE_EQ(NormaliseAngle(kPi), kPi);
+  EXPECT_DOUBLE_EQ(NormaliseAngle(-kPi), kPi);
+  EXPECT_DOUBLE_EQ(NormaliseAngle(5.0 * kPi / 2.0), kPi / 2.0);
+}
+
+TEST(RelativePose, IsSeenFromTheFirstPose) {
+  const Pose motion = RelativePose({1.0, 2.0, kPi / 2.0}, {0.0, 5.0, -kPi});
+  EXPECT_NEAR(motion.x, 3.0, 1e-12);
+  EXPECT_NEAR(motion.y, 1.0, 1e-12);
+  EXPECT_NEAR(motion.yaw, kPi / 2.0, 1e-12);
+}
+
+TEST(NearestPoint, IsTheFirstOfEquallyNearOnes) {
+  EXPECT_EQ(NearestPoint({0.0, 0.0}, {{3.0, 0.0}, {0.0, -2.0}, {2.0, 0.0}}).y, -2.0);
+  EXPECT_THROW(NearestPoint({0.0, 0.0}, {}), std::invalid_argument);
+}
+
+TEST(ReachedPlaces, AreThoseWithAPointWithinTheirReach) {
+  const std::vector<Point> points{{0.0, 0.0}, {4.0, 0.0}}, places{{1.0, 0.0}, {2.0, 0.0}, {9.0, 0.0}};
+  const std::vector<std::pair<int, int>> expected{{0, 0}, {1, 0}};
+  EXPECT_EQ(ReachedPlaces(points, places, {1.0, 2.0, 3.0}), expected);
+  EXPECT_THROW(ReachedPlaces(points, places, {1.0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace robotteamsim::base

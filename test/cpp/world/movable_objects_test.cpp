@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <stdexcept>
+
+#include "robotteamsim/world/world.hpp"
+
+namespace robotteamsim::world {
+namespace {
+
+const double kPi = std::acos(-1.0);
+const base::Twist kForward{0.7, 0.0, 0.0};
+const Polygon kCrate{{-0.3, -0.2}, {0.3, -0.2}, {0.3, 0.2}, {-0.3, 0.2}};
+
+Robot RobotAt(double x, double y, double yaw) {
+  Robot robot;
+  robot.start = {x, y, yaw};
+  return robot;
+}
+
+World WorldOf(std::vector<Robot> robots, std::vector<MovableObject> objects) {
+  const Polygon wall{{5.0, -5.0}, {5.2, -5.0}, {5.2, 5.0}, {5.0, 5.0}};
+  return World({{wall, {wall}}}, {}, std::move(robots), 0.1, 5, std::move(objects));
+}
+
+void Drive(World& world, const std::vector<base::Twist>& commands, int steps) {
+  for (int i = 0; i < steps; ++i) world.Step(commands);
+}
+
+TEST(MovableObjects, StandExactlyWhereTheyArePlacedUntilTheyArePushed) {
+  World world = WorldOf({RobotAt(0.0, 0.0, kPi)}, {{0.3, 2.0, 0.5, {2.1, 0.3, 0.7}, {}}});
+  Drive(world, {{}}, 20);
+  EXPECT_EQ(world.object_poses()[0].x, 2.1);
+  EXPECT_EQ(world.object_poses()[0].y, 0.3);
+  EXPECT_EQ(world.object_poses()[0].yaw, 0.7);
+}
+
+TEST(MovableObjects, ArePushedAheadAndStopWithThePusher) {
+  World world = WorldOf({RobotAt(0.0, 0.0, 0.0)}, {{0.3, 2.0, 0.5, {1.0, 0.0, 0.0}, {}}});
+  Drive(world, {kForward}, 40);
+  const double robot = world.poses()[0].x, object = world.object_poses()[0].x;
+  EXPECT_GT(object, 2.0);
+  EXPECT_NEAR(object - robot, 0.5, 0.006);
+  EXPECT_TRUE(world.in_contact()[0]);
+  // Slower by friction g M h / m = 0.5 * 9.81 * 2 * 0.02 / 5.
+  EXPECT_NEAR(world.twists()[0].linear_x, 0.7 - 0.0392, 0.005);
+  Drive(world, {{}}, 10);
+  const double rest = world.object_poses()[0].x;
+  Drive(world, {{}}, 10);
+  EXPECT_EQ(world.object_poses()[0].x, rest);
+}
+
+TEST(MovableObjects, GoOnByTheirMomentumAsFarAsTheGroundLetsThem) {
+  World world = WorldOf({RobotAt(0.0, 0.0, 0.0)}, {{0.3, 2.0, 0.1, {1.0, 0.0, 0.0}, {}}});
+  Drive(world, {kForward}, 30);
+  const double let_go = world.object_poses()[0].x, speed = world.twists()[0].linear_x;
+  EXPECT_NEAR(speed, 0.7 - 0.1 * 9.81 * 2.0 * 0.02 / 5.0, 1e-3);
+  Drive(world, {{-0.7, 0.0, 0.0}}, 20);
+  EXPECT_NEAR(world.object_poses()[0].x, let_go + speed * speed / (2.0 * 0.1 * 9.81), 0.01);
+}
+
+TEST(MovableObjects, StopARobotWhenTheyAreTooHeavy) {
+  World world = WorldOf({RobotAt(0.0, 0.0, 0.0)}, {{0.3, 500.0, 0.5, {1.0, 0.0, 0.0}, {}}});
+  Drive(world, {kForward}, 50);
+  EXPECT_NEAR(world.poses()[0].x, 0.5, 0.02);
+  EXPECT_NEAR(world.twists()[0].linear_x, 0.0, 0.01);
+}
+
+TEST(MovableObjects, TurnWhenTheyArePushedAtTheirEnd) {
+  World world = WorldOf({RobotAt(0.0, 0.0, 0.0)}, {{0.0, 2.0, 0.5, {1.0, 0.25, kPi / 2.0}, kCrate}});
+  Drive(world, {kForward}, 30);
+  EXPECT_GT(world.object_poses()[0].yaw, kPi / 2.0 + 0.2);
+}
+
+TEST(MovableObjects, StayBetweenRobotAndWall) {
+  World world = WorldOf({RobotAt(2.0, 0.0, 0.0)}, {{0.0, 2.0, 0.5, {3.0, 0.0, 0.0}, kCrate}});
+  Drive(world, {kForward}, 100);
+  EXPECT_NEAR(world.object_poses()[0].x, 4.7, 0.01);
+  EXPECT_NEAR(world.poses()[0].x, 4.2, 0.02);
+}
+
+TEST(MovableObjects, PushOtherObjects) {
+  World world =
+      WorldOf({RobotAt(0.0, 0.0, 0.0)}, {{0.3, 1.0, 0.5, {1.0, 0.0, 0.0}, {}}, {0.3, 1.0, 0.5, {1.7, 0.0, 0.0}, {}}});
+  Drive(world, {kForward}, 40);
+  EXPECT_NEAR(world.object_poses()[1].x - world.object_poses()[0].x, 0.6, 0.01);
+}
+
+TEST(MovableObjects, RepeatThemselvesToTheBitAfterAReset) {
+  World world = WorldOf({RobotAt(0.0, 0.0, 0.0), RobotAt(1.0, 1.5, -1.5)},
+                        {{0.0, 2.0, 0.5, {1.0, 0.25, 0.4}, kCrate}, {0.25, 3.0, 0.3, {1.9, 0.2, 0.0}, {}}});
+  std::vector<std::vector<base::Pose>> rounds;
+  for (int round = 0; round < 2; ++round) {
+    std::mt19937 random(3);
+    for (int i = 0; i < 100; ++i) {
+      Drive(world, {{0.7, 0.0, 0.1 * static_cast<double>(random() % 5)}, kForward}, 2);
+    }
+    rounds.push_back(world.object_poses());
+    world.Reset();
+    EXPECT_EQ(world.object_poses()[0].yaw, 0.4);
+  }
+  EXPECT_EQ(std::memcmp(rounds[0].data(), rounds[1].data(), 2 * sizeof(base::Pose)), 0);
+}
+
+TEST(MovableObjects, WithoutMassOrGroundAreRefused) {
+  EXPECT_THROW(WorldOf({}, {{0.3, 0.0, 0.5, {}, {}}}), std::invalid_argument);
+  EXPECT_THROW(WorldOf({}, {{0.3, 1.0, 0.0, {}, {}}}), std::invalid_argument);
+  EXPECT_THROW(WorldOf({}, {{0.3, 1.0, 0.5, {}, {{0.0, 0.0}, {1.0, 0.0}}}}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace robotteamsim::world

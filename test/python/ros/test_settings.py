@@ -1,0 +1,114 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.ros.transport import node, settings
+from robotteamsim.ros.transport.node import ParameterError, parameter
+from robotteamsim.ros.transport.settings import read_seed, read_settings
+
+
+@pytest.fixture
+def parameters(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """The parameter server."""
+    values: dict[str, Any] = {"/robotteamsim/scenario": "garage_sar"}
+    monkeypatch.setattr(node, "read_parameter", values.get)
+    monkeypatch.setattr(node.roscpp, "resolved_name", lambda name: name.replace("~", "/node/"))
+    monkeypatch.setattr(settings, "node_name", lambda: "/world")
+    return values
+
+
+@pytest.mark.parametrize(("value", "default", "expected"), [(2, 1.0, 2.0), (2.5, 1.0, 2.5), (7, "", "7"), (3, 0, 3)])
+def test_parameter_takes_the_type_of_its_default(parameters, value, default, expected):
+    parameters["~p"] = value
+    assert parameter("~p", default) == expected
+    assert type(parameter("~p", default)) is type(default)
+
+
+@pytest.mark.parametrize(("value", "default"), [("fast", 1.0), (1.5, 1), (1, True), ("true", False)])
+def test_parameter_of_another_type_is_refused_by_its_full_name(parameters, value, default):
+    parameters["~p"] = value
+    with pytest.raises(ParameterError, match=rf"/node/p: {value!r}; expected {type(default).__name__}"):
+        parameter("~p", default)
+
+
+def test_settings_follow_the_parameters(parameters):
+    parameters |= {
+        "/robotteamsim/set": " run.seed=7  voice.noise_db=20 ",
+        "/robotteamsim/robots": 5,
+        "/robotteamsim/lockstep": True,
+        "/robotteamsim/teleop": 1,
+    }
+    read = read_settings()
+    assert (read.scenario.run.seed, read.scenario.voice.noise_db) == (7, 20.0)
+    assert (read.num_robots, read.lockstep, read.step_ns) == (5, True, 100_000_000)
+    assert [read.drives(robot_id) for robot_id in range(6)] == [True, False, True, True, True, False]
+
+
+def test_seed_of_a_reset_reaches_the_nodes_that_start_again(parameters):
+    parameters["/robotteamsim/set"] = "run.seed=7 run.step_s=0.05"
+    read = read_settings()
+    assert read_seed(read) == read
+    parameters["/robotteamsim/seed"] = str(2**40)
+    assert read_seed(read).scenario.run.seed == read_settings().scenario.run.seed == 2**40
+    assert read_seed(read).with_seed(7) == read
+
+
+@pytest.mark.parametrize(("seed", "line"), [("-1", "seed: -1 is below 0"), ("x", "seed: 'x' is not a whole number")])
+def test_wrong_seed_is_reported(parameters, seed, line):
+    parameters["/robotteamsim/seed"] = seed
+    with pytest.raises(ParameterError, match=rf"/robotteamsim/{line}"):
+        read_settings()
+
+
+def test_without_controllers_every_robot_is_driven_by_others(parameters):
+    parameters["/robotteamsim/controllers"] = False
+    read = read_settings()
+    assert list(read.controlled) == []
+    assert not read.drives(0)
+
+
+def test_robot_driven_by_hand_must_be_one_of_the_team(parameters):
+    parameters["/robotteamsim/teleop"] = 3
+    with pytest.raises(ParameterError, match=r"/robotteamsim/teleop: 3; expected 0 to 2"):
+        read_settings()
+
+
+def test_team_of_none_is_refused(parameters):
+    parameters["/robotteamsim/robots"] = 0
+    with pytest.raises(ScenarioError, match=r"--set: robots.count: 0 is below 1"):
+        read_settings()
+
+
+def test_missing_scenario_is_reported(parameters):
+    del parameters["/robotteamsim/scenario"]
+    with pytest.raises(ParameterError, match=r"/robotteamsim/scenario: is not set; expected the name or file of a"):
+        read_settings()
+
+
+def test_wrong_override_is_reported(parameters):
+    parameters["/robotteamsim/set"] = "voice.noise_bd=20"
+    with pytest.raises(ScenarioError, match=r"--set: voice.noise_bd: unknown key; did you mean 'noise_db'"):
+        read_settings()
+
+
+def test_other_nodes_leave_a_mistake_to_the_world(parameters, monkeypatch):
+    waited_s: list[float] = []
+    monkeypatch.setattr(settings, "wait_for_shutdown", waited_s.append)
+    monkeypatch.setattr(settings, "node_name", lambda: "/robot_0/controller")
+    parameters["/robotteamsim/set"] = "voice.noise_db=99"
+    with pytest.raises(ScenarioError, match="99 is above 80"):
+        read_settings()
+    assert waited_s == [settings.WORLD_REPORTS_S]
+
+
+def test_number_of_robots_must_fit_a_list_of_robots(parameters, tmp_path):
+    file = tmp_path / "two.yaml"
+    file.write_text("name: two\nplan: garage\nrobots: [{start_pose: [4, 5, 0]}, {start_pose: [6, 5, 0]}]\n")
+    parameters |= {"/robotteamsim/scenario": str(file), "/robotteamsim/robots": 3}
+    with pytest.raises(ParameterError, match=r"/robotteamsim/robots: 3; expected 2, the length of the robots' list"):
+        read_settings()
+    parameters["/robotteamsim/robots"] = 2
+    assert read_settings().num_robots == 2
