@@ -82,7 +82,7 @@ def _mistake_in_setting_up(loaded: scenario.Scenario) -> str:
         controllers = Simulation(loaded).controllers
     except RobotTeamSimError as error:
         return str(error).removeprefix(f"{loaded.name}: ")
-    faults = [guard.decide().fault for guard in controllers if guard.controller is None]
+    faults = [guard.fault for guard in controllers if guard.fault]
     return f"control.algorithm: {loaded.control.algorithm}: {faults[0]}" if faults else ""
 
 

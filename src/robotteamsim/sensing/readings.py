@@ -143,26 +143,30 @@ class TeamReadings(Sequence[RobotReading]):
                 further,
                 strict=True,
             )
-            readings = []
-            for robot_id, (truth, twist, odometry, ranges_m, in_contact, rest) in enumerate(rows):
-                angles_rad = self.contact_angles_rad.get(robot_id, ()) if in_contact else ()
-                readings.append(
+            angles_rad = self.contact_angles_rad
+            self._readings = tuple(
+                [
                     RobotReading(
                         PoseReading(*truth),
                         Twist(*twist),
-                        _odometry_reading(odometry),
+                        _odometry_reading(*odometry),
                         ranges_m,
                         in_contact,
-                        angles_rad,
+                        angles_rad.get(robot_id, ()) if in_contact else (),
                         rest,
                     )
-                )
-            self._readings = tuple(readings)
+                    for robot_id, (truth, twist, odometry, ranges_m, in_contact, rest) in enumerate(rows)
+                ]
+            )
         return self._readings
 
 
-def _odometry_reading(row: list[float]) -> OdometryReading:
-    return OdometryReading(PoseReading(*row[:4]), Twist(*row[4:7]), tuple(row[7:13]), tuple(row[13:]))
+def _odometry_reading(
+    x_m: float, y_m: float, qz: float, qw: float, v_x: float, v_y: float, turn: float, *covariances: float
+) -> OdometryReading:
+    """Return the reading in a row of `TeamReadings.odometry`."""
+    pose, twist = PoseReading(x_m, y_m, qz, qw), Twist(v_x, v_y, turn)
+    return OdometryReading(pose, twist, covariances[:6], covariances[6:])
 
 
 def ground_truth_rows(readings: Sequence[RobotReading]) -> np.ndarray:

@@ -51,6 +51,7 @@ class Simulation:
         self._task = Task()
         self._saved: tuple[str, ...] = ()
         self._voice_map_changes = -1
+        self._doors_version = 0
 
     def step(self) -> StepRecord:
         """Advance by one step and return all that happened in it."""
@@ -82,8 +83,10 @@ class Simulation:
         """Move the world by the last decisions; voice, radio and mission follow its doors."""
         self.world.step([decision.twist for decision in self._decisions])
         doors = self.world.door_states()
-        self.environment.follow_doors(doors)
-        self.mission.follow_doors(doors)
+        if doors.version != self._doors_version:
+            self._doors_version = doors.version
+            self.environment.follow_doors(doors)
+            self.mission.follow_doors(doors)
 
     def _deliver(
         self, positions_m: np.ndarray
@@ -98,13 +101,15 @@ class Simulation:
         voices: Sequence[VoiceReading],
         inboxes: Sequence[Sequence[Message]],
     ) -> tuple[Decision, ...]:
-        """Let each controller observe, then each decide."""
+        """Let each controller observe and decide."""
         sim_time_ns, task = self.world.sim_time_ns, self._task
-        controllers = self._present_controllers()
-        received = zip(controllers, readings, voices, inboxes, strict=True)
-        for robot_id, (controller, reading, voice, inbox) in enumerate(received):
-            controller.observe(Observation(robot_id, sim_time_ns, reading, voice), inbox, task)
-        return tuple([controller.decide() for controller in controllers])
+        received = zip(self._present_controllers(), readings, voices, inboxes, strict=True)
+        return tuple(
+            [
+                controller.step(Observation(robot_id, sim_time_ns, reading, voice), inbox, task)
+                for robot_id, (controller, reading, voice, inbox) in enumerate(received)
+            ]
+        )
 
     def _judge(
         self,
@@ -217,10 +222,7 @@ class Simulation:
 class _Absent:
     """The controller of a robot that is not there."""
 
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Ignore everything."""
-
-    def decide(self) -> Decision:
+    def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return no command and no message."""
         return Decision()
 

@@ -27,9 +27,11 @@ def _simulation(hall_scenario, **control) -> Simulation:
         control=Control(algorithm="cover", **control),
         voice=Voice(noise_db=40.0),
     )
-    simulation = Simulation(scenario)
-    simulation.controllers = [CoverController(robot_id, scenario) for robot_id in range(3)]  # to look into them
-    return simulation
+    return Simulation(scenario)
+
+
+def _controllers(simulation: Simulation) -> list[CoverController]:
+    return [guard.controller for guard in simulation.controllers]
 
 
 def test_update_keeps_every_bit_as_a_message():
@@ -47,14 +49,14 @@ def test_team_covers_the_hall_and_announces_the_victim_to_the_base(hall_scenario
     for _ in range(900):
         record = simulation.step()
         heard += [parse_cover_update(m.payload) for m in record.inboxes[0]]
-    base, *others = simulation.controllers
+    base, *others = _controllers(simulation)
     assert record.mission.victims == ("saved",)
     assert base.found == heard[-1].discoveries
     assert len(base.found) == 1
     assert np.hypot(*np.subtract(base.found[0].position_m, (9.0, 4.0))) < 0.5
     assert all(controller.found == base.found for controller in others)
     # All that is left is what nobody can see into.
-    assert all(controller.covered_share > 0.95 for controller in simulation.controllers)
+    assert all(controller.covered_share > 0.95 for controller in _controllers(simulation))
 
 
 def test_base_stays_where_it_starts(hall_scenario):
@@ -69,7 +71,7 @@ def test_base_stays_where_it_starts(hall_scenario):
 def test_message_of_another_floor_or_of_nonsense_is_left_alone(hall_scenario):
     simulation = _simulation(hall_scenario)
     record = simulation.step()
-    controller: CoverController = simulation.controllers[1]
+    controller: CoverController = _controllers(simulation)[1]
     before = controller.covered_share
     observation = _observation(record)
     payloads = [UPDATE.to_json(), "nonsense", json.dumps({"type": "cover", "robot_id": 2})]
@@ -82,7 +84,7 @@ def test_partition_splits_what_robots_know_and_heals(hall_scenario):
     simulation = _simulation(hall_scenario)
     for _ in range(5):
         record = simulation.step()
-    first, second = simulation.controllers[1:]
+    first, second = _controllers(simulation)[1:]
     victim = Discovery("victim", "", 0, (15.0, 5.0), 1.0)
     update = CoverUpdate(0, (1.0, 1.0), None, first._cover.to_hex(), (victim,))
     observation = _observation(record)
@@ -90,7 +92,7 @@ def test_partition_splits_what_robots_know_and_heals(hall_scenario):
     assert (len(first.found), len(second.found)) == (1, 0)
     for _ in range(12):  # the next updates
         simulation.step()
-    assert len(second.found) == len(simulation.controllers[0].found) == 1
+    assert len(second.found) == len(_controllers(simulation)[0].found) == 1
 
 
 def test_base_that_does_not_exist_is_refused():

@@ -1,4 +1,4 @@
-"""A faulty controller stops its robot; why is told in one line."""
+"""A faulty controller stops its robot and gives the reason in one line."""
 
 from __future__ import annotations
 
@@ -38,9 +38,13 @@ def guard(*decisions: object) -> Guard:
     return Guard(1, 3, lambda: Scripted(*decisions))
 
 
+def step(guarded: Guard) -> Decision:
+    return guarded.step(None, (), Task())
+
+
 def test_decisions_of_a_sound_controller_pass_unchanged():
     said = Decision(Twist(0.1, 0.2, 0.3), (Message(1, EVERYBODY, "hello"), Message(1, 2, "you")), goal_m=(1.0, 2.0))
-    assert guard(said).decide() is said
+    assert step(guard(said)) is said
 
 
 @pytest.mark.parametrize(
@@ -84,8 +88,8 @@ def test_decisions_of_a_sound_controller_pass_unchanged():
 )
 def test_faulty_decision_stops_the_robot_for_good_and_says_why(decision, fault):
     guarded = guard(FORWARD, decision, FORWARD)
-    assert guarded.decide() == FORWARD
-    told = [guarded.decide(), guarded.decide()]
+    assert step(guarded) == FORWARD
+    told = [step(guarded), step(guarded)]
     assert told[0].fault.startswith(fault)
     assert "\n" not in told[0].fault
     assert told[0] == told[1] == Decision(fault=told[0].fault)
@@ -100,14 +104,13 @@ def test_numbers_of_numpy_are_numbers():
         search_counter=np.int32(3),
         swarm=np.int64(-1),
     )
-    assert guard(said).decide() is said
+    assert step(guard(said)) is said
 
 
 def test_controller_that_failed_is_not_asked_any_more():
     guarded = guard(ValueError("no"))
-    guarded.observe(None, (), Task())
-    guarded.decide()
-    guarded.observe(None, (), Task())
+    step(guarded)
+    step(guarded)
     assert guarded.controller.num_observed == 1
 
 
@@ -120,11 +123,9 @@ def test_controller_that_raises_in_observe_or_when_made_stops_its_robot():
         raise RuntimeError("no licence")
 
     deaf = Guard(0, 1, Deaf)
-    deaf.observe(None, (), Task())
-    assert re.fullmatch(r"KeyError: 'voice' \(test_guard.py:\d+\)", deaf.decide().fault)
+    assert re.fullmatch(r"KeyError: 'voice' \(test_guard.py:\d+\)", step(deaf).fault)
     never = Guard(0, 1, unmade)
-    never.observe(None, (), Task())
-    assert re.fullmatch(r"RuntimeError: no licence \(test_guard.py:\d+\)", never.decide().fault)
+    assert re.fullmatch(r"RuntimeError: no licence \(test_guard.py:\d+\)", step(never).fault)
 
 
 def test_mistake_of_the_user_concerns_all_and_passes():

@@ -60,10 +60,10 @@ def test_tutorial_class_drives_about_and_touches_nothing_for_long():
 def test_tutorial_class_tells_its_teammates_what_it_hears():
     simulation = Simulation(load("garage_sar", ["control.algorithm=my_controller:MyController", "voice.noise_db=0"]))
     for _ in range(1200):
-        simulation.step()
+        record = simulation.step()
     controllers = [guard.controller for guard in simulation.controllers]
     assert any(controller.heard_of for controller in controllers)
-    assert not any(guard.decide().fault for guard in simulation.controllers)
+    assert not any(decision.fault for decision in record.decisions)
 
 
 def test_command_line_of_the_tutorial_runs_the_class(folder):

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
+from robotteamsim.control import Guard
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.network import EVERYBODY, Message
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
@@ -65,7 +67,7 @@ def _simulation(**keys) -> Simulation:
         mission=Mission(time_limit_s=60.0),
     )
     simulation = Simulation(scenario)
-    simulation.controllers = [Talker(robot_id) for robot_id in range(8)]
+    simulation.controllers = [Guard(robot_id, 8, partial(Talker, robot_id)) for robot_id in range(8)]
     return simulation
 
 

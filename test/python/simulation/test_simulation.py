@@ -139,8 +139,8 @@ def test_stages_follow_the_story(parts, hall_scenario):
         "sensors",
         "environment",
         "observe 0",
-        "observe 1",
         "decide 0",
+        "observe 1",
         "decide 1",
     ]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import logging
 import re
 import traceback
@@ -39,7 +40,8 @@ class Guard:
         """Make the controller by `make`. Raises: RobotTeamSimError, as `make` does."""
         self._robot_id = robot_id
         self._num_robots = num_robots
-        self._fault = ""
+        self.fault = ""
+        """Why the controller was stopped, in one line; "" while it works."""
         self.controller: Controller | None = None
         """None where it could not be made."""
         try:
@@ -49,30 +51,25 @@ class Guard:
         except (Exception, SystemExit) as error:
             self._stop(error)
 
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Let the controller take in what the robot perceives."""
-        if self._fault or self.controller is None:
-            return
+    def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
+        """Let the controller observe and decide, and return its decision.
+
+        Once it has failed, that is the decision to stand still, with the reason.
+        """
+        if self.fault or self.controller is None:
+            return Decision(fault=self.fault)
         try:
             self.controller.observe(observation, inbox, task)
-        except (Exception, SystemExit) as error:
-            self._stop(error)
-
-    def decide(self) -> Decision:
-        """Return the controller's decision; once it has failed, the decision to stand still, with the reason."""
-        if self._fault or self.controller is None:
-            return Decision(fault=self._fault)
-        try:
             decision = self.controller.decide()
-            self._fault = problem_of(decision, self._robot_id, self._num_robots)
+            self.fault = problem_of(decision, self._robot_id, self._num_robots)
         except (Exception, SystemExit) as error:
             self._stop(error)
-        return Decision(fault=self._fault) if self._fault else decision
+        return Decision(fault=self.fault) if self.fault else decision
 
     def _stop(self, error: BaseException) -> None:
         *_, last = traceback.extract_tb(error.__traceback__)
         text = ": ".join(filter(None, (type(error).__name__, " ".join(str(error).split()))))
-        self._fault = f"{text} ({Path(last.filename).name}:{last.lineno})"
+        self.fault = f"{text} ({Path(last.filename).name}:{last.lineno})"
         _logger.debug("controller of robot %d failed", self._robot_id, exc_info=error)
 
 
@@ -80,47 +77,57 @@ def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
     """Return what is wrong with what a controller decided, in a few words; "" where nothing is."""
     if not isinstance(decision, Decision):
         return f"decide returned {_shown(decision)}; expected a Decision"
-    problem = _problem_of_motion(decision) or _problem_of_status(decision)
-    if problem:
-        return problem
+    if not isinstance(decision.twist, Twist) or not _is_finite(decision.twist):
+        return f"decide returned {decision.twist!r:.120}; expected a Twist of finite numbers"
+    if decision.goal_m is not None and not _is_point(decision.goal_m):
+        return f"decide returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
     if not isinstance(decision.outbox, (tuple, list)):
         return f"decide returned the outbox {_shown(decision.outbox)}; expected a tuple of Messages"
     for message in decision.outbox:
         problem = _problem_of_message(message, robot_id, num_robots)
         if problem:
             return problem
-    return ""
-
-
-def _problem_of_motion(decision: Decision) -> str:
     try:
-        if not (isinstance(decision.twist, Twist) and decision.twist.is_finite):
-            raise ValueError
-    except (TypeError, ValueError):
-        return f"decide returned {decision.twist!r:.120}; expected a Twist of finite numbers"
-    try:
-        x_m, y_m = decision.goal_m or (0.0, 0.0)
-        if not isfinite(x_m + y_m):
-            raise ValueError
-    except (TypeError, ValueError):
-        return f"decide returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
-    return ""
+        return _problem_of_status(
+            decision.excluded, decision.swarm, decision.search_counter, decision.local_best, decision.fault
+        )
+    except TypeError:  # not hashable
+        return f"decide returned {_shown(decision)}; expected a status of numbers and text"
 
 
-def _problem_of_status(decision: Decision) -> str:
+# A robot's status changes once per iteration, at most.
+@functools.lru_cache(maxsize=4096, typed=True)
+def _problem_of_status(
+    excluded: object, swarm: object, search_counter: object, local_best: object, fault: object
+) -> str:
     """Return what is wrong with the status in a decision, which ROS messages and bags hold as it is."""
-    swarm, search_counter = decision.swarm, decision.search_counter
-    if not isinstance(decision.excluded, _TRUTHS):
-        return f"decide returned excluded = {decision.excluded!r:.60}; expected True or False"
+    if not isinstance(excluded, _TRUTHS):
+        return f"decide returned excluded = {excluded!r:.60}; expected True or False"
     if not isinstance(swarm, _WHOLE) or not OUTSIDE <= swarm <= _LARGEST:
         return f"decide returned swarm = {swarm!r:.60}; expected a number from 0 on, or {OUTSIDE} for none"
     if not isinstance(search_counter, _WHOLE) or not 0 <= search_counter <= _LARGEST:
         return f"decide returned search_counter = {search_counter!r:.60}; expected a number from 0 on"
-    if not isinstance(decision.local_best, _NUMBERS):
-        return f"decide returned local_best = {decision.local_best!r:.60}; expected a number"
-    if not isinstance(decision.fault, str):
-        return f"decide returned fault = {decision.fault!r:.60}; expected text"
+    if not isinstance(local_best, _NUMBERS):
+        return f"decide returned local_best = {local_best!r:.60}; expected a number"
+    if not isinstance(fault, str):
+        return f"decide returned fault = {fault!r:.60}; expected text"
     return ""
+
+
+def _is_finite(twist: Twist) -> bool:
+    try:
+        # NaN and infinity survive a sum.
+        return isfinite(twist.linear_x_mps + twist.linear_y_mps + twist.angular_z_radps)
+    except TypeError:
+        return False
+
+
+def _is_point(value: Any) -> bool:
+    try:
+        x_m, y_m = value
+        return isfinite(x_m + y_m)
+    except (TypeError, ValueError):
+        return False
 
 
 def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:

@@ -112,8 +112,8 @@ class ControllerSlot:
 
     def step(self, step: Step, task: Task) -> None:
         """Let the controller perceive and decide, and publish what it decided."""
-        self._controller.observe(self._observation(step), self._inbox(step), task)
-        self._publish(step.stamp_ns, self._controller.decide())
+        decision = self._controller.step(self._observation(step), self._inbox(step), task)
+        self._publish(step.stamp_ns, decision)
 
     def _observation(self, step: Step) -> Observation:
         odometry = step.latest(self._odom)
