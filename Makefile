@@ -19,7 +19,7 @@ ARGS ?=
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint bench bench_ros exactness build_fuzz fuzz sanitize wheel pictures clean
+.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness build_fuzz fuzz sanitize wheel pictures clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -73,6 +73,11 @@ lint: build ## ruff, mypy, clang-format, yamllint
 	@clang-format --dry-run -Werror $(CPP_FILES)
 	@yamllint --strict scenarios maps
 	@echo "-- linters: clean"
+
+tidy: build ## clang-tidy over the C++ code; about four minutes on two cores
+	@run-clang-tidy-14 -quiet -p $(BUILD) -j$(JOBS) '^$(CURDIR)/src/(cpp|bindings)/' > $(BUILD)/tidy.log 2>&1 \
+		|| { grep -A3 "error:" $(BUILD)/tidy.log; exit 1; }
+	@echo "-- clang-tidy: clean"
 
 bench: build ## measure the speed of each part as a ratio, into bench/results/speed.csv
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_bench > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }

@@ -44,7 +44,7 @@ propagation::PointMm Transmitter(int turn) {
 }
 
 void RadioMap(benchmark::State& state, base::Simd simd) {
-  if (!base::IsSupported(simd)) return state.SkipWithError("this machine does not have the instruction set");
+  if (!base::IsSupported(simd)) return state.SkipWithError("this machine does not support the instruction set");
   propagation::MapValues map(kGrid.rows, kGrid.cols);
   Run(state, &map, kCells, [&](int turn) {
     propagation::WriteHighest(Garage(), {{Transmitter(turn), kRadio}}, kGrid, map, {1, simd});

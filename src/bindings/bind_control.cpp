@@ -37,9 +37,9 @@ using TwistParts = std::tuple<double, double, double>;
 
 control::Ranges RangesOf(const Scan& scan) { return {scan.data(), scan.size()}; }
 
-TwistParts Drive(control::Navigator& navigator, std::shared_ptr<const plan::PlanningGrid> grid, const base::Pose& pose,
-                 const Scan& ranges_m, const base::Point& goal_m, double speed_mps, std::int64_t sim_time_ns,
-                 const std::function<std::map<int, base::Point>()>& teammates) {
+TwistParts Drive(control::Navigator& navigator, const std::shared_ptr<const plan::PlanningGrid>& grid,
+                 const base::Pose& pose, const Scan& ranges_m, const base::Point& goal_m, double speed_mps,
+                 std::int64_t sim_time_ns, const std::function<std::map<int, base::Point>()>& teammates) {
   const auto ask = [&teammates] {
     const std::map<int, base::Point> places = teammates();
     return control::Navigator::Teammates(places.begin(), places.end());

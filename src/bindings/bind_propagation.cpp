@@ -23,6 +23,7 @@ std::vector<propagation::FieldSource> RadioSources(const propagation::RadioModel
                                                    const std::vector<base::Point>& transmitters, int floors_crossed) {
   const propagation::Fading fading = propagation::RadioFading(model, floors_crossed);
   std::vector<propagation::FieldSource> sources;
+  sources.reserve(transmitters.size());
   for (const base::Point& transmitter : transmitters)
     sources.push_back({propagation::RoundToMm(transmitter, "tx_m"), fading});
   return sources;

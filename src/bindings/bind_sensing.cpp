@@ -3,12 +3,14 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <array>
 #include <memory>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -63,6 +65,7 @@ sensing::TeamReadings Read(sensing::TeamSensors& sensors, const world::World& wo
   const std::vector<sensing::TeamLaser>& lasers = sensors.lasers();
   if (laser_noise_m.size() != lasers.size()) throw std::invalid_argument("each kind of laser must have its noise");
   std::vector<const double*> noise;
+  noise.reserve(lasers.size());
   for (std::size_t i = 0; i < lasers.size(); ++i) {
     noise.push_back(CheckedNoise(laser_noise_m[i], *lasers[i].laser, lasers[i].robots));
   }
@@ -84,6 +87,7 @@ void BindOdometry(nb::module_& m) {
           [](sensing::TeamOdometry* self, const std::vector<std::array<double, 4>>& alphas, double step_s,
              const std::vector<bool>& omni) {
             std::vector<sensing::OdometryModel> models;
+            models.reserve(alphas.size());
             for (const auto& [alpha1, alpha2, alpha3, alpha4] : alphas)
               models.push_back({alpha1, alpha2, alpha3, alpha4});
             new (self) sensing::TeamOdometry(models, step_s, omni);
@@ -132,11 +136,6 @@ void BindTeam(nb::module_& m) {
 }
 
 void BindVoiceSensor(nb::module_& m) {
-  nb::class_<sensing::VoiceReading>(m, "VoiceReading")
-      .def_ro("level_db", &sensing::VoiceReading::level_db)
-      .def_ro("heard", &sensing::VoiceReading::heard)
-      .def_ro("local_best_m", &sensing::VoiceReading::local_best)
-      .def_ro("local_best_level_db", &sensing::VoiceReading::local_best_level_db);
   nb::class_<sensing::VoiceSensor>(m, "VoiceSensor")
       .def(
           "__init__",
@@ -149,7 +148,13 @@ void BindVoiceSensor(nb::module_& m) {
           "origin_m"_a, "resolution_m"_a, "levels_db"_a, "radius_m"_a)
       .def(
           "hear",
-          [](sensing::VoiceSensor& sensor, const Points& positions_m) { return sensor.Hear(PointsOf(positions_m)); },
+          [](sensing::VoiceSensor& sensor, const Points& positions_m) {
+            std::vector<std::tuple<double, bool, base::Point, double>> readings;  // as the members of VoiceReading
+            for (const sensing::VoiceReading& heard : sensor.Hear(PointsOf(positions_m))) {
+              readings.emplace_back(heard.level_db, heard.heard, heard.local_best, heard.local_best_level_db);
+            }
+            return readings;
+          },
           "positions_m"_a);
 }
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import msgspec
+
 
 def normalise_angle(angle_rad: float) -> float:
     """Return the same direction as an angle in (-pi, pi]."""
@@ -37,11 +39,11 @@ class Pose(NamedTuple):
         )
 
 
-class PoseReading(NamedTuple):
+class PoseReading(msgspec.Struct, frozen=True, gc=False):
     """A pose as ROS messages carry it: position and the unit quaternion (0, 0, qz, qw).
 
-    Everything that a controller or a recorder reads goes through this form, so that headless runs and ROS runs
-    see the same bits: yaw -> quaternion -> yaw is not exact in floating point.
+    Controllers and recorders read all poses in this form, so that headless runs and ROS runs see the same bits:
+    yaw -> quaternion -> yaw is not exact in floating point.
     """
 
     x_m: float

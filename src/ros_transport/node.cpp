@@ -1,8 +1,15 @@
 #include "node.hpp"
 
+#include <netinet/in.h>
+#include <ros/connection_manager.h>
+#include <ros/poll_manager.h>
 #include <ros/ros.h>
+#include <ros/xmlrpc_manager.h>
+#include <sys/socket.h>
 
+#include <atomic>
 #include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 
 #include "callbacks.hpp"
@@ -13,6 +20,34 @@ namespace {
 constexpr double kServiceTimeoutS = 5.0;
 // A parameter that says whether the time comes from /clock, where a node looks for it instead of at /use_sim_time.
 constexpr const char* kOwnUseSimTime = "/use_sim_time:=/robotteamsim/use_sim_time";
+
+// So many connections may wait at once to be accepted.
+constexpr int kMaxWaiting = 4096;
+
+// How often roscpp's thread has begun to queue the messages published so far; in between it writes them.
+std::atomic<std::uint64_t> num_rounds{0};
+
+bool ListensOn(int socket, std::uint32_t port) {
+  int listens = 0;
+  socklen_t size = sizeof listens;
+  if (getsockopt(socket, SOL_SOCKET, SO_ACCEPTCONN, &listens, &size) != 0 || listens == 0) return false;
+  sockaddr_in address{};
+  size = sizeof address;
+  // The port lies at the same place in addresses of IPv6.
+  return getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0 && ntohs(address.sin_port) == port;
+}
+
+// roscpp lets 5 callers wait, and 100 subscribers. When hundreds come at once, the kernel resets the connections of
+// others, and not all clients try again.
+void AcceptHundredsAtOnce() {
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    const int file = std::stoi(entry.path().filename());
+    if (ListensOn(file, ros::XMLRPCManager::instance()->getServerPort()) ||
+        ListensOn(file, ros::ConnectionManager::instance()->getTCPPort())) {
+      listen(file, kMaxWaiting);
+    }
+  }
+}
 
 }  // namespace
 
@@ -25,6 +60,8 @@ void StartNode(const std::string& name, std::vector<std::string> arguments) {
   int argc = static_cast<int>(argv.size());
   ros::init(argc, argv.data(), name, ros::init_options::NoSigintHandler);
   ros::start();
+  AcceptHundredsAtOnce();
+  ros::PollManager::instance()->addPollThreadListener([] { ++num_rounds; });
 }
 
 ros::NodeHandle StartedNode() {
@@ -38,6 +75,16 @@ bool IsOk() { return ros::isStarted() && ros::ok() && !ros::isShuttingDown(); }
 void ShutDown() {
   Threaded().Close(kServiceTimeoutS);
   ros::shutdown();
+}
+
+void WaitUntilSent() {
+  // The round that has begun may have missed the last messages; the next one queues and writes them.
+  constexpr int kRounds = 2, kMaxTries = 100;
+  const std::uint64_t begin = num_rounds;
+  for (int tries = 0; tries < kMaxTries && num_rounds < begin + kRounds; ++tries) {
+    ros::PollManager::instance()->getPollSet().signal();
+    ros::WallDuration(0.001).sleep();
+  }
 }
 
 std::string NodeName() { return ros::this_node::getName(); }

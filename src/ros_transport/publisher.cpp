@@ -12,40 +12,53 @@
 
 namespace robotteamsim::ros_transport {
 
-// What roscpp's thread changes when somebody comes or goes.
-struct Publisher::Subscribers {
-  std::atomic<int> count{0};
-  Greeting greeting;
+// What roscpp's thread reads and changes when somebody comes or goes.
+struct Publisher::Shared {
+  const bool latched;
+  const Greeting greeting;
+  std::atomic<int> num_subscribers{0};
+
   std::mutex mutex;
-  // A latched message while it is being published: roscpp would still give a new subscriber the one before, and may
-  // have sent this one to the others already.
-  const RawMessage* under_way = nullptr;
+  ros::PublicationPtr publication;
+  ros::SerializedMessage last;  // of a latched topic
+  std::uint32_t num_published = 0;
+
+  Shared(bool is_latched, Greeting greet) : latched(is_latched), greeting(std::move(greet)) {}
 
   void Add(const ros::SingleSubscriberPublisher& subscriber) {
-    ++count;
-    {
-      const std::lock_guard lock(mutex);
-      if (under_way != nullptr) subscriber.publish(*under_way);
+    ++num_subscribers;
+    if (latched) {
+      if (const std::optional<RawMessage> message = LastMessage()) subscriber.publish(*message);
+    } else if (greeting) {
+      if (const std::optional<RawMessage> message = greeting()) subscriber.publish(*message);
     }
-    if (!greeting) return;
-    if (const std::optional<RawMessage> message = greeting()) subscriber.publish(*message);
+  }
+
+  // None where the last message still waits in roscpp's queue, which the new subscriber gets, too.
+  std::optional<RawMessage> LastMessage() {
+    const std::lock_guard lock(mutex);
+    if (!publication || !last.buf || publication->getSequence() != num_published) return std::nullopt;
+    const auto* begin = reinterpret_cast<const char*>(last.message_start);
+    const auto* end = reinterpret_cast<const char*>(last.buf.get()) + last.num_bytes;
+    return RawMessage{std::string(begin, end)};
   }
 };
 
 Publisher::Publisher(const std::string& topic, const MessageType& type, bool latched, Greeting greeting)
-    : latched_(latched), subscribers_(std::make_shared<Subscribers>()) {
-  subscribers_->greeting = std::move(greeting);
+    : shared_(std::make_shared<Shared>(latched, std::move(greeting))) {
   constexpr int kUnlimited = 0;
   ros::AdvertiseOptions options(
       topic, kUnlimited, type.md5sum, type.name, type.definition,
-      [subscribers = subscribers_](const ros::SingleSubscriberPublisher& subscriber) { subscribers->Add(subscriber); },
-      [subscribers = subscribers_](const ros::SingleSubscriberPublisher&) { --subscribers->count; });
+      [shared = shared_](const ros::SingleSubscriberPublisher& subscriber) { shared->Add(subscriber); },
+      [shared = shared_](const ros::SingleSubscriberPublisher&) { --shared->num_subscribers; });
   options.callback_queue = &Immediate();
-  if (subscribers_->greeting) options.callback_queue = &Threaded();
+  if (!latched && shared_->greeting) options.callback_queue = &Threaded();
   options.latch = latched;
   options.has_header = type.has_header;
   publisher_ = StartedNode().advertise(options);
-  if (!latched) publication_ = ros::TopicManager::instance()->lookupPublication(publisher_.getTopic());
+  publication_ = ros::TopicManager::instance()->lookupPublication(publisher_.getTopic());
+  const std::lock_guard lock(shared_->mutex);
+  shared_->publication = publication_;
 }
 
 void Publisher::Publish(const RawMessage& message) const {
@@ -53,26 +66,21 @@ void Publisher::Publish(const RawMessage& message) const {
   SendEnqueued();
 }
 
-void Publisher::SendEnqueued() { ros::PollManager::instance()->getPollSet().signal(); }
-
 void Publisher::Enqueue(const RawMessage& message) const {
-  if (!IsWanted()) return;
-  if (publication_) {
-    ros::SerializedMessage serialized = ros::serialization::serializeMessage(message);
-    publication_->publish(serialized);
-    return;
+  if (!publication_ || !IsWanted()) return;
+  ros::SerializedMessage serialized = ros::serialization::serializeMessage(message);
+  if (shared_->latched) {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->last = serialized;
+    ++shared_->num_published;
   }
-  const auto set_under_way = [this](const RawMessage* under_way) {
-    const std::lock_guard lock(subscribers_->mutex);
-    subscribers_->under_way = under_way;
-  };
-  set_under_way(&message);
-  publisher_.publish(message);
-  set_under_way(nullptr);
+  publication_->publish(serialized);
 }
 
-bool Publisher::IsWanted() const { return latched_ || num_subscribers() > 0; }
+void Publisher::SendEnqueued() { ros::PollManager::instance()->getPollSet().signal(); }
 
-int Publisher::num_subscribers() const { return subscribers_->count; }
+bool Publisher::IsWanted() const { return shared_->latched || num_subscribers() > 0; }
+
+int Publisher::num_subscribers() const { return shared_->num_subscribers; }
 
 }  // namespace robotteamsim::ros_transport

@@ -18,7 +18,8 @@ class Publisher {
   // Makes what a new subscriber gets at once; called from a thread of its own.
   using Greeting = std::function<std::optional<RawMessage>()>;
 
-  // Nothing is dropped, however slow a subscriber is. latched: a new subscriber gets the last message.
+  // Nothing is dropped, however slow a subscriber is. latched: a new subscriber gets the last message, instead of a
+  // greeting.
   Publisher(const std::string& topic, const MessageType& type, bool latched, Greeting greeting = {});
 
   // Returns at once; messages reach a subscriber in order. Does nothing where nobody gets the message.
@@ -31,14 +32,14 @@ class Publisher {
   int num_subscribers() const;
 
  private:
-  struct Subscribers;
+  struct Shared;
 
-  bool latched_;
-  std::shared_ptr<Subscribers> subscribers_;
+  std::shared_ptr<Shared> shared_;
   ros::Publisher publisher_;
-  // roscpp looks a publisher's topic up by name among all topics of the node for each message, so a world of 300 robots
-  // would be busier with that than with its physics (bench/ros_bench.py). It keeps latched messages with the publisher.
-  ros::PublicationPtr publication_;  // none: latched
+  // Messages go to it directly: ros::Publisher looks the topic up by its name among all topics of the node for each
+  // message, so a world of 300 robots would be busier with that than with its physics (bench/ros_bench.py); and to a
+  // subscriber that comes while messages wait, roscpp's own latch sends the last of them before the others.
+  ros::PublicationPtr publication_;
 };
 
 }  // namespace robotteamsim::ros_transport

@@ -18,7 +18,7 @@ import rospy
 import rostest
 import tf2_ros
 from geometry_msgs.msg import TransformStamped, Twist, Vector3
-from listening import PATIENCE_S, Topic, call, drive, place_m, speed_mps
+from listening import TIMEOUT_S, Topic, call, drive, place_m, speed_mps
 from nav_msgs.msg import OccupancyGrid, Odometry
 from nav_msgs.srv import GetMap
 from rosgraph_msgs.msg import Clock
@@ -28,7 +28,7 @@ from tf2_msgs.msg import TFMessage
 
 SCANS = 30
 TICK_NS, STEP_NS = 20_000_000, 100_000_000
-PATIENCE = rospy.Duration(60)
+TIMEOUT = rospy.Duration(60)
 """[simulated]"""
 CACHE = rospy.Duration(3600)
 """A slow test asks for older transforms than a client does."""
@@ -89,8 +89,8 @@ class ClientsTest(unittest.TestCase):
     def test_slam_gmapping_places_every_scan_in_odom_at_its_stamp(self) -> None:
         odometry = {stamp_ns(message): message for message in self.odometry.messages}
         for scan in self.scans:
-            base = self.transforms.lookup_transform("robot_0/odom", "robot_0/base_link", scan.header.stamp, PATIENCE)
-            laser = self.transforms.lookup_transform("robot_0/odom", scan.header.frame_id, scan.header.stamp, PATIENCE)
+            base = self.transforms.lookup_transform("robot_0/odom", "robot_0/base_link", scan.header.stamp, TIMEOUT)
+            laser = self.transforms.lookup_transform("robot_0/odom", scan.header.frame_id, scan.header.stamp, TIMEOUT)
             self.assertEqual((base.header.stamp, laser.header.stamp), 2 * (scan.header.stamp,))
             if stamp_ns(scan) in odometry:
                 place = base.transform.translation
@@ -106,7 +106,7 @@ class ClientsTest(unittest.TestCase):
         self.assertEqual(beams, 181)
         self.assertAlmostEqual(first_rad + (beams - 1) * increment_rad, last_rad, places=5)
         turn = self.transforms.lookup_transform(
-            "robot_0/base_footprint", self.scans[0].header.frame_id, self.scans[0].header.stamp, PATIENCE
+            "robot_0/base_footprint", self.scans[0].header.frame_id, self.scans[0].header.stamp, TIMEOUT
         ).transform.rotation
         self.assertEqual((turn.x, turn.y), (0.0, 0.0))
 
@@ -121,8 +121,8 @@ class ClientsTest(unittest.TestCase):
     def test_amcl_ties_a_robot_to_the_map_by_its_odom_frame(self) -> None:
         self.locate("robot_0")
         stamp = self.scans[-1].header.stamp
-        there = self.transforms.lookup_transform("map", "robot_0/base_laser_link", stamp, PATIENCE).transform
-        odom = self.transforms.lookup_transform("robot_0/odom", "robot_0/base_laser_link", stamp, PATIENCE).transform
+        there = self.transforms.lookup_transform("map", "robot_0/base_laser_link", stamp, TIMEOUT).transform
+        odom = self.transforms.lookup_transform("robot_0/odom", "robot_0/base_laser_link", stamp, TIMEOUT).transform
         self.assertAlmostEqual(there.translation.x, 4.0 + odom.translation.x)
         self.assertAlmostEqual(yaw_rad(there.rotation), yaw_rad(odom.rotation))
 
@@ -133,7 +133,7 @@ class ClientsTest(unittest.TestCase):
             self.assertTrue(all(map(math.isfinite, scan.ranges)))
             self.assertLessEqual(max(scan.ranges), scan.range_max)
         height_m = self.transforms.lookup_transform(
-            "robot_0/base_footprint", self.scans[0].header.frame_id, self.scans[0].header.stamp, PATIENCE
+            "robot_0/base_footprint", self.scans[0].header.frame_id, self.scans[0].header.stamp, TIMEOUT
         ).transform.translation.z
         self.assertTrue(0.0 < height_m < 2.0)
 
@@ -154,7 +154,7 @@ class ClientsTest(unittest.TestCase):
         self.assertEqual({later - earlier for earlier, later in itertools.pairwise(stamps)}, {STEP_NS})
 
     def test_map_server_saves_the_map_however_late_it_comes(self) -> None:
-        grid = rospy.wait_for_message("/map", OccupancyGrid, PATIENCE_S)
+        grid = rospy.wait_for_message("/map", OccupancyGrid, TIMEOUT_S)
         self.assertEqual(len(grid.data), grid.info.width * grid.info.height)
         self.assertLessEqual(set(grid.data), {-1, 0, 100})
         self.assertGreater(grid.info.resolution, 0.0)
@@ -163,7 +163,7 @@ class ClientsTest(unittest.TestCase):
 
     def test_amcl_gets_the_map_by_service_as_by_topic(self) -> None:
         served = call("/static_map", GetMap).map
-        latched = rospy.wait_for_message("/map", OccupancyGrid, PATIENCE_S)
+        latched = rospy.wait_for_message("/map", OccupancyGrid, TIMEOUT_S)
         self.assertEqual((served.info, served.data), (latched.info, latched.data))
         self.assertEqual(served.header.frame_id, "map")
 
@@ -179,7 +179,7 @@ class ClientsTest(unittest.TestCase):
             self.locate(name)
             self.assertEqual(published[f"/{name}/odom"], "nav_msgs/Odometry")
             self.assertIn("/world", dict(subscribers)[f"/{name}/cmd_vel"])
-            self.assertTrue(self.transforms.can_transform("map", f"{name}/base_link", rospy.Time(0), PATIENCE))
+            self.assertTrue(self.transforms.can_transform("map", f"{name}/base_link", rospy.Time(0), TIMEOUT))
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ import unittest
 import rospy
 import rostest
 from geometry_msgs.msg import Point, Twist, Vector3
-from listening import PATIENCE_S, Topic, call, place_m, speed_mps
+from listening import TIMEOUT_S, Topic, call, place_m, speed_mps
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import FloatMap, MissionEvent, MissionStatus, Victims
 from robotteamsim.srv import SetDoor, SetNoise, SetVictim, Step
@@ -31,7 +31,7 @@ def turned_rad(message: Odometry) -> float:
 
 
 def latched_time() -> rospy.Time:
-    return rospy.wait_for_message("/clock", Clock, PATIENCE_S).clock
+    return rospy.wait_for_message("/clock", Clock, TIMEOUT_S).clock
 
 
 class CommandsTest(unittest.TestCase):

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import rospy
 import rostest
 from geometry_msgs.msg import Pose2D, Twist, Vector3
-from listening import PATIENCE_S, Topic, call, drive, place_m, speed_mps
+from listening import TIMEOUT_S, Topic, call, drive, place_m, speed_mps
 from nav_msgs.msg import OccupancyGrid, Odometry
 from robotteamsim.msg import Areas, Doors, FloatMap, MissionStatus, Victims
 from robotteamsim.srv import RemoveObject, ResetSeed, SetObject, SetPose, SetSpeed
@@ -45,7 +45,7 @@ def stamp_s(message: Odometry) -> float:
 
 
 def latched_time() -> rospy.Time:
-    return rospy.wait_for_message("/clock", Clock, PATIENCE_S).clock
+    return rospy.wait_for_message("/clock", Clock, TIMEOUT_S).clock
 
 
 def places_m(message: MarkerArray) -> list[tuple[float, float]]:
@@ -121,7 +121,7 @@ class ControlsTest(unittest.TestCase):
 
     def test_objects_are_added_moved_and_removed_and_a_reset_takes_them_away(self) -> None:
         objects = Topic("/world/objects", MarkerArray)
-        self.assertTrue(objects.is_connected(PATIENCE_S))
+        self.assertTrue(objects.is_connected(TIMEOUT_S))
         crate = {"name": "crate", "kind": "box", "length_m": 0.6, "width_m": 0.4}
         self.assertTrue(call("/set_object", SetObject, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
         objects.wait_for_after(0, lambda message: places_m(message) == [(12.0, 3.0)], "the crate")
@@ -138,7 +138,7 @@ class ControlsTest(unittest.TestCase):
     def test_subscriber_that_comes_late_to_a_paused_world_gets_all_that_changes_rarely(self) -> None:
         self.assertTrue(call("/pause", Trigger).success)
         for name, kind in LATCHED.items():
-            self.assertIsNotNone(rospy.wait_for_message(name, kind, PATIENCE_S), name)
+            self.assertIsNotNone(rospy.wait_for_message(name, kind, TIMEOUT_S), name)
         self.assertTrue(call("/resume", Trigger).success)
 
     def test_subscriber_that_comes_late_to_a_paused_world_gets_objects_where_they_are(self) -> None:
@@ -147,9 +147,9 @@ class ControlsTest(unittest.TestCase):
         self.assertTrue(call("/set_object", SetObject, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
         for place in ((12.0, 3.0), (13.0, 3.5)):
             self.assertTrue(call("/set_object", SetObject, name="crate", pose=Pose2D(*place, 0.0)).success)
-            self.assertEqual(places_m(rospy.wait_for_message("/world/objects", MarkerArray, PATIENCE_S)), [place])
+            self.assertEqual(places_m(rospy.wait_for_message("/world/objects", MarkerArray, TIMEOUT_S)), [place])
         self.assertTrue(call("/remove_object", RemoveObject, name="crate").success)
-        self.assertEqual(places_m(rospy.wait_for_message("/world/objects", MarkerArray, PATIENCE_S)), [])
+        self.assertEqual(places_m(rospy.wait_for_message("/world/objects", MarkerArray, TIMEOUT_S)), [])
         self.assertTrue(call("/resume", Trigger).success)
 
     def test_object_that_cannot_be_is_refused_with_the_reason(self) -> None:

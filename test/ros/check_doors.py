@@ -12,7 +12,7 @@ from typing import Any
 
 import rospy
 import rostest
-from listening import PATIENCE_S, Topic, call
+from listening import TIMEOUT_S, Topic, call
 from robotteamsim.msg import Doors, MissionStatus
 from robotteamsim.srv import SetDoor
 from rosgraph_msgs.msg import Clock
@@ -64,7 +64,7 @@ class DoorsTest(unittest.TestCase):
         cls.status = Topic("/mission/status", MissionStatus)
         cls.status.wait_for_count(5)
         assert call("/pause", Trigger).success
-        cls.step_index = rospy.wait_for_message("/clock", Clock, PATIENCE_S).clock.to_nsec() // STEP_NS
+        cls.step_index = rospy.wait_for_message("/clock", Clock, TIMEOUT_S).clock.to_nsec() // STEP_NS
         cls.refused = call("/set_door", SetDoor, name="no_such_door", closed=True)
         assert call("/set_door", SetDoor, name=DOOR, closed=True).success
         assert call("/set_door", SetDoor, name=OTHER_DOOR, closed=False).success

@@ -195,10 +195,10 @@ class InterfaceTest(unittest.TestCase):
 
     def test_radio_map_that_cannot_be_is_refused_with_the_reason(self) -> None:
         for robot_id, resolution_m, reason in (
-            (2, 0.0, "robot_id: 2; wanted 0 to 1"),
-            (-1, 0.0, "robot_id: -1; wanted 0 to 1"),
-            (0, 0.01, "resolution_m: 0.01; wanted 0.05 to 10, or 0"),
-            (0, math.nan, "resolution_m: nan; wanted 0.05 to 10, or 0"),
+            (2, 0.0, "robot_id: 2; expected 0 to 1"),
+            (-1, 0.0, "robot_id: -1; expected 0 to 1"),
+            (0, 0.01, "resolution_m: 0.01; expected 0.05 to 10, or 0"),
+            (0, math.nan, "resolution_m: nan; expected 0.05 to 10, or 0"),
         ):
             refused = call("/get_radio_map", GetRadioMap, robot_id=robot_id, resolution_m=resolution_m)
             self.assertEqual((refused.success, refused.message), (False, reason))

@@ -13,7 +13,7 @@ from typing import Any
 import rospy
 import rostest
 from geometry_msgs.msg import Pose2D
-from listening import PATIENCE_S, Topic, call, place_m
+from listening import TIMEOUT_S, Topic, call, place_m
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import MissionStatus, Robots
 from robotteamsim.srv import GetRadioMap, RemoveRobot, SpawnRobot, Step
@@ -77,7 +77,7 @@ class LeavingTest(unittest.TestCase):
         cls.odometry = [Topic(f"/robot_{i}/odom", Odometry) for i in range(4)]
         cls.status.wait_for_count(5)
         assert call("/pause", Trigger).success
-        cls.step_index = rospy.wait_for_message("/clock", Clock, PATIENCE_S).clock.to_nsec() // STEP_NS
+        cls.step_index = rospy.wait_for_message("/clock", Clock, TIMEOUT_S).clock.to_nsec() // STEP_NS
         cls.refused = [
             call("/remove_robot", RemoveRobot, robot_id=4),
             call("/remove_robot", RemoveRobot, robot_id=3),
@@ -128,7 +128,7 @@ class LeavingTest(unittest.TestCase):
             "robot_id must be in 0..3, got 4",
             "robot_3 is not present; it cannot be removed",
             "robot_1 is already present; it cannot be spawned",
-            "robot_3: pose (10.00, 0.20) is inside wall 'south'; wanted 0.2 m of clearance",
+            "robot_3: pose (10.00, 0.20) is inside wall 'south'; expected 0.2 m of clearance",
             "robot_3: pose must be finite",
             "robot_id: 3; that robot is not there",
         ]

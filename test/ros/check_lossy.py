@@ -107,7 +107,7 @@ class LossyTest(unittest.TestCase):
             self.assertGreater(len(heard), 100)
             self.assertEqual({ns: told[ns] for ns in heard}, heard, topic.name)
 
-    def test_result_tells_what_the_base_heard_of(self) -> None:
+    def test_result_has_what_was_delivered_to_the_base(self) -> None:
         result = self.document["result"]
         names = ("discoveries_delivered", "mean_delivery_delay_s", "max_delivery_delay_s")
         self.assertEqual([result[name] for name in names], [getattr(self.result, name) for name in names])

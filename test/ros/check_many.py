@@ -8,7 +8,7 @@ import unittest
 
 import rospy
 import rostest
-from listening import PATIENCE_S, Topic, call
+from listening import TIMEOUT_S, Topic, call
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import Contact
 from robotteamsim.srv import Step
@@ -30,7 +30,7 @@ class ManyTest(unittest.TestCase):
         cls.tf = Topic("/tf", TFMessage)
         cls.topics = [Topic(f"/robot_{i}/{name}", kind) for i in range(ROBOTS) for name, kind in TOPICS.items()]
         for topic in (cls.tf, *cls.topics):
-            if not topic.is_connected(PATIENCE_S):
+            if not topic.is_connected(TIMEOUT_S):
                 raise AssertionError(f"{topic.name}: nobody publishes it")
         call("/step", Step, steps=STEPS)
 

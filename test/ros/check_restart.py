@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger
 
 
 class RestartTest(unittest.TestCase):
-    def test_every_node_begins_anew_however_often_one_asks(self) -> None:
+    def test_every_node_starts_again_however_often_it_is_asked(self) -> None:
         rospy.init_node("restart_test", disable_rostime=True)
         truth = Topic("/robot_1/base_pose_ground_truth", Odometry)
         status = Topic("/mission/status", MissionStatus)
@@ -23,7 +23,7 @@ class RestartTest(unittest.TestCase):
         for _ in range(3):
             begin = len(status.messages)
             for _ in range(3):
-                self.assertEqual(call("/reset", Trigger).message, "begun anew")
+                self.assertEqual(call("/reset", Trigger).message, "reset")
             fresh = status.wait_for_after(begin, lambda message: message.time_s < 1.0, "a fresh mission")
             self.assertLess(fresh.header.stamp.to_sec(), 5.0)
             truth.wait_for(lambda message: speed_mps(message) > 0.3, "a robot that drives")

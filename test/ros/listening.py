@@ -1,4 +1,4 @@
-"""What the test nodes share: topics to wait for, services to call. Nothing here waits longer than PATIENCE_S."""
+"""What the test nodes share: topics to wait for, services to call. Nothing here waits longer than TIMEOUT_S."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from geometry_msgs.msg import Twist
 from robotteamsim.srv import Step
 from std_srvs.srv import Trigger
 
-PATIENCE_S = 30.0
+TIMEOUT_S = 120.0
+"""A busy machine may take this long for what takes a second [s, wall]."""
 
 
 class Topic:
@@ -39,7 +40,7 @@ class Topic:
     def wait_for_count(self, count: int) -> Sequence[Any]:
         """Wait until so many messages have come, and return them."""
         with self._changed:
-            if not self._changed.wait_for(lambda: len(self.messages) >= count, timeout=PATIENCE_S):
+            if not self._changed.wait_for(lambda: len(self.messages) >= count, timeout=TIMEOUT_S):
                 raise AssertionError(f"{self.name}: {len(self.messages)} messages came, {count} were waited for")
             return tuple(self.messages)
 
@@ -52,7 +53,7 @@ class Topic:
         with self._changed:
             found = self._changed.wait_for(
                 lambda: next((message for message in self.messages[index:] if holds(message)), None),
-                timeout=PATIENCE_S,
+                timeout=TIMEOUT_S,
             )
             if found is None:
                 raise AssertionError(f"{self.name}: no message with {what} came")
@@ -65,7 +66,7 @@ class Topic:
 
 def call(name: str, service_class: type, /, **fields: Any) -> Any:
     """Call a service as soon as it is there."""
-    rospy.wait_for_service(name, timeout=PATIENCE_S)
+    rospy.wait_for_service(name, timeout=TIMEOUT_S)
     return rospy.ServiceProxy(name, service_class)(**fields)
 
 

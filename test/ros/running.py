@@ -9,18 +9,20 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-PATIENCE_S = 90.0
-GRACE_S = 20.0
+TIMEOUT_S = 300.0
+"""A busy machine may take this long for what takes seconds [s, wall]."""
+GRACE_S = 30.0
 
 ROSTEST = (sys.executable, "-c", "import rostest; rostest.rostestmain()")
 ROSLAUNCH = (sys.executable, "-c", "import roslaunch; roslaunch.main()")
 
 
 def environment(folder: Path) -> dict[str, str]:
-    """Return an environment in which nothing is left outside the folder and no window opens."""
+    """Return an environment in which programs write only into the folder and open no window."""
     inherited = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
     return inherited | {
         "PWD": str(folder),
@@ -39,6 +41,17 @@ def free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
         return probe.getsockname()[1]
+
+
+def wait_for_port(port: int) -> None:
+    """Wait until somebody listens on a port."""
+    deadline_s = time.monotonic() + TIMEOUT_S
+    while time.monotonic() < deadline_s:
+        with socket.socket() as caller:
+            if caller.connect_ex(("localhost", port)) == 0:
+                return
+        time.sleep(0.05)
+    raise AssertionError(f"nobody listens on port {port}")
 
 
 class Program:
@@ -72,13 +85,13 @@ class Program:
     def wait_for(self, holds: Callable[[str], bool], what: str) -> str:
         """Wait for a line of which something holds, and return it."""
         with self._changed:
-            self._changed.wait_for(lambda: self._ended or any(map(holds, self.lines)), timeout=PATIENCE_S)
+            self._changed.wait_for(lambda: self._ended or any(map(holds, self.lines)), timeout=TIMEOUT_S)
             for line in self.lines:
                 if holds(line):
                     return line
         raise AssertionError(f"no line with {what} came:\n{self.output}")
 
-    def wait(self, timeout_s: float = PATIENCE_S) -> int:
+    def wait(self, timeout_s: float = TIMEOUT_S) -> int:
         """Wait until it has ended by itself, and return its exit status."""
         try:
             status = self.process.wait(timeout_s)
@@ -100,6 +113,8 @@ class Program:
                     os.kill(pid, signal.SIGKILL)
         self.process.wait(GRACE_S)
         self._reader.join(GRACE_S)
+        assert self.process.stdout is not None
+        self.process.stdout.close()
 
     def _read(self) -> None:
         assert self.process.stdout is not None

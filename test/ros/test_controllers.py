@@ -95,7 +95,7 @@ def test_word_that_says_no_place_for_controllers_ends_the_launch_with_one_line(f
     command = (*ROSLAUNCH, "robotteamsim", "garage_sar.launch", "controllers:=tema", "rviz:=false")
     with running(command, folder) as program:
         program.wait()
-    assert program.output.count("/robotteamsim/controllers: tema; wanted per_robot, team, false") == 1
+    assert program.output.count("/robotteamsim/controllers: tema; expected per_robot, team, false") == 1
     assert "Traceback" not in program.output
 
 

@@ -137,7 +137,7 @@ def test_recorded_bag_is_analysed_to_the_totals_of_the_run(run: Run) -> None:
     assert mission == {name: result[name] for name in mission}
     assert [robot.distance_m for robot in analysed.robots] == [robot["distance_m"] for robot in result["robots"]]
     assert [robot.contact_s for robot in analysed.robots] == [robot["contact_s"] for robot in result["robots"]]
-    assert (analysed.trajectory_hash, analysed.left_out) == (result["trajectory_hash"], ())
+    assert (analysed.trajectory_hash, analysed.omitted) == (result["trajectory_hash"], ())
 
 
 def test_recorded_bag_is_analysed_as_the_headless_bag_of_the_same_seed(run: Run, tmp_path: Path) -> None:
@@ -202,7 +202,7 @@ def test_launch_ends_and_names_the_node_that_died(tmp_path: Path) -> None:
     ("argument", "line"),
     [
         ("set:=voice.noise_db=99", "--set: voice.noise_db: 99 is above 80"),
-        ("scenario:=garage_sra", "garage_sra: no scenario of this name is shipped; did you mean 'garage_sar'?"),
+        ("scenario:=garage_sra", "garage_sra: there is no shipped scenario of this name; did you mean 'garage_sar'?"),
     ],
 )
 def test_wrong_argument_ends_the_launch_with_one_line_and_status_2(argument: str, line: str, tmp_path: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import socket
 import subprocess
 import sys
 import time
@@ -16,7 +15,7 @@ import numpy as np
 import pytest
 import yaml
 from PIL import Image
-from running import PATIENCE_S, environment
+from running import TIMEOUT_S, environment, wait_for_port
 
 from robotteamsim.recording import BagWriter
 from robotteamsim.ros.nodes.rviz_view import fitted
@@ -34,9 +33,9 @@ import rospy
 from visualization_msgs.msg import MarkerArray
 
 rospy.init_node("listener", anonymous=True, disable_rostime=True)
+markers = {topic: rospy.wait_for_message(topic, MarkerArray, 300.0).markers for topic in sys.argv[1:]}
 print(json.dumps({
-    topic: [[m.ns, m.id, m.action, m.header.frame_id] for m in rospy.wait_for_message(topic, MarkerArray, 60.0).markers]
-    for topic in sys.argv[1:]
+    topic: [[m.ns, m.id, m.action, m.header.frame_id] for m in of_topic] for topic, of_topic in markers.items()
 }))
 """
 
@@ -47,7 +46,7 @@ from visualization_msgs.msg import MarkerArray
 
 def headline_with(words):
     while True:
-        text = rospy.wait_for_message("/scene/headline", MarkerArray, 60.0).markers[-1].text
+        text = rospy.wait_for_message("/scene/headline", MarkerArray, 300.0).markers[-1].text
         if words in text:
             return text
 
@@ -70,7 +69,7 @@ shown, deleted, heard = set(), set(), queue.Queue()
 
 def look_until(robots):
     while sorted(number for name, number in shown if name == "bodies") != robots:
-        for marker in heard.get(timeout=60.0).markers:
+        for marker in heard.get(timeout=300.0).markers:
             key = marker.ns, marker.id
             if marker.action == Marker.DELETEALL:
                 shown.clear()
@@ -121,23 +120,14 @@ def master(bag) -> Iterator[dict[str, str]]:
         subprocess.run(["rosparam", "set", "/robotteamsim/scenario", "garage_sar"], env=variables, check=True)
         with running([sys.executable, str(ROOT / "scripts" / "scene")], variables):
             listen(variables, "/scene/building")
-            subprocess.run(["rosbag", "play", "-q", "--clock", str(bag)], env=variables, check=True, timeout=PATIENCE_S)
+            subprocess.run(["rosbag", "play", "-q", "--clock", str(bag)], env=variables, check=True, timeout=TIMEOUT_S)
             yield variables
-
-
-def wait_for_port(port: int) -> None:
-    deadline_s = time.monotonic() + PATIENCE_S
-    while time.monotonic() < deadline_s:
-        with socket.socket() as caller:
-            if caller.connect_ex(("localhost", port)) == 0:
-                return
-    pytest.fail(f"nobody listens on port {port}")
 
 
 def listen(variables: dict[str, str], *topics: str) -> dict[str, list[tuple[str, int, int, str]]]:
     """Return namespace, id, action and frame of the markers that a late listener gets."""
     command = [sys.executable, "-c", LISTENER, *topics]
-    answer = subprocess.run(command, env=variables, check=True, capture_output=True, timeout=PATIENCE_S)
+    answer = subprocess.run(command, env=variables, check=True, capture_output=True, timeout=TIMEOUT_S)
     return json.loads(answer.stdout)
 
 
@@ -156,13 +146,13 @@ def test_late_listener_gets_the_whole_scene_of_a_bag_that_has_ended(master):
 
 def test_headline_counts_links_that_are_told_of_after_the_status(master):
     command = [sys.executable, "-c", LATE_NETWORK]
-    answer = subprocess.run(command, env=master, check=True, capture_output=True, timeout=PATIENCE_S, text=True)
+    answer = subprocess.run(command, env=master, check=True, capture_output=True, timeout=TIMEOUT_S, text=True)
     assert "late" in answer.stdout
 
 
 def test_markers_of_a_robot_that_leaves_are_deleted_and_come_back_with_it(master):
     command = [sys.executable, "-c", LEAVING]
-    answer = subprocess.run(command, env=master, check=True, capture_output=True, timeout=PATIENCE_S)
+    answer = subprocess.run(command, env=master, check=True, capture_output=True, timeout=TIMEOUT_S)
     before, while_away, deleted, after = json.loads(answer.stdout)
     assert {tuple(key) for key in before} == {tuple(key) for key in while_away + deleted}
     assert not any(key in while_away for key in deleted)
@@ -189,7 +179,7 @@ def test_view_is_from_so_far_that_the_building_fits(corner, scale):
 def grab(display: str) -> np.ndarray:
     """Return the screen, shape (height, width, 3)."""
     command = ["import", "-display", display, "-window", "root", "-depth", "8", "rgb:-"]
-    data = subprocess.run(command, check=True, capture_output=True, timeout=PATIENCE_S).stdout
+    data = subprocess.run(command, check=True, capture_output=True, timeout=TIMEOUT_S).stdout
     return np.frombuffer(data, dtype=np.uint8).reshape(HEIGHT, WIDTH, 3)
 
 
@@ -209,7 +199,7 @@ def test_rviz_shows_floor_walls_and_robots(master, tmp_path):
         with running(
             rviz, master | {"DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"}, stderr=subprocess.DEVNULL
         ) as process:
-            deadline_s = time.monotonic() + PATIENCE_S
+            deadline_s = time.monotonic() + TIMEOUT_S
             wanted = {"floor": (FLOOR, 100_000), "walls": (WALL, 3_000), "robot 0": (robot_colour(0), 30)}
             missing = list(wanted)
             while missing and time.monotonic() < deadline_s:

@@ -14,7 +14,7 @@ struct Segment {
   Point b;
 };
 
-/// A rigid transform of the plane: base_link in the map frame, or a robot's way within one step [m, m, rad].
+/// A rigid transform of the plane: base_link in the map frame, or a robot's motion within one step [m, m, rad].
 struct Pose {
   double x = 0.0;
   double y = 0.0;
@@ -31,7 +31,7 @@ struct Twist {
 /// Returns the same direction as an angle in (-pi, pi].
 double NormaliseAngle(double angle);
 
-/// Returns the way from `from` to `to`, seen from `from`.
+/// Returns the motion from `from` to `to`, in the frame of `from`.
 Pose RelativePose(const Pose& from, const Pose& to);
 
 }  // namespace robotteamsim::base

@@ -20,7 +20,7 @@ struct Square {
 /// sqrt(large^2 + small^2) for large >= small >= 0, neither near the ends of the range of double.
 inline double Hypot(double large, double small) {
   const double root = std::sqrt(large * large + small * small);
-  // What the root lacks, squared: the heads cancel but for the last digits.
+  // The error of the squared root: the heads cancel except for their last digits.
   const Square x(large), y(small), r(root);
   const double missing = ((x.head - r.head) + y.head) + ((x.tail - r.tail) + y.tail);
   return root + missing / (2.0 * root);
@@ -28,8 +28,8 @@ inline double Hypot(double large, double small) {
 
 }  // namespace hypot_detail
 
-/// sqrt(x^2 + y^2), rounded to the nearest double, to the even one of two: what Python's `math.hypot` and `math.dist`
-/// give, but for such ties and for lengths below 1e-300; the libm of a machine differs from it in one of 100.
+/// Returns sqrt(x^2 + y^2) rounded to the nearest double, ties to even. Python's `math.hypot` and `math.dist` return
+/// the same except for ties and for lengths below 1e-300; the hypot of a C library differs in one case of 100.
 inline double Hypot(double x, double y) {
   const double large = std::max(std::abs(x), std::abs(y)), small = std::min(std::abs(x), std::abs(y));
   if (large > 1e-140 && large < 1e140 && !std::isnan(x + y)) return hypot_detail::Hypot(large, small);

@@ -7,8 +7,9 @@ namespace robotteamsim::base {
 
 /// Returns the decimal logarithm of a normal number x > 0, within 3 units in the last place.
 ///
-/// std::log10 takes other instructions on other processors, and rounds as they do. This one is plain additions,
-/// multiplications and one division without a branch: the same bits on every machine, one by one or vectorised.
+/// std::log10 uses different instructions on different processors and rounds differently. This one consists of
+/// additions, multiplications and one division without a branch: it returns the same bits on every machine, scalar or
+/// vectorised.
 inline double Log10(double x) {
   constexpr std::uint64_t kHalfRootBits = 0x3FE6A09E667F3BCD;  // sqrt(1/2)
   constexpr std::uint64_t kOneBits = 0x3FF0000000000000;

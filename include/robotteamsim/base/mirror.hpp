@@ -5,20 +5,22 @@
 
 namespace robotteamsim::base {
 
-/// Asks for a place that is written soon; no value depends on it.
+/// Prefetches memory that will be written soon; no value depends on it.
 inline void PrefetchToWrite([[maybe_unused]] const void* place) {
 #if defined(__GNUC__)
   __builtin_prefetch(place, 1);
 #endif
 }
 
-/// Rows of a large matrix that are mirrored together: enough that what is written side by side fills cache lines.
+/// Number of rows of a large matrix that are mirrored together: enough that writes fill whole cache lines.
 constexpr Eigen::Index kMirroredRows = 32;
 
-/// Copies what lies above the diagonal in rows top .. end - 1 of a square matrix, or to its last, to below it.
+/// Copies the part above the diagonal of rows top .. end - 1 of a square matrix, or to its last row, below the
+/// diagonal.
 template <typename Matrix>
 void MirrorRows(Eigen::Index top, Eigen::Index end, Matrix* matrix) {
-  constexpr Eigen::Index kAhead = 8;  // rows: each is as far away as a row is long, where no processor looks by itself
+  // rows; they are a whole row apart, which processors do not prefetch by themselves
+  constexpr Eigen::Index kAhead = 8;
   constexpr Eigen::Index kPerLine = 64 / sizeof(typename Matrix::Scalar);
   const Eigen::Index size = matrix->rows();
   end = std::min(end, size);

@@ -7,14 +7,14 @@
 
 namespace robotteamsim::base {
 
-/// Returns the point nearest to a position; of equally near ones the first.
-/// Throws std::invalid_argument where there are no points.
+/// Returns the point nearest to a position; the first of equally near points.
+/// Throws std::invalid_argument if there are no points.
 Point NearestPoint(const Point& position, const std::vector<Point>& points);
 
-/// Returns which places have a point within their reach: the index of each such place, ascending, and the index of the
-/// point nearest to it, the first of equally near ones.
+/// Returns the places that have a point within their reach: the index of each such place, ascending, and the index of
+/// the point nearest to it, the first of equally near points.
 /// Args: reaches: one per place [m].
-/// Throws std::invalid_argument where the number of reaches is another.
+/// Throws std::invalid_argument if the number of reaches differs from that of places.
 std::vector<std::pair<int, int>> ReachedPlaces(const std::vector<Point>& points, const std::vector<Point>& places,
                                                const std::vector<double>& reaches);
 

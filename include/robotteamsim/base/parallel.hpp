@@ -4,11 +4,11 @@
 
 namespace robotteamsim::base {
 
-/// Returns the number of threads: the machine's for 0. Throws std::invalid_argument where it is negative.
+/// Returns the number of threads; 0 means one per core. Throws std::invalid_argument if it is negative.
 int NumThreads(int threads);
 
-/// Calls job(0) .. job(count - 1), each once, from as many threads; the jobs must not write to the same place.
-/// Args: threads: as for NumThreads; 1 is the calling thread alone. Throws the first exception of a job.
+/// Calls job(0) .. job(count - 1), each once, from several threads; the jobs must not write to the same memory.
+/// Args: threads: as for NumThreads; 1: only the calling thread. Throws the first exception of a job.
 void ForEachInParallel(int count, int threads, const std::function<void(int)>& job);
 
 }  // namespace robotteamsim::base

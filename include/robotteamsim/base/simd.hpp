@@ -3,9 +3,9 @@
 #include <stdexcept>
 
 // A hot loop is written once, as a plain inline function, and compiled once per instruction set: the compiler makes it
-// as wide as the target of the function that it is inlined into. -ffp-contract=off keeps it from fusing. A macro with
-// the parameters (name, attributes) defines that function; ROBOTTEAMSIM_FOR_EACH_SIMD expands it for all sets, and
-// SimdVersion picks one. Elsewhere than on x86 all versions are the portable one, and only that is picked.
+// as wide as the target of the function that it is inlined into. -ffp-contract=off prevents fused multiply-adds. A
+// macro with the parameters (name, attributes) defines that function; ROBOTTEAMSIM_FOR_EACH_SIMD expands it for all
+// sets, and SimdVersion picks one. On other machines than x86 all versions are the portable one.
 #if defined(__GNUC__) && defined(__x86_64__)
 #define ROBOTTEAMSIM_HAS_X86_TARGETS 1
 #define ROBOTTEAMSIM_AVX2 __attribute__((target("avx2")))
@@ -31,21 +31,21 @@
 
 namespace robotteamsim::base {
 
-/// The instruction sets that hot loops are compiled for. Values are the same to the bit with each: they do the same
-/// multiplications and additions one by one, never fused.
+/// The instruction sets that hot loops are compiled for. All return the same bits: they do the same multiplications and
+/// additions, never fused.
 enum class Simd { kPortable, kAvx2, kAvx512 };
 
-/// Returns whether this machine has an instruction set.
+/// Returns whether this machine supports an instruction set.
 bool IsSupported(Simd simd);
 
 /// Returns the widest instruction set of this machine.
 Simd BestSimd();
 
 /// Returns the version of a loop for an instruction set: a pointer to a function, or to a table of them.
-/// Throws std::invalid_argument where this machine does not have the instruction set.
+/// Throws std::invalid_argument if this machine does not support the instruction set.
 template <typename Version>
 Version SimdVersion(Simd simd, Version portable, Version avx2, Version avx512) {
-  if (!IsSupported(simd)) throw std::invalid_argument("this machine does not have the requested instruction set");
+  if (!IsSupported(simd)) throw std::invalid_argument("this machine does not support the requested instruction set");
   if (simd == Simd::kAvx512) return avx512;
   return simd == Simd::kAvx2 ? avx2 : portable;
 }

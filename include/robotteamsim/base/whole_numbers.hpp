@@ -4,10 +4,10 @@
 
 namespace robotteamsim::base {
 
-/// Returns the largest whole number that is not above numerator / positive.
+/// Returns floor(numerator / positive).
 inline std::int64_t FloorDivide(std::int64_t numerator, std::int64_t positive) {
-  // Below 2^52 the quotient of doubles is nowhere rounded up to a whole number: it is nearest to it by 1/positive,
-  // which is more than its last bit. A division of doubles takes a third of the time of one of 64-bit integers.
+  // Below 2^52 the quotient of doubles is never rounded up to a whole number: it differs from the next one by at least
+  // 1/positive, which is more than its last bit. Doubles divide about three times as fast as 64-bit integers.
   constexpr std::int64_t kExactInDouble = std::int64_t{1} << 52;
   if (numerator > -kExactInDouble && numerator < kExactInDouble && positive < kExactInDouble) {
     const double quotient = static_cast<double>(numerator) / static_cast<double>(positive);

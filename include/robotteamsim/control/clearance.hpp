@@ -8,7 +8,7 @@
 
 namespace robotteamsim::control {
 
-/// How a robot's laser looks: beams evenly spread over [angle_min, angle_max], `forward` metres ahead of base_link.
+/// The layout of a robot's laser: beams evenly spaced over [angle_min, angle_max], `forward` metres ahead of base_link.
 struct LaserLayout {
   int beams = 181;
   double angle_min = -1.5707963267948966;
@@ -17,40 +17,40 @@ struct LaserLayout {
   double range_max = 5.0;
 };
 
-/// The ranges of one scan [m], in the order of its beams, wherever they are kept.
+/// A view of the ranges of one scan [m], in the order of its beams.
 struct Ranges {
   Ranges(const float* first, std::size_t count) : data(first), size(count) {}
-  Ranges(const std::vector<float>& ranges) : Ranges(ranges.data(), ranges.size()) {}  // NOLINT: they are ranges
+  Ranges(const std::vector<float>& ranges) : Ranges(ranges.data(), ranges.size()) {}  // NOLINT: implicit on purpose
 
   const float* data;
   std::size_t size;
 };
 
-/// A heading [rad, base_link], with what is asked of it again and again.
+/// A heading [rad, base_link] with its cosine and sine.
 struct Direction {
   explicit Direction(double heading);
 
   double heading, cos, sin;
 };
 
-/// How far a disc of `radius` [m] can move from (0, 0) in a direction before it touches a hit, at most `max_distance`
-/// [m]. A hit that is inside the disc already counts only when the way leads towards it (within 60 degrees), so that a
-/// robot can always slide along a wall or leave it. `simd` changes no bit of it.
+/// Returns how far a disc of `radius` [m] can move from (0, 0) in a direction before it touches a hit, at most
+/// `max_distance` [m]. A hit inside the disc counts only if the motion leads towards it (within 60 degrees), so that a
+/// robot can always slide along a wall or leave it. The result does not depend on `simd`.
 double FreeDistanceAmong(const std::vector<base::Point>& hits, const Direction& direction, double radius,
                          double max_distance, base::Simd simd);
 
-/// What one robot's laser says about the room around it.
+/// Free space around a robot, from its laser scans.
 class ScanClearance {
  public:
   explicit ScanClearance(const LaserLayout& layout);
 
-  /// What the beams hit nearer than `max_distance` [m] to base_link, in base_link; beams without return are left out.
+  /// Returns the hits nearer than `max_distance` [m] to base_link, in base_link; beams without a return are left out.
   std::vector<base::Point> Hits(const Ranges& ranges, double max_distance) const;
 
-  /// The same, in the place of what `hits` held.
+  /// The same, replacing the contents of `hits`.
   void FindHits(const Ranges& ranges, double max_distance, std::vector<base::Point>* hits) const;
 
-  /// The FreeDistanceAmong all hits from base_link towards `heading` [rad, base_link].
+  /// Returns the FreeDistanceAmong all hits from base_link towards `heading` [rad, base_link].
   double FreeDistance(const Ranges& ranges, double heading, double radius, double max_distance) const;
 
   /// The same for several directions.
@@ -64,17 +64,16 @@ class ScanClearance {
 
 /// How a robot passes obstacles.
 struct SidestepParameters {
-  double left_penalty =
-      0.25;  ///< cost of a heading to the left, so that robots that meet head-on both keep right [rad]
-  double change_penalty = 0.35;  ///< cost of the other side than in the last step, against dithering [rad]
-  double ahead = 1.6;            ///< a wanted heading beyond this is turned to on the spot [rad]
+  double left_penalty = 0.0;    ///< cost of a heading to the left: robots that meet head-on both keep right [rad]
+  double change_penalty = 0.0;  ///< cost of changing the side, against dithering [rad]
+  double ahead = 0.0;           ///< the robot turns on the spot to desired headings beyond this [rad]
 };
 
-/// Finds one robot's way past what its laser sees. Robots that meet head-on both keep right, and one that has begun to
-/// pass an obstacle on one side stays on it.
+/// Finds headings past the obstacles that a robot's laser sees. Robots that meet head-on both keep right, and a robot
+/// that has begun to pass an obstacle on one side stays on that side.
 class Sidestepper {
  public:
-  /// `headings` [rad, base_link] are those that it may take instead of the wanted one; at least one.
+  /// Args: headings: alternatives to the desired heading [rad, base_link]; at least one.
   Sidestepper(ScanClearance clearance, const std::vector<double>& headings, const SidestepParameters& parameters);
 
   /// A heading [rad, base_link] and how far it is free for a disc of `radius` [m], at most `needed` [m].
@@ -83,8 +82,8 @@ class Sidestepper {
     double free;
   };
 
-  /// The wanted heading where it is free as far as needed, or behind; else the one nearest to it that is free so far;
-  /// else the one that is free the farthest.
+  /// Returns the desired heading if it is free as far as needed, or points backwards; else the nearest heading that is;
+  /// else the heading that is free the farthest.
   FreeHeading Find(const Ranges& ranges, double wanted, double radius, double needed);
 
  private:
@@ -92,7 +91,7 @@ class Sidestepper {
   std::vector<Direction> directions_;
   SidestepParameters parameters_;
   int passing_side_ = 0;
-  std::vector<base::Point> hits_;  ///< of the last scan: kept, as its memory serves the next one
+  std::vector<base::Point> hits_;  ///< of the last scan; a member, so that its memory is reused
 };
 
 }  // namespace robotteamsim::control

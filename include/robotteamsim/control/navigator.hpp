@@ -14,28 +14,28 @@
 
 namespace robotteamsim::control {
 
-/// How a navigator drives.
+/// How a navigator drives; the scenario's `control.navigator` has the defaults.
 struct NavigatorParameters {
-  double arrived = 0.05;        ///< a robot this near to a point is there [m]
-  double laser_margin = 0.04;   ///< kept between the body and the laser's returns; below the map's margin, or planned
-                                ///< paths would be refused [m]
-  double look_ahead = 0.5;      ///< how far ahead a heading must be free [m]
-  double longest_path = 200.0;  ///< the longest path that is searched for [m]
-  double turn_in_place = 0.8;   ///< the robot turns on the spot to headings beyond this [rad]
-  double turn_gain = 3.0;       ///< yaw rate per angle to the heading [1/s]
-  double braking = 1.0;         ///< planned deceleration before obstacles [m/s^2]
-  double manoeuvring_speed = 0.3;  ///< of a car that must turn far [m/s]
-  double room_to_turn = 0.4;       ///< with less room ahead, a car that must turn far drives back [m]
+  double arrived = 0.0;        ///< a robot this near to a point is there [m]
+  double laser_margin = 0.0;   ///< kept between the body and the laser's returns; below the map's margin, or planned
+                               ///< paths would be refused [m]
+  double look_ahead = 0.0;     ///< how far ahead a heading must be free [m]
+  double longest_path = 0.0;   ///< the longest path that is searched for [m]
+  double turn_in_place = 0.0;  ///< the robot turns on the spot to headings beyond this [rad]
+  double turn_gain = 0.0;      ///< yaw rate per angle to the heading [1/s]
+  double braking = 0.0;        ///< planned deceleration before obstacles [m/s^2]
+  double manoeuvring_speed = 0.0;  ///< of a car that must turn far [m/s]
+  double room_to_turn = 0.0;       ///< with less room ahead, a car that must turn far drives back [m]
 
-  double progress = 0.2;            ///< a robot that moves less is stuck [m]
-  double stuck_timeout = 4.0;       ///< a robot that is stuck for longer escapes [s]
-  double yield_timeout = 2.0;       ///< the same beside a teammate of lower id, which has the right of way [s]
-  double escape = 0.7;              ///< length of an escape [m]
-  double escape_time = 3.0;         ///< an escape ends after this time [s]
-  int escape_headings = 16;         ///< number of directions tried around the robot
-  double near_teammate = 1.0;       ///< a teammate this near is beside the robot [m]
-  double nearest_free_start = 1.0;  ///< how far from a blocked position a path may begin [m]
-  double nearest_free_goal = 3.0;   ///< how far from a blocked goal a straight drive may end [m]
+  double progress = 0.0;            ///< a robot that moves less is stuck [m]
+  double stuck_timeout = 0.0;       ///< a robot that is stuck for longer escapes [s]
+  double yield_timeout = 0.0;       ///< the same beside a teammate of lower id, which has the right of way [s]
+  double escape = 0.0;              ///< length of an escape [m]
+  double escape_time = 0.0;         ///< an escape ends after this time [s]
+  int escape_headings = 0;          ///< number of directions tried around the robot
+  double near_teammate = 0.0;       ///< a teammate this near is beside the robot [m]
+  double nearest_free_start = 0.0;  ///< how far from a blocked position a path may begin [m]
+  double nearest_free_goal = 0.0;   ///< how far from a blocked goal a straight drive may end [m]
   SidestepParameters sidestep;
 };
 
@@ -52,24 +52,23 @@ struct NavigatorBody {
 /// Drives one robot to a goal: along the known map, around what the laser sees, and out of jams.
 class Navigator {
  public:
-  /// Robots by their ids, and where they were last heard to be [m, map].
+  /// Robot ids and the last reported positions [m, map].
   using Teammates = std::vector<std::pair<int, base::Point>>;
 
-  /// What is known in one step.
+  /// The inputs of one step.
   struct Situation {
     const plan::PlanningGrid& grid;
     base::Pose pose;
     const Ranges& ranges;
     double time;                                  ///< of the simulation [s]
-    const std::function<Teammates()>& teammates;  ///< asked for only where the robot is stuck
+    const std::function<Teammates()>& teammates;  ///< called only if the robot is stuck
   };
 
-  /// Without `by_path` it drives straight towards its goals, as if there were no map.
+  /// Args: by_path: whether it plans paths on the map; else it drives straight towards its goals.
   Navigator(const NavigatorBody& body, bool by_path, const NavigatorParameters& parameters);
 
-  /// Returns the command of this step. A goal [m, map] inside an obstacle stands for the nearest free point that can be
-  /// reached. `speed` [m/s] is not exceeded. With another grid or goal than in the last step the way is looked for
-  /// anew.
+  /// Returns the command of this step. A goal [m, map] inside an obstacle is replaced by the nearest free point that
+  /// can be reached. `speed` [m/s] is not exceeded. The path is planned again if the grid or the goal has changed.
   base::Twist Drive(const std::shared_ptr<const plan::PlanningGrid>& grid, const base::Pose& pose, const Ranges& ranges,
                     const base::Point& goal, double speed, double time, const std::function<Teammates()>& teammates);
 
@@ -93,10 +92,10 @@ class Navigator {
 
   std::shared_ptr<const plan::PlanningGrid> grid_;
   base::Point goal_;
-  std::vector<base::Point> route_;  ///< points to drive to, one after the other; at least one after the first step
-  std::size_t next_ = 0;            ///< of the route
+  std::vector<base::Point> route_;  ///< points to drive to in turn; not empty after the first step
+  std::size_t next_ = 0;            ///< index in the route
 
-  /// Where and since when the robot makes no progress.
+  /// The position and time since which the robot has made no progress.
   base::Point anchor_{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   double anchor_time_ = 0.0;
   std::optional<base::Point> escape_;

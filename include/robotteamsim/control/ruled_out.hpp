@@ -10,13 +10,13 @@
 
 namespace robotteamsim::control {
 
-/// Where a robot was, and the loudest cell that it heard there; none if it heard nothing.
+/// A robot's position and the loudest cell that it heard there; none if it heard nothing.
 struct HeardNote {
   base::Point position;
   std::optional<base::Point> loudest;
 };
 
-/// The square of 0.25 m in which a robot was and the loudest cell that it heard: notes that agree in both say the same.
+/// The square of 0.25 m that a robot was in and the loudest cell that it heard: notes equal in both are duplicates.
 struct HeardKey {
   explicit HeardKey(const HeardNote& note);
 
@@ -28,7 +28,7 @@ struct HeardKey {
   std::size_t hash;
 };
 
-/// What several robots hear, in an order; made once for all who take note of it.
+/// Notes of several robots in a fixed order, computed once for all that receive them.
 class HeardNotes {
  public:
   explicit HeardNotes(std::vector<HeardNote> notes);
@@ -41,10 +41,10 @@ class HeardNotes {
   std::vector<HeardKey> keys_;
 };
 
-/// What is known of where victims are not.
+/// The places where victims cannot be, as far as known.
 ///
-/// A note rules out all places within `radius` [m] of its robot but the cell, of width `cell` [m], that it hears
-/// loudest, and everything within `next_to` [m].
+/// A note rules out all places within `radius` [m] of its robot except the loudest cell, of width `cell` [m], and
+/// everything within `next_to` [m].
 class RuledOut {
  public:
   RuledOut(double radius, double cell, double next_to);
@@ -52,7 +52,7 @@ class RuledOut {
   /// Forgets all notes.
   void Clear();
 
-  /// Takes note; of notes that say the same, of the first.
+  /// Adds notes; of duplicates only the first.
   void Add(const HeardNote& note) { Add(note, HeardKey(note)); }
   void Add(const HeardNotes& heard);
 
@@ -67,8 +67,8 @@ class RuledOut {
 
   double radius_, cell_, next_to_, bucket_;
   std::vector<HeardKey> known_;
-  /// Where in `known_` a key is, counted from 1, at the place that its hash says or the next; 0: nowhere. Robots of a
-  /// large team hear a hundred notes every second, and each keeps its own: a set of nodes took most of that time.
+  /// A hash table with open addressing: indices in `known_` plus 1; 0: empty. Robots of a large team add a hundred
+  /// notes every second, and each has its own table: std::unordered_set took most of that time.
   std::vector<std::uint32_t> table_;
   std::unordered_map<std::int64_t, std::vector<HeardNote>> buckets_;
 };

@@ -8,14 +8,14 @@
 
 namespace robotteamsim::control {
 
-/// Finds where there is room around a robot, among what some of its beams see.
+/// Finds free places around a robot from some of its beams.
 class Surroundings {
  public:
-  /// `clearance` reads each `stride`-th beam of a scan. Places are looked for along `headings` [rad, base_link].
+  /// Args: clearance: of each `stride`-th beam of a scan; headings: of the candidate places [rad, base_link].
   Surroundings(ScanClearance clearance, int stride, double sensing_radius, const std::vector<double>& headings);
 
-  /// Of the places seen free at half the sensing radius and at all of it, and the robot's own, the one farthest from
-  /// what the beams hit [m, base_link]; nothing where they hit nothing within the radius.
+  /// Returns, of the free places at half the sensing radius and at the whole radius and the robot's own, the place
+  /// farthest from all hits [m, base_link]; nothing without a hit within the radius.
   std::optional<base::Point> ClearestPlace(const Ranges& ranges) const;
 
  private:

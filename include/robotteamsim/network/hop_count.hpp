@@ -8,18 +8,18 @@
 
 namespace robotteamsim::network {
 
-/// Hops between robots.
+/// Numbers of hops between robots.
 using HopCount = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Returns the smallest number of links between all pairs of robots: 0 on the diagonal, -1 where no path exists.
 ///
-/// The same numbers as C of eq. (18-20), by breadth-first search from 256 robots at once [then2014]: a robot
-/// keeps a bit for each that has reached it, and a hop is an OR over its neighbours.
-/// Throws std::invalid_argument where the matrix is not square, or not symmetric, or its diagonal is not zero.
+/// These are the numbers C of eq. (18-20), by breadth-first search from 256 robots at once [then2014]: a robot keeps
+/// one bit per source that has reached it, and a hop is an OR over its neighbours.
+/// Throws std::invalid_argument if the matrix is not square, or not symmetric, or its diagonal is not zero.
 HopCount CountHops(const Eigen::Ref<const Adjacency>& adjacency);
 
 /// Returns the link matrix L of eq. (16) where no path exists and 0 elsewhere: C_break after eq. (21).
-/// Throws std::invalid_argument where the two have different shapes.
+/// Throws std::invalid_argument if the two have different shapes.
 propagation::CellValues BreakMatrix(const Eigen::Ref<const propagation::CellValues>& link,
                                     const Eigen::Ref<const HopCount>& hops);
 

@@ -10,15 +10,15 @@ namespace robotteamsim::network {
 /// A of eq. (17): whether robot i and robot j have a direct link.
 using Adjacency = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "bits are gathered from bytes, lowest first");
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "bits are collected from bytes, lowest first");
 
 /// The links of a team as bits: robot j is bit j % 64 of word j / 64 in the row of robot i. Bits beyond the team are 0.
 class LinkBits {
  public:
   static constexpr int kBitsPerWord = 64;
-  static constexpr int kWordsPerBlock = 4;  ///< 256 bits: four of the narrowest registers, one or two of others
+  static constexpr int kWordsPerBlock = 4;  ///< 256 bits: four of the narrowest registers, one or two of the others
 
-  /// Throws std::invalid_argument where the matrix is not square, or not symmetric, or its diagonal is not zero.
+  /// Throws std::invalid_argument if the matrix is not square, or not symmetric, or its diagonal is not zero.
   explicit LinkBits(const Eigen::Ref<const Adjacency>& adjacency);
 
   int NumRobots() const { return num_robots_; }
@@ -29,7 +29,7 @@ class LinkBits {
   /// Number of links of a robot.
   int Degree(int robot) const;
 
-  /// Returns whether every robot has a way to every other one.
+  /// Returns whether every robot has a path to every other.
   bool IsConnected() const;
 
   const std::uint64_t* Row(int robot) const { return &words_[static_cast<std::size_t>(robot) * num_words_]; }
@@ -44,7 +44,7 @@ class LinkBits {
   std::vector<std::uint64_t> words_;
 };
 
-/// The robots that each robot has a link to, ascending: robots[start[i]] .. robots[start[i + 1] - 1] for robot i.
+/// The neighbours of each robot, ascending: robots[start[i]] .. robots[start[i + 1] - 1] for robot i.
 struct Neighbors {
   explicit Neighbors(const LinkBits& links);
 
@@ -54,8 +54,8 @@ struct Neighbors {
   std::vector<std::int32_t> robots;
 };
 
-/// Sets the smallest number of links from one robot to each that has a way to it, by breadth-first search. Robots that
-/// have none keep their number, which must be negative.
+/// Sets the smallest number of links from one robot to each robot that it has a path to, by breadth-first search. The
+/// others keep their number, which must be negative.
 void SearchFrom(const Neighbors& neighbors, int first, std::vector<std::int32_t>* hops);
 
 }  // namespace robotteamsim::network

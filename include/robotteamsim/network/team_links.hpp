@@ -12,35 +12,36 @@
 
 namespace robotteamsim::network {
 
-/// What makes a link, and what endangers it.
+/// The conditions for a link and for an endangered link.
 struct LinkRule {
   bool by_distance = false;
-  double lost_below = -94.0;        ///< by signal: weaker than this [dBm] is no link
-  double max_distance = 25.0;       ///< by distance: farther than this [m] is no link
-  double endangered_below = -80.0;  ///< a link whose signal is weaker [dBm] is endangered
+  double lost_below = -94.0;        ///< by signal: a weaker signal is not a link [dBm]
+  double max_distance = 25.0;       ///< by distance: robots farther apart have no link [m]
+  double endangered_below = -80.0;  ///< a link with a weaker signal is endangered [dBm]
 };
 
-/// The radio links of a team, step by step. Hops and the Fiedler value are found anew only when a link comes or goes.
+/// The radio links of a team, step by step. Hops and the Fiedler value are computed only if a link appears or
+/// disappears.
 class TeamLinks {
  public:
-  /// Args: faces: the walls, and the doors as they are in each step.
+  /// Args: faces: of walls and doors; doors may change between steps.
   TeamLinks(std::shared_ptr<const propagation::FaceSet> faces, const propagation::RadioModel& model,
             const LinkRule& rule)
       : faces_(std::move(faces)), model_(model), rule_(rule) {}
 
-  /// Takes over the positions of the robots [m].
+  /// Computes the links for these positions [m].
   /// Args: rssi: where to write the signals between all pairs of robots [dBm], 0 on the diagonal;
   ///       link: where to write L of eq. (16), 0 on the diagonal; for links by signal it is the same matrix.
-  /// Throws std::invalid_argument, naming the robot, where a position is not finite.
+  /// Throws std::invalid_argument, naming the robot, if a position is not finite.
   void Step(const Eigen::Ref<const propagation::Positions>& positions, Eigen::Ref<propagation::CellValues> rssi,
             Eigen::Ref<propagation::CellValues> link);
 
-  /// Grows whenever a link comes or goes: equal versions mean equal links, hops and Fiedler values.
+  /// Grows whenever a link appears or disappears: equal versions mean equal links, hops and Fiedler values.
   std::int64_t version() const { return version_; }
   /// Grows whenever a link begins or ceases to be endangered.
   std::int64_t endangered_version() const { return endangered_version_; }
   const Adjacency& adjacency() const { return adjacency_; }
-  /// The links that exist, but with a signal below the limit.
+  /// The links whose signal is below the limit.
   const Adjacency& endangered() const { return endangered_; }
   const HopCount& hops() const { return hops_; }
   double fiedler_value() const { return fiedler_value_; }

@@ -8,7 +8,7 @@
 
 namespace robotteamsim::plan {
 
-/// Which cells of a grid can be reached inside a disc, found for whole rows of up to 64 cells at once.
+/// Finds the cells of a grid that can be reached inside a disc, for rows of up to 64 cells at once.
 class DiscFill {
  public:
   /// `blocked` has one number per cell, row by row; 0 is free.
@@ -27,16 +27,16 @@ class DiscFill {
     std::uint64_t cells;
   };
 
-  /// Sets `reached`, in the order of rows, to the cells that a free one reaches by steps along rows and columns, over
-  /// free cells whose middles are in the disc. Returns false, and sets nothing of worth, where the disc is too wide or
-  /// a middle lies so near to its rim that rounding would decide.
+  /// Sets `reached`, in the order of rows, to the cells that can be reached from a free cell by steps along rows and
+  /// columns over free cells whose middles are in the disc. Returns false, with `reached` undefined, if the disc is too
+  /// wide or a middle is so near to its rim that rounding would decide.
   bool Reach(const Disc& disc, int start_row, int start_col, std::vector<Row>* reached) const;
 
  private:
   std::uint64_t FreeCells(int row, int first_col) const;
 
   int rows_, cols_, words_;
-  std::vector<std::uint64_t> free_;  ///< bits, `words_` of 64 per row; the last is empty
+  std::vector<std::uint64_t> free_;  ///< bits, `words_` words of 64 per row; the last word is empty
 };
 
 }  // namespace robotteamsim::plan

@@ -18,14 +18,14 @@ struct GridShape {
   int cols = 0;
 };
 
-/// The cells that are free for the centre of one robot, and the ways through them.
+/// The cells that are free for the centre of one robot, and the paths through them.
 ///
-/// Ways are 8-connected and never cut a corner: a diagonal step needs both cells beside it free. Equal ways are told
-/// apart by cell index, so that results never depend on chance. Beyond the grid nothing is free. The searches share
-/// scratch memory: one object serves one thread.
+/// Paths are 8-connected and never cut a corner: a diagonal step needs both cells beside it free. Of equally long paths
+/// the cell index decides, so that results are deterministic. Nothing is free beyond the grid. The searches share
+/// scratch memory: use one object per thread.
 class PlanningGrid {
  public:
-  /// A place, and what counts there.
+  /// A place and its value.
   struct Valued {
     base::Point place;
     double value;
@@ -39,45 +39,47 @@ class PlanningGrid {
 
   bool IsFree(const base::Point& point) const;
 
-  /// The centre of the free cell nearest to `point`, or `point` itself where it is free; none within `max_distance`:
-  /// nothing.
+  /// Returns the centre of the free cell nearest to `point`, or `point` itself if it is free; nothing if no cell within
+  /// `max_distance` is free.
   std::optional<base::Point> NearestFree(const base::Point& point, double max_distance) const;
 
-  /// Whether the straight segment crosses free cells only; through a cell corner, both cells beside it count.
+  /// Returns whether the segment crosses only free cells; at a cell corner, both cells beside it count.
   bool IsLineFree(const base::Point& a, const base::Point& b) const;
 
-  /// Length of the shortest way from every cell to `goal` [m]; infinity where there is none or the cell is blocked.
+  /// Returns the length of the shortest path from every cell to `goal` [m]; infinity if there is none or the cell is
+  /// blocked.
   std::vector<float> DistanceMap(const base::Point& goal) const;
 
-  /// Value of `field` (a DistanceMap of `size` cells) in the cell of a point; infinity beyond the grid.
-  double ValueAt(const float* field, std::size_t size, const base::Point& point) const;
+  /// Returns the value of `distances` (a DistanceMap of `size` cells) in the cell of a point; infinity beyond the grid.
+  double ValueAt(const float* distances, std::size_t size, const base::Point& point) const;
 
-  /// Cell centres of a shortest way, the cells of `from` and `to` included (A*). Empty if an end is blocked or no way
-  /// of at most `max_length` [m] exists.
+  /// Returns the cell centres of a shortest path, the cells of `from` and `to` included (A*). Empty if an end is
+  /// blocked or no path of at most `max_length` [m] exists.
   std::vector<base::Point> ShortestPath(const base::Point& from, const base::Point& to, double max_length) const;
 
-  /// The corners that remain of a way when every stretch with free line of sight becomes straight.
+  /// Returns the corners that remain of a path when every stretch with free line of sight becomes straight.
   std::vector<base::Point> Shortcut(const std::vector<base::Point>& path) const;
 
-  /// Of the cells within `radius` [m] of `from` that can be reached from it inside that disc, the centre of the one
-  /// with the least value of `field` (a DistanceMap); nothing where `from` is blocked or all are infinite.
-  std::optional<Valued> LeastReachable(const float* field, std::size_t size, const base::Point& from,
+  /// Returns, of the cells within `radius` [m] of `from` that can be reached from it inside that disc, the centre of
+  /// the cell with the least value of `distances` (a DistanceMap); nothing if `from` is blocked or all are infinite.
+  std::optional<Valued> LeastReachable(const float* distances, std::size_t size, const base::Point& from,
                                        double radius) const;
 
-  /// Of the same cells, the centre of the one nearest to `to`; nothing where `from` is blocked.
+  /// Returns, of the same cells, the centre of the cell nearest to `to`; nothing if `from` is blocked.
   std::optional<base::Point> NearestReachable(const base::Point& from, const base::Point& to, double radius) const;
 
-  /// `goal` where the straight way to it is free; else the place nearest to it that can be reached close by.
+  /// Returns `goal` if the straight path to it is free; else the place nearest to it that can be reached close by.
   base::Point ReachableTowards(const base::Point& from, const base::Point& goal) const;
 
-  /// Where a shortest way first bends, and its whole length [m]. The bend is `goal` itself, at its straight distance,
-  /// where the straight way is free or there is no way of at most `max_length` [m].
+  /// Returns the first bend of a shortest path and the length of the whole path [m]. The bend is `goal` itself, at its
+  /// straight distance, if the straight path is free or no path of at most `max_length` [m] exists.
   Valued FirstStretch(const base::Point& from, const base::Point& goal, double max_length) const;
 
-  /// `goal` as the way to it begins: at the way's length, in the direction of its first stretch.
+  /// Returns a point at the length of the path to `goal`, in the direction of its first stretch.
   base::Point AlongPath(const base::Point& from, const base::Point& goal, double max_length) const;
 
-  /// Of all free cells within `radius` [m] of `center`, the centre of the one nearest to `to`, as the crow flies.
+  /// Returns, of all free cells within `radius` [m] of `center`, the centre of the cell with the least straight
+  /// distance to `to`.
   std::optional<base::Point> NearestInDisc(const base::Point& center, const base::Point& to, double radius) const;
 
  private:
@@ -109,9 +111,9 @@ class PlanningGrid {
   std::vector<std::uint8_t> blocked_;
   std::vector<Step> steps_;
   DiscFill disc_fill_;
-  std::vector<std::uint8_t> exits_;  ///< bit i: step i leads from this free cell to a free one and cuts no corner
+  std::vector<std::uint8_t> exits_;  ///< bit i: step i leads from this free cell to a free cell and cuts no corner
 
-  // A cell's scratch entries count only where its stamp is the current search's, which saves clearing them.
+  // A cell's scratch entries are valid only if its stamp is that of the current search: they need not be cleared.
   mutable std::uint32_t search_ = 0;
   mutable std::vector<std::uint32_t> stamp_;
   mutable std::vector<double> length_;

@@ -20,7 +20,7 @@ inline base::Point CellCenter(const plan::GridShape& grid, int row, int col) {
   return {grid.origin.x + (col + 0.5) * grid.resolution, grid.origin.y + (row + 0.5) * grid.resolution};
 }
 
-/// Indices from first to before last.
+/// Indices from first to last - 1.
 struct IndexRange {
   int first = 0;
   int last = 0;
@@ -29,22 +29,22 @@ struct IndexRange {
 /// The centres of a grid's cells along one axis [mm], ascending.
 struct CentersMm {
   std::vector<std::int64_t> at;
-  std::int64_t pitch = 0;  ///< from each to the next; 0 where that differs
+  std::int64_t pitch = 0;  ///< distance of neighbours; 0 if it varies
   double per_mm = 0.0;     ///< 1 / mean pitch
 
   int Count() const { return static_cast<int>(at.size()); }
 
-  /// Returns the first index whose centre is >= position; Count() where there is none.
+  /// Returns the first index whose centre is >= position; Count() if there is none.
   int FirstFrom(std::int64_t position) const;
 };
 
-/// The centres of a grid's cells in whole millimetres. Where the resolution is a whole number of them, so is the
-/// pitch: the first centre is rounded and the others follow. Else each centre is rounded.
+/// The centres of a grid's cells in whole millimetres. If the resolution is a whole number of millimetres, so is the
+/// pitch: only the first centre is rounded. Else each centre is rounded.
 struct CellCentersMm {
   CentersMm x;  ///< of the columns
   CentersMm y;  ///< of the rows
 
-  /// Throws std::invalid_argument where the grid has no cell or no size, or lies beyond 1000 km.
+  /// Throws std::invalid_argument if the grid has no cell or no size, or lies beyond 1000 km.
   explicit CellCentersMm(const plan::GridShape& grid);
 
   PointMm At(int row, int col) const { return {x.at[col], y.at[row]}; }

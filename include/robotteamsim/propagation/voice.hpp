@@ -11,12 +11,12 @@
 
 namespace robotteamsim::propagation {
 
-/// How a call for help fades [dissertation, eq. 7]; the walls are in the faces, in units that they share with the
-/// model: half walls of eq. (6), or halves of a millimetre of thickness for eq. (5).
+/// The fading of a call for help [dissertation, eq. 7]. The unit of the faces is half a wall for eq. (6), or half a
+/// millimetre of thickness for eq. (5).
 struct VoiceModel {
-  double noise_db = 0.0;        ///< background noise: a weaker voice is not heard
-  double unit_db = 0.0;         ///< what one unit of weight of the faces costs
-  double min_distance_m = 0.0;  ///< distances below count as this
+  double noise_db = 0.0;        ///< background noise: weaker voices are not heard
+  double unit_db = 0.0;         ///< loss per unit of the faces
+  double min_distance_m = 0.0;  ///< lower limit of distances
 };
 
 /// One calling victim.
@@ -29,11 +29,11 @@ struct VoiceSource {
 /// Whether a cell is solid, one matrix row per row of cells.
 using SolidCells = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Returns -l_c - 10 gamma log10(d) - walls of eq. (7) [dB], whatever the noise.
+/// Returns -l_c - 10 gamma log10(d) - walls of eq. (7) [dB], regardless of the noise.
 double VoiceLevelDb(const FaceSet& faces, const VoiceModel& model, const VoiceSource& source, PointMm at);
 
-/// Writes the highest level of all sources at the centre of every cell [dB]; 0 where it is below the noise, and in
-/// solid cells. Throws std::invalid_argument where `solid` or `map` does not fit the grid.
+/// Writes the highest level of all sources at the centre of every cell [dB]; 0 below the noise and in solid cells.
+/// Throws std::invalid_argument if `solid` or `map` does not fit the grid.
 void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources,
                    const plan::GridShape& grid, const Eigen::Ref<const SolidCells>& solid, MapView map,
                    const MapWork& work = {});
@@ -46,8 +46,8 @@ struct Cell {
 };
 
 /// Returns the cell with the highest value above 0 of those whose centre is within a radius [m] of a point; of equal
-/// ones the lowest row, then the lowest column. Nothing where no such cell is above 0.
-/// Args: guess: a cell of the grid that may be it, as the one that was found nearby: the same is found, but sooner.
+/// cells the lowest row, then the lowest column. Nothing if no such cell is above 0.
+/// Args: guess: a cell that may be the result, such as that of a nearby point: it only speeds up the search.
 std::optional<Cell> LoudestCell(const plan::GridShape& grid, const Eigen::Ref<const MapValues>& values,
                                 const base::Point& at, double radius_m,
                                 const std::optional<Cell>& guess = std::nullopt);

@@ -4,14 +4,14 @@
 
 namespace robotteamsim::sensing {
 
-/// Returns a number in [0, 4] that grows with the angle of (x, y), counter-clockwise from the x axis, as atan2 does,
-/// but costs one division.
+/// Returns a number in [0, 4] that grows with the angle of (x, y), counter-clockwise from the x axis, like atan2, at
+/// the cost of one division.
 double PseudoAngle(double x, double y);
 
 /// The beams of a laser in order of direction, in a frame whose x axis is the beam with the smallest angle.
 class BeamFan {
  public:
-  /// Beams are spread evenly from angle_min to angle_max, in either direction [rad].
+  /// The beams are evenly spaced from angle_min to angle_max, in either direction [rad].
   BeamFan(int beams, double angle_min, double angle_max);
 
   int Count() const { return static_cast<int>(x_.size()); }
@@ -19,21 +19,21 @@ class BeamFan {
   /// Angle of the frame's x axis in base_link [rad].
   double Zero() const { return zero_; }
 
-  /// Whether no beam points below the x axis.
+  /// Returns whether no beam points below the x axis.
   bool IsHalf() const { return is_half_; }
 
   /// Unit vectors of the beams.
   const double* X() const { return x_.data(); }
   const double* Y() const { return y_.data(); }
 
-  /// The place in this order of a beam as the laser counts them.
+  /// Returns the place in this order of a beam of the laser.
   int PlaceOf(int beam) const { return place_[beam]; }
 
-  /// Whether this order is that in which the laser counts.
+  /// Returns whether this order is the laser's own.
   bool IsInOrder() const { return is_in_order_; }
 
-  /// Calls meet(first, end) for the beams within [right, left], pseudo-angles of an angle below half a turn. Beams at
-  /// the ends are within.
+  /// Calls meet(first, end) for the beams within [right, left], pseudo-angles that span less than half a turn, ends
+  /// included.
   template <typename Meet>
   void ForBeamsBetween(double right, double left, const Meet& meet) const {
     const int first = FirstFrom(right - kSlack);
@@ -47,7 +47,7 @@ class BeamFan {
   }
 
  private:
-  // Rounding must let no beam through a corner where walls meet.
+  // No beam may slip through the corner of two walls because of rounding.
   static constexpr double kSlack = 1e-12;
 
   int FirstFrom(double pseudo_angle) const;
@@ -60,7 +60,7 @@ class BeamFan {
   std::vector<double> pseudo_angle_;  // ascending
   std::vector<int> place_;
   double bins_per_unit_;
-  std::vector<int> first_in_bin_;  // of pseudo-angles: the first beam that is in it or beyond
+  std::vector<int> first_in_bin_;  // of pseudo-angles: the first beam in the bin or beyond it
 };
 
 }  // namespace robotteamsim::sensing

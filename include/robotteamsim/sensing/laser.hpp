@@ -10,7 +10,7 @@
 
 namespace robotteamsim::sensing {
 
-/// What a planar laser range finder looks like.
+/// The geometry of a planar laser range finder.
 struct LaserModel {
   int beams = 181;
   double angle_min = 0.0;  ///< of the first beam, in base_link [rad]
@@ -18,20 +18,21 @@ struct LaserModel {
   double forward = 0.0;    ///< ahead of base_link [m]
   double range_min = 0.0;  ///< [m]
   double range_max = 5.0;  ///< [m]
-  double too_near = 0.0;   ///< what it reports of a range below range_min [m]
-  double no_return = 5.0;  ///< what it reports where nothing is within range_max [m]
+  double too_near = 0.0;   ///< reported for a range below range_min [m]
+  double no_return = 5.0;  ///< reported if nothing is within range_max [m]
   double left = 0.0;       ///< to the left of base_link [m]
 };
 
-/// Scans a world: walls, blocks, closed doors and other robots return a beam, its own robot does not. A laser that
-/// sticks into one of them, as one at the very front of a robot that is pressed to a wall, measures 0.
+/// Scans a world: walls, blocks, closed doors, objects and other robots return a beam; the laser's own robot does not.
+/// A laser inside one of them, such as one at the front of a robot that is pressed against a wall, measures 0.
 ///
-/// Each near edge and robot is projected onto the beams and shortens those that meet it, which costs less than asking
-/// each beam for what it meets.
+/// Each near edge and robot is projected onto the beams and shortens those that meet it; this is cheaper than testing
+/// each beam against all of them.
 class Laser {
  public:
   /// Args: solids, doors: of the worlds that it will scan.
-  /// Throws std::invalid_argument on no beams, ranges that are not above 0, angles that are not finite.
+  /// Throws std::invalid_argument if there are no beams, the ranges are not positive and ascending, or an angle is not
+  /// finite.
   Laser(const LaserModel& model, const std::vector<world::Solid>& solids, const std::vector<world::Door>& doors);
   Laser(const LaserModel& model, const world::World& world) : Laser(model, world.solids(), world.doors()) {}
 
@@ -40,11 +41,11 @@ class Laser {
   /// Returns the range of each beam of a robot's laser [m]; infinity where nothing is within range_max.
   std::vector<double> Scan(const world::World& world, int robot) const;
 
-  /// Writes what the laser reports [m] of the ranges of a scan. Args: noise: added to each [m], or null.
+  /// Writes the reported ranges of a scan [m]. Args: noise: added to each range [m]; null: none.
   void Report(const std::vector<double>& ranges, const double* noise, float* report) const;
 
  private:
-  /// The ranges so far, in the order of the fan.
+  /// The ranges found so far, in the order of the fan.
   class View;
 
   using ReportWriter = void (*)(const LaserModel& model, const double* ranges, const double* noise, std::size_t beams,

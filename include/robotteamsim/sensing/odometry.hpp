@@ -31,22 +31,22 @@ struct PoseCovariance {
 ///     turns:    alpha1 turn^2 + alpha2 distance^2
 ///     distance: alpha3 distance^2 + alpha4 (first turn^2 + second turn^2)
 ///
-/// so a robot that stands still, blocked or not, does not drift. Two cases that the model leaves open: a distance is
-/// negative when the robot drives backwards, as turning round was no part of that; and a robot that is pushed aside or
-/// slides has turned no more than its body did, whatever the direction it went.
+/// so a robot that does not move, blocked or not, does not drift. Two cases that the model leaves open: the distance of
+/// a robot that drives backwards is negative, since it did not turn round; and a robot that is pushed aside or slides
+/// has turned only as much as its body did, whatever the direction of its motion.
 ///
-/// An omnidirectional robot turns while it goes, and errs to the side of its way as along it. Its motion is a distance,
-/// a way to the side, which is none but for noise, and a turn, as amcl's omnidirectional model has them [amcl]:
+/// An omnidirectional robot turns while it moves, with the same errors sideways as forwards. Its motion consists of a
+/// distance, a sideways distance, 0 except for noise, and a turn, as in amcl's omnidirectional model [amcl]:
 ///
 ///     turn:                alpha1 turn^2 + alpha2 distance^2
 ///     distance, and aside: alpha3 distance^2 + alpha4 turn^2
 ///
-/// The covariance is that of these errors, carried on by the Jacobians of the model at the believed pose: to first
-/// order, so it holds while the error of yaw is small (sin about linear; 0.3 rad or so).
+/// The covariance is that of these errors, propagated with the Jacobians of the model at the estimated pose: a
+/// first-order approximation, valid while the yaw error is small (up to about 0.3 rad).
 class Odometry {
  public:
-  /// Three numbers of the standard normal distribution: of the first turn, the distance and the second turn; of an
-  /// omnidirectional robot: of the turn, along the way and to its side.
+  /// Three standard normal numbers: for the first turn, the distance and the second turn; for an omnidirectional robot:
+  /// for the turn, along the motion and sideways.
   struct Noise {
     double first_turn = 0.0;
     double distance = 0.0;
@@ -56,21 +56,22 @@ class Odometry {
   /// Args: step: length of a step [s]; omni: whether the robot is omnidirectional.
   Odometry(const OdometryModel& model, double step, bool omni = false) : model_(model), step_(step), omni_(omni) {}
 
-  /// Adds one step. Args: motion: its way, seen from its beginning; twist: its mean velocity, in base_link.
+  /// Adds one step. Args: motion: in the frame of its beginning; twist: the mean velocity, in base_link.
   void Step(const base::Pose& motion, const base::Twist& twist, const Noise& noise);
 
-  /// Where the robot believes to be, in `odom`.
+  /// The estimated pose in `odom`.
   const base::Pose& pose() const { return pose_; }
-  /// What its wheels measured in the last step, in base_link.
+  /// The twist that the wheels measured in the last step, in base_link.
   const base::Twist& twist() const { return twist_; }
 
-  /// How far that pose may be from the true one.
+  /// The covariance of the estimated pose.
   const PoseCovariance& covariance() const { return covariance_; }
-  /// Variance of the forward speed of that twist [m^2/s^2].
+  /// Variance of the measured forward speed [m^2/s^2].
   double speed_variance() const { return speed_variance_; }
-  /// Variance of its speed to the left [m^2/s^2], independent of the others; 0 unless the robot is omnidirectional.
+  /// Variance of the measured speed to the left [m^2/s^2], independent of the others; 0 unless the robot is
+  /// omnidirectional.
   double sideways_variance() const { return omni_ ? speed_variance_ : 0.0; }
-  /// Variance of its turn [rad^2/s^2], independent of the speed's.
+  /// Variance of the measured yaw rate [rad^2/s^2], independent of the speed's.
   double turn_variance() const { return turn_variance_; }
 
  private:

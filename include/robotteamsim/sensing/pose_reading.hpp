@@ -4,7 +4,7 @@
 
 namespace robotteamsim::sensing {
 
-/// A pose as ROS messages carry it: position [m] and the unit quaternion (0, 0, qz, qw).
+/// A pose as in ROS messages: position [m] and the unit quaternion (0, 0, qz, qw).
 struct PoseReading {
   double x = 0.0;
   double y = 0.0;
@@ -12,7 +12,7 @@ struct PoseReading {
   double qw = 1.0;
 };
 
-/// Returns the reading of a pose; qw >= 0 as its yaw is in (-pi, pi]. All is NaN where the pose is.
+/// Returns the reading of a pose; qw >= 0 because the yaw is in (-pi, pi]. NaN for a pose that is NaN.
 PoseReading ReadingOf(const base::Pose& pose);
 
 /// Returns the pose of a reading, its yaw in (-pi, pi].

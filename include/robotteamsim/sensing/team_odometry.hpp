@@ -9,7 +9,7 @@
 
 namespace robotteamsim::sensing {
 
-/// What a robot's odometry reports.
+/// The reading of a robot's odometry.
 struct OdometryReading {
   PoseReading pose;                ///< in `odom`
   base::Twist twist;               ///< that the wheels measured, in base_link
@@ -22,17 +22,18 @@ struct OdometryReading {
 /// The odometry of all robots of a team.
 class TeamOdometry {
  public:
-  /// Args: models: of each robot; step: its length [s]; omni: whether each robot is omnidirectional.
-  /// Throws std::invalid_argument where the two have different lengths.
+  /// Args: models: of each robot; step: length of a step [s]; omni: whether each robot is omnidirectional.
+  /// Throws std::invalid_argument if models and omni have different lengths.
   TeamOdometry(const std::vector<OdometryModel>& models, double step, const std::vector<bool>& omni);
 
   std::size_t size() const { return team_.size(); }
 
-  /// Begins a robot's odometry again, at its origin.
+  /// Restarts a robot's odometry at its origin.
   void Restart(int robot) { team_.at(robot) = first_.at(robot); }
 
-  /// Adds one step of all robots. Args: motions: seen from where they began; twists: mean velocities, in base_link.
-  /// Throws std::invalid_argument where there is not one of each per robot.
+  /// Adds one step of all robots. Args: motions: in the frames of their beginnings; twists: mean velocities, in
+  /// base_link.
+  /// Throws std::invalid_argument if there is not one of each per robot.
   std::vector<OdometryReading> Step(const std::vector<base::Pose>& motions, const std::vector<base::Twist>& twists,
                                     const std::vector<Odometry::Noise>& noise);
 

@@ -11,38 +11,38 @@
 
 namespace robotteamsim::sensing {
 
-/// What lasers report [m], one row per robot.
+/// Reported ranges of lasers [m], one row per robot.
 using Scans = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Returns what the lasers of some robots of a world report.
+/// Returns the reported ranges of some robots' lasers in a world.
 /// Args: noise: [m], one number per beam, robot by robot; null: none.
 Scans ScanTeam(const Laser& laser, const world::World& world, const std::vector<int>& robots, const double* noise);
 
-/// The lasers of one kind, and the robots that have one.
+/// The lasers of one kind and the robots that carry one.
 struct TeamLaser {
   std::shared_ptr<const Laser> laser;
   std::vector<int> robots;
 };
 
-/// What the sensors of all robots report after a step.
+/// The readings of all robots after a step.
 struct TeamReadings {
-  std::vector<PoseReading> ground_truth;  ///< NaN of a robot that is not there
+  std::vector<PoseReading> ground_truth;  ///< NaN for a robot that is not there
   std::vector<base::Point> positions;     ///< x, y of the ground truth
   std::vector<base::Twist> twists;
   std::vector<OdometryReading> odometry;
-  std::vector<Scans> scans;  ///< of each kind of laser, in the order of its robots
+  std::vector<Scans> scans;  ///< one matrix per kind of laser, in the order of its robots
   Eigen::Array<bool, Eigen::Dynamic, 1> in_contact;
 };
 
 /// The sensors of a team.
 class TeamSensors {
  public:
-  /// Each robot has one laser.
+  /// Each robot must have one laser.
   TeamSensors(std::shared_ptr<TeamOdometry> odometry, std::vector<TeamLaser> lasers)
       : odometry_(std::move(odometry)), lasers_(std::move(lasers)) {}
 
   /// Returns the readings after the last step of a world.
-  /// Args: odometry_noise: one per robot; laser_noise: of each kind of laser as ScanTeam takes it.
+  /// Args: odometry_noise: one per robot; laser_noise: as for ScanTeam, for each kind of laser.
   TeamReadings Read(const world::World& world, const std::vector<Odometry::Noise>& odometry_noise,
                     const std::vector<const double*>& laser_noise);
 

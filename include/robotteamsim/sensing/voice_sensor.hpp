@@ -8,22 +8,22 @@
 
 namespace robotteamsim::sensing {
 
-/// What a robot hears.
+/// A robot's reading of the voice map.
 struct VoiceReading {
   double level_db = 0.0;             ///< of its own cell; 0 beyond the map
   bool heard = false;                ///< whether a cell within the radius is above 0
-  base::Point local_best;            ///< centre of the loudest such cell; where the robot is if there is none [m]
+  base::Point local_best;            ///< centre of the loudest such cell; the robot's position if there is none [m]
   double local_best_level_db = 0.0;  ///< 0 if there is none
 };
 
-/// Hears by one voice map.
+/// Reads one voice map at the robots' positions.
 class VoiceSensor {
  public:
-  /// Args: map: the levels of the cells of `grid` [dB]; radius: within which the loudest cell is looked for [m].
-  /// Throws std::invalid_argument where the map does not fit the grid.
+  /// Args: map: the levels of the cells of `grid` [dB]; radius: of the search for the loudest cell [m].
+  /// Throws std::invalid_argument if the map does not fit the grid.
   VoiceSensor(const plan::GridShape& grid, propagation::MapValues map, double radius);
 
-  /// Returns the reading of each robot. Throws std::invalid_argument where a position is not finite.
+  /// Returns the reading of each robot. Throws std::invalid_argument if a position is not finite.
   std::vector<VoiceReading> Hear(const std::vector<base::Point>& positions);
 
  private:
@@ -32,7 +32,7 @@ class VoiceSensor {
   plan::GridShape grid_;
   propagation::MapValues map_;
   double radius_;
-  std::vector<std::optional<propagation::Cell>> last_;  ///< the loudest cell of each robot when it heard last
+  std::vector<std::optional<propagation::Cell>> last_;  ///< the last loudest cell of each robot
 };
 
 }  // namespace robotteamsim::sensing

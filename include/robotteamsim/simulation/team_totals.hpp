@@ -7,7 +7,7 @@
 
 namespace robotteamsim::simulation {
 
-/// What one robot did in a trial.
+/// One robot's totals over a trial.
 struct RobotTotals {
   double distance = 0.0;   ///< length of its true path [m]
   int contact_steps = 0;   ///< in which it touched something
@@ -15,13 +15,13 @@ struct RobotTotals {
   int longest_stay = 0;    ///< most steps within 0.5 m of one place
 };
 
-/// Adds up what each robot of a team does.
+/// Adds up the totals of each robot of a team.
 class TeamTotals {
  public:
   explicit TeamTotals(int num_robots) : logs_(num_robots) {}
 
-  /// Takes in what a robot did in one more step. Staying counts only while the mission runs.
-  /// Args: at: where it truly is, in `map` [m]; NaN where it is not there, and then nothing of it counts.
+  /// Adds one step of a robot. Staying counts only while the mission runs.
+  /// Args: at: its true position in `map` [m]; NaN if it is not there: then nothing counts.
   void Add(int robot, const base::Point& at, bool in_contact, bool is_excluded, bool is_running);
 
   int num_robots() const { return static_cast<int>(logs_.size()); }
@@ -34,8 +34,8 @@ class TeamTotals {
   struct Log {
     RobotTotals sums;
     base::Point last{kNaN, kNaN};    // NaN: it was not there
-    base::Point anchor{kNaN, kNaN};  // where it stays
-    int stay = 0;                    // steps that it has
+    base::Point anchor{kNaN, kNaN};  // centre of its current stay
+    int stay = 0;                    // number of its steps
   };
 
   std::vector<Log> logs_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
@@ -7,25 +8,25 @@
 
 namespace robotteamsim::world {
 
-/// Which robots are near a point: those of each square cell of the floor stand together.
+/// Finds the robots near a point: they are sorted by square cells of the floor.
 class DiscGrid {
  public:
-  /// Looks at where the robots are now; those whose x is NaN are nowhere.
+  /// Takes over the poses of the robots; one whose x is NaN is not there.
   void Rebuild(const std::vector<base::Pose>& poses);
 
-  /// Calls meet(robot, pose) for all robots whose centre is within reach of the point, and for some farther ones.
+  /// Calls meet(robot, pose) for all robots whose centre is within reach of the point, and for some beyond it.
   template <typename Meet>
   void ForEachNear(const base::Point& point, double reach, const Meet& meet) const {
     const int first_column = Column(point.x - reach), last_column = Column(point.x + reach);
     const int first_row = Row(point.y - reach), last_row = Row(point.y + reach);
     for (int row = first_row; row <= last_row; ++row) {
-      const int* const start = &start_[row * columns_];
+      const int* const start = start_.data() + static_cast<std::ptrdiff_t>(row) * columns_;
       for (int k = start[first_column]; k < start[last_column + 1]; ++k) meet(robots_[k], poses_[k]);
     }
   }
 
  private:
-  // Clamped to the grid: cells at its border stand for all beyond, too.
+  // Clamped to the grid: its border cells also hold all that is beyond them.
   int Column(double x) const;
   int Row(double y) const;
   int Cell(const base::Pose& pose) const { return Row(pose.y) * columns_ + Column(pose.x); }
@@ -34,7 +35,8 @@ class DiscGrid {
   double cells_per_metre_ = 1.0;
   int columns_ = 1;
   int rows_ = 1;
-  std::vector<int> start_{0, 0};  // of each cell in the lists below, row by row, and one after the last
+  // index of each cell's first robot in the lists below, row by row, and one past the end
+  std::vector<int> start_{0, 0};
   std::vector<int> robots_;
   std::vector<base::Pose> poses_;
 };

@@ -12,26 +12,26 @@ class b2World;
 
 namespace robotteamsim::world {
 
-/// The leaf of a door that swings or slides. It never pushes: it waits while anything is in its way.
+/// The leaf of a door that swings or slides. It never pushes: it waits while something blocks it.
 struct MovingLeaf {
   int door = 0;              ///< whose leaf it is
   double opening = 0.0;      ///< 0: across its gap, 1: open
-  bool shall_close = false;  ///< where it goes
-  bool is_held = false;      ///< whether something was in its way in the last step
+  bool shall_close = false;  ///< its target: closed or open
+  bool is_held = false;      ///< whether something blocked it in the last step
   Polygon outline;           ///< where it is now
-  double reach = 0.0;        ///< how far from the hinge it is at most, wherever it is [m]
+  double reach = 0.0;        ///< its greatest distance from the hinge in any position [m]
 
   bool IsThere() const { return opening == (shall_close ? 0.0 : 1.0); }
 };
 
-/// What the leaf of a door does.
+/// The motion of a leaf.
 enum class LeafActivity { kStill, kOpens, kCloses, kHeld };
 
-/// A door after a step.
+/// The state of a door after a step.
 struct DoorState {
   bool closed = true;                            ///< whether the leaf is all across its gap
-  double opening = 0.0;                          ///< 0: closed, 1: open; a door without a moving leaf has one of both
-  LeafActivity activity = LeafActivity::kStill;  ///< kHeld: something is in its way
+  double opening = 0.0;                          ///< 0: closed, 1: open; 0 or 1 for a door without a moving leaf
+  LeafActivity activity = LeafActivity::kStill;  ///< kHeld: something blocks it
 
   bool operator==(const DoorState& other) const {
     return closed == other.closed && opening == other.opening && activity == other.activity;
@@ -41,19 +41,19 @@ struct DoorState {
 /// The doors of a world, in their order.
 class Doors {
  public:
-  /// Whether a leaf that goes from its first to its second outline comes nearer to something in its way.
+  /// Returns whether something blocks a leaf that moves from one outline to the next.
   using IsBlocked = std::function<bool(const Polygon& now, const Polygon& next)>;
 
-  /// Throws std::invalid_argument on a motion that cannot be.
+  /// Throws std::invalid_argument if a motion is not finite or takes a negative time.
   explicit Doors(std::vector<Door> doors);
 
-  /// Begins again with the doors as they were first, in a new Box2D world that counts from origin.
+  /// Restarts with the doors as at the start, in a new Box2D world with this origin.
   void Place(b2World& box, const base::Point& origin);
 
-  /// Has a door closed or opened: at once, or by its leaf in the steps to come.
+  /// Closes or opens a door: instantly, or by its leaf in the next steps.
   void SetClosed(int door, bool closed);
 
-  /// Moves the leaves on by a time [s], as far as nothing is in the way.
+  /// Moves the leaves for a time [s], as far as nothing blocks them.
   void Advance(double time, const IsBlocked& is_blocked);
 
   const std::vector<Door>& all() const { return doors_; }
@@ -61,14 +61,14 @@ class Doors {
 
   /// All doors as of the last UpdateStates.
   const std::vector<DoorState>& states() const { return states_; }
-  /// 0 at the start, and grows whenever a state changes: equal versions mean equal states.
+  /// 0 at the start; it grows with every change: equal versions mean equal states.
   std::int64_t version() const { return version_; }
-  /// Takes over what the doors did, once per step.
+  /// Updates the states after a step.
   void UpdateStates();
 
-  /// How far any leaf that is on its way moves at most in a time [m].
+  /// Returns how far any moving leaf moves at most in a time [m].
   double Travel(double time) const;
-  /// Whether a leaf that swings or slides is within a distance of a point.
+  /// Returns whether a leaf that swings or slides is within a distance of a point.
   bool IsLeafNear(const base::Point& point, double distance) const;
 
  private:

@@ -12,31 +12,31 @@ class b2World;
 
 namespace robotteamsim::world {
 
-/// Something that robots push: it slides and turns until the friction of the ground has stopped it.
+/// An object that robots can push: it slides and turns until the friction of the ground has stopped it.
 struct MovableObject {
-  double radius = 0.2;    ///< [m]; a world makes it that of the disc around its middle that holds the corners
+  double radius = 0.2;    ///< [m]; a world sets it to that of the disc around its middle that contains the corners
   double mass = 1.0;      ///< [kg]
   double friction = 0.5;  ///< of the ground, per weight
   base::Pose start;       ///< of its middle
   Polygon corners = {};   ///< around its middle, 3 to 8 counter-clockwise [m]; none: it is round
 };
 
-/// The objects of a world: those that it began with, in their order, then those that came later.
+/// The objects of a world: those of the start, in their order, then those added later.
 class MovableObjects {
  public:
-  /// Throws std::invalid_argument on an object that cannot be.
+  /// Throws std::invalid_argument if an object is invalid.
   explicit MovableObjects(std::vector<MovableObject> objects);
 
-  /// Begins again with the first objects, in a new Box2D world that counts from origin. The world has to outlive this.
+  /// Restarts with the first objects, in a new Box2D world with this origin. The world must outlive this.
   void Place(b2World* box, const base::Point& origin);
 
-  /// Adds an object where it starts. Throws std::invalid_argument on one that cannot be.
+  /// Adds an object at its start pose. Throws std::invalid_argument if it is invalid.
   void Add(MovableObject object);
-  /// Takes an object away; the indices of those behind it move up by one.
+  /// Removes an object; the indices of those behind it decrease by one.
   void Remove(int object);
-  /// Puts an object somewhere, at rest.
+  /// Moves an object to a pose, at rest.
   void SetPose(int object, const base::Pose& pose);
-  /// Takes over where Box2D has moved the objects in a step.
+  /// Takes over the poses that Box2D computed in a step.
   void FinishStep();
 
   const std::vector<MovableObject>& all() const { return objects_; }
@@ -44,11 +44,11 @@ class MovableObjects {
   const DiscGrid& grid() const { return grid_; }
   double max_radius() const { return max_radius_; }
 
-  /// Where an object is now, within a step, too.
+  /// Returns the current pose of an object, also within a step.
   base::Pose PoseNow(int object) const;
-  /// Whether anything moves: what has rested for half a second sleeps until something touches it.
+  /// Returns whether any object moves: one at rest for half a second sleeps until something touches it.
   bool AnyMoves() const;
-  /// The longest way that any object goes at its speed in a time [s].
+  /// Returns the longest distance that any object travels at its speed in a time [s].
   double Travel(double time) const;
 
  private:

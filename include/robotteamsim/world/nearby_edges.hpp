@@ -7,27 +7,27 @@
 
 namespace robotteamsim::world {
 
-/// A side of an outline: what is solid lies left of the way from a to b.
+/// A side of an outline: the solid is to the left, seen from a to b.
 struct Edge {
   static constexpr int kNoDoor = -1;
 
   base::Segment segment;
-  int door = kNoDoor;  ///< whose leaf it is a side of; it is there only while that door is closed
+  int door = kNoDoor;  ///< the door of which it is a leaf's side; it exists only while that door is closed
 };
 
 /// Returns the distance between a point and the nearest point of a segment [m].
 double DistanceToSegment(const base::Point& point, const base::Segment& segment);
 
-/// Returns the sides of all solids, and of the leaves that do not swing or slide.
+/// Returns the sides of all solids and of the leaves that do not swing or slide.
 std::vector<Edge> EdgesOf(const std::vector<Solid>& solids, const std::vector<Door>& doors);
 
-/// Which edges are near a point: each square cell of the floor keeps the list for all points in it.
+/// Finds the edges near a point: each square cell of the floor keeps a list for all points in it.
 class NearbyEdges {
  public:
-  /// Args: reach: how far `Near` looks [m]. Throws std::invalid_argument unless it is above 0.
+  /// Args: reach: of `Near` [m]. Throws std::invalid_argument if it is not above 0.
   NearbyEdges(std::vector<Edge> edges, double reach);
 
-  /// Returns all edges within reach of the point, and some that are a little farther, in no particular order.
+  /// Returns all edges within reach of the point and some just beyond it, in no particular order.
   const std::vector<Edge>& Near(const base::Point& point) const;
 
  private:
@@ -40,7 +40,7 @@ class NearbyEdges {
   int columns_ = 0;
   int rows_ = 0;
   std::vector<std::vector<Edge>> cells_;
-  std::vector<Edge> all_;  // for points beside the cells
+  std::vector<Edge> all_;  // for points outside of the cells
 };
 
 }  // namespace robotteamsim::world

@@ -20,7 +20,7 @@ namespace robotteamsim::world {
 
 /// A robot: round, or a convex polygon that turns about base_link.
 struct Robot {
-  double radius = 0.2;  ///< [m]; a world makes it that of the disc around base_link that holds the footprint
+  double radius = 0.2;  ///< [m]; a world sets it to that of the disc around base_link that contains the footprint
   double mass = 5.0;    ///< [kg]
   DriveLimits drive;
   base::Pose start;
@@ -28,88 +28,88 @@ struct Robot {
   bool is_present = true;  ///< whether it is there at the start
 };
 
-/// What is true: walls, doors, robots, and what they do to each other.
+/// The physical world: walls, doors, robots and objects, and their contacts.
 ///
-/// Box2D solves the contacts. They are without friction and take from a robot only the velocity that would press it
-/// into something, so a robot that drives at a wall at an angle slides along it. Robots that touch nothing move in
-/// double precision, exactly as their drives say; Box2D is asked only about those that could reach something within a
-/// step. Equal worlds with equal calls are equal to the bit.
+/// Box2D solves the contacts. They have no friction and remove only the velocity that would press a robot into
+/// something, so a robot that meets a wall at an angle slides along it. Robots that touch nothing move in double
+/// precision, exactly as their drives do; Box2D handles only those that could reach something within a step. Equal
+/// worlds with equal calls are equal to the bit.
 class World {
  public:
-  /// Args: step: length of a step [s]; substeps: the parts of a step in which drives change speed; more are taken where
-  /// a robot could move by more than half its radius in one.
-  /// Throws std::invalid_argument on a piece that is not convex, counter-clockwise and of 3 to 8 corners, and on sizes
-  /// that are not above 0.
+  /// Args: step: length of a step [s]; substeps: parts of a step, each with constant speed; there are more if a robot
+  /// could move by more than half its radius in one.
+  /// Throws std::invalid_argument if a piece is not convex and counter-clockwise with 3 to 8 corners, or a size is not
+  /// above 0.
   World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps,
         std::vector<MovableObject> objects = {});
   ~World();
 
   /// Advances by one step; commands are one per robot, in base_link.
-  /// Throws std::invalid_argument on the wrong number of commands and on one that is not finite; nothing moves then.
+  /// Throws std::invalid_argument if the number of commands is wrong or a command is not finite; nothing has moved
+  /// then.
   void Step(const std::vector<base::Twist>& commands);
 
   const std::vector<Solid>& solids() const { return solids_; }
   const std::vector<Door>& doors() const { return doors_.all(); }
   /// The leaves that swing or slide, in the order of their doors.
   const std::vector<MovingLeaf>& leaves() const { return doors_.leaves(); }
-  /// All doors as they are, in their order; equal versions mean equal states.
+  /// The states of all doors in their order; equal versions mean equal states.
   const std::vector<DoorState>& door_states() const { return doors_.states(); }
   std::int64_t doors_version() const { return doors_.version(); }
   const std::vector<Robot>& robots() const { return robots_; }
   const std::vector<MovableObject>& objects() const { return objects_.all(); }
 
-  /// Which robots are near a point.
+  /// The grid to find robots near a point.
   const DiscGrid& grid() const { return grid_; }
-  /// How far the largest robot reaches from its base_link [m].
+  /// The greatest radius of any robot [m].
   double max_radius() const { return max_radius_; }
 
-  /// Which objects are near a point.
+  /// The grid to find objects near a point.
   const DiscGrid& object_grid() const { return objects_.grid(); }
-  /// How far the largest object reaches from its middle [m].
+  /// The greatest radius of any object [m].
   double max_object_radius() const { return objects_.max_radius(); }
-  /// Where the objects are.
+  /// The poses of the objects.
   const std::vector<base::Pose>& object_poses() const { return objects_.poses(); }
 
-  /// Which robots are there. One that is not has no body, is met by no beam, and obeys no command.
+  /// Whether each robot is there. A robot that is not there has no body, returns no beam and ignores commands.
   const std::vector<bool>& present() const { return present_; }
-  /// How often each robot has come, its start included.
+  /// How often each robot has arrived, the start included.
   const std::vector<int>& arrivals() const { return arrivals_; }
-  /// Where the robots are; NaN of one that is not there.
+  /// The poses of the robots; NaN for one that is not there.
   const std::vector<base::Pose>& poses() const { return poses_; }
-  /// The mean velocity of the last step as each body really moved, in the base_link of every moment: a robot that is
-  /// blocked has none.
+  /// The mean velocity of each body in the last step, in base_link: 0 for a blocked robot.
   const std::vector<base::Twist>& twists() const { return twists_; }
-  /// The way of the last step, seen from where it began; being set elsewhere between steps is no way.
+  /// The motion of the last step, in the frame of its beginning; teleporting between steps does not count.
   const std::vector<base::Pose>& motions() const { return motions_; }
-  /// Whether a robot touched something (within 5 mm) in the last step.
+  /// Whether each robot touched something (within 5 mm) in the last step.
   const std::vector<bool>& in_contact() const { return in_contact_; }
-  /// In which directions from its middle a robot touched something when it last did so in the last step: angles in
-  /// base_link, ascending in (-pi, pi], those of one place as one; none where it touched nothing.
+  /// The directions of a robot's last contacts in the last step: angles in base_link, ascending in (-pi, pi], one per
+  /// place; empty without contact.
   const std::vector<double>& contact_angles(int robot) const { return contact_angles_.at(robot); }
 
-  /// Puts a robot somewhere, standing still.
+  /// Moves a robot to a pose, at rest.
   void SetPose(int robot, const base::Pose& pose);
-  /// Takes a robot off the floor, with all that is told of it. One that is not there stays so.
+  /// Removes a robot from the floor; no effect if it is not there.
   void RemoveRobot(int robot);
-  /// Puts a robot that is not there somewhere, standing still; one that is there is set there.
+  /// Places a robot that is not there at a pose, at rest; a robot that is there is moved.
   void SpawnRobot(int robot, const base::Pose& pose);
-  /// A robot in the way of a door that closes at once is pushed aside. A leaf that swings or slides goes there in the
-  /// steps to come, and waits for what is in its way.
+  /// A robot in an instant door is pushed aside. A leaf that swings or slides moves in the next steps and waits while
+  /// something blocks it.
   void SetDoorClosed(int door, bool closed);
-  /// Adds an object behind the others. Throws std::invalid_argument on one that cannot be.
+  /// Adds an object after the others. Throws std::invalid_argument if it is invalid.
   void AddObject(MovableObject object);
-  /// Takes an object away; the indices of those behind it move up by one.
+  /// Removes an object; the indices of those behind it decrease by one.
   void RemoveObject(int object);
-  /// Puts an object somewhere, at rest.
+  /// Moves an object to a pose, at rest.
   void SetObjectPose(int object, const base::Pose& pose);
-  /// Begins again as new, doors and objects included.
+  /// Restarts the world, doors and objects included.
   void Reset();
 
  private:
   struct Drive {
     DriveSpeed speed;
-    base::Pose target;    // where the substep ends if nothing is in the way
-    bool is_busy = true;  // whether the robot could touch something in this step, so that Box2D has its body
+    base::Pose target;    // the end of the substep if nothing blocks the robot
+    bool is_busy = true;  // whether the robot could touch something in this step: then Box2D moves its body
   };
 
   void CheckCommands(const std::vector<base::Twist>& commands) const;
@@ -130,7 +130,7 @@ class World {
   const double step_;
   const int substeps_;
   const double dt_;
-  // Where Box2D counts from, in the map frame: its floats keep half a millimetre for 4 km only.
+  // The origin of Box2D in the map frame: its floats resolve half a millimetre only within 4 km.
   const base::Point origin_;
   const double max_radius_;
   double max_travel_;  // of anything in a step [m]

@@ -15,8 +15,9 @@ void AskForLargePages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_
   if (bytes < kLarge) return;
   const auto start = reinterpret_cast<std::uintptr_t>(memory);
   const std::uintptr_t first_page = (start + kPage - 1) / kPage * kPage;
-  // It is a wish: where it is refused, all works as without.
-  (void)madvise(reinterpret_cast<void*>(first_page), (start + bytes - first_page) / kPage * kPage, MADV_HUGEPAGE);
+  // This is only advice: if the system refuses, nothing else changes.
+  void* const pages = static_cast<char*>(memory) + (first_page - start);
+  (void)madvise(pages, (start + bytes - first_page) / kPage * kPage, MADV_HUGEPAGE);
 #endif
 }
 

@@ -12,11 +12,12 @@
 namespace robotteamsim::control {
 namespace {
 
-/// So many beams or hits are looked at together. They lie in the order of directions: most blocks have many of those
-/// that count, or none.
+/// Number of beams or hits that are tested together. They are ordered by direction: most blocks contain many relevant
+/// ones, or none.
 constexpr std::size_t kBlock = 16;
 
-/// Whether some of a block of hits are neither beside the way, nor behind, nor beyond what is free anyway.
+/// Returns whether some hits of a block are ahead, within the width of the disc and nearer than the free distance so
+/// far.
 ROBOTTEAMSIM_INLINE bool SomeCount(const base::Point* hits, const Direction& direction, double radius, double free) {
   std::int64_t some = 0;
   for (std::size_t i = 0; i < kBlock; ++i) {
@@ -28,14 +29,16 @@ ROBOTTEAMSIM_INLINE bool SomeCount(const base::Point* hits, const Direction& dir
   return some != 0;
 }
 
-/// How far the disc can go for one hit; infinity where it does not count. Without a branch, for many at once.
+/// Returns how far the disc can move before one hit; infinity if the hit does not count. It has no branch, so that it
+/// can be vectorised.
 ROBOTTEAMSIM_INLINE double FreeBefore(const base::Point& hit, const Direction& direction, double radius) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double along = hit.x * direction.cos + hit.y * direction.sin;
   const double across = hit.y * direction.cos - hit.x * direction.sin;
   const double half_chord_squared = radius * radius - across * across;
   const double touch = along - std::sqrt(half_chord_squared > 0.0 ? half_chord_squared : 0.0);
-  const double free_inside = along * along > 0.25 * (along * along + across * across) ? 0.0 : kInfinity;
+  const bool is_ahead = along * along > 0.25 * (along * along + across * across);
+  const double free_inside = is_ahead ? 0.0 : kInfinity;
   const double free = touch >= 0.0 ? touch : free_inside;
   return (along > 0.0) & (half_chord_squared > 0.0) ? free : kInfinity;
 }
@@ -90,7 +93,7 @@ double FreeDistanceAmong(const std::vector<base::Point>& hits, const Direction& 
 }
 
 ScanClearance::ScanClearance(const LaserLayout& layout) : layout_(layout) {
-  if (layout.beams < 1) throw std::invalid_argument("a laser needs at least one beam");
+  if (layout.beams < 1) throw std::invalid_argument("a laser must have at least one beam");
   const double step = layout.beams > 1 ? (layout.angle_max - layout.angle_min) / (layout.beams - 1) : 0.0;
   for (int beam = 0; beam < layout.beams; ++beam) {
     const double angle = layout.angle_min + beam * step;
@@ -106,7 +109,7 @@ std::vector<base::Point> ScanClearance::Hits(const Ranges& ranges, double max_di
 
 void ScanClearance::FindHits(const Ranges& ranges, double max_distance, std::vector<base::Point>* hits) const {
   if (ranges.size != directions_.size()) throw std::invalid_argument("there must be one range per beam");
-  // A range this close to range_max is no return: float32 may round range_max itself to either side.
+  // A range this close to range_max is not a return: float32 may round range_max in either direction.
   const double longest = std::min(layout_.range_max * (1.0 - 1e-6), max_distance + std::abs(layout_.forward) + 1e-3);
   hits->clear();
   hits->reserve(ranges.size);
@@ -129,6 +132,7 @@ std::vector<double> ScanClearance::FreeDistances(const Ranges& ranges, const std
                                                  double radius, double max_distance) const {
   const std::vector<base::Point> hits = Hits(ranges, max_distance + radius);
   std::vector<double> free;
+  free.reserve(directions.size());
   for (const Direction& direction : directions) free.push_back(FreeAmongHits(hits, direction, radius, max_distance));
   return free;
 }
@@ -136,7 +140,7 @@ std::vector<double> ScanClearance::FreeDistances(const Ranges& ranges, const std
 Sidestepper::Sidestepper(ScanClearance clearance, const std::vector<double>& headings,
                          const SidestepParameters& parameters)
     : clearance_(std::move(clearance)), directions_(headings.begin(), headings.end()), parameters_(parameters) {
-  if (directions_.empty()) throw std::invalid_argument("there must be a heading to take");
+  if (directions_.empty()) throw std::invalid_argument("headings must not be empty");
 }
 
 Sidestepper::FreeHeading Sidestepper::Find(const Ranges& ranges, double wanted, double radius, double needed) {

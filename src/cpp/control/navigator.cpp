@@ -19,7 +19,7 @@ bool IsSeen(double heading, const LaserLayout& laser) {
   return laser.angle_min <= heading && heading <= laser.angle_max;
 }
 
-/// Headings that a robot may take to pass an obstacle: those that its laser sees, every 10 degrees.
+/// Returns the headings for passing an obstacle: every 10 degrees within the laser's field of view.
 std::vector<double> SidestepsOf(const LaserLayout& laser) {
   std::vector<double> headings;
   for (int i = -9; i <= 9; ++i) {
@@ -73,7 +73,7 @@ void Navigator::FollowRoute(const plan::PlanningGrid& grid, const base::Point& p
   if (next_ + 1 < route_.size() && Distance(position, route_[next_]) < parameters_.arrived) ++next_;
 }
 
-/// Starts an escape when the robot wants to move and does not, ends one when it is over.
+/// Starts an escape if the robot should move and does not; ends a finished one.
 void Navigator::WatchProgress(const Situation& now) {
   const base::Point position = PlaceOf(now.pose);
   const bool moved = Distance(position, anchor_) > parameters_.progress;
@@ -99,18 +99,19 @@ void Navigator::WatchProgress(const Situation& now) {
   ++num_escapes_;
 }
 
-/// Whether a teammate of lower id is near.
+/// Returns whether a teammate of lower id is near.
 bool Navigator::Yields(const base::Point& position, const Teammates& teammates) const {
   return std::any_of(teammates.begin(), teammates.end(), [&](const auto& teammate) {
     return teammate.first < body_.robot_id && Distance(position, teammate.second) < parameters_.near_teammate;
   });
 }
 
-/// Returns a point nearby with room around it. Robots, and one robot's attempts, begin to look at other sides.
+/// Returns a point nearby with room around it. Different robots, and successive attempts, start with different
+/// directions.
 base::Point Navigator::FindEscape(const Situation& now, const Teammates& teammates) const {
   const base::Point position = PlaceOf(now.pose);
   const bool is_free = now.grid.IsFree(position);
-  // Those farther away leave all the room that counts.
+  // Teammates farther away do not limit the room.
   const double reach = 2.0 * parameters_.escape + body_.radius + 1e-6;
   std::vector<base::Point> near;
   for (const auto& [robot_id, other] : teammates) {
@@ -133,7 +134,7 @@ base::Point Navigator::FindEscape(const Situation& now, const Teammates& teammat
   return best;
 }
 
-/// Returns how much room there is between others and a point, and on the way to it as far as the laser sees.
+/// Returns the room between a point and the teammates, and on the path to it as far as the laser sees.
 double Navigator::RoomAt(const Situation& now, const base::Point& point, double heading,
                          const std::vector<base::Point>& near) const {
   double room = parameters_.escape;
@@ -144,7 +145,7 @@ double Navigator::RoomAt(const Situation& now, const base::Point& point, double 
       room, clearance_.FreeDistance(now.ranges, relative, body_.radius + parameters_.laser_margin, parameters_.escape));
 }
 
-/// Returns the command that leads towards a point in sight, around what stands in the way.
+/// Returns the command that leads towards a visible point, around obstacles.
 base::Twist Navigator::Steer(const base::Pose& pose, const Ranges& ranges, const base::Point& point, double speed,
                              bool is_last) {
   const double dx = point.x - pose.x, dy = point.y - pose.y;
@@ -160,7 +161,7 @@ base::Twist Navigator::Steer(const base::Pose& pose, const Ranges& ranges, const
   return {fastest * std::cos(heading), 0.0, turn};
 }
 
-/// Returns how fast to drive while turning far: not at all, but a car must; back where no room is ahead.
+/// Returns the speed during a large turn: 0, except for a car, which must drive; backwards if there is no room ahead.
 double Navigator::ManoeuvringSpeed(const Ranges& ranges, double speed) const {
   if (!body_.is_car) return 0.0;
   const double free =

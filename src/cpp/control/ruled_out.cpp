@@ -12,7 +12,7 @@ namespace robotteamsim::control {
 namespace {
 
 constexpr double kSamePlace = 0.25;
-constexpr std::size_t kSmallestTable = 64;  // a power of two, as all are
+constexpr std::size_t kSmallestTable = 64;  // a power of two, like all sizes
 
 double Distance(const base::Point& a, const base::Point& b) { return base::Hypot(a.x - b.x, a.y - b.y); }
 
@@ -24,7 +24,7 @@ HeardKey::HeardKey(const HeardNote& note)
       hears(note.loudest.has_value()),
       loudest(note.loudest.value_or(base::Point{})),
       hash(hears ? 1 : 0) {
-  const std::hash<double> hash_of;  // takes 0.0 and -0.0 for one
+  const std::hash<double> hash_of;  // equal for 0.0 and -0.0
   for (const double part : {column, row, loudest.x, loudest.y}) {
     hash = (hash ^ hash_of(part)) * 0x9E3779B97F4A7C15U;
     hash ^= hash >> 32U;
@@ -42,7 +42,7 @@ HeardNotes::HeardNotes(std::vector<HeardNote> notes) : notes_(std::move(notes)) 
 
 RuledOut::RuledOut(double radius, double cell, double next_to)
     : radius_(radius), cell_(cell), next_to_(next_to), bucket_(std::max(radius, next_to)), table_(kSmallestTable, 0) {
-  if (!(bucket_ > 0.0)) throw std::invalid_argument("a note must rule out some place");
+  if (!(bucket_ > 0.0)) throw std::invalid_argument("radius must be > 0");
 }
 
 std::int64_t RuledOut::BucketOf(double x, double y, int d_column, int d_row) const {
@@ -71,7 +71,7 @@ void RuledOut::Grow() {
   for (std::size_t i = 0; i < known_.size(); ++i) table_[PlaceOf(known_[i])] = static_cast<std::uint32_t>(i + 1);
 }
 
-/// Returns where in the table a key is, or should be.
+/// Returns the place of a key in the table, or the empty place for it.
 std::size_t RuledOut::PlaceOf(const HeardKey& key) const {
   const std::size_t mask = table_.size() - 1;
   std::size_t place = key.hash & mask;
@@ -97,7 +97,7 @@ bool RuledOut::Covers(const base::Point& place) const {
 }
 
 bool RuledOut::RulesOut(const HeardNote& note, const base::Point& place) const {
-  // No distance is below its greater part.
+  // A distance is at least its greater component.
   if (std::abs(place.x - note.position.x) >= bucket_ || std::abs(place.y - note.position.y) >= bucket_) return false;
   const double distance = Distance(place, note.position);
   if (distance < next_to_) return true;

@@ -10,7 +10,7 @@
 namespace robotteamsim::control {
 namespace {
 
-/// A place counts as seen free when a disc of this radius could go there [m].
+/// A place is free if a disc of this radius can move there [m].
 constexpr double kBeamWidth = 0.05;
 
 }  // namespace

@@ -11,14 +11,14 @@
 namespace robotteamsim::network {
 namespace {
 
-/// Up to here all eigenvalues of a small dense matrix are the fastest.
+/// Up to this size, computing all eigenvalues of a dense matrix is the fastest.
 constexpr int kSmallTeam = 24;
 
-/// Up to so many neighbours per robot, on average, factors stay sparse enough to be worth their while.
+/// Up to this average number of neighbours the factors stay sparse enough to pay off.
 constexpr double kFewNeighbors = 40.0;
 
-/// Where iterations end: the residual of a unit vector, over its eigenvalue. That is a bound of the relative error too,
-/// but the error is about the residual's square over the relative gap to the next eigenvalue.
+/// End of the iterations: the residual of a unit vector over its eigenvalue. It bounds the relative error; the error
+/// itself is about the residual's square over the relative gap to the next eigenvalue.
 constexpr double kResidual = 1e-7;
 
 constexpr int kMaxRestarts = 1000;
@@ -30,14 +30,14 @@ double SmallFiedlerValue(const Eigen::Ref<const Adjacency>& adjacency) {
   return solver.eigenvalues()[1];
 }
 
-/// x -> Lp^-1 x among the vectors of sum 0, where Lp has an inverse; of any other vector, what is beside them becomes
-/// 0. The largest eigenvalue is 1 / the Fiedler value.
+/// x -> Lp^-1 x on the vectors of sum 0, on which Lp has an inverse; the component orthogonal to them becomes 0. The
+/// largest eigenvalue is 1 / the Fiedler value.
 class InverseLaplacian {
  public:
   using Scalar = double;
 
   InverseLaplacian(const Neighbors& neighbors, int n) : n_(n) {
-    // Without its last row and column the matrix is positive definite; they hold what the others say already.
+    // Without its last row and column, which are redundant, the matrix is positive definite.
     Eigen::SparseMatrix<double> lower(n - 1, n - 1);
     lower.reserve(neighbors.robots.size() / 2 + n);
     for (int j = 0; j < n - 1; ++j) {
@@ -68,10 +68,10 @@ class InverseLaplacian {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors_;
 };
 
-/// x -> Lp x, but a vector of equal numbers is multiplied by the mean of the other eigenvalues instead of by 0: the
-/// smallest eigenvalue is the Fiedler value, and the largest one stays.
+/// x -> Lp x, except that a constant vector is multiplied by the mean of the other eigenvalues instead of 0: then the
+/// smallest eigenvalue is the Fiedler value, and the largest does not change.
 ///
-/// A x adds numbers that bits select. For 8 columns there are 256 such sums: they are added up once, and looked up in
+/// A x sums numbers that bits select. For 8 columns there are 256 such sums: they are computed once and looked up in
 /// every row [arlazarov1970].
 class DenseLaplacian {
  public:
@@ -103,7 +103,7 @@ class DenseLaplacian {
  private:
   static constexpr int kBytes = 8;
   struct Sums {
-    double of[kBytes][256];  // of 8 numbers each, as the bits of a byte select them
+    double of[kBytes][256];  // sums of 8 numbers each, selected by the bits of a byte
   };
 
   Sums SumsOf(const double* x, int first) const {
@@ -135,9 +135,9 @@ class DenseLaplacian {
   }
 
   int n_;
-  std::vector<std::uint64_t> words_;  // word by word, each of all robots
+  std::vector<std::uint64_t> words_;  // word by word, each for all robots
   Eigen::VectorXd degree_;
-  double mean_eigenvalue_;  // of Lp, but 0
+  double mean_eigenvalue_;  // of Lp, without the eigenvalue 0
 };
 
 template <typename Matrix>
@@ -159,7 +159,8 @@ double FiedlerValue(const Eigen::Ref<const Adjacency>& adjacency) {
   if (!links.IsConnected()) return 0.0;
   double num_neighbors = 0.0;
   for (int i = 0; i < n; ++i) num_neighbors += links.Degree(i);
-  if (num_neighbors == static_cast<double>(n) * (n - 1)) return n;  // Lp is n times the identity: nothing to iterate on
+  // Lp acts as n times the identity: no iteration is needed.
+  if (num_neighbors == static_cast<double>(n) * (n - 1)) return n;
   if (n <= kSmallTeam) return SmallFiedlerValue(adjacency);
   if (num_neighbors <= kFewNeighbors * n) {
     return 1.0 / ExtremeEigenvalue(InverseLaplacian(Neighbors(links), n), Spectra::SortRule::LargestAlge, 8);

@@ -15,22 +15,22 @@ constexpr int kBits = LinkBits::kBitsPerWord;
 constexpr int kWords = LinkBits::kWordsPerBlock;
 constexpr int kSources = kBits * kWords;
 
-/// Where robots are further apart than this, one search after the other is faster: all at once, each hop costs the
+/// If robots are farther apart than this, one search after the other is faster: in a common search each hop costs the
 /// same, however few robots it finds.
 constexpr int kManyHops = 100;
 
-/// Hops that are kept before they are counted; below 256, so that a count fits a byte.
+/// Number of hops that are stored before they are counted; below 256, so that a count fits a byte.
 constexpr int kKeptHops = 32;
 
-/// Neighbours between two looks at whether a robot is reached from everywhere.
+/// Number of neighbours between two checks whether a robot is reached from all sources.
 constexpr int kNeighborsPerLook = 8;
 
-/// One bit per source of a block.
+/// A bit per source of a block.
 struct SourceSet {
   std::uint64_t words[kWords];
 };
 
-/// For each value of a byte, its eight bits as eight bytes.
+/// Returns, for each value of a byte, its eight bits as eight bytes.
 std::array<std::uint64_t, 256> MakeBitsAsBytes() {
   std::array<std::uint64_t, 256> table{};
   for (int value = 0; value < 256; ++value) {
@@ -41,7 +41,7 @@ std::array<std::uint64_t, 256> MakeBitsAsBytes() {
   return table;
 }
 
-/// Adds the hops of which a source was still under way, to a row that is empty before the first ones are counted.
+/// Adds the hops during which a source had not yet reached a robot to its row, which is empty before the first count.
 void AddHops(const std::uint8_t* __restrict times_reached, int hops, int num_sources, int counted_before,
              std::int32_t* __restrict row) {
   if (counted_before == 0) {
@@ -51,7 +51,7 @@ void AddHops(const std::uint8_t* __restrict times_reached, int hops, int num_sou
   }
 }
 
-/// Breadth-first search from the robots of one block, all at once.
+/// Breadth-first search from all robots of one block at once.
 class BlockSearch {
  public:
   BlockSearch(const LinkBits& links, const Neighbors& neighbors)
@@ -77,7 +77,7 @@ class BlockSearch {
   }
 
  private:
-  /// Who has reached each robot after the k-th of the hops that are kept.
+  /// The sources that have reached each robot after the k-th stored hop.
   SourceSet* Reached(int k) { return &reached_[static_cast<std::size_t>(k) * num_robots_]; }
 
   void Start(int first_source) {
@@ -93,7 +93,7 @@ class BlockSearch {
     }
   }
 
-  /// Returns whether a source has reached a robot more by one hop.
+  /// Advances by one hop; returns whether any source has reached another robot.
   bool Hop(const SourceSet* __restrict before, SourceSet* __restrict after) const {
     const SourceSet all = all_;
     const std::int32_t* const start = neighbors_.start.data();
@@ -122,17 +122,17 @@ class BlockSearch {
     return new_bits != 0;
   }
 
-  /// Counts for every pair the kept hops after which the source had not reached the robot.
+  /// Counts for every pair the stored hops after which the source had not reached the robot.
   void Count(int kept, HopCount* hops) {
     for (int robot = 0; robot < first_source_ + num_sources_; ++robot) {
       std::uint8_t times_reached[kSources];
       for (int w = 0; w < kWords; ++w) {
-        std::uint64_t counts[8] = {};  // of eight sources each
+        std::uint64_t counts[8] = {};  // for eight sources each
         for (int k = 0; k < kept; ++k) {
           const std::uint64_t word = Reached(k)[robot].words[w];
           for (int byte = 0; byte < 8; ++byte) counts[byte] += bits_as_bytes_[word >> 8 * byte & 0xFF];
         }
-        std::memcpy(times_reached + w * kBits, counts, sizeof counts);
+        std::memcpy(times_reached + std::ptrdiff_t{w} * kBits, counts, sizeof counts);
       }
       AddHops(times_reached, kept, num_sources_, counted_, &(*hops)(robot, first_source_));
     }
@@ -157,12 +157,12 @@ class BlockSearch {
   std::vector<SourceSet> reached_;
   int first_source_ = 0;
   int num_sources_ = 0;
-  int counted_ = 0;  // hops of the search
+  int counted_ = 0;  // number of hops of the search
   SourceSet all_{};
 };
 
-/// Returns the most hops from the first robot of a part of the network to another one of it; at least half of the
-/// longest way there is.
+/// Returns the greatest number of hops from the first robot of a component to another robot of it: at least half of the
+/// longest shortest path.
 std::int32_t HopsAcross(const Neighbors& neighbors, int num_robots) {
   std::vector<std::int32_t> hops(num_robots, -1);
   for (int robot = 0; robot < num_robots; ++robot) {

@@ -72,7 +72,7 @@ void LinkBits::SetRow(int robot, const bool* links) {
   std::uint64_t* const row = &words_[static_cast<std::size_t>(robot) * num_words_];
   int j = 0;
   for (; j + 8 <= num_robots_; j += 8) {
-    std::uint64_t bytes;  // of value 0 or 1; the product gathers them in its highest byte
+    std::uint64_t bytes;  // each 0 or 1; the product collects them in its highest byte
     std::memcpy(&bytes, links + j, sizeof bytes);
     row[j / kBits] |= (bytes * 0x0102040810204080 >> 56) << (j % kBits);
   }
@@ -82,7 +82,7 @@ void LinkBits::SetRow(int robot, const bool* links) {
 void LinkBits::CheckDiagonal() const {
   for (int i = 0; i < num_robots_; ++i) {
     if (Row(i)[i / kBits] >> (i % kBits) & 1) {
-      throw std::invalid_argument("adjacency must be 0 on the diagonal, is 1 at " + Pair(i, i));
+      throw std::invalid_argument("adjacency must be 0 on the diagonal, got 1 at " + Pair(i, i));
     }
   }
 }
@@ -97,7 +97,8 @@ void LinkBits::CheckSymmetry() const {
         const std::uint64_t different = tile[j - left] ^ Row(j)[top / kBits];
         if (different == 0) continue;
         const int i = top + __builtin_ctzll(different);
-        throw std::invalid_argument("adjacency must be symmetric, is not at " + Pair(std::min(i, j), std::max(i, j)));
+        throw std::invalid_argument("adjacency must be symmetric, but is not at " +
+                                    Pair(std::min(i, j), std::max(i, j)));
       }
     }
   }

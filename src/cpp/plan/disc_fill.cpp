@@ -8,15 +8,15 @@ namespace robotteamsim::plan {
 namespace {
 
 constexpr int kBits = 64;
-/// A middle nearer than this to the rim may be on either side of it [cells]; many times what rounding can do.
+/// A middle nearer than this to the rim may be on either side of it [cells]; many times the largest rounding error.
 constexpr double kDoubt = 1e-4;
 
-/// The greatest whole number that is not above a value from -kBits on.
+/// Returns the floor of a value that is at least -kBits.
 int Floor(double value) { return static_cast<int>(value + kBits) - kBits; }
 
 bool IsDoubtful(double value) { return std::abs(value - Floor(value + 0.5)) < kDoubt; }
 
-/// The runs of set bits in `open` that hold a bit of `seeds`, which is a part of it.
+/// Returns the runs of set bits in `open` that contain a bit of `seeds`, a subset of `open`.
 std::uint64_t RunsWith(std::uint64_t seeds, std::uint64_t open) {
   std::uint64_t up = seeds, down = seeds, open_up = open, open_down = open;
   for (int shift = 1; shift < kBits; shift *= 2) {
@@ -28,7 +28,7 @@ std::uint64_t RunsWith(std::uint64_t seeds, std::uint64_t open) {
   return up | down;
 }
 
-/// Bits `first` to `last`; none where last < first.
+/// Returns the bits `first` to `last`; none if last < first.
 std::uint64_t Between(int first, int last) {
   return last < first ? 0 : (~std::uint64_t{0} >> (kBits - 1 - (last - first))) << first;
 }
@@ -56,7 +56,7 @@ std::uint64_t DiscFill::FreeCells(int row, int first_col) const {
 
 bool DiscFill::Reach(const Disc& disc, int start_row, int start_col, std::vector<Row>* reached) const {
   reached->clear();
-  if (!(disc.radius < kBits / 2 - 2)) return false;
+  if (!(disc.radius < 0.5 * kBits - 2.0)) return false;
   const int reach = static_cast<int>(disc.radius) + 1;
   const int first_row = std::max(0, start_row - reach), last_row = std::min(rows_ - 1, start_row + reach);
   const int first_col = start_col - reach;
@@ -69,7 +69,7 @@ bool DiscFill::Reach(const Disc& disc, int start_row, int start_col, std::vector
       const double half = std::sqrt(square);
       const double left = disc.center.x - half - 0.5 - first_col, right = disc.center.x + half - 0.5 - first_col;
       if (IsDoubtful(left) || IsDoubtful(right)) return false;
-      // Neither is a whole number.
+      // Neither value is a whole number.
       const int first = std::max(0, Floor(left) + 1), last = std::min(kBits - 1, Floor(right));
       open[row - first_row] = FreeCells(row, first_col) & Between(first, last);
     }

@@ -16,10 +16,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// So far from a blocked place its way begins or ends at the nearest free cell [m].
+/// How far from a blocked place a path may begin or end, at the nearest free cell [m].
 constexpr double kNearby = 1.0;
 
-/// Of the steps of a grid, those along a row or a column.
+/// The number of steps along a row or a column; the others are diagonal.
 constexpr std::array<std::size_t, 4> kStraightSteps{1, 3, 4, 6};
 
 double SquaredDistance(const base::Point& a, const base::Point& b) {
@@ -34,7 +34,7 @@ void CheckShape(const GridShape& shape, std::size_t num_cells) {
   }
 }
 
-/// Which bit is the lowest that is set, of those of a number that is not 0.
+/// Returns the index of the lowest set bit of a number that is not 0.
 int LowestBit(std::uint64_t bits) {
 #if defined(__GNUC__)
   return __builtin_ctzll(bits);
@@ -45,9 +45,9 @@ int LowestBit(std::uint64_t bits) {
 #endif
 }
 
-/// The least of some values, none of them NaN.
+/// Returns the least of some values, none of which is NaN.
 float LeastOf(const float* values, int count) {
-  constexpr int kLanes = 8;  // compared at once; any order of comparing finds the same
+  constexpr int kLanes = 8;  // compared at once; the order does not change the result
   constexpr float kInfinite = std::numeric_limits<float>::infinity();
   std::array<float, kLanes> lanes;
   lanes.fill(kInfinite);
@@ -59,7 +59,7 @@ float LeastOf(const float* values, int count) {
   return *std::min_element(lanes.begin(), lanes.end());
 }
 
-/// Row and column offsets of the cells whose centre is nearer than `inflation` to the square of cell (0, 0).
+/// Returns row and column offsets of the cells whose centre is nearer than `inflation` to the square of cell (0, 0).
 std::vector<std::pair<int, int>> InflationStamp(double inflation, double resolution) {
   std::vector<std::pair<int, int>> stamp;
   const int reach = static_cast<int>(std::ceil(inflation / resolution)) + 1;
@@ -67,7 +67,7 @@ std::vector<std::pair<int, int>> InflationStamp(double inflation, double resolut
     for (int d_col = -reach; d_col <= reach; ++d_col) {
       const double x = std::max(0.0, std::abs(d_col) - 0.5) * resolution;
       const double y = std::max(0.0, std::abs(d_row) - 0.5) * resolution;
-      // The margin keeps a cell at exactly the inflation free whatever the rounding.
+      // The margin keeps a cell at exactly the inflation free despite rounding.
       if (x * x + y * y < inflation * inflation - 1e-9) stamp.emplace_back(d_row, d_col);
     }
   }
@@ -194,9 +194,9 @@ bool PlanningGrid::IsLineFree(const base::Point& a, const base::Point& b) const 
 
 std::vector<float> PlanningGrid::DistanceMap(const base::Point& goal) const {
   const int start = FreeCellOf(goal);
-  if (start < 0) throw std::invalid_argument("the goal of a distance field must be free");
-  // Dijkstra with buckets as wide as the shortest step: no cell of a bucket can shorten another one's way, so the order
-  // within a bucket does not matter. The longest step reaches two buckets ahead.
+  if (start < 0) throw std::invalid_argument("the goal of a distance map must be free");
+  // Dijkstra with buckets as wide as the shortest step: no cell of a bucket can shorten the path of another in it, so
+  // the order within a bucket does not matter. The longest step reaches two buckets ahead.
   std::vector<double> distance(blocked_.size(), kInfinity);
   std::array<std::vector<int>, 4> buckets;
   const double width = shape_.resolution * (1.0 - 1e-9);
@@ -208,7 +208,7 @@ std::vector<float> PlanningGrid::DistanceMap(const base::Point& goal) const {
     for (std::size_t i = 0; i < buckets[current].size(); ++i) {
       const int cell = buckets[current][i];
       const double length = distance[cell];
-      if (bucket_of(length) != current) continue;  // a shorter way was found since
+      if (bucket_of(length) != current) continue;  // a shorter path was found since
       for (std::size_t s = 0; s < steps_.size(); ++s) {
         if ((exits_[cell] >> s & 1U) == 0) continue;
         const Step& step = steps_[s];
@@ -225,11 +225,11 @@ std::vector<float> PlanningGrid::DistanceMap(const base::Point& goal) const {
   return {distance.begin(), distance.end()};
 }
 
-double PlanningGrid::ValueAt(const float* field, std::size_t size, const base::Point& point) const {
-  if (size != blocked_.size()) throw std::invalid_argument("the field must have one value per cell");
+double PlanningGrid::ValueAt(const float* distances, std::size_t size, const base::Point& point) const {
+  if (size != blocked_.size()) throw std::invalid_argument("the distance map must have one value per cell");
   const int row = RowOf(point.y);
   const int col = ColOf(point.x);
-  return row >= 0 && col >= 0 ? static_cast<double>(field[row * shape_.cols + col]) : kInfinity;
+  return row >= 0 && col >= 0 ? static_cast<double>(distances[row * shape_.cols + col]) : kInfinity;
 }
 
 std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, const base::Point& to,
@@ -245,7 +245,7 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
     return (std::max(rows, cols) + (std::sqrt(2.0) - 1.0) * std::min(rows, cols)) * shape_.resolution;
   };
   struct Entry {
-    double total;  // least length of a way through the cell
+    double total;  // least length of a path through the cell
     double remaining;
     int cell;
     bool operator>(const Entry& other) const {
@@ -270,7 +270,7 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
     open.pop();
     if (entry.cell == goal) break;
     const double length = length_[entry.cell];
-    if (entry.total > length + entry.remaining) continue;  // a shorter way was found since
+    if (entry.total > length + entry.remaining) continue;  // a shorter path was found since
     for (std::size_t s = 0; s < steps_.size(); ++s) {
       if ((exits_[entry.cell] >> s & 1U) == 0) continue;
       reach(entry.cell + steps_[s].offset, entry.cell, length + steps_[s].length);
@@ -311,7 +311,7 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const base::Poin
       best = cell;
       best_value = cell_value;
     }
-    // Every diagonal step has a way around by two straight ones.
+    // Every diagonal step can be replaced by two straight steps.
     for (const std::size_t s : kStraightSteps) {
       const Step& step = steps_[s];
       const int next = cell + step.offset;
@@ -327,16 +327,17 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const base::Poin
   return Valued{Center(best), best_value};
 }
 
-std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* field, std::size_t size,
+std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* distances, std::size_t size,
                                                                  const base::Point& from, double radius) const {
-  if (size != blocked_.size()) throw std::invalid_argument("the field must have one value per cell");
+  if (size != blocked_.size()) throw std::invalid_argument("the distance map must have one value per cell");
   const int start = FreeCellOf(from);
   if (start < 0) return std::nullopt;
   const base::Point center{(from.x - shape_.origin.x) / shape_.resolution,
                            (from.y - shape_.origin.y) / shape_.resolution};
   const DiscFill::Disc disc{center, radius / shape_.resolution};
   if (!disc_fill_.Reach(disc, start / shape_.cols, start % shape_.cols, &filled_)) {
-    return BestReachable(from, radius, [&](int cell, const base::Point&) { return static_cast<double>(field[cell]); });
+    return BestReachable(from, radius,
+                         [&](int cell, const base::Point&) { return static_cast<double>(distances[cell]); });
   }
   int best = -1;
   float least = std::numeric_limits<float>::infinity();
@@ -348,10 +349,10 @@ std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* fi
       const int run = ~cells == 0 ? 64 : LowestBit(~cells);
       cells = run == 64 ? 0 : cells >> run;
       cell += gap;
-      const float least_here = LeastOf(field + cell, run);
+      const float least_here = LeastOf(distances + cell, run);
       if (least_here < least) {
         least = least_here;
-        best = static_cast<int>(std::find(field + cell, field + cell + run, least) - field);
+        best = static_cast<int>(std::find(distances + cell, distances + cell + run, least) - distances);
       }
       cell += run;
     }

@@ -12,7 +12,7 @@ PointMm RoundedCenter(const plan::GridShape& grid, int row, int col) {
   return RoundToMm(CellCenter(grid, row, col), "centre of a cell");
 }
 
-/// Returns the resolution in mm where that is a whole number, else 0.
+/// Returns the resolution in mm if it is a whole number, else 0.
 std::int64_t PitchMm(double resolution_m) {
   const double mm = resolution_m * 1000.0;
   const double whole = std::round(mm);
@@ -24,7 +24,7 @@ std::int64_t PitchMm(double resolution_m) {
 int CentersMm::FirstFrom(std::int64_t position) const {
   const int last = Count() - 1;
   if (position > at[last]) return Count();
-  // A guess that is off by one at most, then the centres themselves decide.
+  // A guess that is off by at most one; the centres decide.
   const double guess = static_cast<double>(position - at[0]) * per_mm;
   int index = guess > 0.0 ? std::min(static_cast<int>(guess), last) : 0;
   while (at[index] < position) ++index;
@@ -41,7 +41,7 @@ CellCentersMm::CellCentersMm(const plan::GridShape& grid) {
                                 std::to_string(grid.cols));
   }
   const PointMm first = RoundedCenter(grid, 0, 0);
-  RoundedCenter(grid, grid.rows - 1, grid.cols - 1);  // throws where the grid reaches beyond the limit
+  RoundedCenter(grid, grid.rows - 1, grid.cols - 1);  // throws if the grid extends beyond the limit
   x.pitch = y.pitch = PitchMm(grid.resolution);
   x.per_mm = y.per_mm = 1.0 / (grid.resolution * 1000.0);
   x.at.resize(grid.cols);

@@ -11,14 +11,14 @@
 namespace robotteamsim::propagation {
 namespace {
 
-/// Where a point lies exactly on the line through a and b, the point moved by (eps, eps^2) lies to the left of it when
-/// this holds: the cross product (b - a) x (eps, eps^2) is dx * eps^2 - dy * eps.
+/// Returns whether a point exactly on the line through a and b is to its left after a shift by (eps, eps^2): the cross
+/// product (b - a) x (eps, eps^2) is dx * eps^2 - dy * eps.
 bool MovedPointIsLeft(std::int64_t dx, std::int64_t dy) { return dy < 0 || (dy == 0 && dx > 0); }
 
-/// The same for a point that stays while the line from p to q is moved.
+/// The same for a fixed point and a shifted line from p to q.
 bool PointIsLeftOfMoved(std::int64_t dx, std::int64_t dy) { return dy > 0 || (dy == 0 && dx < 0); }
 
-/// As many as a wall and its neighbours have: most boxes are far from most segments.
+/// About the number of faces of a wall and its neighbours: most boxes are far from most segments.
 constexpr std::size_t kFacesPerBox = 8;
 
 }  // namespace
@@ -50,7 +50,7 @@ bool IsLeftOf(const Face& face, PointMm point) {
 FaceSet::FaceSet(const std::vector<std::array<std::int64_t, 4>>& ends, const std::vector<std::int32_t>& weights)
     : weight_(weights), full_weight_(weights) {
   if (ends.size() != weights.size()) {
-    throw std::invalid_argument("weights must hold one value per face: wanted " + std::to_string(ends.size()) +
+    throw std::invalid_argument("weights must have one value per face: expected " + std::to_string(ends.size()) +
                                 ", got " + std::to_string(weights.size()));
   }
   for (std::size_t i = 0; i < ends.size(); ++i) {
@@ -107,7 +107,7 @@ Face FaceSet::At(std::size_t face) const {
 
 void FaceSet::SetActive(std::size_t face, bool active) {
   if (face >= Size()) {
-    throw std::invalid_argument("there is no face " + std::to_string(face) + ", only " + std::to_string(Size()));
+    throw std::invalid_argument("no face " + std::to_string(face) + ", only " + std::to_string(Size()));
   }
   weight_[face] = active ? full_weight_[face] : 0;
 }
@@ -121,8 +121,8 @@ std::int64_t FaceSet::WeightBetween(PointMm a, PointMm b) const {
   const auto& [y_least, y_most] = std::minmax(a.y, b.y);
   std::int64_t sum = 0;
   for (std::size_t k = 0; k < boxes_.size(); ++k) {
-    // Faces that are moved by next to nothing may cross what they touch, but nothing apart from them. All is asked at
-    // once: one branch, which is seldom mispredicted.
+    // An infinitely small shift can make faces cross only what they touch. All tests are combined into one branch,
+    // which is rarely mispredicted.
     const Box& box = boxes_[k];
     const bool is_apart = static_cast<int>(box.most.x < x_least) | static_cast<int>(box.least.x > x_most) |
                           static_cast<int>(box.most.y < y_least) | static_cast<int>(box.least.y > y_most);

@@ -15,7 +15,7 @@
 namespace robotteamsim::propagation {
 namespace {
 
-/// L of eq. (3), (4) without floors: one way for single losses and rows of links, so that all agree to the bit.
+/// Returns L of eq. (3), (4) without floors; shared by single losses and rows of links, so that both agree to the bit.
 ROBOTTEAMSIM_INLINE double LossDb(const RadioModel& model, double dx_mm, double dy_mm, double wall_units) {
   const double min_mm = model.min_distance_m * 1000.0;
   const double square_mm2 = std::max(dx_mm * dx_mm + dy_mm * dy_mm, min_mm * min_mm);
@@ -23,8 +23,8 @@ ROBOTTEAMSIM_INLINE double LossDb(const RadioModel& model, double dx_mm, double 
   return one_slope_db + wall_units / kRadioUnitsPerDb;  // (3), (4)
 }
 
-/// Writes the signals of the links from a robot to those after it. They are computed in the order of their targets and
-/// picked up then, so that the matrix is written from one end to the other: it is too large for the caches.
+/// Writes the signals of the links from a robot to those after it. They are computed in the order of the targets and
+/// then gathered, so that the matrix, too large for the caches, is written sequentially.
 /// Args: signals_dbm: room for whole blocks of targets.
 ROBOTTEAMSIM_INLINE void WriteSignals(const RadioModel& model, const LinkTargets& targets,
                                       double* __restrict signals_dbm, double* __restrict rssi_dbm) {
@@ -32,7 +32,7 @@ ROBOTTEAMSIM_INLINE void WriteSignals(const RadioModel& model, const LinkTargets
   const int count = targets.count;
   for (int first = 0; first < count; first += kLinkLanes) {
     const TargetBlock& block = targets.blocks[first / kLinkLanes];
-#pragma GCC unroll 1  // unrolled at once, the lanes would be computed one by one
+#pragma GCC unroll 1  // if unrolled here, the lanes would not be vectorised
     for (int i = 0; i < kLinkLanes; ++i) {
       signals_dbm[first + i] = m.tx_power_dbm - LossDb(m, block.x[i], block.y[i], block.weight[i]);
     }
@@ -41,7 +41,7 @@ ROBOTTEAMSIM_INLINE void WriteSignals(const RadioModel& model, const LinkTargets
   for (int i = 0; i < count; ++i) rssi_dbm[i] = signals_dbm[places[i]];
 }
 
-/// Up to so many robots, the links one by one are as fast as tables of directions and faces.
+/// Up to this number of robots, single links are as fast as tables of directions and faces.
 constexpr Eigen::Index kFewRobots = 8;
 
 void WriteFewSignals(const FaceSet& faces, const RadioModel& model, const std::vector<PointMm>& points,
@@ -57,7 +57,7 @@ void WriteFewSignals(const FaceSet& faces, const RadioModel& model, const std::v
 
 PointMm RobotAt(const Eigen::Ref<const Positions>& positions, Eigen::Index robot) {
   const base::Point at{positions(robot, 0), positions(robot, 1)};
-  // Names take memory: only what is wrong gets one.
+  // Composing a name allocates memory: only for invalid positions.
   if (std::abs(at.x) < 1e5 && std::abs(at.y) < 1e5) return RoundToMm(at, {});
   return RoundToMm(at, "position of robot " + std::to_string(robot));
 }

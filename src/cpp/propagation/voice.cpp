@@ -39,6 +39,7 @@ void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vec
     return;
   }
   std::vector<FieldSource> field_sources;
+  field_sources.reserve(sources.size());
   for (const VoiceSource& source : sources) {
     field_sources.push_back({RoundToMm(source.position, "position of a voice"), FadingOf(model, source)});
   }
@@ -55,7 +56,7 @@ void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vec
 
 std::optional<Cell> LoudestCell(const plan::GridShape& grid, const Eigen::Ref<const MapValues>& values,
                                 const base::Point& at, double radius_m, const std::optional<Cell>& guess) {
-  // Cells from `from` to before `to`, one more than needed on each side; the distance decides.
+  // Cells from `from` to `to` - 1, one more than needed on each side; the distance decides.
   const auto clamped = [](double cell, int count) { return static_cast<int>(std::clamp(cell, 0.0, 1.0 * count)); };
   const auto from = [&](double origin, double center, int count) {
     return clamped(std::floor((center - radius_m - origin) / grid.resolution) - 1.0, count);
@@ -73,7 +74,7 @@ std::optional<Cell> LoudestCell(const plan::GridShape& grid, const Eigen::Ref<co
     return dx * dx + dy * dy > radius_m * radius_m;
   };
   float highest = 0.0F;
-  // One that is as high as the guess is found, but hardly a lower one is looked at.
+  // Cells equal to the guess are found, and most lower cells are skipped.
   if (guess && !is_beyond(guess->row, guess->col)) highest = std::nextafter(values(guess->row, guess->col), 0.0F);
   for (int row = from(grid.origin.y, at.y, grid.rows); row < row_to; ++row) {
     const double dy = CellCenter(grid, row, 0).y - at.y;

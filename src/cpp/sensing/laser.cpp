@@ -66,7 +66,7 @@ class Laser::View {
   void MeetEdge(const base::Segment& edge) {
     const base::Point a = ToLocal(edge.a), b = ToLocal(edge.b);
     const double cross = Cross(a, b);
-    if (cross >= 0.0) {  // the laser looks at its back, which is inside, or along it
+    if (cross >= 0.0) {  // the laser is behind the edge, inside the solid, or on its line
       if (is_mounted_apart_ && CrossesMount(a, b)) is_inside_ = true;
       return;
     }
@@ -84,7 +84,7 @@ class Laser::View {
     fan_.ForBeamsBetween(PseudoAngle(b.x, b.y), PseudoAngle(a.x, a.y), [&](int first, int end) {
       for (int i = first; i < end; ++i) {
         const double range = cross / (x[i] * dy - y[i] * dx);
-        // A beam almost along the edge may have its point of intersection far off: it meets the nearest end.
+        // A beam almost parallel to the edge may intersect its line far away: use the nearest end.
         const double met = range >= nearest ? std::min(range, farthest) : nearest;
         ranges[i] = std::min(ranges[i], met);
       }
@@ -117,7 +117,7 @@ class Laser::View {
     });
   }
 
-  /// Args: corners: of a polygon in the frame of its pose; none: a disc. reach: of the body from the pose.
+  /// Args: corners: of a polygon in the frame of its pose; empty: a disc. reach: radius of the body.
   void MeetBody(const world::Polygon& corners, const base::Pose& pose, double reach, double range_max) {
     if (corners.empty()) {
       MeetDisc(pose, reach, range_max);
@@ -138,7 +138,7 @@ class Laser::View {
     for (std::size_t i = 0; i < outline.size(); ++i) MeetEdge({outline[i], outline[(i + 1) % outline.size()]});
   }
 
-  /// Returns the ranges as the laser counts its beams; what is beyond range_max is at infinity.
+  /// Returns the ranges in the laser's order; infinity beyond range_max.
   std::vector<double> Take(double range_max) {
     if (is_inside_) return std::vector<double>(ranges_.size(), 0.0);
     for (double& range : ranges_) range = range > range_max ? kInfinity : range;
@@ -149,7 +149,7 @@ class Laser::View {
   }
 
  private:
-  // So far behind [m] that rounding is no matter.
+  // A margin larger than any rounding error [m].
   static constexpr double kBehind = 1e-9;
 
   base::Point ToLocal(const base::Point& point) const {
@@ -157,8 +157,8 @@ class Laser::View {
     return {cos_ * dx + sin_ * dy, cos_ * dy - sin_ * dx};
   }
 
-  // Whether an edge that has the laser behind it, or on it, runs between the laser and base_link, which is never in a
-  // solid.
+  // Returns whether an edge with the laser behind or on it runs between the laser and base_link, which is never inside
+  // a solid.
   bool CrossesMount(const base::Point& a, const base::Point& b) const {
     const base::Point edge{b.x - a.x, b.y - a.y};
     if (Cross(edge, {base_.x - a.x, base_.y - a.y}) >= 0.0) return false;
@@ -183,7 +183,7 @@ Laser::Laser(const LaserModel& model, const std::vector<world::Solid>& solids, c
       edges_(world::EdgesOf(solids, doors), model.range_max) {}
 
 std::vector<double> Laser::Scan(const world::World& world, int robot) const {
-  // What is not there sees nothing.
+  // A robot that is not there gets no returns.
   if (!world.present().at(robot)) return std::vector<double>(NumBeams(), kInfinity);
   View view(model_, fan_, world.poses().at(robot));
   for (const world::Edge& edge : edges_.Near(view.origin())) {

@@ -8,21 +8,21 @@ namespace {
 
 double Square(double value) { return value * value; }
 
-/// A straight way: its length [m], below 0 when it went backwards, and its heading in [-pi/2, pi/2].
-struct Way {
+/// A straight motion: its length [m], negative if backwards, and its heading in [-pi/2, pi/2].
+struct StraightMotion {
   double distance;
   double heading;
 };
 
-Way WayOf(const base::Pose& motion) {
+StraightMotion StraightMotionOf(const base::Pose& motion) {
   const double distance = std::sqrt(motion.x * motion.x + motion.y * motion.y);
   if (motion.x < 0.0) return {-distance, std::atan2(-motion.y, -motion.x)};
   return {distance, std::atan2(motion.y, motion.x)};
 }
 
-// Carries a covariance over a turn, a distance in direction (cos, sin), and a second turn: G P G^T + V M V^T, with the
-// Jacobians G of the step by the pose before and V by its three errors. That of the first turn is one more error of the
-// yaw with which the distance is driven; that of the second comes after it.
+// Propagates a covariance over a turn, a distance in direction (cos, sin) and a second turn: G P G^T + V M V^T, with
+// the Jacobians G with respect to the previous pose and V with respect to the three errors. The error of the first turn
+// adds to the yaw error of the distance; that of the second turn comes after it.
 PoseCovariance Carried(PoseCovariance p, double first_variance, double distance, double distance_variance, double cos,
                        double sin, double second_variance) {
   p.yaw_yaw += first_variance;
@@ -36,7 +36,7 @@ PoseCovariance Carried(PoseCovariance p, double first_variance, double distance,
   return p;
 }
 
-// The same for a way (x, y) in `odom` with equal variances in all directions, and a turn that comes with it.
+// The same for a motion (x, y) in `odom` with equal variances in all directions and a simultaneous turn.
 PoseCovariance CarriedOmni(PoseCovariance p, double x, double y, double way_variance, double turn_variance) {
   p.xx += -y * (2.0 * p.x_yaw - y * p.yaw_yaw) + way_variance;
   p.xy += -y * p.y_yaw + x * (p.x_yaw - y * p.yaw_yaw);
@@ -55,7 +55,7 @@ void Odometry::StepOmni(const base::Pose& motion, const base::Twist& twist, cons
   const double way_variance = model_.alpha3 * distance2 + model_.alpha4 * Square(turn);
   const double turn_error = noise.first_turn * std::sqrt(turn_variance);
   const double along = noise.distance * std::sqrt(way_variance), aside = noise.second_turn * std::sqrt(way_variance);
-  // The heading of the way as seen from its beginning, and from the middle of the step, where the twist is.
+  // The heading of the motion relative to its beginning and to the middle of the step, to which the twist refers.
   const double heading = std::atan2(motion.y, motion.x), seen = heading - 0.5 * turn;
   const double course = pose_.yaw + heading, cos = std::cos(course), sin = std::sin(course);
   const double distance = std::sqrt(distance2) + along;
@@ -71,20 +71,20 @@ void Odometry::StepOmni(const base::Pose& motion, const base::Twist& twist, cons
 
 void Odometry::Step(const base::Pose& motion, const base::Twist& twist, const Noise& noise) {
   if (omni_) return StepOmni(motion, twist, noise);
-  const Way way = WayOf(motion);
+  const StraightMotion straight = StraightMotionOf(motion);
   const double turn = twist.angular_z * step_;
-  const double rest = turn - way.heading;
-  const double first2 = Square(std::min(std::abs(way.heading), std::abs(turn)));
+  const double rest = turn - straight.heading;
+  const double first2 = Square(std::min(std::abs(straight.heading), std::abs(turn)));
   const double second2 = Square(std::min(std::abs(rest), std::abs(turn)));
-  const double distance2 = Square(way.distance);
+  const double distance2 = Square(straight.distance);
   const double first_variance = model_.alpha1 * first2 + model_.alpha2 * distance2;
   const double distance_variance = model_.alpha3 * distance2 + model_.alpha4 * (first2 + second2);
   const double second_variance = model_.alpha1 * second2 + model_.alpha2 * distance2;
   const double first_error = noise.first_turn * std::sqrt(first_variance);
   const double distance_error = noise.distance * std::sqrt(distance_variance);
   const double second_error = noise.second_turn * std::sqrt(second_variance);
-  const double course = pose_.yaw + way.heading + first_error;
-  const double distance = way.distance + distance_error, cos = std::cos(course), sin = std::sin(course);
+  const double course = pose_.yaw + straight.heading + first_error;
+  const double distance = straight.distance + distance_error, cos = std::cos(course), sin = std::sin(course);
   pose_.x += distance * cos;
   pose_.y += distance * sin;
   pose_.yaw = base::NormaliseAngle(course + rest + second_error);

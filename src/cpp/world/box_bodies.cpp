@@ -11,12 +11,12 @@
 namespace robotteamsim::world {
 namespace {
 
-// Box2D lets shapes at rest overlap by one slop. Half a slop around each keeps the bodies themselves from it: they rest
-// at most a slop (5 mm) apart.
+// Box2D lets shapes at rest overlap by one slop (5 mm). Each shape is larger by half a slop, so that the bodies do not
+// overlap: they rest at most a slop apart.
 constexpr float kSkin = 0.5F * b2_linearSlop;
 
-// Fills the shape by hand: b2PolygonShape::Set welds corners nearer than 2.5 mm and turns what then is no polygon into
-// a box of two metres, so thin solids would not be what the plan says.
+// Fills the shape directly: b2PolygonShape::Set merges corners nearer than 2.5 mm and replaces a degenerate polygon by
+// a box of two metres, so thin solids would differ from the plan.
 b2PolygonShape ConvexShape(const Polygon& piece, const base::Point& origin) {
   const int count = static_cast<int>(piece.size());
   if (count < 3 || count > b2_maxPolygonVertices) {

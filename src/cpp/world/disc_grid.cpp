@@ -6,7 +6,7 @@
 namespace robotteamsim::world {
 namespace {
 
-// Two robots a cell on average: smaller cells would mostly be empty.
+// Two robots per cell on average: smaller cells would mostly be empty.
 constexpr double kRobotsPerCell = 2.0;
 constexpr double kSmallestCell = 0.5;  // [m]
 
@@ -32,7 +32,7 @@ void DiscGrid::Rebuild(const std::vector<base::Pose>& poses) {
   }
   const double width = high.x - origin_.x, height = high.y - origin_.y;
   const auto count = static_cast<double>(num_there);
-  // Robots in a row cover no area: then it is the cells along the row that are counted.
+  // Robots in a line cover no area: then the number of cells along the line decides.
   const double cell =
       std::max({kSmallestCell, std::sqrt(kRobotsPerCell * width * height / count), (width + height) / count});
   cells_per_metre_ = 1.0 / cell;

@@ -14,10 +14,10 @@
 namespace robotteamsim::world {
 namespace {
 
-// A leaf looks after every centimetre of its way [m] whether something is in it.
+// A leaf checks after every centimetre of its motion [m] whether something blocks it.
 constexpr double kGlance = 0.01;
 
-// A leaf that is this near to its end [of its way] is there: so much is rounding.
+// A leaf this near to its end [of the whole motion] has arrived: the difference is rounding.
 constexpr double kAtEnd = 1e-9;
 
 std::vector<Door> Checked(std::vector<Door> doors) {
@@ -32,7 +32,7 @@ std::vector<Door> Checked(std::vector<Door> doors) {
   return doors;
 }
 
-// A leaf seen from its hinge.
+// Returns an outline relative to the hinge.
 Polygon FromHinge(const Polygon& outline, const base::Point& hinge) {
   return Placed(outline, {-hinge.x, -hinge.y, 0.0});
 }
@@ -90,7 +90,7 @@ Polygon Doors::OutlineAt(const MovingLeaf& leaf, double opening) const {
   return Placed(from_hinge, {hinge.x + shift.x * opening, hinge.y + shift.y * opening, angle * opening});
 }
 
-// To Box2D a leaf is a still body that is put elsewhere: it stops what drives at it, and never pushes.
+// In Box2D a leaf is a static body that is moved: it stops robots that drive at it and never pushes.
 void Doors::PutBody(const MovingLeaf& leaf) {
   const auto& [time, angle, shift, hinge] = doors_[leaf.door].motion;
   const double x = hinge.x + shift.x * leaf.opening, y = hinge.y + shift.y * leaf.opening;
@@ -111,7 +111,7 @@ void Doors::SetClosed(int door, bool closed) {
   UpdateStates();
 }
 
-// How fast the fastest corner of a leaf is on its way [m/s].
+// Returns the speed of the fastest corner of a moving leaf [m/s].
 double Doors::Pace(const MovingLeaf& leaf) const {
   const LeafMotion& motion = doors_[leaf.door].motion;
   return (std::abs(motion.angle) * leaf.reach + std::hypot(motion.shift.x, motion.shift.y)) / motion.time;

@@ -16,7 +16,7 @@ double Approached(double now, double wanted, double max, double max_change) {
   return std::clamp(reachable, now - max_change, now + max_change);
 }
 
-// A velocity in the plane approaches the wanted one on the straight line between them.
+// A velocity in the plane approaches the commanded one along the straight line between them.
 DriveSpeed ReachedOmniSpeed(const DriveSpeed& now, const base::Twist& command, const DriveLimits& limits, double dt) {
   const double wanted = std::hypot(command.linear_x, command.linear_y);
   const double share = wanted > limits.max_speed ? limits.max_speed / wanted : 1.0;

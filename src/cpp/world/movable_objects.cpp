@@ -13,7 +13,7 @@
 namespace robotteamsim::world {
 namespace {
 
-// An object that has gone less than this [m or rad] has not moved: that much may be rounding.
+// An object that moved by less than this [m or rad] has not moved: the difference may be rounding.
 constexpr double kUnmoved = 1e-6;
 
 constexpr double kGravity = 9.81;  // [m/s^2]
@@ -113,8 +113,8 @@ void MovableObjects::FinishStep() {
     if (!bodies_[i]->IsAwake()) continue;
     const base::Pose pose = PoseNow(static_cast<int>(i));
     // An object that nobody has pushed yet stays where it was placed, in double precision.
-    const base::Pose way = base::RelativePose(poses_[i], pose);
-    if (std::hypot(way.x, way.y) < kUnmoved && std::abs(way.yaw) < kUnmoved) continue;
+    const base::Pose moved = base::RelativePose(poses_[i], pose);
+    if (std::hypot(moved.x, moved.y) < kUnmoved && std::abs(moved.yaw) < kUnmoved) continue;
     poses_[i] = pose;
     any = true;
   }

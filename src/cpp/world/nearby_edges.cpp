@@ -40,7 +40,7 @@ NearbyEdges::NearbyEdges(std::vector<Edge> edges, double reach) : all_(std::move
     high = {std::max({high.x, segment.a.x, segment.b.x}), std::max({high.y, segment.a.y, segment.b.y})};
   }
   origin_ = low;
-  // Smaller cells have shorter lists, but more of them; far-reaching lists are long whatever the cell.
+  // Smaller cells have shorter lists, but there are more of them; lists for a long reach are long for any cell size.
   cell_ = std::max(0.2 * reach, 0.5);
   columns_ = static_cast<int>((high.x - low.x) / cell_) + 1;
   rows_ = static_cast<int>((high.y - low.y) / cell_) + 1;

@@ -26,8 +26,8 @@ double DistanceToOutline(const Polygon& polygon, const base::Point& point) {
   return distance;
 }
 
-// Whether all of `other` is to the right of a side of `polygon`: for convex polygons that do not overlap there is such
-// a side in one of them.
+// Returns whether all of `other` is to the right of a side of `polygon`: of two convex polygons that do not overlap,
+// one has such a side.
 bool HasSideBetween(const Polygon& polygon, const Polygon& other) {
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const base::Point &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];

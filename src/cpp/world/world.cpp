@@ -17,18 +17,18 @@ namespace {
 constexpr int kVelocityIterations = 8;
 constexpr int kPositionIterations = 3;
 
-// How much farther than it drives a robot is looked at: contacts count from a slop (5 mm) on, and rounding is no
-// matter.
+// Added to the distance that a robot travels: more than a slop (5 mm), from which contacts count, and any rounding
+// error.
 constexpr double kMargin = 0.02;
 
-// Contacts nearer to each other than this are one [rad]: solids are made of pieces that meet within them.
+// Contacts nearer to each other than this are one [rad]: neighbouring pieces of a solid each make a contact.
 constexpr double kSamePlace = 0.05;
 constexpr double kFullTurn = 6.28318530717958648;
 
-// A leaf of a door comes no nearer than this to anything [m]: contacts count from there on.
+// A leaf keeps at least this distance from anything [m]; contacts count below it.
 constexpr double kClearOfLeaves = 0.005;
 
-// A drive that reaches less than this part of its speed is stalled.
+// A drive that reaches less than this fraction of its speed is stalled.
 constexpr double kStalled = 0.05;
 
 bool IsTouching(const b2Body* body) {
@@ -52,8 +52,8 @@ void CheckRobot(const Robot& robot) {
   CheckDrive(robot.drive);
 }
 
-// Box2D moves no body by more than 2 m at once, and keeps robots from jumping over each other only while they move by
-// less than they are wide. So no robot moves by more than half its radius at once, or a quarter of its width.
+// Box2D moves no body by more than 2 m at once and prevents robots from jumping over each other only if they move by
+// less than their width. So no robot moves by more than half its radius, or a quarter of its width, at once.
 int CheckedSubsteps(const std::vector<Robot>& robots, double step, int substeps) {
   if (!IsPositive(step) || substeps < 1) throw std::invalid_argument("step and substeps must be > 0");
   double parts = 1.0;
@@ -72,7 +72,7 @@ std::vector<Robot> WithReach(std::vector<Robot> robots) {
   return robots;
 }
 
-// How fast a robot's corners go at most by its turning [m/s].
+// Returns the greatest speed of a robot's corners due to its rotation [m/s].
 double MaxCornerSpeed(const Robot& robot) {
   if (robot.footprint.empty()) return 0.0;
   const DriveLimits& drive = robot.drive;
@@ -86,8 +86,8 @@ double MaxRadius(const std::vector<Robot>& robots) {
   return radius;
 }
 
-// The longest way of anything in a step [m]. Nothing pushes anything to more than its own speed, but an object's far
-// end may turn as fast again.
+// Returns the greatest distance that anything travels in a step [m]. No robot pushes anything to more than its own
+// speed, but the far end of a turning object may be twice as fast.
 double MaxTravelOf(const std::vector<Robot>& robots, bool are_there_things, double step) {
   double speed = 0.0;
   for (const Robot& robot : robots) speed = std::max(speed, robot.drive.max_speed + MaxCornerSpeed(robot));
@@ -115,7 +115,7 @@ World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Rob
 World::~World() = default;
 
 void World::Reset() {
-  // A new Box2D world: the order of bodies and contacts in the old one depends on its past and reaches the results.
+  // A new Box2D world: the order of bodies and contacts in the old one depends on its history and affects the results.
   box_ = std::make_unique<b2World>(b2Vec2(0.0F, 0.0F));
   b2BodyDef still;
   b2Body* building = box_->CreateBody(&still);
@@ -145,18 +145,18 @@ void World::AddRobot(const Robot& robot) {
   def.type = b2_dynamicBody;
   def.position = ToBox(robot.start.x - origin_.x, robot.start.y - origin_.y);
   const bool is_round = robot.footprint.empty();
-  def.fixedRotation = is_round;  // nothing turns a round body without friction: its drive alone does
+  def.fixedRotation = is_round;  // without friction only its drive turns a round body
   def.angle = is_round ? 0.0F : static_cast<float>(base::NormaliseAngle(robot.start.yaw));
   def.allowSleep = false;
-  def.bullet = true;  // robots stop at each other as exactly as at walls
+  def.bullet = true;  // robots stop at each other as precisely as at walls
   b2Body* body = box_->CreateBody(&def);
   if (is_round) {
     AddDisc(body, robot.radius, robot.mass);
   } else {
     AddPolygon(body, robot.footprint, robot.mass);
     b2MassData mass;
-    body->GetMassData(&mass);  // its inertia is about the origin
-    mass.center.SetZero();     // the wheels hold base_link where it is: it turns about that
+    body->GetMassData(&mass);  // inertia about the origin
+    mass.center.SetZero();     // the wheels hold base_link: the robot turns about it
     body->SetMassData(&mass);
   }
   robot_bodies_.push_back(body);
@@ -209,7 +209,7 @@ void World::Step(const std::vector<base::Twist>& commands) {
   grid_.Rebuild(poses_);
 }
 
-// The longest way that any robot drives in a step, and so the longest that any is pushed.
+// Returns the greatest distance that any robot drives, or is pushed, in a step.
 double World::MaxTravel(const std::vector<base::Twist>& commands) const {
   double speed = 0.0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
@@ -277,7 +277,7 @@ void World::FinishDrive(int robot) {
   DriveSpeed reached = drive.speed;
   if (drive.is_busy && IsTouching(robot_bodies_[robot])) {
     reached = BodySpeed(robot);
-    // What stops a robot dead stops its wheels; along what it slides along, and behind what it pushes, they slip.
+    // A robot that is stopped completely stops its wheels; while it slides along something or pushes, they slip.
     const double wanted2 = drive.speed.forward * drive.speed.forward + drive.speed.left * drive.speed.left;
     if ((reached.forward * drive.speed.forward + reached.left * drive.speed.left) / wanted2 < kStalled) {
       drive.speed.forward = 0.0;
@@ -297,7 +297,7 @@ void World::FinishDrive(int robot) {
   twists_[robot].angular_z += reached.turn / substeps_;
 }
 
-// How a body that touches something moved in a substep, as a speed of its drive.
+// Returns the motion of a body with contacts in a substep as a speed of its drive.
 DriveSpeed World::BodySpeed(int robot) const {
   const base::Pose& pose = poses_[robot];
   const Robot& body = robots_[robot];
@@ -311,7 +311,7 @@ DriveSpeed World::BodySpeed(int robot) const {
   const double dx = at.x - pose.x, dy = at.y - pose.y;
   speed.forward = (cos * dx + sin * dy) / dt_;
   speed.left = (cos * dy - sin * dx) / dt_;
-  if (body.drive.kind == DriveKind::kCar) {  // its wheels turn it as far as they roll
+  if (body.drive.kind == DriveKind::kCar) {  // it turns only as far as its wheels roll
     const double rolled = CarTurn(speed.forward, speed.steering, body.drive);
     const double wanted = drives_[robot].speed.turn;
     const bool turns_too_far = speed.turn * wanted > 0.0 && std::abs(speed.turn) > std::abs(rolled);
@@ -342,7 +342,7 @@ void World::NoteContacts(int robot, double yaw) {
 void World::SetPose(int robot, const base::Pose& pose) {
   base::Pose& stored = poses_.at(robot);
   stored = {pose.x, pose.y, base::NormaliseAngle(pose.yaw)};
-  if (pose.x == pose.x) SetBodyPose(robot);  // that of a robot that goes stays where it was, out of all reckoning
+  if (pose.x == pose.x) SetBodyPose(robot);  // a removed robot's disabled body keeps its last transform
   drives_[robot].speed = {};
   twists_[robot] = {};
   motions_[robot] = {};
@@ -369,7 +369,7 @@ bool World::HoldsLeaf(const Polygon& now, const Polygon& next) const {
     const base::Point at{pose.x, pose.y};
     const double apart = GapBetween(next, at) - radius;
     if (apart >= kClearOfLeaves) return false;
-    // What leans on a leaf that goes away does not hold it.
+    // Contact with a leaf that moves away does not hold it.
     if (corners.empty()) return apart < GapBetween(now, at) - radius;
     const Polygon body = Placed(corners, pose);
     const double gap = GapBetween(next, body);

@@ -37,7 +37,7 @@ class FieldMap:
     def contains(self, x_m: float, y_m: float) -> bool:
         """Whether a point lies in one of the cells."""
         row, column = self._cell_at(x_m, y_m)
-        return 0 <= row < self.values.shape[0] and 0 <= column < self.values.shape[1]
+        return bool(0 <= row < self.values.shape[0] and 0 <= column < self.values.shape[1])
 
     def value_at(self, x_m: float, y_m: float) -> float:
         """Return the value of the cell that holds a point. Raises: ValueError: the point lies outside the map."""

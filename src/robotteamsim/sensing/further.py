@@ -77,4 +77,6 @@ class FurtherSensors:
     def _scan(self, robot_id: int, laser: MountedLaser) -> np.ndarray | None:
         if self._world.step_index % laser.every_steps:
             return None
-        return self._lasers[laser].scan([robot_id], [self._streams[robot_id, laser.name]])[0]
+        scans: np.ndarray = self._lasers[laser].scan([robot_id], [self._streams[robot_id, laser.name]])
+        ranges_m: np.ndarray = scans[0]
+        return ranges_m

@@ -21,10 +21,10 @@ from robotteamsim.scenario.sensors import Laser
 from robotteamsim.world.placement import check_places, placed_robots
 
 MAX_PIXELS = 100_000_000
-"""Of a bitmap: what Stage, which looks at every pixel of it, still loads in minutes."""
+"""Of a bitmap: Stage, which examines every pixel, loads this many in minutes."""
 
 _RAYTRACE_M = 0.02
-"""Cell in which Stage traces rays: its own default."""
+"""Cell size of Stage's ray tracing: its default."""
 
 _DISC_CORNERS = 16
 _COLORS = ("red", "blue", "green", "orange", "purple", "cyan", "magenta", "gold")
@@ -32,7 +32,7 @@ _COLORS = ("red", "blue", "green", "orange", "purple", "cyan", "magenta", "gold"
 
 @dataclass(frozen=True, slots=True)
 class StageExport:
-    """A world file's text, the bitmap (PNG) that it names, and notes on what Stage does not have, one line each."""
+    """The text of a world file, its bitmap (PNG), and notes on what Stage does not support, one line each."""
 
     world: str
     bitmap: bytes
@@ -40,43 +40,30 @@ class StageExport:
 
 
 def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTION_M) -> StageExport:
-    """Return a scenario as Stage 4 and stage_ros read it.
+    """Return a scenario in the form that Stage 4 and stage_ros read.
 
-    Walls and closed doors become a bitmap, cut to the solid cells as Stage itself would cut it, so that a cell stays
-    where it is. Every robot becomes a position model, in id order: stage_ros calls them robot_0, ... Its rangers are
-    its laser, its further lasers and its sonars. Objects become models that stand still.
+    Walls and closed doors become a bitmap, cropped to the solid cells as Stage itself crops it, so that every cell
+    keeps its place. Every robot becomes a position model, in id order: stage_ros calls them robot_0, ... Its rangers
+    are its laser, its additional lasers and its sonars. Objects become models that do not move.
 
     Args:   bitmap: the name of the PNG, relative to the world file. resolution_m: edge of a pixel.
-    Raises: ScenarioError: the plan has no solid, or a robot is a car. PlacementError: a robot stands badly.
+    Raises: ScenarioError: the plan has no solid, or a robot is a car. PlacementError: a robot or object has no room.
     """
     check_places(scenario)
     robots = placed_robots(scenario)
     if any(robot.drive.kind == "car" for robot in robots):
-        text = "robots.drive.kind: a car of Stage takes a steering angle for a turn: expected another drive"
+        text = "robots.drive.kind: in Stage, the turn of a car is a steering angle; expected another drive"
         raise ScenarioError(f"{scenario.name}: {text}")
-    pixels = math.prod(grid_shape(scenario.plan, resolution_m))
-    if pixels > MAX_PIXELS:
-        raise ScenarioError(
-            f"{scenario.name}: plan: at {resolution_m:g} m a pixel has {pixels} pixels; up to {MAX_PIXELS}"
-        )
-    grid = occupancy_grid(scenario.plan, resolution_m)
-    solid = grid.cells == OCCUPIED
-    if not solid.any():
-        raise ScenarioError(f"{scenario.name}: plan: has no wall, block or closed door to draw a bitmap of")
-    rows, columns = np.flatnonzero(solid.any(axis=1)), np.flatnonzero(solid.any(axis=0))
-    low, high = (int(columns[0]), int(rows[0])), (int(columns[-1]) + 1, int(rows[-1]) + 1)
-    grey = np.where(solid[low[1] : high[1], low[0] : high[0]], 0, 255).astype(np.uint8)
-    size = [(b - a) * resolution_m for a, b in zip(low, high, strict=True)]
-    middle = [o + 0.5 * (a + b) * resolution_m for o, a, b in zip(grid.origin_m, low, high, strict=True)]
+    image = _bitmap(scenario, resolution_m)
     kinds = list(dict.fromkeys(_kind(robot) for robot in robots))
     lowest_m = min(robot.height_m for robot in robots)
     lines = [
-        f"# {scenario.name}: made by `robotteamsim plan export-stage`",
+        f"# {scenario.name}: written by `robotteamsim plan export-stage`",
         f'name "{_text(scenario.name)}"',
         f"interval_sim {_number(scenario.run.step_s * 1000.0)}  # a step [ms]: commands, scans and odometry",
         f"quit_time {_number(scenario.mission.time_limit_s)}  # [s]",
         f"resolution {_number(_RAYTRACE_M)}  # of Stage's rays and collisions [m]",
-        *_floor_plan(scenario, bitmap, size, middle),
+        *_floor_plan(scenario, bitmap, image),
     ]
     for number, kind in enumerate(kinds):
         lines += _defined(f"robot_kind_{number}", kind, lowest_m, scenario.run.step_ns)
@@ -88,28 +75,57 @@ def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTI
         name = f"robot_kind_{kinds.index(_kind(robot))}"
         color = _COLORS[i % len(_COLORS)]
         lines.append(f'{name}( pose {_tuple(x, y, 0.0, math.degrees(yaw))} name "robot_{i}" color "{color}" )')
-    image = cv2.imencode(".png", np.flipud(grey))[1].tobytes()
-    return StageExport("\n".join(lines) + "\n", image, _notes(scenario, robots))
+    return StageExport("\n".join(lines) + "\n", image.png, _notes(scenario, robots))
+
+
+@dataclass(frozen=True, slots=True)
+class _Bitmap:
+    """The solid cells of a plan as a PNG; its size and centre in `map` [m]."""
+
+    png: bytes
+    size_m: tuple[float, float]
+    center_m: tuple[float, float]
+
+
+def _bitmap(scenario: Scenario, resolution_m: float) -> _Bitmap:
+    """Return the bitmap of a plan. Raises: ScenarioError: it is too large, or the plan has no solid."""
+    pixels = math.prod(grid_shape(scenario.plan, resolution_m))
+    if pixels > MAX_PIXELS:
+        text = f"has {pixels} pixels of {resolution_m:g} m; expected at most {MAX_PIXELS}"
+        raise ScenarioError(f"{scenario.name}: plan: {text}")
+    grid = occupancy_grid(scenario.plan, resolution_m)
+    solid = grid.cells == OCCUPIED
+    if not solid.any():
+        raise ScenarioError(f"{scenario.name}: plan: has no wall, block or closed door for a bitmap")
+    rows, columns = np.flatnonzero(solid.any(axis=1)), np.flatnonzero(solid.any(axis=0))
+    low, high = (int(columns[0]), int(rows[0])), (int(columns[-1]) + 1, int(rows[-1]) + 1)
+    grey = np.where(solid[low[1] : high[1], low[0] : high[0]], 0, 255).astype(np.uint8)
+    (origin_x, origin_y), (low_x, low_y), (high_x, high_y) = grid.origin_m, low, high
+    return _Bitmap(
+        cv2.imencode(".png", np.flipud(grey))[1].tobytes(),
+        ((high_x - low_x) * resolution_m, (high_y - low_y) * resolution_m),
+        (origin_x + 0.5 * (low_x + high_x) * resolution_m, origin_y + 0.5 * (low_y + high_y) * resolution_m),
+    )
 
 
 def _notes(scenario: Scenario, robots: Sequence[PlacedRobot]) -> tuple[str, ...]:
     notes = []
     if any(robot.odometry != _EXACT for robot in robots):
-        notes.append("odometry drifts by the alphas here, and by a fixed share of every motion in Stage: odom_error")
+        notes.append("odometry: drifts by the alphas here, but by a fixed share of every motion in Stage: odom_error")
     if scenario.plan.doors:
-        notes.append("doors stay as they are at the start: Stage has none that move, so closed ones are walls")
+        notes.append("doors: stay as they are at the start, closed ones as walls: Stage has no doors")
     if scenario.objects:
-        notes.append("objects stay where they are: Stage pushes nothing")
+        notes.append("objects: cannot be pushed in Stage")
     if any(laser.no_return == "inf" for robot in robots for laser in (robot.laser, *robot.lasers)):
-        notes.append("laser.no_return: Stage says range_max where nothing is hit, never inf")
+        notes.append("laser.no_return: Stage returns range_max where nothing is hit, never inf")
     if any(robot.sonars for robot in robots):
-        notes.append("sonars: Stage has no cones; a ranger tells every ray, of which the nearest is the sonar's")
+        notes.append("sonars: Stage has no cones; a ranger reports every ray, the shortest is the sonar's")
     if any(robot.mounts for robot in robots):
-        notes.append("lasers, sonars: stage_ros numbers the scans of such a robot, the first laser's is base_scan_0")
+        notes.append("lasers, sonars: stage_ros numbers the scans of such a robot; the first laser's is base_scan_0")
     if any(robot.gps for robot in robots):
-        notes.append("gps: Stage has no receiver of satellites: left out")
+        notes.append("gps: left out: Stage has no satellite navigation")
     if len(robots) == 1:
-        notes.append("stage_ros leaves out robot_0/ in the names of topics where there is one robot")
+        notes.append("robots: stage_ros omits robot_0/ in the names of topics if there is only one robot")
     return tuple(notes)
 
 
@@ -117,11 +133,11 @@ _EXACT = Odometry(alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0)
 
 
 def _kind(robot: PlacedRobot) -> PlacedRobot:
-    """Return a robot as all of its kind are."""
+    """Return a robot without what differs between robots of one kind."""
     return robot.model_copy(update={"start_pose": (0.0, 0.0, 0.0)})
 
 
-def _floor_plan(scenario: Scenario, bitmap: str, size: Sequence[float], middle: Sequence[float]) -> list[str]:
+def _floor_plan(scenario: Scenario, file: str, image: _Bitmap) -> list[str]:
     elements: tuple[Wall | Block | Door, ...] = (*scenario.plan.walls, *scenario.plan.blocks, *scenario.plan.doors)
     height_m = max(element.height_m for element in elements)
     return [
@@ -129,9 +145,9 @@ def _floor_plan(scenario: Scenario, bitmap: str, size: Sequence[float], middle: 
         "model",
         "(",
         '  name "floorplan"',
-        f'  bitmap "{_text(bitmap)}"',
-        f"  size {_tuple(*size, height_m)}",
-        f"  pose {_tuple(*middle, 0.0, 0.0)}",
+        f'  bitmap "{_text(file)}"',
+        f"  size {_tuple(*image.size_m, height_m)}",
+        f"  pose {_tuple(*image.center_m, 0.0, 0.0)}",
         '  color "gray30"',
         "  gui_move 0",
         "  gui_outline 0",
@@ -172,7 +188,7 @@ def _outline(corners: Corners) -> list[str]:
 
 
 def _body(robot: PlacedRobot) -> list[str]:
-    """Return size, place and outline of a body; Stage stretches blocks to the size, around the origin."""
+    """Return size, origin and outline of a body; Stage stretches blocks to the size, around the origin."""
     corners = robot.corners_m or _disc(robot.radius_m)
     low, high = ([pick(axis) for axis in zip(*corners, strict=True)] for pick in (min, max))
     size = [b - a for a, b in zip(low, high, strict=True)]
@@ -187,7 +203,7 @@ def _body(robot: PlacedRobot) -> list[str]:
 def _defined(name: str, robot: PlacedRobot, lowest_m: float, step_ns: int) -> list[str]:
     """Return the definition of a kind of robot.
 
-    Args: lowest_m: height of the lowest robot; rays pass below it, so that robots see each other as they do here.
+    Args: lowest_m: height of the lowest robot; rays are below it, so that robots detect each other as they do here.
     """
     return [
         "",
@@ -221,19 +237,19 @@ def _drive(drive: AnyDrive) -> list[str]:
 def _odometry(odometry: Odometry) -> list[str]:
     if odometry == _EXACT:
         return ['  localization "gps"']
-    # What comes back from `import-stage` is alpha1 and alpha3.
+    # `import-stage` reads alpha1 and alpha3 back.
     share, turn_share = math.sqrt(odometry.alpha3), math.degrees(math.sqrt(odometry.alpha1))
     return ['  localization "odom"', f"  odom_error {_tuple(share, share, 0.0, turn_share)}"]
 
 
 def _rangers(robot: PlacedRobot, lowest_m: float, step_ns: int) -> list[str]:
-    """Return the first laser, the further lasers and the sonars, in this order."""
+    """Return the first laser, the additional lasers and the sonars, in this order."""
     lines = _laser(robot.laser, (robot.laser.forward_m, 0.0, 0.0), "", robot.height_m, lowest_m, step_ns)
     for laser in robot.lasers:
         mount = (laser.forward_m, laser.left_m, laser.yaw_rad)
         lines += _laser(laser, mount, laser.name, robot.height_m, lowest_m, laser.every_steps * step_ns)
     for sonar in robot.sonars:
-        # By its name `import-stage` tells a sonar from a laser.
+        # `import-stage` recognises sonars by their names.
         name = sonar.name if "sonar" in sonar.name else f"sonar_{sonar.name}"
         pose = (sonar.forward_m, sonar.left_m, sonar.yaw_rad)
         beams = _Beams(sonar.range_min_m, sonar.range_max_m, sonar.opening_rad, sonar.rays, sonar.noise_m)
@@ -274,7 +290,8 @@ def _ranger(
 ) -> list[str]:
     """Args: pose: of the middle beam, in base_link. heights_m: of the sensor, of the robot, of the lowest robot."""
     height_m, robot_m, lowest_m = heights_m
-    # stage_ros takes tf from the ranger's pose, rays start at the sensor's: one may stand right, the other see robots.
+    # stage_ros derives tf from the ranger's pose, while rays start at the sensor's: the first has the true height, the
+    # second is low enough to detect robots.
     ray_m = height_m if height_m < 0.9 * lowest_m else 0.5 * lowest_m
     noise = [f"      noise {_tuple(beams.noise_m**2, 0.0, 0.0)}  # a variance [m^2]"] if beams.noise_m else []
     return [
@@ -297,7 +314,7 @@ def _ranger(
 
 
 def _update(interval_ns: int) -> str:
-    """Stage takes whole milliseconds."""
+    """Return the property; Stage expects whole milliseconds."""
     return f"update_interval {max(interval_ns // 1_000_000, 1)}"
 
 
@@ -306,11 +323,11 @@ def _tuple(*values: float) -> str:
 
 
 def _number(value: float) -> str:
-    """Return a number as Stage reads it: digits, a point and a sign, no exponent."""
+    """Return a number for Stage: digits, a decimal point and a sign, no exponent."""
     text = f"{value:.12f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
 
 def _text(text: str) -> str:
-    """Return a text without what would end it in a world file."""
+    """Return a text without characters that would end it in a world file."""
     return text.replace('"', "'").replace("\n", " ")

@@ -24,23 +24,23 @@ from robotteamsim.stage.values import Notes, Values, checked, tidy
 from robotteamsim.stage.world_file import Entity, read_world_file
 from robotteamsim.world.placement import placed_robots
 
-_PASSED_OVER = """
+_WITHOUT_EFFECT = """
     alwayson blob_return color color_rgba confirm_on_quit debug event_queue fiducial_key fiducial_return friction
     give_watts gripper_return gui_boundary gui_disable gui_grid gui_interval gui_move gui_movemask gui_nose gui_outline
     interval_real joules joules_capacity kjoules kjoules_capacity laser_return map_resolution mass obstacle_return
     paused ranger_return resolution say show_clock show_clock_interval speedup stack_children take_watts threads
     trail_interval trail_length update_interval velocity watts wheelbase"""
-"""Keys that Stage knows and that change nothing here: for the eye, for other sensors, for Stage's own clockwork."""
+"""Keys of Stage without effect here: appearance, other sensors, Stage's own timing."""
 
 _TAKEN = """
     acceleration_bounds bitmap boundary drive fov interval_sim localization localization_origin name noblocks noise
     odom_error origin points pose quit_time range range_max range_min samples size unit_angle unit_length
     velocity_bounds z"""
 _SILENT = re.compile(r"name|size|origin|z|point\[\d+\]")
-"""Where these are not read, they belong to the look of a ranger or to a robot's number."""
+"""If these are not read, they belong to the appearance of a ranger or to the name of a robot."""
 
 DEFAULT_STEP_MS = 100.0
-"""Of a world that does not say `interval_sim` (Stage 4)."""
+"""Of a world without `interval_sim` (Stage 4)."""
 
 _NO_SECTION = ("block", "sensor", "window", "gripper", "actuator", "puck", "charger")
 _MODELS = ("model", "position", "ranger", "laser", *DEVICES, *_NO_SECTION)
@@ -48,12 +48,12 @@ _MODELS = ("model", "position", "ranger", "laser", *DEVICES, *_NO_SECTION)
 
 @dataclass(frozen=True, slots=True)
 class StageImport:
-    """What a world file gives.
+    """The contents of a world file.
 
     plan:     the floor plan.
-    keys:     the scenario's keys as YAML has them, without `plan`.
+    keys:     the scenario's keys as in YAML, without `plan`.
     scenario: the same, checked.
-    notes:    one line each: what is taken differently, and per file what changes nothing.
+    notes:    one line each: what is interpreted differently, and per file what has no effect.
     """
 
     plan: FloorPlan
@@ -63,9 +63,9 @@ class StageImport:
 
 
 def import_world(world: str | os.PathLike[str]) -> StageImport:
-    """Return the scenario of a Stage world file, as Stage 4 and stage_ros read it.
+    """Return the scenario of a Stage world file, interpreted as by Stage 4 and stage_ros.
 
-    Raises: ScenarioError: one line with file, line, key and what was expected. PlacementError: likewise, a robot stands
+    Raises: ScenarioError: one line with file, line, key and what was expected. PlacementError: likewise, a robot is
             outside the plan, in a wall or in another robot.
     """
     path = Path(world)
@@ -74,9 +74,7 @@ def import_world(world: str | os.PathLike[str]) -> StageImport:
     _check_kinds(root, notes)
     positions = root.of_kind("position")
     if not 1 <= len(positions) <= MAX_ROBOTS:
-        raise ScenarioError(
-            f"{path}: {len(positions)} robots, as models of kind position are; expected 1 to {MAX_ROBOTS}"
-        )
+        raise ScenarioError(f"{path}: {len(positions)} robots (models of kind position); expected 1 to {MAX_ROBOTS}")
     reader = RobotReader(values, notes, values.number(root, "interval_sim", "f", DEFAULT_STEP_MS))
     robots = tuple(reader.read(position) for position in positions)
     plan = _plan(root, path, max(robot.height_m for robot in robots), values, notes)
@@ -95,26 +93,26 @@ def import_world(world: str | os.PathLike[str]) -> StageImport:
 
 
 def _check_kinds(root: Entity, notes: Notes) -> None:
-    """Refuse unknown models and those that would change the world, and note the ones that are left out."""
+    """Reject unknown models and those that would change the world, and note those that are left out."""
     for entity in root.walk():
         if entity is not root and entity.kind not in _MODELS:
             near = suggestion(entity.kind, _MODELS)
-            raise entity.place.wrong(f"{entity.called}: unknown model '{entity.kind}'{near}")
+            raise entity.place.error(f"{entity.called}: unknown model '{entity.kind}'{near}")
         if entity.kind not in ("world", "model"):
             continue
         allowed = ("position", "window") if entity is root else ("block",)
         for child in entity.children:
             if child.kind == "window" and entity is root:
-                notes.pass_over("window", child.place)
+                notes.without_effect("window", child.place)
             elif child.kind in ("ranger", "laser", *DEVICES):
-                notes.say(child.place, f"{child.called}: a '{child.kind}' that no robot carries: left out")
+                notes.say(child.place, f"{child.called}: left out: a '{child.kind}' that is not on a robot")
             elif child.kind not in ("model", *allowed):
                 on = "is not simulated" if entity is root else f"on the model '{entity.called}' is not simulated"
-                raise child.place.wrong(f"{child.called}: a '{child.kind}' {on}")
+                raise child.place.error(f"{child.called}: a '{child.kind}' {on}")
 
 
 def _plan(root: Entity, path: Path, tallest_m: float, values: Values, notes: Notes) -> FloorPlan:
-    """Return the floor plan: every model's body, and the rectangle that they fill."""
+    """Return the floor plan: the bodies of all models, and their bounding rectangle."""
     reader = SolidReader(path.parent, values, notes)
     models = root.of_kind("model")
     for model in models:
@@ -122,13 +120,13 @@ def _plan(root: Entity, path: Path, tallest_m: float, values: Values, notes: Not
     corners = [corner for wall in reader.walls for corner in wall_corners(wall)]
     corners += [corner for block in reader.blocks for corner in block.polygon]
     if not corners:
-        raise ScenarioError(f"{path}: no model bounds the world; expected one with a bitmap, blocks or boundary 1")
+        raise ScenarioError(f"{path}: nothing bounds the world; expected a model with a bitmap, blocks or boundary 1")
     low, high = (np.round(edge, 6).tolist() for edge in (np.min(corners, axis=0), np.max(corners, axis=0)))
     keys = {"name": path.stem, "bounds": {"min": low, "max": high}, "walls": reader.walls, "blocks": reader.blocks}
     try:
         return FloorPlan.model_validate(keys)
     except ValidationError as error:
-        raise models[0].place.wrong(f"{models[0].called}: {problems(error, FloorPlan)[0]}") from None
+        raise models[0].place.error(f"{models[0].called}: {problems(error, FloorPlan)[0]}") from None
 
 
 def _check_poses(scenario: Scenario, robots: tuple[PlacedRobot, ...], positions: list[Entity]) -> None:
@@ -143,7 +141,7 @@ def _check_poses(scenario: Scenario, robots: tuple[PlacedRobot, ...], positions:
 
 
 def _team_or_list(robots: tuple[PlacedRobot, ...]) -> Any:
-    """Return the robots as YAML has them: a team where all are equal but for where they stand."""
+    """Return the robots as in YAML: a team if all are equal except for their poses, else a list."""
     data = [robot.model_dump(mode="json", exclude_unset=True) for robot in robots]
     poses = [robot.pop("start_pose") for robot in data]
     if any(robot != data[0] for robot in data):
@@ -154,26 +152,26 @@ def _team_or_list(robots: tuple[PlacedRobot, ...]) -> Any:
 
 
 def _note_unread(root: Entity, values: Values, notes: Notes) -> None:
-    """Note every property that nothing asked for. Raises: ScenarioError: one that would change the world."""
-    passed_over = _PASSED_OVER.split()
+    """Note every property that was not read. Raises: ScenarioError: one of them would change the world."""
+    without_effect = _WITHOUT_EFFECT.split()
     for entity in _taken(root):
         for given in entity.properties.values():
             name = given.name
             if values.was_read(given) or _SILENT.fullmatch(name):
                 continue
             if name in ("bitmap", "boundary"):
-                raise given.place.wrong(f"{name}: only models of kind 'model' have one here, not '{entity.kind}'")
-            if name in passed_over:
-                notes.pass_over(name, given.place)
+                raise given.place.error(f"{name}: only supported for models of kind 'model', not '{entity.kind}'")
+            if name in without_effect:
+                notes.without_effect(name, given.place)
             elif name == "ctrl":
-                notes.say(given.place, "ctrl: Stage's controllers are not run here; control.algorithm drives")
+                notes.say(given.place, "ctrl: left out: Stage's controllers cannot run here; control.algorithm drives")
             else:
-                near = suggestion(name, [*passed_over, *_TAKEN.split()])
-                notes.say(given.place, f"{name}: a '{entity.kind}' has no such key, neither in Stage nor here{near}")
+                near = suggestion(name, [*without_effect, *_TAKEN.split()])
+                notes.say(given.place, f"{name}: unknown key of a '{entity.kind}', in Stage and here{near}")
 
 
 def _taken(root: Entity) -> Iterator[Entity]:
-    """Yield the entities that make the scenario, without what is left out."""
+    """Yield the entities that become part of the scenario."""
     yield root
     parts = {"position": ("ranger", "laser", "block"), "ranger": ("sensor",), "laser": (), "block": (), "sensor": ()}
     for child in root.children:

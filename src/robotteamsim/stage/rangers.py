@@ -16,7 +16,7 @@ from robotteamsim.stage.world_file import Entity
 M = TypeVar("M", bound=Model)
 
 _DEFAULT_FOV_RAD = 0.1
-"""Of a sensor that says nothing (Stage 4)."""
+"""Of a sensor without `fov` (Stage 4)."""
 
 _LASER_DEFAULTS = (0.0, 8.0, math.pi, 180)
 """range_min, range_max, fov and samples of the `laser` model (Stage 3)."""
@@ -24,7 +24,7 @@ _LASER_DEFAULTS = (0.0, 8.0, math.pi, 180)
 
 @dataclass(frozen=True, slots=True)
 class _Beams:
-    """What a ranger measures, and where its x axis stands on the robot."""
+    """The beams of a ranger and its pose on the robot."""
 
     ranger: Entity
     sensor: Entity
@@ -37,21 +37,21 @@ class _Beams:
 
 
 class RangerReader:
-    """Makes lasers and sonars of rangers."""
+    """Converts rangers to lasers and sonars."""
 
     def __init__(self, values: Values, notes: Notes, step_ms: float) -> None:
         self._values, self._notes, self._step_ms = values, notes, step_ms
 
     def read(self, robot: Entity) -> dict[str, Any]:
-        """Return the keys `laser`, `lasers` and `sonars` of a robot, as far as it has them.
+        """Return the keys `laser`, `lasers` and `sonars` of a robot, without those that it does not have.
 
-        Rangers whose name holds "sonar" are sonars. The first of the others is the laser, or the first of all.
+        Rangers with "sonar" in their name are sonars. The first of the others is the laser, or the first of all.
 
         Raises: ScenarioError: one line with file, line and key.
         """
         rangers = robot.of_kind("ranger", "laser")
         if not rangers:
-            text = f"'{robot.called}' carries no ranger; every robot has one here, so it gets the default laser"
+            text = f"'{robot.called}' has no ranger; it gets the default laser, as every robot has one here"
             self._notes.say(robot.place, text)
             return {}
         sonars = [ranger for ranger in rangers if "sonar" in self._name(ranger).lower()]
@@ -86,8 +86,8 @@ class RangerReader:
     def _laser(self, beams: _Beams) -> Laser:
         x_m, y_m, yaw_rad = beams.mount
         if abs(y_m) > ASIDE_M:
-            text = f"'{beams.ranger.called}' stands {y_m:.3g} m beside the robot's axis; the first laser stands on it"
-            raise beams.ranger.place_of("pose").wrong(f"pose: {text} here")
+            text = f"'{beams.ranger.called}' is {y_m:.3g} m beside the robot's axis; expected the first laser on it"
+            raise beams.ranger.place_of("pose").error(f"pose: {text}")
         angles = {"angle_min_rad": yaw_rad - 0.5 * beams.fov_rad, "angle_max_rad": yaw_rad + 0.5 * beams.fov_rad}
         return self._checked(Laser, beams, {"beams": beams.samples, **angles, "forward_m": tidy(x_m)})
 
@@ -108,12 +108,12 @@ class RangerReader:
         if beams.samples > 1:
             keys["rays"] = beams.samples
         else:
-            text = "samples: one ray along the middle in Stage; a sonar here is a cone of rays"
+            text = "samples: one ray in Stage, a cone of rays here"
             self._notes.say(beams.sensor.place_of("samples"), text)
         return self._checked(Sonar, beams, keys)
 
     def _beams(self, robot: Entity, ranger: Entity) -> _Beams:
-        """Return what a ranger measures; that it stands on the robot may say more of its place."""
+        """Return the beams of a ranger; its pose is relative to the top of the robot."""
         values = self._values
         if ranger.kind == "laser":
             sensor, range_m, fov_rad, samples, noise_m = self._old_laser(ranger)
@@ -130,19 +130,21 @@ class RangerReader:
     def _sensor(self, ranger: Entity) -> tuple[Entity, tuple[float, float], float, int, float]:
         sensors = ranger.of_kind("sensor")
         if not sensors:
-            raise ranger.place.wrong(f"{ranger.called}: a ranger without a sensor( ... ) measures nothing")
+            raise ranger.place.error(f"{ranger.called}: expected a sensor( ... ) in a ranger")
         for other in sensors[1:]:
-            self._notes.say(other.place, f"{other.called}: stage_ros publishes a ranger's first sensor only, as here")
+            self._notes.say(
+                other.place, f"{other.called}: left out: stage_ros publishes only the first sensor of a ranger"
+            )
         values, sensor = self._values, sensors[0]
         low, high = values.numbers(sensor, "range", "ll", (0.0, 5.0))
         fov_rad = values.number(sensor, "fov", "a", _DEFAULT_FOV_RAD)
         samples = values.whole(sensor, "samples", 1)
         variance, share, angle = values.numbers(sensor, "noise", "lfa", (0.0, 0.0, 0.0))
         if share != 0.0 or angle != 0.0:
-            text = "noise: only the constant part is simulated, not the share of the range or the angle"
+            text = "noise: only the constant part is simulated, not the parts for range and angle"
             self._notes.say(sensor.place_of("noise"), text)
         if variance < 0.0:
-            raise sensor.place_of("noise").wrong(f"noise: {variance:g} is below 0")
+            raise sensor.place_of("noise").error(f"noise: {variance:g} is below 0")
         return sensor, (low, high), fov_rad, samples, math.sqrt(variance)
 
     def _old_laser(self, laser: Entity) -> tuple[Entity, tuple[float, float], float, int, float]:
@@ -152,7 +154,7 @@ class RangerReader:
         return laser, range_m, values.number(laser, "fov", "a", fov), values.whole(laser, "samples", int(samples)), 0.0
 
     def _checked(self, model: type[M], beams: _Beams, keys: dict[str, Any]) -> M:
-        """Return a sensor with what all of them have. Raises: ScenarioError."""
+        """Return a sensor with the keys that all sensors have. Raises: ScenarioError."""
         sensor = beams.sensor
         common = {
             "range_min_m": tidy(beams.range_m[0]),
@@ -161,7 +163,7 @@ class RangerReader:
             "noise_m": tidy(beams.noise_m),
         }
         bounds = ("range_min", "range_max") if sensor is beams.ranger else ("range", "range")
-        said_by = {
+        sources = {
             "beams": (sensor, "samples"),
             "rays": (sensor, "samples"),
             "angle_min_rad": (sensor, "fov"),
@@ -175,7 +177,7 @@ class RangerReader:
             "noise_m": (sensor, "noise"),
             "every_steps": (beams.ranger, "update_interval"),
         }
-        return checked(model, {**keys, **common}, said_by)
+        return checked(model, {**keys, **common}, sources)
 
 
 def _mount(pose: Pose2) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""Stage's position models, with the rangers that they carry, as robots of a scenario."""
+"""Stage's position models and their rangers as robots of a scenario."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ DEVICES = (
     *("camera", "fiducial", "fiducialfinder", "blobfinder", "bumper", "wifi", "speech", "blinkenlight"),
     *("lightindicator", "indicator", "ptz", "powerpack"),
 )
-"""Sensors and signals of Stage that no robot has here."""
+"""Sensors and signals of Stage that robots do not have here."""
 
 _BOUNDS = ("x", "y", "z", "turning")
 _DEFAULT_BOUNDS = (-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -math.pi / 2.0, math.pi / 2.0)
 
 
 class RobotReader:
-    """Makes robots of position models."""
+    """Converts position models to robots."""
 
     def __init__(self, values: Values, notes: Notes, step_ms: float) -> None:
         """Args: step_ms: length of a step of the world [ms]."""
@@ -48,32 +48,34 @@ class RobotReader:
             "odometry": self._odometry(entity),
         }
         keys |= self._rangers.read(entity)
-        said_by = {"start_pose": "pose", "mass_kg": "mass"}
-        said_by |= dict.fromkeys(("radius_m", "footprint_m", "height_m"), "size")
-        return checked(PlacedRobot, keys, {key: (entity, name) for key, name in said_by.items()})
+        sources = {"start_pose": "pose", "mass_kg": "mass"}
+        sources |= dict.fromkeys(("radius_m", "footprint_m", "height_m"), "size")
+        return checked(PlacedRobot, keys, {key: (entity, name) for key, name in sources.items()})
 
     def _check_parts(self, entity: Entity) -> None:
-        """Refuse what would change how the robot moves, and note the devices that are left out."""
+        """Reject parts that would change how the robot moves, and note the devices that are left out."""
         known = {"ranger", "laser", "block"}
         for child in entity.children:
             if child.kind in DEVICES:
-                self._notes.say(child.place, f"{child.called}: robots have no {child.kind} here: left out")
+                self._notes.say(child.place, f"{child.called}: left out: robots have no {child.kind} here")
             elif child.kind not in known:
-                raise child.place.wrong(f"{child.called}: a robot with a '{child.kind}' on it is not simulated")
+                raise child.place.error(f"{child.called}: a robot with a '{child.kind}' on it is not simulated")
         values = self._values
         if values.whole(entity, "obstacle_return", 1) == 0 or values.number(entity, "ranger_return", "f", 1.0) < 0.0:
             key = "obstacle_return" if entity.get("obstacle_return") else "ranger_return"
-            raise entity.place_of(key).wrong(f"{key}: robots that others pass through or do not see are not simulated")
+            raise entity.place_of(key).error(f"{key}: a robot that others cannot hit or detect is not simulated")
 
     def _body(self, entity: Entity) -> dict[str, Any]:
-        """Return a disc, or a polygon where the body is convex, has few corners and holds the robot's origin."""
+        """Return a disc, or a polygon if the body is convex, has few corners and contains the robot's origin."""
         size = self._values.size(entity, DEFAULT_SIZE_M)
         body = body_of(entity, self._values)
         radius, corners = disc_radius_m(body), footprint_m(body)
         if radius is None and not corners:
             radius = reach_m(body)
-            text = f"has no body of 3 to {MAX_CORNERS} corners around its origin, convex: it becomes the disc around it"
-            self._notes.say(entity.place_of("size"), f"size: '{entity.called}' {text}, of {radius:.3g} m")
+            text = (
+                f"is not convex with 3 to {MAX_CORNERS} corners around its origin: it becomes a disc of {radius:.3g} m"
+            )
+            self._notes.say(entity.place_of("size"), f"size: the body of '{entity.called}' {text}")
         keys: dict[str, Any] = {"footprint_m": corners} if radius is None else {"radius_m": tidy(radius)}
         if size[2] > 0.0:
             keys["height_m"] = tidy(size[2])
@@ -83,30 +85,30 @@ class RobotReader:
     def _drive(self, entity: Entity) -> AnyDrive:
         kind = self._values.choice(entity, "drive", ("diff", "omni", "car"), "diff")
         if kind == "car":
-            text = "drive: 'car' takes a steering angle for a turn in Stage; only 'diff' and 'omni' are read"
-            raise entity.place_of("drive").wrong(text)
+            text = "drive: in Stage, the turn of a 'car' is a steering angle; expected 'diff' or 'omni'"
+            raise entity.place_of("drive").error(text)
         limits = self._bounds(entity, "velocity_bounds", _DEFAULT_BOUNDS)
         assert limits is not None
         keys: dict[str, Any] = dict(zip(("max_speed_mps", "max_turn_radps"), limits, strict=True))
         changes = self._bounds(entity, "acceleration_bounds", None)
         if changes is not None:
             keys |= zip(("max_acceleration_mps2", "max_turn_acceleration_radps2"), changes, strict=True)
-        said_by = {key: "acceleration_bounds" if "acceleration" in key else "velocity_bounds" for key in keys}
-        places = {key: (entity, name) for key, name in said_by.items()}
+        sources = {key: "acceleration_bounds" if "acceleration" in key else "velocity_bounds" for key in keys}
+        places = {key: (entity, name) for key, name in sources.items()}
         return checked(OmniDrive, {**keys, "kind": "omni"}, places) if kind == "omni" else checked(Drive, keys, places)
 
     def _bounds(self, entity: Entity, key: str, default: tuple[float, ...] | None) -> tuple[float, float] | None:
-        """Return the limits of driving and of turning; none: they are not said and have no default."""
+        """Return the limits of speed and turn; None: they are not given and have no default."""
         if entity.get(key) is None and default is None:
             return None
         given = self._values.numbers(entity, key, "llllllaa", default or ())
         for axis in (0, 3):
             low, high = given[2 * axis : 2 * axis + 2]
             if abs(low + high) > 1e-9 * max(abs(high), 1.0):
-                text = f"{key}: {_BOUNDS[axis]} has another limit below than above; the one above counts both ways"
+                text = f"{key}: the lower and upper limits of {_BOUNDS[axis]} differ; the upper one is used for both"
                 self._notes.say(entity.place_of(key), text)
         if self._values.text(entity, "drive", "diff") == "omni" and given[2:4] != given[:2]:
-            text = f"{key}: y has other limits than x; those of x count for every direction"
+            text = f"{key}: the limits of x and y differ; those of x are used for every direction"
             self._notes.say(entity.place_of(key), text)
         return tidy(given[1]), tidy(given[7])
 
@@ -118,13 +120,13 @@ class RobotReader:
             values.numbers(entity, "localization_origin", "llla", ())
             self._notes.say(
                 entity.place_of("localization_origin"),
-                "localization_origin: odometry begins where the robot does, at 0",
+                "localization_origin: left out: odometry starts at 0 here",
             )
         if values.choice(entity, "localization", ("gps", "odom"), "gps") == "gps":
             return Odometry(alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0)
         self._notes.say(
             entity.place_of("odom_error"),
-            "odom_error: a fixed share of every motion in Stage, noise of that size here: alpha1 and alpha3",
+            "odom_error: a fixed share of every motion in Stage, noise of that magnitude here: alpha1 and alpha3",
         )
         keys = {"alpha1": tidy(error[3] ** 2), "alpha2": 0.0, "alpha3": tidy(error[0] ** 2), "alpha4": 0.0}
         return checked(Odometry, keys, dict.fromkeys(keys, (entity, "odom_error")))

@@ -22,7 +22,7 @@ from robotteamsim.stage.values import Notes, Pose2, Values, compose, tidy
 from robotteamsim.stage.world_file import Entity
 
 DEFAULT_SIZE_M = (0.4, 0.4, 1.0)
-"""Of a model that does not say its size (Stage 4)."""
+"""Of a model without `size` (Stage 4)."""
 
 BOUNDARY_M = 0.01
 """Thickness of the walls of `boundary 1`."""
@@ -36,12 +36,12 @@ _FREE_ABOVE = 127
 _MAX_HEIGHT_M = 20.0
 
 MAX_GAP_SHARE = 0.01
-"""A body is convex when no more than this of its convex hull is missing."""
+"""A body counts as convex if at most this share of its convex hull is missing."""
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """Outlines in the frame of a model's pose [m], corners in order, and from where to where they reach [m]."""
+    """Outlines in the frame of a model's pose [m], corners in order, and their extent in height [m]."""
 
     outlines: tuple[np.ndarray, ...]
     bottom_m: float
@@ -51,7 +51,7 @@ class Body:
 def body_of(entity: Entity, values: Values) -> Body:
     """Return the body of a model without a bitmap: its blocks, or else a box.
 
-    As in Stage, the blocks together are stretched to the model's size around its origin.
+    As in Stage, all blocks together are stretched to the model's size around its origin.
 
     Raises: ScenarioError: a block without area or points, a size of 0.
     """
@@ -66,7 +66,7 @@ def body_of(entity: Entity, values: Values) -> Body:
     corners = np.concatenate(blocks)
     low, high = corners.min(axis=0), corners.max(axis=0)
     if (high - low).min() <= 0.0:
-        raise entity.of_kind("block")[0].place.wrong("block: its points enclose no area")
+        raise entity.of_kind("block")[0].place.error("block: its points enclose no area")
     scaled = [(points - 0.5 * (low + high)) * (np.array(size[:2]) / (high - low)) for points in blocks]
     stretch = size[2] / max(max(high for _, high in spans) - min(low for low, _ in spans), 1e-9)
     bottom = z + min(low for low, _ in spans) * stretch
@@ -76,18 +76,18 @@ def body_of(entity: Entity, values: Values) -> Body:
 def _points(block: Entity, values: Values) -> np.ndarray:
     count = values.whole(block, "points", 0)
     if not 3 <= count <= 10_000:
-        raise block.place_of("points").wrong(f"points: {count} is not from 3 to 10000")
+        raise block.place_of("points").error(f"points: {count} is not from 3 to 10000")
     for i in range(count):
         if block.get(f"point[{i}]") is None:
-            raise block.place_of("points").wrong(f"points: {count} are said, but there is no point[{i}]")
+            raise block.place_of("points").error(f"points: there are {count}, but point[{i}] is missing")
     return np.array([values.numbers(block, f"point[{i}]", "ll", (0.0, 0.0)) for i in range(count)])
 
 
 class SolidReader:
-    """Collects the walls and blocks of top-level models and of the models that they carry."""
+    """Collects the walls and blocks of top-level models and of the models on them."""
 
     def __init__(self, folder: Path, values: Values, notes: Notes) -> None:
-        """Take the world file's folder, which paths of bitmaps are relative to."""
+        """Args: folder: of the world file; paths of bitmaps are relative to it."""
         self.walls: list[Wall] = []
         self.blocks: list[Block] = []
         self._folder, self._values, self._notes = folder, values, notes
@@ -97,7 +97,7 @@ class SolidReader:
         """Add the body of a model and of its children.
 
         Args:   parent: the frame that the model's pose is given in, and its z.
-                tallest_m: of the robots; what hangs above is left out.
+                tallest_m: of the robots; bodies above it are left out.
         Raises: ScenarioError: one line with file, line and key.
         """
         values = self._values
@@ -116,13 +116,13 @@ class SolidReader:
             self.add(child, pose, base_z_m + z + stacked, tallest_m)
 
     def _blocks_anything(self, entity: Entity) -> bool:
-        """Whether robots and lasers meet this model; both or neither."""
+        """Whether this model is an obstacle that lasers detect. Raises: ScenarioError: only one of both."""
         obstacle = self._values.whole(entity, "obstacle_return", 1) != 0
         seen = self._values.number(entity, "ranger_return", "f", 1.0) >= 0.0
         seen = seen and self._values.whole(entity, "laser_return", 1) != 0
         if obstacle != seen:
             key = "ranger_return" if entity.get("ranger_return") else "laser_return"
-            raise entity.place_of("obstacle_return" if seen else key).wrong(
+            raise entity.place_of("obstacle_return" if seen else key).error(
                 f"{'obstacle_return' if seen else key}: '{entity.called}' would be "
                 f"{'seen by lasers but no obstacle' if seen else 'an obstacle that lasers do not see'}; "
                 "here what blocks is seen, and the other way round"
@@ -131,13 +131,13 @@ class SolidReader:
 
     def _add_bitmap(self, entity: Entity, pose: Pose2, size: tuple[float, ...], name: str) -> None:
         if entity.of_kind("block"):
-            raise entity.place_of("bitmap").wrong("bitmap: a model with blocks as well is not taken")
+            raise entity.place_of("bitmap").error("bitmap: expected a model without blocks")
         solid = self._read_bitmap(entity)
         rows, columns = solid.shape
         cell = (size[0] / columns, size[1] / rows)
         if not (min(cell) >= MIN_PIXEL_M and max(cell) <= MAX_PIXEL_M):
-            text = f"its pixels would be {cell[0]:.3g} x {cell[1]:.3g} m; expected {MIN_PIXEL_M:g} to {MAX_PIXEL_M:g} m"
-            raise entity.place_of("size").wrong(f"size: {text}")
+            text = f"pixels would be {cell[0]:.3g} x {cell[1]:.3g} m; expected {MIN_PIXEL_M:g} to {MAX_PIXEL_M:g} m"
+            raise entity.place_of("size").error(f"size: {text}")
         walls, blocks = walls_and_blocks(solid_pieces(solid, (-0.5 * size[0], -0.5 * size[1]), cell))
         body = compose(pose, self._values.pose(entity, "origin")[0])
         height = _height(size[2])
@@ -151,28 +151,28 @@ class SolidReader:
             self.blocks.append(block.model_copy(update=update))
 
     def _read_bitmap(self, entity: Entity) -> np.ndarray:
-        """Return which cells of a bitmap are solid, cut to the solid ones as Stage does; row 0 at the lowest y."""
+        """Return which cells of a bitmap are solid, cropped to the solid ones as Stage does; row 0 at the lowest y."""
         place, file = entity.place_of("bitmap"), self._values.text(entity, "bitmap", "")
         path = self._folder / file
         if not is_file(path):
-            raise place.wrong(f"bitmap: there is no file {shown(file)}")
+            raise place.error(f"bitmap: there is no file {shown(file)}")
         image = read_image(path)
         if image is None or image.dtype not in (np.uint8, np.uint16):
-            raise place.wrong(f"bitmap: '{file}' cannot be read as an image")
+            raise place.error(f"bitmap: '{file}' cannot be read as an image")
         if image.dtype == np.uint16:
             image = image // 256
-        # Stage looks at the first channel, red; OpenCV has it third.
+        # Stage uses the first channel, red; in OpenCV it is the third.
         first = image if image.ndim == 2 else image[:, :, 2]
         solid = np.flipud(first <= _FREE_ABOVE)
         if not solid.any():
-            raise place.wrong(f"bitmap: no pixel of '{file}' is dark, so it draws nothing")
+            raise place.error(f"bitmap: no pixel of '{file}' is dark")
         rows, columns = np.flatnonzero(solid.any(axis=1)), np.flatnonzero(solid.any(axis=0))
         return without_corner_contacts(solid[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1])
 
     def _add_body(self, entity: Entity, pose: Pose2, z_m: float, tallest_m: float, name: str) -> None:
         body = body_of(entity, self._values)
         if body.outlines and z_m + body.bottom_m >= tallest_m:
-            text = f"'{name}' hangs at {z_m + body.bottom_m:g} m, above all robots: left out"
+            text = f"'{name}' left out: it is at {z_m + body.bottom_m:g} m, above all robots"
             self._notes.say(entity.place_of("pose"), text)
             return
         height = _height(body.top_m - body.bottom_m)
@@ -183,13 +183,15 @@ class SolidReader:
                 self.blocks.append(Block.model_validate({"name": part, "polygon": polygon, **height}))
             except ValidationError as error:
                 block = entity.of_kind("block")[i] if entity.of_kind("block") else entity
-                raise block.place.wrong(f"{block.called}: {problems(error, Block)[0].text}") from None
+                raise block.place.error(f"{block.called}: {problems(error, Block)[0].text}") from None
 
     def _add_boundary(self, entity: Entity, pose: Pose2, size: tuple[float, ...], name: str) -> None:
         body = compose(pose, self._values.pose(entity, "origin")[0])
         x, y, half = 0.5 * size[0], 0.5 * size[1], 0.5 * BOUNDARY_M
         if min(size[0], size[1]) <= 2.0 * BOUNDARY_M:
-            raise entity.place_of("boundary").wrong(f"boundary: has no room in a model of {size[0]:g} x {size[1]:g} m")
+            raise entity.place_of("boundary").error(
+                f"boundary: does not fit into a model of {size[0]:g} x {size[1]:g} m"
+            )
         sides = {
             "south": ((-x, half - y), (x, half - y)),
             "north": ((-x, y - half), (x, y - half)),
@@ -213,12 +215,12 @@ class SolidReader:
 
 
 def _height(height_m: float) -> dict[str, float]:
-    """Return the key for a height; a flat body has the default."""
+    """Return the key for a height; a flat body gets the default."""
     return {"height_m": min(height_m, _MAX_HEIGHT_M)} if height_m > 0.0 else {}
 
 
 def disc_radius_m(body: Body) -> float | None:
-    """Return the radius of a body that is a disc around the model's pose, drawn as a polygon; none: it is no disc."""
+    """Return the radius of a body that is a disc around the model's pose, as a polygon; None: it is not a disc."""
     if len(body.outlines) != 1 or len(body.outlines[0]) < 8:
         return None
     distances = np.hypot(*body.outlines[0].T)
@@ -228,11 +230,11 @@ def disc_radius_m(body: Body) -> float | None:
 
 
 def footprint_m(body: Body) -> Corners:
-    """Return the corners of a body as a robot can have it, around the model's pose; none: it is no such polygon."""
+    """Return the corners of a body that is a valid footprint around the model's pose; empty: it is not."""
     shapes = [shapely.Polygon(outline) for outline in body.outlines]
     if not shapes or not all(shape.is_valid for shape in shapes):
         return ()
-    # Straight corners are none; whole nanometres: no digits from rounding.
+    # Without collinear corners; in whole nanometres, without digits from rounding.
     hull = shapely.convex_hull(shapely.union_all(shapes)).simplify(1e-9)
     corners = tuple((tidy(x), tidy(y)) for x, y in hull.exterior.coords[:-1])
     is_whole = hull.area - shapely.union_all(shapes).area <= MAX_GAP_SHARE * hull.area
@@ -242,7 +244,7 @@ def footprint_m(body: Body) -> Corners:
 
 
 def reach_m(body: Body) -> float:
-    """Return how far a body reaches from the model's pose [m]; 0 without a body."""
+    """Return the largest distance of a body from the model's pose [m]; 0 without a body."""
     return max((float(np.hypot(*outline.T).max()) for outline in body.outlines), default=0.0)
 
 
@@ -256,6 +258,6 @@ def _moved(points: np.ndarray, pose: Pose2) -> np.ndarray:
 
 
 def _point(corner: np.ndarray) -> tuple[float, float]:
-    # Whole micrometres: no digits from rounding in the plan file.
+    # In whole micrometres, without digits from rounding.
     x, y = np.round(corner, 6).tolist()
     return x + 0.0, y + 0.0

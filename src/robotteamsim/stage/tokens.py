@@ -15,7 +15,7 @@ from robotteamsim.scenario.yaml_text import is_file, shown
 
 MAX_TOKENS = 1_000_000
 MAX_INCLUDES = 200
-"""Included files may be included again and again; no world needs as many."""
+"""A file may be included repeatedly; no real world needs as many."""
 
 _PATTERN = re.compile(
     r"""(?P<blank>[ \t\r\f\v]+|\#[^\n]*)
@@ -38,7 +38,7 @@ class Place:
     def __str__(self) -> str:
         return f"{self.file}:{self.line}"
 
-    def wrong(self, text: str) -> ScenarioError:
+    def error(self, text: str) -> ScenarioError:
         """Return the error that names this place."""
         return ScenarioError(f"{self}: {text}")
 
@@ -53,18 +53,18 @@ class Token:
 
 
 def read_tokens(path: Path, file: str) -> list[Token]:
-    """Return the tokens of a world file, those of included files in the place of the `include`.
+    """Return the tokens of a world file, with those of included files in place of the `include`.
 
-    As in Stage, paths are relative to the world file, also those in an included file.
+    As in Stage, paths are relative to the world file, even in an included file.
 
     Args:   file: what error messages call the world file.
-    Raises: ScenarioError: a file is missing or includes itself, or a character belongs to no token.
+    Raises: ScenarioError: a file is missing or includes itself, or a character is not part of a token.
     """
     tokens: list[Token] = []
     for token in _with_includes(path, file, path.parent, Path(file).parent, (), itertools.count(1)):
         tokens.append(token)
         if len(tokens) > MAX_TOKENS:
-            raise token.place.wrong(f"more than {MAX_TOKENS} words and numbers are no world")
+            raise token.place.error(f"more than {MAX_TOKENS} words and numbers")
     return tokens
 
 
@@ -74,7 +74,7 @@ def _with_includes(
     """Yield the tokens of a file.
 
     Args: folder, called: what paths are relative to, and what messages call it. chain: the files that led here.
-          includes: counts them.
+          includes: counts the included files.
     """
     tokens = _of_text(_read(path, file), file)
     for token in tokens:
@@ -83,21 +83,21 @@ def _with_includes(
             continue
         name = next(tokens, None)
         if name is None or name.kind != "text":
-            raise token.place.wrong('include: expected a file name in quotes, such as include "robots.inc"')
+            raise token.place.error('include: expected a file name in quotes, such as include "robots.inc"')
         included = folder / name.value
         if not is_file(included):
-            raise name.place.wrong(f"include: there is no file {shown(name.value)}")
+            raise name.place.error(f"include: there is no file {shown(name.value)}")
         if included.resolve() in (*chain, path.resolve()):
-            raise name.place.wrong(f"include: '{name.value}' includes itself")
+            raise name.place.error(f"include: '{name.value}' includes itself")
         if next(includes) > MAX_INCLUDES:
-            raise name.place.wrong(f"include: more than {MAX_INCLUDES} files are included")
+            raise name.place.error(f"include: more than {MAX_INCLUDES} included files")
         place = os.path.normpath(called / name.value)
         yield from _with_includes(included, place, folder, called, (*chain, path.resolve()), includes)
 
 
 def _read(path: Path, file: str) -> str:
     try:
-        # Comments come in any encoding; what Stage itself reads is ASCII.
+        # Comments may have any encoding; all other text is ASCII.
         return path.read_bytes().decode("utf-8-sig", errors="replace")
     except FileNotFoundError:
         raise ScenarioError(f"{file}: there is no such file") from None
@@ -111,14 +111,16 @@ def _of_text(text: str, file: str) -> Iterator[Token]:
         place = Place(file, line)
         match = _PATTERN.match(text, position)
         if match is None:
-            raise place.wrong("a text has no closing quote" if text[position] == '"' else _stray(text[position]))
+            raise place.error("a text has no closing quote" if text[position] == '"' else _stray(text[position]))
         position = match.end()
         if match.lastgroup == "line":
             line += 1
         elif match.lastgroup == "number":
             following = text[position : position + 1]
             if following.isalpha():
-                raise place.wrong(f"'{match[0]}{following}' is no number to Stage: digits, a point and a sign only")
+                raise place.error(
+                    f"'{match[0]}{following}' is not a number in Stage: expected digits, a point and a sign"
+                )
             yield Token("number", match[0], place)
         elif match.lastgroup in ("word", "text", "mark"):
             yield Token(match.lastgroup, match[match.lastgroup], place)  # type: ignore[arg-type]
@@ -126,4 +128,4 @@ def _of_text(text: str, file: str) -> Iterator[Token]:
 
 def _stray(character: str) -> str:
     quoted = f"'{character}'" if character.isprintable() else f"character {ord(character)}"
-    return f"{quoted} stands where Stage knows no such character"
+    return f"unexpected {quoted}"

@@ -1,4 +1,4 @@
-"""The values of a world file's properties in SI units, checked; and notes of what the scenario does not take."""
+"""The values of a world file's properties in SI units, checked, and notes on what the scenario does not support."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ Pose2 = tuple[float, float, float]
 """x, y, yaw [m, m, rad]."""
 
 ASIDE_M = 1e-6
-"""What is this near to 0 is there."""
+"""Values this near to 0 count as 0."""
 
 MAX_NUMBER = 1e6
-"""No length, angle, time or count of a world is larger."""
+"""Limit of all lengths, angles, times and counts."""
 
 _LENGTHS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 _ANGLES_RAD = {"degrees": math.pi / 180.0, "radians": 1.0}
@@ -32,24 +32,24 @@ _FORMS = {"llla": "[x y z heading]", "lll": "[x y z]", "ll": "[low high]", "lfa"
 
 
 class Values:
-    """Reads properties in the file's units and remembers which ones were read."""
+    """Reads properties in the file's units and records which ones were read."""
 
     def __init__(self, root: Entity) -> None:
-        """Take the units of the world. Raises: ScenarioError: an unknown unit."""
+        """Read the units of the world. Raises: ScenarioError: an unknown unit."""
         self._read: set[Property] = set()
         self._length_m = _LENGTHS_M[self.choice(root, "unit_length", tuple(_LENGTHS_M), "m")]
         self._angle_rad = _ANGLES_RAD[self.choice(root, "unit_angle", tuple(_ANGLES_RAD), "degrees")]
 
     def was_read(self, given: Property) -> bool:
-        """Whether a property was asked for."""
+        """Whether a property was read."""
         return given in self._read
 
     def numbers(self, entity: Entity, key: str, units: str, default: tuple[float, ...]) -> tuple[float, ...]:
         """Return numbers in SI units.
 
-        Args:   units: one letter each: l a length, a an angle, f as it stands.
-                default: in SI units, where the file does not say the key.
-        Raises: ScenarioError: a text, or another number of numbers.
+        Args:   units: one letter each: l a length, a an angle, f without unit.
+                default: in SI units, if the file does not have the key.
+        Raises: ScenarioError: a text, or the wrong number of values.
         """
         given = self._given(entity, key)
         if given is None:
@@ -57,9 +57,9 @@ class Values:
         if len(given.values) != len(units) or any(isinstance(value, str) for value in given.values):
             form = f", {_FORMS[units]}" if units in _FORMS else ""
             wanted = f"{len(units)} numbers{form}" if len(units) > 1 else "a number"
-            raise given.place.wrong(f"{key}: {_shown(given)} is not {wanted}")
+            raise given.place.error(f"{key}: {_shown(given)} is not {wanted}")
         if any(abs(value) > MAX_NUMBER for value in given.values if not isinstance(value, str)):
-            raise given.place.wrong(f"{key}: {_shown(given)} goes beyond {MAX_NUMBER:.0f}")
+            raise given.place.error(f"{key}: {_shown(given)} is beyond {MAX_NUMBER:.0f}")
         scale = {"l": self._length_m, "a": self._angle_rad, "f": 1.0}
         return tuple(float(value) * scale[unit] for value, unit in zip(given.values, units, strict=True))
 
@@ -71,7 +71,7 @@ class Values:
         """Return a whole number. Raises: ScenarioError."""
         value = self.number(entity, key, "f", default)
         if value != int(value):
-            raise entity.place_of(key).wrong(f"{key}: {value:g} is not a whole number")
+            raise entity.place_of(key).error(f"{key}: {value:g} is not a whole number")
         return int(value)
 
     def text(self, entity: Entity, key: str, default: str) -> str:
@@ -80,7 +80,7 @@ class Values:
         if given is None:
             return default
         if len(given.values) != 1 or not isinstance(given.values[0], str):
-            raise given.place.wrong(f"{key}: {_shown(given)} is not a text in quotes")
+            raise given.place.error(f"{key}: {_shown(given)} is not a text in quotes")
         return given.values[0]
 
     def choice(self, entity: Entity, key: str, known: tuple[str, ...], default: str) -> str:
@@ -88,11 +88,11 @@ class Values:
         value = self.text(entity, key, default)
         if value not in known:
             hint = suggestion(value, known)
-            raise entity.place_of(key).wrong(f"{key}: '{value}' is not one of {', '.join(known)}{hint}")
+            raise entity.place_of(key).error(f"{key}: '{value}' is not one of {', '.join(known)}{hint}")
         return value
 
     def pose(self, entity: Entity, key: str) -> tuple[Pose2, float]:
-        """Return a pose and its z; zero where it is not said."""
+        """Return a pose and its z; zero without the key."""
         x, y, z, heading = self.numbers(entity, key, "llla", (0.0, 0.0, 0.0, 0.0))
         return (x, y, normalise_angle(heading)), z
 
@@ -100,9 +100,9 @@ class Values:
         """Return the size of a body [m]. Raises: ScenarioError: it is not above 0."""
         size = self.numbers(entity, "size", "lll", default)
         for axis, value in zip("xyz", size, strict=True):
-            # A flat body is a body: floor plans with a height of 0 are around.
+            # A flat body is allowed: there are floor plans with a height of 0.
             if value < 0.0 or (value == 0.0 and axis != "z"):
-                raise entity.place_of("size").wrong(f"size: {axis} {value:g} is not above 0")
+                raise entity.place_of("size").error(f"size: {axis} {value:g} is not above 0")
         return size
 
     def _given(self, entity: Entity, key: str) -> Property | None:
@@ -113,53 +113,53 @@ class Values:
 
 
 class Notes:
-    """What a user is told of a world: at its line, and per file in one line what is only for the eye."""
+    """Notes for the user on a world, with file and line, and one line per file on properties without effect."""
 
     def __init__(self) -> None:
         self._said: dict[tuple[Place, str], None] = {}
-        self._passed_over: dict[str, dict[str, set[int]]] = {}
+        self._without_effect: dict[str, dict[str, set[int]]] = {}
 
     def say(self, place: Place, text: str) -> None:
-        """Note that something is taken in another way than Stage does; said once, however often it is used."""
+        """Note that something is interpreted differently from Stage; repeated notes appear once."""
         self._said[(place, text)] = None
 
-    def pass_over(self, name: str, place: Place) -> None:
-        """Note a key or model that changes nothing here."""
-        self._passed_over.setdefault(place.file, {}).setdefault(name, set()).add(place.line)
+    def without_effect(self, name: str, place: Place) -> None:
+        """Note a key or model without effect here."""
+        self._without_effect.setdefault(place.file, {}).setdefault(name, set()).add(place.line)
 
     def lines(self) -> list[str]:
         """Return the notes, by file and line."""
         lines = [f"{place}: {text}" for place, text in sorted(self._said)]
-        for file, names in self._passed_over.items():
+        for file, names in self._without_effect.items():
             shown = [f"{name} (line {', '.join(map(str, sorted(at)))})" for name, at in names.items()]
-            lines.append(f"{file}: changes nothing here: {', '.join(shown)}")
+            lines.append(f"{file}: no effect here: {', '.join(shown)}")
         return lines
 
 
 def compose(first: Pose2, second: Pose2) -> Pose2:
-    """Return the pose `second`, which is given in the frame of `first`, in the frame that `first` is given in."""
+    """Return the pose `second`, given in the frame of `first`, in the frame in which `first` is given."""
     (x0, y0, yaw0), (x1, y1, yaw1) = first, second
     cos, sin = math.cos(yaw0), math.sin(yaw0)
     return x0 + cos * x1 - sin * y1, y0 + sin * x1 + cos * y1, normalise_angle(yaw0 + yaw1)
 
 
 def tidy(value: float) -> float:
-    """Return a number without the last digits, which conversions of units leave."""
+    """Return a number without the last digits, which come from unit conversion."""
     return round(value, 9) + 0.0
 
 
-def checked(model: type[M], values: Mapping[str, Any], said_by: Mapping[str, tuple[Entity, str]]) -> M:
+def checked(model: type[M], values: Mapping[str, Any], sources: Mapping[str, tuple[Entity, str]]) -> M:
     """Return a section of the scenario.
 
-    Args:   said_by: entity and property behind each key.
+    Args:   sources: entity and property behind each key.
     Raises: ScenarioError: a value is out of range; names the property and its line.
     """
     try:
         return model.model_validate(dict(values))
     except ValidationError as error:
         problem = problems(error, model)[0]
-        entity, key = said_by.get(problem.key) or next(iter(said_by.values()))
-        raise entity.place_of(key).wrong(f"{key}: {problem.key}: {problem.text}") from None
+        entity, key = sources.get(problem.key) or next(iter(sources.values()))
+        raise entity.place_of(key).error(f"{key}: {problem.key}: {problem.text}") from None
 
 
 def _shown(given: Property) -> str:

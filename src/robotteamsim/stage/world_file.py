@@ -1,4 +1,4 @@
-"""The structure of a Stage world file: entities with properties, and `define`d kinds put in."""
+"""The structure of a Stage world file: entities with properties, with `define`d kinds expanded."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from robotteamsim.stage.tokens import Place, Token, read_tokens
 
 MAX_DEPTH = 50
 MAX_ENTITIES = 100_000
-"""Kinds that hold several of another kind can multiply; no world needs as many."""
+"""Kinds that contain several of another kind can multiply; no real world needs as many."""
 
 Value = float | str
 
 
 @dataclass(frozen=True, slots=True)
 class Property:
-    """One key with its value, or its values in brackets; `index` is that of its first word, so no two are equal."""
+    """One key with its value, or its values in brackets; `index` is that of its token, so no two are equal."""
 
     name: str
     values: tuple[Value, ...]
@@ -30,8 +30,8 @@ class Property:
 class Entity:
     """One `kind( ... )` of a world file.
 
-    kind:   what Stage calls it: position, model, ranger, ...
-    called: the word that stands in the file: `kind` itself or a defined name.
+    kind:   in Stage: position, model, ranger, ...
+    called: the word in the file: `kind` itself or a defined name.
     """
 
     kind: str
@@ -41,11 +41,11 @@ class Entity:
     children: list[Entity] = field(default_factory=list)
 
     def get(self, name: str) -> Property | None:
-        """Return a property; none: it is not said."""
+        """Return a property; None: the entity does not have it."""
         return self.properties.get(name)
 
     def place_of(self, name: str) -> Place:
-        """Return where a property is said, or else where the entity begins."""
+        """Return the place of a property, or else that of the entity."""
         found = self.properties.get(name)
         return found.place if found else self.place
 
@@ -91,7 +91,7 @@ class _Parser:
     def _define(self, start: Token) -> None:
         name, kind = self._word(start, "define"), self._word(start, "define")
         if not self._peek("mark", "("):
-            raise kind.place.wrong(f"define: expected '(' after '{name.value} {kind.value}'")
+            raise kind.place.error(f"define: expected '(' after '{name.value} {kind.value}'")
         entity = self._entity(kind, 1)
         entity.called = name.value
         self._defined[name.value] = entity
@@ -100,7 +100,7 @@ class _Parser:
         name = self._take()
         if name.kind != "word":
             closing = "no '(' is open here" if name.value == ")" else "expected a key or the name of a model"
-            raise name.place.wrong(f"'{name.value}': {closing}")
+            raise name.place.error(f"'{name.value}': {closing}")
         if self._peek("mark", "("):
             parent.children.append(self._entity(name, depth))
         else:
@@ -115,7 +115,7 @@ class _Parser:
         self._take()
         while not self._peek("mark", ")"):
             if self._next == len(self._tokens):
-                raise name.place.wrong(f"{name.value}: '(' is never closed")
+                raise name.place.error(f"{name.value}: '(' is never closed")
             self._item(entity, depth + 1)
         self._take()
         return entity
@@ -129,9 +129,9 @@ class _Parser:
     def _count(self, name: Token, depth: int) -> None:
         self._num_entities += 1
         if depth > MAX_DEPTH:
-            raise name.place.wrong(f"{name.value}: more than {MAX_DEPTH} brackets deep")
+            raise name.place.error(f"{name.value}: nested more than {MAX_DEPTH} levels deep")
         if self._num_entities > MAX_ENTITIES:
-            raise name.place.wrong(f"{name.value}: more than {MAX_ENTITIES} models and parts of models")
+            raise name.place.error(f"{name.value}: more than {MAX_ENTITIES} models and parts of models")
 
     def _values(self, name: Token) -> tuple[Value, ...]:
         if not self._peek("mark", "["):
@@ -145,7 +145,7 @@ class _Parser:
 
     def _value(self, name: Token) -> Value:
         if self._next == len(self._tokens):
-            raise name.place.wrong(f"{name.value}: the file ends where a value was expected")
+            raise name.place.error(f"{name.value}: the file ends where a value was expected")
         token = self._take()
         if token.kind == "text":
             return token.value
@@ -154,13 +154,13 @@ class _Parser:
         except ValueError:
             number = math.nan
         if not math.isfinite(number):
-            raise token.place.wrong(f"{name.value}: '{token.value}' is not a number, nor a text in quotes")
+            raise token.place.error(f"{name.value}: '{token.value}' is neither a number nor a text in quotes")
         return number
 
     def _word(self, start: Token, what: str) -> Token:
         token = self._take() if self._next < len(self._tokens) else start
         if token is start or token.kind != "word":
-            raise start.place.wrong(f"{what}: expected a name and a kind, such as define pioneer position ( ... )")
+            raise start.place.error(f"{what}: expected a name and a kind, such as define pioneer position ( ... )")
         return token
 
     def _peek(self, kind: str, value: str) -> bool:

@@ -35,7 +35,8 @@ def robot_socialisation(position: ArrayLike, global_best: ArrayLike, positions: 
     farthest_m = np.max(_distances(positions, global_best))
     if farthest_m == 0.0:
         return np.ones_like(away_m)[()]
-    return (1.0 - away_m / farthest_m)[()]
+    quality: float | np.ndarray = (1.0 - away_m / farthest_m)[()]
+    return quality
 
 
 def _distances(places: ArrayLike, place: ArrayLike) -> np.ndarray:

@@ -110,7 +110,7 @@ class FreeSpace:
         """Return a solid that a body overlaps, or a leaf where it is now; None: there is none."""
         near = self._shapes.query(body.core, predicate="dwithin", distance=body.margin_m - TOUCH_M)
         if len(near):
-            return self._solids[min(near)]
+            return self._solids[int(min(near))]
         for door in self._plan.doors:
             corners = leaf_outline(door, doors[door.name])
             if corners is not None:

@@ -113,7 +113,8 @@ class World:
 
     def in_contact(self) -> list[bool]:
         """Return whether each robot touched something in the last step (came within 5 mm)."""
-        return self.core.in_contact().tolist()
+        in_contact: list[bool] = self.core.in_contact().tolist()
+        return in_contact
 
     def contact_angles_rad(self) -> dict[int, tuple[float, ...]]:
         """Return the directions of the last contacts, by id of the robots that touched something in the last step.

@@ -103,7 +103,7 @@ std::vector<float> PostAhead(double distance, double left = 0.0) {
 }
 
 Sidestepper HalfPlane(std::vector<double> headings) {
-  return {ScanClearance({181, -kPi / 2, kPi / 2, 0.0, 5.0}), std::move(headings)};
+  return {ScanClearance({181, -kPi / 2, kPi / 2, 0.0, 5.0}), std::move(headings), {0.25, 0.35, 1.6}};
 }
 
 TEST(Sidestepper, TakesTheWantedHeadingWhereItIsFreeOrBehind) {
@@ -123,10 +123,10 @@ TEST(Sidestepper, PassesOnTheRightAndStaysOnASideOnceBegun) {
 
 TEST(Sidestepper, TakesTheFarthestFreeWhereNoneIsFreeAsFarAsNeeded) {
   Sidestepper robot = HalfPlane({0.0, 0.3});
-  const Sidestepper::Way way = robot.Find(PostAhead(0.4), 0.0, 0.25, 0.5);
-  EXPECT_EQ(way.heading, 0.3);
-  EXPECT_GT(way.free, 0.1);
-  EXPECT_LT(way.free, 0.5);
+  const Sidestepper::FreeHeading found = robot.Find(PostAhead(0.4), 0.0, 0.25, 0.5);
+  EXPECT_EQ(found.heading, 0.3);
+  EXPECT_GT(found.free, 0.1);
+  EXPECT_LT(found.free, 0.5);
   EXPECT_THROW(HalfPlane({}), std::invalid_argument);
 }
 

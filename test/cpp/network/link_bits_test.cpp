@@ -43,15 +43,15 @@ TEST(LinkBits, NamesThePlaceOfWhatIsNoUndirectedGraph) {
   EXPECT_EQ(MessageFor(Adjacency::Constant(2, 3, false)), "adjacency must be square, got shape (2, 3)");
   Adjacency to_itself = graphs::Path(70);
   to_itself(66, 66) = true;
-  EXPECT_EQ(MessageFor(to_itself), "adjacency must be 0 on the diagonal, is 1 at (66, 66)");
+  EXPECT_EQ(MessageFor(to_itself), "adjacency must be 0 on the diagonal, got 1 at (66, 66)");
   for (const auto& [i, j] : {std::pair{0, 1}, {3, 299}, {64, 127}, {298, 299}}) {
     Adjacency one_way = graphs::Scattered(300, 0.2, 3);
     one_way(j, i) = !one_way(i, j);
     const std::string place = "(" + std::to_string(i) + ", " + std::to_string(j) + ")";
-    EXPECT_EQ(MessageFor(one_way), "adjacency must be symmetric, is not at " + place);
+    EXPECT_EQ(MessageFor(one_way), "adjacency must be symmetric, but is not at " + place);
     one_way(i, j) = !one_way(i, j);
     one_way(j, i) = !one_way(j, i);
-    EXPECT_EQ(MessageFor(one_way), "adjacency must be symmetric, is not at " + place);
+    EXPECT_EQ(MessageFor(one_way), "adjacency must be symmetric, but is not at " + place);
   }
 }
 

@@ -121,9 +121,7 @@ def test_lost_scheduler_is_told_in_one_line():
         def result(self):
             raise FutureCancelledError("trial", "scheduler-connection-lost")
 
-    with pytest.raises(
-        CampaignError, match="the connection to the scheduler was lost; run the same"
-    ):
+    with pytest.raises(CampaignError, match="the connection to the scheduler was lost; run the same"):
         runner_module._outcome(Future())
 
 

@@ -24,7 +24,7 @@ def test_imported_world_is_a_scenario_to_run(capsys):
     assert captured.out == "hall/hall.yaml: 1 robot; hall/plan.yaml: 6 walls, 1 block\n"
     warnings = captured.err.splitlines()
     assert all(line.startswith(f"robotteamsim: warning: {WORLD}:") for line in warnings)
-    assert sum("changes nothing here" in line for line in warnings) == 1
+    assert sum("no effect here" in line for line in warnings) == 1
     assert sorted(path.name for path in Path("hall").iterdir()) == ["hall.yaml", "plan.yaml"]
     assert yaml.safe_load(Path("hall/hall.yaml").read_text())["plan"] == "plan.yaml"
     assert main(["run", "hall/hall.yaml", "--quiet", "--set", "mission.time_limit_s=1"]) == 0
@@ -55,7 +55,7 @@ def test_exported_scenario_is_a_world_and_its_bitmap(capsys):
     assert main(["plan", "export-stage", "tutorial_arena", "--out", "out", "--resolution", "0.1"]) == 0
     captured = capsys.readouterr()
     assert captured.out == "out/tutorial_arena.world: 1 robot; out/tutorial_arena.png: walls and closed doors\n"
-    assert captured.err.startswith("robotteamsim: warning: odometry drifts by the alphas here")
+    assert captured.err.startswith("robotteamsim: warning: odometry: drifts by the alphas here")
     assert sorted(path.name for path in Path("out").iterdir()) == ["tutorial_arena.png", "tutorial_arena.world"]
     assert main(["plan", "import-stage", "out/tutorial_arena.world", "--out", "back"]) == 0
     assert load("back/tutorial_arena.yaml").plan.bounds == load("tutorial_arena").plan.bounds

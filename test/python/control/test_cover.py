@@ -94,7 +94,7 @@ def test_partition_splits_what_robots_know_and_heals(hall_scenario):
 
 
 def test_base_that_does_not_exist_is_refused():
-    with pytest.raises(ScenarioError, match=r"mission.base: there is no robot 9, only 0 to 8"):
+    with pytest.raises(ScenarioError, match=r"mission.base: there is no robot 9; expected 0 to 8"):
         load("office_manet", ["mission.base=9"])
 
 

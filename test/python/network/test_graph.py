@@ -137,8 +137,8 @@ def test_break_matrix_is_the_link_matrix_where_no_path_exists():
     [
         (np.zeros((2, 3)), r"adjacency must be square, got shape \(2, 3\)"),
         (np.zeros(4), r"adjacency must have shape \(n, n\), got \(4,\)"),
-        (np.array([[0, 1], [0, 0]]), r"adjacency must be symmetric, is not at \(0, 1\)"),
-        (np.eye(2), r"adjacency must be 0 on the diagonal, is 1 at \(0, 0\)"),
+        (np.array([[0, 1], [0, 0]]), r"adjacency must be symmetric, but is not at \(0, 1\)"),
+        (np.eye(2), r"adjacency must be 0 on the diagonal, got 1 at \(0, 0\)"),
     ],
 )
 def test_what_is_no_undirected_graph_is_refused(adjacency, message):

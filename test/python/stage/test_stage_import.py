@@ -78,12 +78,12 @@ def test_world_of_included_parts_becomes_a_scenario():
 
 def test_what_changes_nothing_is_told_in_one_line_per_file():
     notes = import_world(DATA / "patrol" / "patrol.world").notes
-    told = {line.partition(": ")[0]: line.partition(": ")[2] for line in notes if "changes nothing" in line}
+    told = {line.partition(": ")[0]: line.partition(": ")[2] for line in notes if "no effect" in line}
     folder = str(DATA / "patrol")
     assert told == {
-        f"{folder}/patrol.world": "changes nothing here: speedup (line 7)",
-        f"{folder}/floor.inc": "changes nothing here: color (line 3), gui_move (line 4), fiducial_return (line 5)",
-        f"{folder}/team.inc": "changes nothing here: color (line 1, 2)",
+        f"{folder}/patrol.world": "no effect here: speedup (line 7)",
+        f"{folder}/floor.inc": "no effect here: color (line 3), gui_move (line 4), fiducial_return (line 5)",
+        f"{folder}/team.inc": "no effect here: color (line 1, 2)",
     }
 
 
@@ -165,8 +165,8 @@ def test_body_that_is_not_convex_becomes_the_disc_around_it(world_of):
     found = world_of(ROOM + _robot(f"block( points 5 {points} )"))
     assert placed_robots(found.scenario)[0].radius_m == pytest.approx(0.2 * math.sqrt(2.0))
     assert found.notes == (
-        "a.world:2: size: 'position' has no body of 3 to 8 corners around its origin, convex: it becomes the disc "
-        "around it, of 0.283 m",
+        "a.world:2: size: the body of 'position' is not convex with 3 to 8 corners around its origin: it becomes a "
+        "disc of 0.283 m",
     )
 
 
@@ -191,7 +191,7 @@ def test_sonar_of_one_ray_becomes_a_cone_and_a_lone_one_the_laser(world_of):
     sonar = 'ranger( name "sonar" sensor( range [ 0 3 ] fov 20 samples 1 ) )'
     found = world_of(ROOM + _robot(sonar))
     assert placed_robots(found.scenario)[0].sonars[0].rays == 15
-    assert found.notes == ("a.world:2: samples: one ray along the middle in Stage; a sonar here is a cone of rays",)
+    assert found.notes == ("a.world:2: samples: one ray in Stage, a cone of rays here",)
     lone = placed_robots(world_of(ROOM + f"position( pose [ 2 2 0 0 ] {sonar} )").scenario)[0]
     assert (lone.laser.beams, lone.sonars) == (1, ())
 
@@ -199,26 +199,26 @@ def test_sonar_of_one_ray_becomes_a_cone_and_a_lone_one_the_laser(world_of):
 def test_model_that_hangs_above_the_robots_is_left_out(world_of):
     found = world_of(ROOM + ROBOT + "model( size [ 1 1 1 ] pose [ 5 5 2 0 ] )")
     assert found.plan.blocks == ()
-    assert "a.world:3: 'model_2' hangs at 2 m, above all robots: left out" in found.notes
+    assert "a.world:3: 'model_2' left out: it is at 2 m, above all robots" in found.notes
 
 
 @pytest.mark.parametrize(
     ("text", "note"),
     [
-        (_robot('ctrl "wander"'), "ctrl: Stage's controllers are not run here; control.algorithm drives"),
+        (_robot('ctrl "wander"'), "ctrl: left out: Stage's controllers cannot run here; control.algorithm drives"),
         (
             _robot("sampels 3"),
-            "sampels: a 'position' has no such key, neither in Stage nor here; did you mean 'samples'?",
+            "sampels: unknown key of a 'position', in Stage and here; did you mean 'samples'?",
         ),
-        (_robot('drive "omni" velocity_bounds [-1 1 -2 2 0 0 -90 90]'), "velocity_bounds: y has other limits than x"),
-        (_robot("camera()"), "camera: robots have no camera here: left out"),
-        (_robot("localization_origin [0 0 0 0]"), "localization_origin: odometry begins where the robot does, at 0"),
-        (_robot("velocity_bounds [-0.2 1 0 0 0 0 -90 90]"), "velocity_bounds: x has another limit below than above"),
+        (_robot('drive "omni" velocity_bounds [-1 1 -2 2 0 0 -90 90]'), "velocity_bounds: the limits of x and y"),
+        (_robot("camera()"), "camera: left out: robots have no camera here"),
+        (_robot("localization_origin [0 0 0 0]"), "localization_origin: left out: odometry starts at 0 here"),
+        (_robot("velocity_bounds [-0.2 1 0 0 0 0 -90 90]"), "velocity_bounds: the lower and upper limits of x differ"),
         (ROBOT.replace("2 2 0 0", "2 2 0.5 0"), "pose: z 0.5 counts as 0; robots drive on the floor"),
-        ("position( pose [2 2 0 0] )", "'position' carries no ranger; every robot has one here"),
-        (ROBOT.replace(" ) ) )", " ) sensor() ) )"), "sensor: stage_ros publishes a ranger's first sensor only"),
+        ("position( pose [2 2 0 0] )", "'position' has no ranger; it gets the default laser"),
+        (ROBOT.replace(" ) ) )", " ) sensor() ) )"), "sensor: left out: stage_ros publishes only the first sensor"),
         (ROBOT.replace("fov", "noise [0 0.1 0] fov"), "noise: only the constant part is simulated"),
-        (ROBOT + "fiducial()\n", "fiducial: a 'fiducial' that no robot carries: left out"),
+        (ROBOT + "fiducial()\n", "fiducial: left out: a 'fiducial' that is not on a robot"),
     ],
 )
 def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
@@ -233,22 +233,22 @@ def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
     [
         (
             ROOM + _robot('drive "car"'),
-            "a.world:2: drive: 'car' takes a steering angle for a turn in Stage; only 'diff' and 'omni' are read",
+            "a.world:2: drive: in Stage, the turn of a 'car' is a steering angle; expected 'diff' or 'omni'",
         ),
         (ROOM + _robot('drive "dif"'), "a.world:2: drive: 'dif' is not one of diff, omni, car; did you mean 'diff'?"),
         (
             ROOM + _robot("ranger( pose [0 9 0 0] sensor( range [ 0 5 ] fov 90 samples 9 ) )"),
-            "a.world:2: pose: 'ranger' stands 9 m beside the robot's axis; the first laser stands on it here",
+            "a.world:2: pose: 'ranger' is 9 m beside the robot's axis; expected the first laser on it",
         ),
         (ROOM + _robot("gripper()"), "a.world:2: gripper: a robot with a 'gripper' on it is not simulated"),
         (ROOM + _robot("ragner()"), "a.world:2: ragner: unknown model 'ragner'; did you mean 'ranger'?"),
         (
             ROOM + _robot("obstacle_return 0"),
-            "a.world:2: obstacle_return: robots that others pass through or do not see",
+            "a.world:2: obstacle_return: a robot that others cannot hit or detect",
         ),
         (
             ROOM + _robot('bitmap "x.png"'),
-            "a.world:2: bitmap: only models of kind 'model' have one here, not 'position'",
+            "a.world:2: bitmap: only supported for models of kind 'model', not 'position'",
         ),
         (ROOM + _robot("mass -1"), "a.world:2: mass: mass_kg: -1.0 is not above 0"),
         (ROOM + ROBOT.replace("0.4 0.4", "0 0.4"), "a.world:2: size: x 0 is not above 0"),
@@ -264,17 +264,17 @@ def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
         ),
         (
             ROOM + ROBOT.replace("2 2 0 0", "0.1 2 0 0"),
-            "a.world:2: pose: [0.1, 2]: robot 0 stands in wall",
+            "a.world:2: pose: [0.1, 2]: robot 0 overlaps wall",
         ),
-        (ROOM + ROBOT + ROBOT, "a.world:3: pose: [2, 2]: robot 1 stands in robot 0"),
+        (ROOM + ROBOT + ROBOT, "a.world:3: pose: [2, 2]: robot 1 overlaps robot 0"),
         (ROOM + ROBOT.replace("181", "0"), "a.world:2: samples: beams: 0 is below 1"),
         (ROOM + ROBOT.replace("181", "100000"), "a.world:2: samples: beams: 100000 is above 10000"),
         (ROOM + ROBOT.replace("181", "2.5"), "a.world:2: samples: 2.5 is not a whole number"),
         (ROOM + ROBOT.replace("[ 0 5 ]", "[ 5 5 ]"), "a.world:2: range: range_max_m: 5 is not above range_min_m, 5"),
-        (ROOM + ROBOT.replace("ranger(", "ranger( pose [0 0.1 0 0]"), "a.world:2: pose: 'ranger' stands 0.1 m beside"),
-        (ROOM + "position( ranger() )", "a.world:2: ranger: a ranger without a sensor( ... ) measures nothing"),
-        (ROOM + "ranger()", "a.world: 0 robots, as models of kind position are; expected 1 to 3000"),
-        (ROBOT, "a.world: no model bounds the world; expected one with a bitmap, blocks or boundary 1"),
+        (ROOM + ROBOT.replace("ranger(", "ranger( pose [0 0.1 0 0]"), "a.world:2: pose: 'ranger' is 0.1 m beside"),
+        (ROOM + "position( ranger() )", "a.world:2: ranger: expected a sensor( ... ) in a ranger"),
+        (ROOM + "ranger()", "a.world: 0 robots (models of kind position); expected 1 to 3000"),
+        (ROBOT, "a.world: nothing bounds the world; expected a model with a bitmap, blocks or boundary 1"),
         (ROOM + "puck()" + ROBOT, "a.world:2: puck: a 'puck' is not simulated"),
         (
             ROOM + "model( position() )" + ROBOT,
@@ -288,7 +288,7 @@ def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
         (ROBOT + 'model( bitmap "no.png" )', "a.world:2: bitmap: there is no file 'no.png'"),
         (ROBOT + 'model( bitmap "a.world" )', "a.world:2: bitmap: 'a.world' cannot be read as an image"),
         (ROBOT + "model( block( points 2 ) )", "a.world:2: points: 2 is not from 3 to 10000"),
-        (ROBOT + "model( block( points 3 ) )", "a.world:2: points: 3 are said, but there is no point[0]"),
+        (ROBOT + "model( block( points 3 ) )", "a.world:2: points: there are 3, but point[0] is missing"),
         (
             ROOM + ROBOT + "model( ranger_return -1 )",
             "a.world:3: ranger_return: 'model' would be an obstacle that lasers",

@@ -81,23 +81,23 @@ def test_comments_in_any_encoding_are_passed_over(tmp_path):
     ("text", "message"),
     [
         ("model(\n pose [0 0 0 0]\n", "a.world:1: model: '(' is never closed"),
-        ("model( size [1 1 1 )\n", "a.world:1: size: ')' is not a number, nor a text in quotes"),
+        ("model( size [1 1 1 )\n", "a.world:1: size: ')' is neither a number nor a text in quotes"),
         ("model()\n)\n", "a.world:2: ')': no '(' is open here"),
         ("model( [ 1 ] )", "a.world:1: '[': expected a key or the name of a model"),
-        ("model( size [nan 1 1] )", "a.world:1: size: 'nan' is not a number, nor a text in quotes"),
-        ("model( size [1.2.3 1 1] )", "a.world:1: size: '1.2.3' is not a number, nor a text in quotes"),
-        ("resolution 1e-3", "a.world:1: '1e' is no number to Stage: digits, a point and a sign only"),
+        ("model( size [nan 1 1] )", "a.world:1: size: 'nan' is neither a number nor a text in quotes"),
+        ("model( size [1.2.3 1 1] )", "a.world:1: size: '1.2.3' is neither a number nor a text in quotes"),
+        ("resolution 1e-3", "a.world:1: '1e' is not a number in Stage: expected digits, a point and a sign"),
         ("\nresolution", "a.world:2: resolution: the file ends where a value was expected"),
         ("model( size [ 1 1", "a.world:1: size: the file ends where a value was expected"),
         ('name "x\n', "a.world:1: a text has no closing quote"),
-        ("name = 3", "a.world:1: '=' stands where Stage knows no such character"),
-        ("\nname \x01", "a.world:2: character 1 stands where Stage knows no such character"),
+        ("name = 3", "a.world:1: unexpected '='"),
+        ("\nname \x01", "a.world:2: unexpected character 1"),
         ("define bot\n", "a.world:1: define: expected a name and a kind, such as define pioneer position ( ... )"),
         ("define bot position\nmass 1", "a.world:1: define: expected '(' after 'bot position'"),
         ('\ninclude "no.inc"', "a.world:2: include: there is no file 'no.inc'"),
         ("include robots", 'a.world:1: include: expected a file name in quotes, such as include "robots.inc"'),
         ('\n\ninclude "a.world"', "a.world:3: include: 'a.world' includes itself"),
-        ("model(" * 60 + ")" * 60, "a.world:1: model: more than 50 brackets deep"),
+        ("model(" * 60 + ")" * 60, "a.world:1: model: nested more than 50 levels deep"),
     ],
 )
 def test_mistake_is_told_with_its_line(read, text, message):
@@ -117,7 +117,7 @@ def test_included_files_that_multiply_are_refused(read, tmp_path):
     for i in range(12):
         (tmp_path / f"{i}.inc").write_text(f'include "{i + 1}.inc"\ninclude "{i + 1}.inc"\n')
     (tmp_path / "12.inc").write_text("")
-    with pytest.raises(ScenarioError, match="include: more than 200 files are included"):
+    with pytest.raises(ScenarioError, match="include: more than 200 included files"):
         read('include "0.inc"')
 
 
@@ -129,7 +129,7 @@ def test_definitions_that_multiply_are_refused(read):
 
 def test_definitions_nested_too_deeply_are_refused(read):
     kinds = "".join(f"define k{i + 1} model( k{i}() )\n" for i in range(100))
-    with pytest.raises(ScenarioError, match="more than 50 brackets deep"):
+    with pytest.raises(ScenarioError, match="nested more than 50 levels deep"):
         read("define k0 model()\n" + kinds)
 
 

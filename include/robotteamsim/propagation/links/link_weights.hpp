@@ -11,7 +11,7 @@
 
 namespace robotteamsim::propagation {
 
-/// What is between a point and those after it, these in some order: the one i + 1 places after the point is target
+/// The weights between a point and the points after it, in some order: the point i + 1 places after it is target
 /// places[i], in lane places[i] % kLinkLanes of block places[i] / kLinkLanes.
 struct LinkTargets {
   int count = 0;
@@ -19,23 +19,23 @@ struct LinkTargets {
   const std::int32_t* places = nullptr;
 };
 
-/// What the faces weigh between all pairs of many points: the same numbers as FaceSet::WeightBetween.
+/// The weights of the faces between all pairs of many points: equal to FaceSet::WeightBetween.
 ///
-/// Seen from one point, the others are sorted by direction into bins. A face shades those between its two ends that are
-/// beyond its line, so it is compared only with the bins from one end to the other. The four faces of a convex ring are
-/// taken together: between its outermost corners, each target is before, in or behind it. The tests of directions and
-/// sides are exact in doubles where all coordinates are within 4 km; beyond that, links are counted one by one.
+/// For each point, the others are sorted into bins by direction. A face shades the points between its two ends that are
+/// beyond its line, so only the bins from one end to the other are tested. The four faces of a convex ring are
+/// processed together: between its outermost corners, each target is before, in or behind it. The tests are exact in
+/// doubles if all coordinates are within 4 km; otherwise links are computed one by one.
 class LinkWeights {
  public:
-  /// Args: faces: must outlive this object, and stay as they are.
-  /// Throws std::invalid_argument where this machine does not have the instruction set.
+  /// Args: faces: must outlive this object and not change.
+  /// Throws std::invalid_argument if this machine does not support the instruction set.
   LinkWeights(const FaceSet& faces, std::vector<PointMm> points, base::Simd simd = base::BestSimd());
 
-  /// Returns the points after a point with the weights between; valid until the next call.
+  /// Returns the points after a point with the weights between them; valid until the next call.
   LinkTargets After(std::size_t source);
 
  private:
-  /// Screens of a kind, and the first face of each in the set.
+  /// Screens of one kind and the index of the first face of each.
   template <int kFaces>
   struct Screens {
     std::vector<ScreenBlock<kFaces>> blocks;

@@ -10,23 +10,23 @@
 
 namespace robotteamsim::propagation {
 
-/// How a signal fades: value = constant_db - slope_db * log10(distance in m) - unit_db * weight of the walls.
+/// The fading of a signal: value = constant_db - slope_db * log10(distance in m) - unit_db * weight of the walls.
 struct Fading {
   double constant_db = 0.0;
   double slope_db = 0.0;
   double unit_db = 0.0;
-  double min_distance_m = 0.0;  ///< distances below count as this
+  double min_distance_m = 0.0;  ///< lower limit of distances
 };
 
-/// Makes rows of values from rows of weights, for one source.
+/// Computes rows of values from rows of weights, for one source.
 ///
 /// Far from the source, squares of distances in one block of cells differ little: log(s + n) = log(s) + log(1 + n/s)
-/// takes one logarithm and one division per block, and a short series per cell; n does not depend on the row. Near
-/// the source, each cell has its own logarithm, a polynomial in the fraction of a float. A value is the same to the bit
-/// on every machine.
+/// takes one logarithm and one division per block and a short series per cell; n does not depend on the row. Near the
+/// source, each cell has its own logarithm, a polynomial in the fraction of a float. Values are the same to the bit on
+/// every machine.
 class FadingRows {
  public:
-  /// Throws std::invalid_argument where min_distance_m is not above 0.
+  /// Throws std::invalid_argument if min_distance_m is not above 0.
   FadingRows(const Fading& fading, PointMm source, const CellCentersMm& cells);
 
   /// Writes the values of rows [first, first + count) in columns [begin, end), as RowKernels::fade does; begin is a
@@ -41,7 +41,7 @@ class FadingRows {
   }
 
  private:
-  /// One value per column of a block; loads of whole registers never cross a line of the cache.
+  /// One value per column of a block, aligned to cache lines.
   struct alignas(64) Block {
     std::array<float, kFadingBlock> values{};
   };

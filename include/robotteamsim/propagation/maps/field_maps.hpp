@@ -11,26 +11,26 @@
 
 namespace robotteamsim::propagation {
 
-/// Where a signal comes from, and how it fades.
+/// The source of a signal and its fading.
 struct FieldSource {
   PointMm position;
   Fading fading;
 };
 
-/// How to compute maps; neither changes a value.
+/// How to compute maps; no value depends on it.
 struct MapWork {
-  int threads = 1;  ///< 0 for as many as the machine has
+  int threads = 1;  ///< 0: one per core
   base::Simd simd = base::BestSimd();
 };
 
 /// A map to be written, one row per row of cells.
 using MapView = Eigen::Ref<MapValues>;
 
-/// Throws std::invalid_argument where a map does not have `rows` and `cols`.
+/// Throws std::invalid_argument if a map does not have `rows` and `cols`.
 void CheckShape(const MapView& map, Eigen::Index rows, Eigen::Index cols);
 
-/// Writes, per cell, the highest of the values that the sources have at its centre, walls and all.
-/// Throws std::invalid_argument where there is no source, and where `map` does not fit the grid.
+/// Writes, per cell, the highest value of all sources at its centre, walls included.
+/// Throws std::invalid_argument if there is no source or `map` does not fit the grid.
 void WriteHighest(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid,
                   MapView map, const MapWork& work = {});
 
@@ -38,7 +38,7 @@ void WriteHighest(const FaceSet& faces, const std::vector<FieldSource>& sources,
 void WriteEach(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid, MapView maps,
                const MapWork& work = {});
 
-/// What the walls between one source and every cell weigh, kept up to date as doors open and close.
+/// The weights of the walls between one source and every cell, updated as doors open and close.
 class WeightMap {
  public:
   WeightMap(const FaceSet& faces, PointMm source, const plan::GridShape& grid, const MapWork& work = {});
@@ -46,15 +46,15 @@ class WeightMap {
   PointMm Source() const { return source_; }
   const CellCentersMm& Cells() const { return cells_; }
 
-  /// Adds or takes away the shadow of each face that has become active, or ceased to be, since the last call. Doors
-  /// opened and closed again leave the map as it was, to the bit.
+  /// Adds or removes the shadow of each face that was activated or deactivated since the last call. A door that opens
+  /// and closes again leaves the map as it was, to the bit.
   /// Args: faces: those of the constructor.
   void Update(const FaceSet& faces);
 
   /// Returns FaceSet::WeightBetween the source and the centre of a cell.
   std::int32_t At(int row, int col) const;
 
-  /// Writes the values of a signal from the source. Throws std::invalid_argument where `map` does not fit the grid.
+  /// Writes the values of a signal of the source. Throws std::invalid_argument if `map` does not fit the grid.
   void WriteValues(const Fading& fading, MapView map) const;
 
  private:
@@ -66,8 +66,8 @@ class WeightMap {
   PointMm source_;
   CellCentersMm cells_;
   base::Simd simd_;
-  std::vector<std::int32_t> face_weights_;  // as they are in the map
-  // One of the two, row by row; the narrow one where no sum can leave it.
+  std::vector<std::int32_t> face_weights_;  // those in the map
+  // One of the two, row by row; the narrow one if all sums fit it.
   std::vector<std::int16_t> narrow_;
   std::vector<std::int32_t> wide_;
 };

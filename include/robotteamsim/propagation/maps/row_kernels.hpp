@@ -8,29 +8,29 @@
 
 namespace robotteamsim::propagation {
 
-/// Cells are faded in blocks of this many along the row, from the row's first cell on.
+/// Number of cells of a block; blocks start at the first cell of a row.
 constexpr int kFadingBlock = 32;
 
-/// The series of FadingRow holds as long as squares in a block differ by less than this part of the block's middle.
+/// The series of FadingRows is valid if the squares in a block differ by less than this fraction of the block's middle.
 constexpr float kSeriesLimit = 0.2F;
 
-/// How a signal fades with the square of the distance s = (1 + f) 2^e, 0 <= f < 1, in units of 2^24 mm^2 = (4.096 m)^2:
-/// value = constant + near[0] + near[1] f + ... + near[7] f^7 - per_octave * e - per_unit * weight of the walls.
+/// The fading of a signal with the square of the distance s = (1 + f) 2^e, 0 <= f < 1, in units of 2^24 mm^2 = (4.096
+/// m)^2: value = constant + near[0] + near[1] f + ... + near[7] f^7 - per_octave * e - per_unit * weight of the walls.
 struct FadingCurve {
   std::array<float, 8> near{};
   std::array<float, 5> series{};  ///< factors of (n/s), ..., (n/s)^5 in the difference from s to s + n
   float constant = 0.0F;
   float per_octave = 0.0F;
   float per_unit = 0.0F;
-  float min_square = 0.0F;  ///< squares below count as this
+  float min_square = 0.0F;  ///< lower limit of squares
 };
 
-/// The columns of a map seen from one source.
+/// The columns of a map relative to one source.
 struct FadingColumns {
   const float* square = nullptr;  ///< per column: square of the distance along x
   const float* offset = nullptr;  ///< per column: its square less the middle of those of its block
-  const float* middle = nullptr;  ///< per block: that middle; 16 values more than there are blocks
-  float near_below = 0.0F;        ///< least square along y from which the series holds in all blocks
+  const float* middle = nullptr;  ///< per block: that middle, and 16 more values
+  float near_below = 0.0F;        ///< least square along y from which the series is valid in all blocks
 };
 
 /// Rows of a map: `count` of them, in columns [begin, end), begin a multiple of kFadingBlock.
@@ -41,13 +41,13 @@ struct FadingRange {
   int end = 0;
 };
 
-/// Weights of rows, `stride` numbers from each to the next: either the weights themselves, which are only read, or the
-/// changes from the row below. Changes are added to one running row, the weights of the row below at first, and zeroed.
+/// Weights of rows, `stride` numbers apart: either the weights themselves, which are only read, or the changes from the
+/// row below. Changes are added to one running row, at first the weights of the row below, and zeroed.
 template <typename Weight>
 struct WeightRows {
   Weight* stored = nullptr;
   std::ptrdiff_t stride = 0;
-  Weight* running = nullptr;  ///< null where the weights themselves are stored
+  Weight* running = nullptr;  ///< null if the weights themselves are stored
 };
 
 /// Loops over rows of a map, for one instruction set and type of weights.
@@ -57,14 +57,14 @@ struct RowKernels {
   void (*sum_row)(const Weight* below, Weight* changes, Weight* row, int count);
   void (*add_number)(Weight number, Weight* row, int count);
 
-  /// Writes the values of a range. Weights and values begin at its first row and column; `values_stride` numbers lie
-  /// from each row of values to the next. `highest`: a value is written only where it is above the one there.
+  /// Writes the values of a range. Weights and values begin at its first row and column; rows of values are
+  /// `values_stride` numbers apart. `highest`: only values above the existing ones are written.
   void (*fade)(const FadingCurve& curve, const FadingColumns& columns, const FadingRange& range,
                const WeightRows<Weight>& rows, float* values, std::ptrdiff_t values_stride, bool highest);
 };
 
 /// Returns the loops. Weight: std::int16_t or std::int32_t.
-/// Throws std::invalid_argument where this machine does not have the instruction set.
+/// Throws std::invalid_argument if this machine does not support the instruction set.
 template <typename Weight>
 const RowKernels<Weight>& RowKernelsFor(base::Simd simd);
 

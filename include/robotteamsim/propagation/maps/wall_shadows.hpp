@@ -10,18 +10,18 @@
 
 namespace robotteamsim::propagation {
 
-/// What the walls between a source and the cells of a grid weigh, as changes from each cell to the one above it.
+/// The weights of the walls between a source and the cells of a grid, as changes from each cell to the cell above it.
 ///
-/// Seen from the source, a face shades what lies beyond it, between the rays through its two ends. Going up a column
-/// of cells, the weight changes only where such a ray or a face is passed. All faces that end in one vertex share its
-/// ray, so their changes add up; at most vertices of a wall they cancel. What is left is one short list of
-/// straight lines, each with one change of weight, and the weights of the lowest row. ShadowSweep writes it out.
+/// A face shades the region beyond it, between the rays through its two ends. Up a column of cells, the weight changes
+/// only at such a ray or at a face. All faces that end in one vertex share its ray, so their changes add up; at most
+/// vertices of a wall they cancel. This leaves a short list of straight lines, each with one change of weight, and the
+/// weights of the lowest row. ShadowSweep writes them to the map.
 ///
-/// Ties are decided as FaceSet does, by moving all faces by (eps, eps^2): every weight is equal to
+/// Ties are broken as in FaceSet, by shifting all faces by (eps, eps^2): every weight is equal to
 /// FaceSet::WeightBetween.
 class WallShadows {
  public:
-  /// Throws std::invalid_argument where the weights of all faces add up to more than 5e8.
+  /// Throws std::invalid_argument if the sum of all weights is above 5e8.
   WallShadows(const FaceSet& faces, PointMm source, const CellCentersMm& cells);
 
  private:
@@ -36,7 +36,7 @@ class WallShadows {
     std::int32_t weight = 0;
   };
 
-  /// Goes along the lowest row, from its first cell: WeightBetween there, and where it changes.
+  /// Computes the weights of the lowest row: that of its first cell and the changes along the row.
   void FillLowestRow(const FaceSet& faces, PointMm source, const CellCentersMm& cells,
                      const std::vector<std::int32_t>& turns);
   void AddRays(const FaceSet& faces, PointMm source, const CellCentersMm& cells,
@@ -46,14 +46,14 @@ class WallShadows {
 
   std::vector<std::int32_t> lowest_row_;
   std::vector<Change> steps_;
-  std::vector<Change> lists_;  // lines that steps would not follow exactly
+  std::vector<Change> lists_;  // lines that fixed-point steps do not follow exactly
   std::vector<int> listed_rows_;
 };
 
-/// Goes up through some columns of a map and writes where the weights change.
+/// Sweeps up some columns of a map and writes the changes of the weights.
 class ShadowSweep {
  public:
-  /// The shadows must live as long as the sweep.
+  /// Args: shadows: must outlive the sweep.
   ShadowSweep(const WallShadows& shadows, IndexRange columns);
 
   /// Adds to a block of zeros the change of weight from each cell to the one above it (in the map's lowest row, the
@@ -64,7 +64,7 @@ class ShadowSweep {
   void AddChanges(IndexRange rows, Weight* block, std::ptrdiff_t stride);
 
  private:
-  /// A line from its lowest row on: column `col`, then one column on to the right (direction 1) or left (-1).
+  /// A line from its lowest row upward: column `col`, then to the right (direction 1) or left (-1).
   struct Line {
     std::int64_t position = 0;  // of SteppedLine
     std::int64_t step = 0;      // >= 0
@@ -91,7 +91,7 @@ class ShadowSweep {
   std::vector<ListedLine> listed_lines_;
 };
 
-/// The run of cells [first, last) of each row of a grid that a face shades, seen from a source; empty where none.
+/// Returns the cells [first, last) of each row of a grid that a face shades from a source; empty if none.
 std::vector<IndexRange> ShadowOf(const Face& face, PointMm source, const CellCentersMm& cells);
 
 }  // namespace robotteamsim::propagation

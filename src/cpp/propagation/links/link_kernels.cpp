@@ -10,15 +10,15 @@ namespace {
 
 constexpr int kLanes = kLinkLanes;
 
-/// Of a target at the source, which nothing shades, and of no target.
+/// Direction of a target at the source, which nothing shades, and of an unused lane.
 constexpr double kNoDirection = 4.5;
 constexpr double kNoTarget = 9.0;
 
-/// Before and after all directions.
+/// Below and above all directions.
 constexpr double kBeforeAll = -1.0;
 constexpr double kAfterAll = 5.0;
 
-/// Less than the least difference of two directions.
+/// Less than the smallest difference of two directions.
 constexpr double kLittle = 0x1p-50;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -34,13 +34,13 @@ ROBOTTEAMSIM_INLINE std::int32_t BinOf(double direction, double bins_per_quarter
   return std::min(static_cast<std::int32_t>(direction * bins_per_quarter), last_bin);
 }
 
-/// A corner of each screen of a block, and what is found there.
+/// One corner of each screen of a block and the targets there.
 struct Ends {
   alignas(64) double x[kLanes];  // [mm]
   alignas(64) double y[kLanes];
-  alignas(64) double parts_at[kLanes];     // the direction: targets below it are before the end
-  alignas(64) std::int32_t first[kLanes];  // targets in the bin of the direction, from
-  alignas(64) std::int32_t end[kLanes];    // .. to before
+  alignas(64) double parts_at[kLanes];     // the direction that separates targets before and after the end
+  alignas(64) std::int32_t first[kLanes];  // range of targets in the bin of the direction: from
+  alignas(64) std::int32_t end[kLanes];    // .. to end - 1
 };
 
 struct Loops {
@@ -68,7 +68,7 @@ struct Loops {
     for (int b = 0; b < whole; ++b) {
       const std::int32_t* const targets = order + b * kLanes;
       TargetBlock& __restrict block = blocks[b];
-#pragma GCC unroll 1  // unrolled at once, the lanes would be loaded one by one
+#pragma GCC unroll 1  // if unrolled here, the lanes would be loaded one by one
       for (int i = 0; i < kLanes; ++i) {
         block.x[i] = x[targets[i]] - source_x;
         block.y[i] = y[targets[i]] - source_y;
@@ -86,8 +86,8 @@ struct Loops {
     }
   }
 
-  /// Finds what is beyond each face, and the outermost corners of the screens of a block: where the last near face
-  /// ends, and where the first one starts.
+  /// Finds the region beyond each face and the outermost corners of the screens of a block: the end of the last near
+  /// face and the start of the first.
   template <int kFaces>
   static ROBOTTEAMSIM_INLINE void FindEnds(const LinkSource& source, ScreenBlock<kFaces>* block, Ends* __restrict right,
                                            Ends* __restrict left) {
@@ -95,13 +95,13 @@ struct Loops {
     const double source_x = source.x;
     const double source_y = source.y;
     ScreenBlock<kFaces>& __restrict b = *block;
-#pragma GCC unroll 1  // unrolled at once, the lanes would be computed one by one
+#pragma GCC unroll 1  // if unrolled here, the lanes would not be vectorised
     for (int i = 0; i < kLanes; ++i) {
       double is_near[kCorners];
 #pragma GCC unroll 4
       for (int j = 0; j < kFaces; ++j) {
         const double from_left = b.normal_x[j][i] * (source_x - b.x[j][i]) + b.normal_y[j][i] * (source_y - b.y[j][i]) -
-                                 b.least_left[j][i];  // a whole number, left where it is not below 0
+                                 b.least_left[j][i];  // a whole number, to the left if >= 0
         const double beyond_if_far = from_left + 1.0;
         const bool is_right = from_left < 0.0;
         const double sign = is_right ? 1.0 : -1.0;
@@ -136,7 +136,7 @@ struct Loops {
     }
   }
 
-  /// Finds the targets in the bin of each end, and the direction at which an end parts targets.
+  /// Finds the targets in the bin of each end and the direction of the end that separates targets.
   static ROBOTTEAMSIM_INLINE void FindRuns(const LinkSource& source, Ends* __restrict ends) {
     const double source_x = source.x;
     const double source_y = source.y;
@@ -150,8 +150,9 @@ struct Loops {
     for (int i = 0; i < kLanes; ++i) ends->first[i] = bin_start[BinOf(directions[i], bins_per_quarter, last_bin)];
 #pragma GCC unroll 1
     for (int i = 0; i < kLanes; ++i) ends->end[i] = bin_start[BinOf(directions[i], bins_per_quarter, last_bin) + 1];
-      // A target on the ray through a corner: in the upper half (and against x) the corner, moved by (eps, eps^2), is
-      // right of the ray, in the lower half (and along x) left of it: such targets are before it.
+      // For a target on the ray through a corner: shifted by (eps, eps^2), the corner is to the right of the ray in the
+      // upper half (and to the left of the source), and to the left of it in the lower half (and to the right): such
+      // targets are before it.
 #pragma GCC unroll 1
     for (int i = 0; i < kLanes; ++i) {
       const double direction = directions[i];
@@ -159,7 +160,7 @@ struct Loops {
     }
   }
 
-  /// Finds what the screens of a block cover, as seen from a source.
+  /// Finds the directions that the screens of a block cover from a source.
   template <int kFaces>
   static ROBOTTEAMSIM_INLINE void LookAtBlock(const LinkSource& source, ScreenBlock<kFaces>* block) {
     Ends right, left;
@@ -182,14 +183,14 @@ struct Loops {
       const bool is_in = b.is_around[i] > 0.0;
       b.first[i] = is_in ? 0 : right.first[i];
       b.end[i] = is_in ? num_targets : left.end[i];
-      // Directions may go around straight down; a face seen edge on covers none.
+      // Directions may wrap around at straight down; a face seen edge-on covers none.
       const bool has_targets = ((b.from[i] < b.to[i]) & (b.first[i] < b.end[i])) | (b.from[i] > b.to[i]);
       b.is_seen[i] = (has_targets & (b.weight[i] > b.left_out[i])) ? 1 : 0;
     }
   }
 
-  /// Adds the weight of the faces of a screen that are crossed on the way to targets between two directions. Normals of
-  /// a box are along x, y, x and y.
+  /// Adds the weight of the faces of a screen between the source and the targets within two directions. Normals of a
+  /// box are along x, y, x and y.
   template <bool kIsBox, int kFaces>
   static ROBOTTEAMSIM_INLINE void Shade(const ScreenBlock<kFaces>& screen, int lane, double from, double to,
                                         std::int32_t first, std::int32_t end, TargetBlock* targets) {
@@ -234,7 +235,7 @@ struct Loops {
     for (int b = 0; b < num_blocks; ++b) {
       LookAtBlock(source, &screens[b]);
       for (int i = 0; i < kLanes; ++i) {
-        seen[num_seen] = b * kLanes + i;  // stays if counted
+        seen[num_seen] = b * kLanes + i;  // kept if counted
         num_seen += screens[b].is_seen[i];
         num_left_out += screens[b].left_out[i] > 0.0 ? 1 : 0;
       }
@@ -244,7 +245,7 @@ struct Loops {
       const int i = seen[k] % kLanes;
       if (screen.from[i] < screen.to[i]) {
         Shade<kAreBoxes>(screen, i, screen.from[i], screen.to[i], screen.first[i], screen.end[i], targets);
-      } else {  // around straight down: in two parts
+      } else {  // wraps around at straight down: two parts
         Shade<kAreBoxes>(screen, i, screen.from[i], kAfterAll, screen.first[i], source.num_targets, targets);
         Shade<kAreBoxes>(screen, i, kBeforeAll, screen.to[i], 0, screen.end[i], targets);
       }
@@ -253,7 +254,7 @@ struct Loops {
   }
 };
 
-// A function inlines into one of a target that has all of its own target's instructions.
+// A function can be inlined only into one whose target has all of its instructions.
 #define ROBOTTEAMSIM_KERNELS(Target, attributes)                                                                      \
   struct Target {                                                                                                     \
     attributes static void Find(const LinkSource& source, const double* x, const double* y, double* directions,       \

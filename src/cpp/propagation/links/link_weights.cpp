@@ -9,10 +9,10 @@
 namespace robotteamsim::propagation {
 namespace {
 
-/// Products of coordinates up to here, and their sums, are whole numbers below 2^53.
+/// Products of coordinates up to this limit, and their sums, are whole numbers below 2^53.
 constexpr std::int64_t kExactCoordinateMm = 1 << 22;
 
-/// So few points are not worth looking at the faces first.
+/// For so few points preparing the faces does not pay off.
 constexpr std::size_t kFewPoints = 8;
 
 /// As many bins of directions as targets, within these limits.
@@ -21,12 +21,12 @@ constexpr int kMaxBins = 8192;
 
 bool IsExactInDoubles(PointMm point) { return std::max(std::abs(point.x), std::abs(point.y)) <= kExactCoordinateMm; }
 
-/// Returns twice the area to the left of the way from a over b to c.
+/// Returns twice the signed area of the triangle a, b, c.
 std::int64_t TurnToLeft(PointMm a, PointMm b, PointMm c) {
   return (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x);
 }
 
-/// Returns the four faces from `first` on where they are a convex ring, its inside to the left of each; else nothing.
+/// Returns the four faces from `first` on if they form a convex ring with its inside to the left; else nothing.
 std::optional<std::array<Face, 4>> RingAt(const FaceSet& faces, std::size_t first) {
   if (first + 4 > faces.Size()) return std::nullopt;
   std::array<Face, 4> ring = {faces.At(first), faces.At(first + 1), faces.At(first + 2), faces.At(first + 3)};
@@ -77,7 +77,7 @@ void LinkWeights::AddFaces() {
 
 void LinkWeights::AddScreenAt(std::size_t first_face, std::optional<std::array<Face, 4>> ring) {
   if (!ring) return AddScreen<1>(first_face, {face_set_.At(first_face)}, false, &faces_);
-  // A box's first face lies along y, so that its normal is along x.
+  // The first face of a box is along y, so that its normal is along x.
   if (IsAlongX(ring->front())) std::rotate(ring->begin(), ring->begin() + 1, ring->end());
   const bool is_box = IsAlongY((*ring)[0]) && IsAlongX((*ring)[1]) && IsAlongY((*ring)[2]) && IsAlongX((*ring)[3]);
   AddScreen<4>(first_face, *ring, is_box, is_box ? &boxes_ : &rings_);
@@ -156,7 +156,7 @@ void LinkWeights::SortTargets(std::size_t source) {
   directions_.resize(count);
   bins_.resize(count);
   kernels_.find_directions(seen_from_, x, y, directions_.data(), bins_.data());
-  // Places in bin b are handed out from bin_start_[b + 1], which so becomes the end of the bin.
+  // Places in bin b are assigned from bin_start_[b + 1], which thus becomes the end of the bin.
   for (const std::int32_t bin : bins_) ++bin_start_[bin + 1];
   std::int32_t start = 0;
   for (int bin = 1; bin <= num_bins; ++bin) start += std::exchange(bin_start_[bin], start);

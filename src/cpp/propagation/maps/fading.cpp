@@ -9,7 +9,7 @@
 namespace robotteamsim::propagation {
 namespace {
 
-// Constants, not calls of log10: libraries differ in its last bit from machine to machine.
+// Constants instead of calls of log10, whose last bit differs between machines.
 constexpr double kLog10Of4096Mm = 0.6123599479677744;  // log10 of 4.096 m, the square root of a unit of squares
 constexpr double kHalfLog10Of2 = 0.1505149978319906;   // log10(d) = log2(d^2) * this
 constexpr double kHalfLog10OfE = 0.2171472409516259;   // log10(d) = ln(d^2) * this

@@ -13,12 +13,12 @@
 namespace robotteamsim::propagation {
 namespace {
 
-/// Rows are worked through in bands whose changes of weight take about this much, to stay in the core's own cache.
+/// Rows are processed in bands whose changes of weight take about this many bytes, to stay in the core's cache.
 constexpr std::size_t kBandBytes = 1 << 18;
 
 bool FitsNarrow(const FaceSet& faces) { return faces.TotalWeight() <= std::numeric_limits<std::int16_t>::max(); }
 
-/// One source and what the walls do to the grid seen from it.
+/// One source and the shadows of the walls on the grid.
 struct PreparedSource {
   PreparedSource(const FaceSet& faces, const FieldSource& source, const CellCentersMm& cells)
       : shadows(faces, source.position, cells), rows(source.fading, source.position, cells) {}
@@ -27,13 +27,13 @@ struct PreparedSource {
   FadingRows rows;
 };
 
-/// Returns how many rows a band has.
+/// Returns the number of rows of a band.
 template <typename Weight>
 int RowsInBand(int cols) {
   return static_cast<int>(std::max<std::size_t>(kBandBytes / (sizeof(Weight) * cols), 1));
 }
 
-/// Writes some columns of the highest of all sources.
+/// Writes some columns of the highest values of all sources.
 template <typename Weight>
 void WriteColumns(const std::vector<const PreparedSource*>& sources, base::Simd simd, IndexRange cols, MapView map) {
   const RowKernels<Weight>& kernels = RowKernelsFor<Weight>(simd);
@@ -43,10 +43,11 @@ void WriteColumns(const std::vector<const PreparedSource*>& sources, base::Simd 
   std::vector<Weight> changes(static_cast<std::size_t>(band_rows) * width);
   std::vector<Weight> running(sources.size() * width);
   std::vector<ShadowSweep> sweeps;
+  sweeps.reserve(sources.size());
   for (const PreparedSource* source : sources) sweeps.emplace_back(source->shadows, cols);
   for (int row = 0; row < num_rows; row += band_rows) {
     const IndexRange rows{row, std::min(row + band_rows, num_rows)};
-    for (std::size_t i = 0; i < sources.size(); ++i) {  // all sources while the band's values are near
+    for (std::size_t i = 0; i < sources.size(); ++i) {  // all sources, while the band is in the cache
       sweeps[i].AddChanges(rows, changes.data(), width);
       const WeightRows<Weight> weights{changes.data(), width, &running[i * width]};
       sources[i]->rows.Write(kernels, rows, cols, weights, &map(row, cols.first), map.outerStride(), i > 0);
@@ -63,11 +64,12 @@ void WriteColumns(const std::vector<const PreparedSource*>& sources, base::Simd 
   }
 }
 
-/// Returns the columns of a map in as many parts as there are threads, each of whole blocks of fading.
+/// Divides the columns of a map into one part per thread, each of whole fading blocks.
 std::vector<IndexRange> PartsOf(int cols, int threads) {
   const int blocks = (cols + kFadingBlock - 1) / kFadingBlock;
   const int parts = std::min(blocks, base::NumThreads(threads));
   std::vector<IndexRange> columns;
+  columns.reserve(static_cast<std::size_t>(parts));
   for (int i = 0; i < parts; ++i) {
     columns.push_back({blocks * i / parts * kFadingBlock, std::min(blocks * (i + 1) / parts * kFadingBlock, cols)});
   }
@@ -95,6 +97,7 @@ void WriteHighest(const FaceSet& faces, const std::vector<FieldSource>& sources,
   std::vector<std::optional<PreparedSource>> prepared(sources.size());
   base::ForEachInParallel(count, work.threads, [&](int i) { prepared[i].emplace(faces, sources[i], cells); });
   std::vector<const PreparedSource*> all;
+  all.reserve(prepared.size());
   for (const std::optional<PreparedSource>& source : prepared) all.push_back(&*source);
   const bool narrow = FitsNarrow(faces);
   const std::vector<IndexRange> parts = PartsOf(grid.cols, work.threads);
@@ -146,7 +149,7 @@ void WeightMap::Fill(const FaceSet& faces, std::vector<Weight>* weights) {
 
 void WeightMap::Update(const FaceSet& faces) {
   if (faces.Size() != face_weights_.size()) {
-    throw std::invalid_argument("faces must be those of the map: wanted " + std::to_string(face_weights_.size()) +
+    throw std::invalid_argument("faces must be those of the map: expected " + std::to_string(face_weights_.size()) +
                                 ", got " + std::to_string(faces.Size()));
   }
   for (std::size_t i = 0; i < face_weights_.size(); ++i) {
@@ -182,7 +185,7 @@ void WeightMap::WriteValues(const Fading& fading, MapView map) const {
   const int cols = cells_.x.Count();
   CheckShape(map, cells_.y.Count(), cols);
   const FadingRows rows(fading, source_, cells_);
-  // The loops only read weights that are stored as such.
+  // The loops only read stored weights.
   const auto write = [&](const auto& weights) {
     using Weight = typename std::decay_t<decltype(weights)>::value_type;
     const WeightRows<Weight> stored{const_cast<Weight*>(weights.data()), cols, nullptr};

@@ -7,11 +7,11 @@
 namespace robotteamsim::propagation {
 namespace {
 
-/// Middles of blocks are faded for this many blocks and rows together, so that cells need not wait for them.
+/// The middles of this many blocks and rows are faded together, so that cells need not wait for them.
 constexpr int kBlocksAtOnce = 16;
 constexpr int kRowsAtOnce = 8;
 
-/// FadingCurve at a square of the distance, without walls.
+/// Returns the FadingCurve at a square of the distance, without walls.
 ROBOTTEAMSIM_INLINE float Faded(const FadingCurve& curve, float square) {
   std::int32_t bits = 0;
   std::memcpy(&bits, &square, sizeof bits);
@@ -21,17 +21,17 @@ ROBOTTEAMSIM_INLINE float Faded(const FadingCurve& curve, float square) {
   float mantissa = 0.0F;
   std::memcpy(&mantissa, &mantissa_bits, sizeof mantissa);
   const auto exponent = static_cast<float>((bits - kBitsOfOne) >> 23);
-  // Pairs of terms, then pairs of pairs: a chain half as long as Horner's, so that more runs at the same time.
+  // Pairs of terms, then pairs of pairs: the dependency chain is half as long as Horner's.
   const auto& c = curve.near;
   const float f = mantissa - 1.0F;
   const float f2 = f * f;
   const float high = (c[7] * f + c[6]) * f2 + (c[5] * f + c[4]);
   const float low = (c[3] * f + c[2]) * f2 + (c[1] * f + c[0]);
-  // The constant comes last: what is small is rounded finely.
+  // The constant is added last, so that small terms keep their precision.
   return ((high * (f2 * f2) + low) - curve.per_octave * exponent) + curve.constant;
 }
 
-/// What the loops of one RowKernels::fade have in common: kRunning where changes are added up, kHighest as there.
+/// The loops of one RowKernels::fade. kRunning: changes are added up; kHighest: as `highest` there.
 template <bool kRunning, bool kHighest, typename Weight>
 struct Loops {
   static ROBOTTEAMSIM_INLINE Weight Take(Weight* weight, Weight* change) {
@@ -57,7 +57,7 @@ struct Loops {
     }
   }
 
-  /// Whole blocks, or with blocks = 1 a part of one.
+  /// Fades whole blocks, or with blocks = 1 a part of one.
   static ROBOTTEAMSIM_INLINE void Far(const FadingCurve& curve, const float* __restrict offset,
                                       const float* __restrict middle, const float* __restrict inverse,
                                       Weight* __restrict weights, Weight* __restrict changes, float* __restrict values,
@@ -77,7 +77,7 @@ struct Loops {
   static ROBOTTEAMSIM_INLINE void Range(const FadingCurve& any_curve, const FadingColumns& columns,
                                         const FadingRange& range, const WeightRows<Weight>& rows, float* values,
                                         std::ptrdiff_t values_stride) {
-    const FadingCurve curve = any_curve;  // a copy of its own, which no store to `values` can change
+    const FadingCurve curve = any_curve;  // a local copy, so that stores to `values` cannot alias it
     constexpr int kColumnsAtOnce = kBlocksAtOnce * kFadingBlock;
     float middle[kRowsAtOnce][kBlocksAtOnce];
     float inverse[kRowsAtOnce][kBlocksAtOnce];
@@ -128,7 +128,7 @@ ROBOTTEAMSIM_INLINE void AddNumber(Weight number, Weight* row, int count) {
   for (int i = 0; i < count; ++i) row[i] = static_cast<Weight>(row[i] + number);
 }
 
-// A function inlines into one of a target that has all of its own target's instructions.
+// A function can be inlined only into one whose target has all of its instructions.
 #define ROBOTTEAMSIM_KERNELS(Target, attributes)                                                                  \
   template <typename Weight>                                                                                      \
   struct Target {                                                                                                 \

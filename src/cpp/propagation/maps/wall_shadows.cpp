@@ -9,10 +9,10 @@
 namespace robotteamsim::propagation {
 namespace {
 
-/// Sums of up to three changes per face stay below 2^31.
+/// With this limit, sums of up to three changes per face stay below 2^31.
 constexpr std::int64_t kMaxTotalWeight = 500'000'000;
 
-/// Returns the face with its ends in such an order that it leads to the right, or up where it is vertical.
+/// Returns the face directed to the right, or upward if it is vertical.
 Face Rightward(Face face) {
   if (face.end.x < face.start.x || (face.end.x == face.start.x && face.end.y < face.start.y)) {
     std::swap(face.start, face.end);
@@ -21,7 +21,7 @@ Face Rightward(Face face) {
   return face;
 }
 
-/// Returns the face with its ends in such an order that it leads up, or right where it is level.
+/// Returns the face directed upward, or to the right if it is horizontal.
 Face Upward(Face face) {
   if (face.end.y < face.start.y || (face.end.y == face.start.y && face.end.x < face.start.x)) {
     std::swap(face.start, face.end);
@@ -30,8 +30,8 @@ Face Upward(Face face) {
   return face;
 }
 
-/// Returns per vertex what the weight changes by from the right to the left of the ray through it, seen outward from
-/// the source: the faces that begin there to the left, less those to the right.
+/// Returns per vertex the change of weight from the right to the left of the ray through it, looking outward from the
+/// source: the faces that begin there to the left minus those to the right.
 std::vector<std::int32_t> TurnsAtVertices(const FaceSet& faces, PointMm source) {
   std::vector<std::int32_t> turns(faces.Vertices().size(), 0);
   for (std::size_t i = 0; i < faces.Size(); ++i) {
@@ -43,18 +43,18 @@ std::vector<std::int32_t> TurnsAtVertices(const FaceSet& faces, PointMm source) 
   return turns;
 }
 
-/// A line across the rows of a grid, and the change of weight in passing it from left to right.
+/// A line across the rows of a grid and the change of weight from its left to its right.
 struct RowChange {
   GridLine line;           // along y
-  std::int64_t above = 0;  // it passes the rows with above < y <= up_to [mm]
+  std::int64_t above = 0;  // it crosses the rows with above < y <= up_to [mm]
   std::int64_t up_to = 0;
   int sign = 0;
 };
 
 constexpr std::int64_t kEverywhere = 2 * kMaxCoordinateMm;
 
-/// Returns where rows pass the ray away from the source, from a vertex on. Moved by (eps, eps^2), a vertex level with
-/// the source is above it, and a ray that passes through a centre passes to the right of it.
+/// Returns the crossings of rows with the ray from a vertex away from the source. Shifted by (eps, eps^2), a vertex at
+/// the height of the source is above it, and a ray through a centre passes to the right of it.
 std::optional<RowChange> RayAcrossRows(PointMm source, PointMm vertex) {
   const std::int64_t dx = vertex.x - source.x;
   const std::int64_t dy = vertex.y - source.y;
@@ -63,7 +63,7 @@ std::optional<RowChange> RayAcrossRows(PointMm source, PointMm vertex) {
   return std::nullopt;
 }
 
-/// Returns where rows pass a face; the sign is that of a face of weight 1.
+/// Returns the crossings of rows with a face; the sign is that for a face of weight 1.
 std::optional<RowChange> FaceAcrossRows(PointMm source, const Face& any_face) {
   const Face face = Upward(any_face);
   const std::int64_t dx = face.end.x - face.start.x;
@@ -91,8 +91,8 @@ void ForEachRow(const RowChange& change, const CellCentersMm& cells, Write write
 WallShadows::WallShadows(const FaceSet& faces, PointMm source, const CellCentersMm& cells)
     : lowest_row_(cells.x.Count(), 0) {
   if (faces.TotalWeight() > kMaxTotalWeight) {
-    throw std::invalid_argument("weights of all faces must add up to at most " + std::to_string(kMaxTotalWeight) +
-                                ", got " + std::to_string(faces.TotalWeight()));
+    throw std::invalid_argument("the sum of all weights must be at most " + std::to_string(kMaxTotalWeight) + ", got " +
+                                std::to_string(faces.TotalWeight()));
   }
   const std::vector<std::int32_t> turns = TurnsAtVertices(faces, source);
   steps_.reserve(faces.Size() + turns.size());
@@ -127,8 +127,8 @@ void WallShadows::AddRays(const FaceSet& faces, PointMm source, const CellCenter
     const std::int64_t dy = vertex.y - source.y;
     if (turns[i] == 0) continue;
     const int next = cells.x.FirstFrom(vertex.x + 1);
-    // Moved by (eps, eps^2), a vertex over the source is to the right of it, and its ray passes all columns beyond
-    // the grid's ends. One at the source lies in the direction (eps, eps^2), which is level.
+    // Shifted by (eps, eps^2), a vertex above the source is to the right of it, and its ray passes all columns beyond
+    // the grid. A vertex at the source is in the direction (eps, eps^2), which is horizontal.
     if (dx > 0 || (dx == 0 && dy == 0)) {
       const GridLine line{source.x, source.y, dx > 0 ? dx : 1, dy, dy > 0};
       AddLine(line, cells, {next, cells.x.Count()}, turns[i]);
@@ -155,7 +155,7 @@ void WallShadows::AddLine(const GridLine& line, const CellCentersMm& cells, Inde
   if (columns.first >= columns.last) return;
   const int rows = cells.y.Count();
   Change change{{}, listed_rows_.size(), columns.first, columns.last, weight};
-  // Below and above the grid the line is passed before the lowest row, or not at all.
+  // Below and above the grid the line is crossed before the lowest row, or not at all.
   const auto is_inside = [&](int row) { return row > 0 && row < rows; };
   if (const auto steps = StepsOf(line, cells.x, cells.y, columns.first, columns.last - columns.first)) {
     const auto row_at = [&](int col) { return steps->At(col - columns.first); };
@@ -236,7 +236,7 @@ template void ShadowSweep::AddChanges(IndexRange, std::int16_t*, std::ptrdiff_t)
 template void ShadowSweep::AddChanges(IndexRange, std::int32_t*, std::ptrdiff_t);
 
 std::vector<IndexRange> ShadowOf(const Face& face, PointMm source, const CellCentersMm& cells) {
-  // A shadow is convex: each row enters it at one line at most, or from the grid's left end, and leaves it likewise.
+  // A shadow is convex: each row enters it at most at one line, or at the left end of the grid, and leaves it likewise.
   const int rows = cells.y.Count();
   const int cols = cells.x.Count();
   std::vector<IndexRange> runs(rows, {cols, cols});
@@ -254,7 +254,8 @@ std::vector<IndexRange> ShadowOf(const Face& face, PointMm source, const CellCen
   meet(RayAcrossRows(source, face.start), turn);
   meet(RayAcrossRows(source, face.end), -turn);
   meet(FaceAcrossRows(source, face), 1);
-  // Only a level face with the source on it shades whole rows: moved by (eps, eps^2), it is just above the source.
+  // Only a horizontal face with the source on it shades whole rows: shifted by (eps, eps^2), it is just above the
+  // source.
   if (face.start.y == source.y && face.end.y == source.y && std::min(face.start.x, face.end.x) < source.x &&
       std::max(face.start.x, face.end.x) >= source.x) {
     std::fill(runs.begin() + cells.y.FirstFrom(source.y + 1), runs.end(), IndexRange{0, cols});

@@ -235,7 +235,8 @@ def _by_noise(cells: Sequence[Cell]) -> list[Cell]:
 
 
 def _times_of_all_saved(sample: Sample) -> np.ndarray:
-    return sample.restricted_s[sample.victims_saved == sample.num_victims]
+    times_s: np.ndarray = sample.restricted_s[sample.victims_saved == sample.num_victims]
+    return times_s
 
 
 def _at_limit(sample: Sample) -> np.ndarray:

@@ -180,7 +180,7 @@ def _map_pictures(campaign: Campaign) -> Iterator[_Picture]:
             caption = f"A victim is heard in {heard} if all voices have the {voice_range} range of the voice model."
             if campaign.compared:
                 caption += " The dissertation prints this figure without numbers, on a floor plan that is lost."
-            drawn = maps.draw_voices(scenario, noises_db, voice_range)  # type: ignore[arg-type]
+            drawn = maps.draw_voices(scenario, noises_db, voice_range)
             title = f"{voice_range.capitalize()} voice detection range{_number(campaign, number)}"
             yield _picture(f"fig{number}_voice_{voice_range}", title, caption, drawn)
     widest_m = maps.widest_moment_m(campaign)

@@ -66,7 +66,7 @@ class RunFilm:
             artist.set_animated(True)
         self._canvas.draw()
         self._figure.set_layout_engine("none")
-        self._background: Any = self._canvas.copy_from_bbox(self._figure.bbox)  # type: ignore[attr-defined]
+        self._background: Any = self._canvas.copy_from_bbox(self._figure.bbox)
 
     def frames(self, count: int) -> Iterator[np.ndarray]:
         """Yield `count` frames from the start to the end of the run: uint8, shape (height, width, 3), RGB."""
@@ -82,7 +82,7 @@ class RunFilm:
         self._show_links(stamp_ns)
         self._show_places(stamp_ns)
         self._show_time(stamp_ns)
-        self._canvas.restore_region(self._background)  # type: ignore[attr-defined]
+        self._canvas.restore_region(self._background)
         for artist in self._moving:
             self._figure.draw_artist(artist)
         return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()

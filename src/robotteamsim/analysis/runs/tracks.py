@@ -159,7 +159,9 @@ def _arrays(samples: Sequence[tuple[int, PoseSample]]) -> tuple[np.ndarray, np.n
 
 def _came(stamps_ns: np.ndarray, absences: Sequence[Absence]) -> list[int]:
     """Return the indices of the first poses after absences."""
-    return np.searchsorted(stamps_ns, np.array([came_ns for _, came_ns in absences], dtype=np.int64)).tolist()
+    came_ns = np.array([came_ns for _, came_ns in absences], dtype=np.int64)
+    indices: list[int] = np.searchsorted(stamps_ns, came_ns).tolist()
+    return indices
 
 
 def _driven_m(poses: np.ndarray, came: Iterable[int]) -> np.ndarray:

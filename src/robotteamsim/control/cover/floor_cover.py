@@ -13,6 +13,7 @@ from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.swarm import Vector
 
 CELL_M = 1.0
+"""Robots send each other one bit per cell: an update of a garage of 60 x 40 m takes 600 hexadecimal digits."""
 
 Disc = tuple[Vector, float]
 """Centre in `map` and radius [m]."""

@@ -85,7 +85,8 @@ class LinkKeeper:
         x_m = cells.origin_m[0] + (np.arange(columns) + 0.5) * resolution_m
         y_m = cells.origin_m[1] + (np.arange(rows) + 0.5) * resolution_m
         near = [np.hypot(x_m[None, :] - x, y_m[:, None] - y) for x, y in places]
-        return np.min(near, axis=0) <= self._endangered_fraction * self._network.max_distance_m
+        in_reach: np.ndarray = np.min(near, axis=0) <= self._endangered_fraction * self._network.max_distance_m
+        return in_reach
 
     def _weakest_of_tree(self, position: Vector, places: list[Vector]) -> Vector:
         """Return the other end of the weakest link that a robot has in the strongest tree of it and these places."""
@@ -113,7 +114,7 @@ class LinkKeeper:
         """Return the range that x_CB keeps on a link [m]."""
         if self._links_by_distance:
             return self._endangered_fraction * self._network.max_distance_m
-        return math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db)
+        return float(math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db))
 
 
 def strongest_tree(strength: np.ndarray) -> list[tuple[int, int]]:

@@ -33,7 +33,7 @@ def main() -> None:
 
 def fitted(config: Path, bounds: Bounds) -> dict[str, Any]:
     """Return rviz's settings with views from so far that the building just fits."""
-    settings = yaml.safe_load(config.read_text(encoding="utf-8"))
+    settings: dict[str, Any] = yaml.safe_load(config.read_text(encoding="utf-8"))
     sides_m = (high - low for low, high in zip(bounds.min, bounds.max, strict=True))
     scale = max(side_m / fitted_m for side_m, fitted_m in zip(sides_m, FITTED, strict=True))
     views = settings["Visualization Manager"]["Views"]

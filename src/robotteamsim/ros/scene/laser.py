@@ -43,7 +43,8 @@ def scan_points_m(scan: ScanView) -> np.ndarray:
     hit = np.isfinite(ranges_m) & (ranges_m >= scan.range_min_m) & (ranges_m < scan.range_max_m)
     angles_rad = scan.laser.yaw_rad + scan.angle_min_rad + scan.angle_step_rad * np.flatnonzero(hit)
     away = np.column_stack((np.cos(angles_rad), np.sin(angles_rad)))
-    return np.array([scan.laser.x_m, scan.laser.y_m]) + (ranges_m[hit, None] - IN_FRONT_M) * away
+    points_m: np.ndarray = np.array([scan.laser.x_m, scan.laser.y_m]) + (ranges_m[hit, None] - IN_FRONT_M) * away
+    return points_m
 
 
 def cloud(scans: Sequence[ScanView]) -> PointCloud2:

@@ -60,7 +60,7 @@ def _plain(values: np.ndarray) -> Any:
 def stamp_ns(message: Any) -> int:
     """Return the stamp of a message with a header [ns]."""
     stamp = message.header.stamp
-    return stamp.secs * 10**9 + stamp.nsecs
+    return int(stamp.secs * 10**9 + stamp.nsecs)
 
 
 def pose_reading(message: geometry_msgs.msg.Pose) -> PoseReading:
@@ -106,7 +106,7 @@ def read_twist_stamped(data: bytes) -> Twist:
 
 def sonar_m(message: sensor_msgs.msg.Range) -> float:
     """Return the range that a sonar measured, a float32 [m]."""
-    return message.range
+    return float(message.range)
 
 
 def fix(message: sensor_msgs.msg.NavSatFix) -> Fix:

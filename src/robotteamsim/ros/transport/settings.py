@@ -126,4 +126,4 @@ def _has_controllers() -> bool:
     hosted = parameter(f"{PARAMETERS}/controllers", "per_robot")
     if hosted.lower() not in HOSTED:
         raise ParameterError(f"{PARAMETERS}/controllers: {hosted}; expected {', '.join(HOSTED)}")
-    return hosted.lower() != NO_CONTROLLERS
+    return bool(hosted.lower() != NO_CONTROLLERS)

@@ -91,5 +91,9 @@ def message_queue() -> roscpp.MessageQueue:
 
 
 def _serialized_greeting(greeting: Callable[[], Any]) -> bytes | None:
-    message = greeting()
+    try:
+        message = greeting()
+    except Exception:  # The subscriber gets what is published later; the node goes on.
+        logger.exception("a new subscriber gets no message")
+        return None
     return None if message is None else serialized(message)
