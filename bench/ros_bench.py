@@ -1,14 +1,14 @@
-"""How many times as fast as real time a world runs in ROS: with many robots that a client hears, and with missions.
+"""How many times as fast as real time a world runs in ROS: with many robots and one subscriber, and with missions.
 
-- `heard`: the world alone (world.launch), robots of the default kind (181 beams) at 10 Hz in the plan of
-  bench/world_bench.py, flat out. One C++ client hears every robot's odom, base_scan, base_pose_ground_truth and
+- `subscribed`: the world alone (world.launch), robots of the default kind (181 beams) at 10 Hz in the plan of
+  bench/world_bench.py, flat out. One C++ client subscribes to every robot's odom, base_scan, base_pose_ground_truth and
   contact, and /tf and /clock, and drives the robots. From the first message to the last one of the last step; `lost`
   counts messages that are missing or out of order; busy times are of the two processes, per simulated second: on a
-  machine that others use, 1 / (the longer of them) tells more than the speed does.
+  busy machine, 1 / (the longer of them) is more reliable than the speed.
 - `lockstep` and `free`: a mission of three robots, from its first step on, flat out.
 
 Starting the nodes is not counted. Usage, with the build's devel/setup.sh sourced:
-python bench/ros_bench.py LISTENER [--robots 30 100 300] [--steps 100] [--runs 3] [--mission-seconds 120]
+python bench/ros_bench.py LISTENER [--robots 30 100 300] [--steps 100] [--runs 3] [--mission-seconds 120] [--csv FILE]
 where LISTENER is build/devel/lib/robotteamsim/robotteamsim_ros_listener.
 """
 
@@ -28,6 +28,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import ros_results
 from world_bench import free_robots, plan_of_rectangles
 
 from robotteamsim.scenario.dumping import write_floor_plan
@@ -81,7 +82,7 @@ def world_pid(master_uri: str) -> int:
 
 
 def heard(listener: str, count: int, steps: int) -> Heard:
-    """Run a world that one client hears, and return what the client got."""
+    """Run a world with one subscriber, and return what it received."""
     with tempfile.TemporaryDirectory() as folder:
         port, env = environment(folder)
         write_scenario(folder, count)
@@ -101,7 +102,7 @@ def heard(listener: str, count: int, steps: int) -> Heard:
             subprocess.Popen(client, env=env, stdout=subprocess.PIPE, text=True) as counting,
         ):
             try:
-                while "first" not in counting.stdout.readline():  # roscpp tells of its master there, too
+                while "first" not in counting.stdout.readline():  # roscpp reports its master there, too
                     if counting.poll() is not None:
                         raise RuntimeError(f"the client ended:\n{Path(folder, 'world.txt').read_text()}")
                 pid = world_pid(env["ROS_MASTER_URI"])
@@ -140,6 +141,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--mission-robots", type=int, default=3)
     parser.add_argument("--mission-seconds", type=float, default=120.0, help="0: no missions")
+    parser.add_argument("--csv", type=Path, help="append the rows to this file, too")
     options = parser.parse_args()
     print(f"medians of {options.runs} runs, x real time")
     print("       robots    speed  messages/s  lost  world [s/s]  client [s/s]")
@@ -149,16 +151,21 @@ def main() -> None:
         run, lost = runs[len(runs) // 2], max(run.lost for run in runs)
         per_s = run.messages * run.speed / (options.steps * STEP_S)
         print(
-            f"heard    {count:4d}  {run.speed:7.2f}  {per_s:10.0f}  {lost:4d}  {run.world_busy:11.3f}"
+            f"subscribed {count:4d}  {run.speed:7.2f}  {per_s:10.0f}  {lost:4d}  {run.world_busy:11.3f}"
             f"  {run.client_busy:12.3f}",
             flush=True,
         )
+        if options.csv:
+            busy = {"world [s/s]": run.world_busy, "client [s/s]": run.client_busy}
+            ros_results.append(options.csv, "subscribed", count, {"speed": run.speed, "lost": lost, **busy})
     if options.mission_seconds:
         for name, lockstep in (("lockstep", True), ("free", False)):
             speeds = [
                 mission_speed(options.mission_robots, options.mission_seconds, lockstep) for _ in range(options.runs)
             ]
             print(f"{name:8s} {options.mission_robots:4d}  {statistics.median(speeds):7.2f}", flush=True)
+            if options.csv:
+                ros_results.append(options.csv, name, options.mission_robots, {"speed": statistics.median(speeds)})
 
 
 if __name__ == "__main__":

@@ -2,15 +2,18 @@
 
 A mission of many robots at real time; one listener to one robot's answers, as all robots of the process answer a step
 together. Printed: the share of steps that were answered, how fast the clock went, and the processor time of each node
-per simulated second. On a busy machine the last is what tells.
-Usage, with the build's devel/setup.sh sourced: python bench/ros_team_bench.py [--robots 30] [--seconds 30] [--set K=V]
+per simulated second. On a busy machine the last is the reliable figure.
+Usage, with the build's devel/setup.sh sourced:
+python bench/ros_team_bench.py [--robots 30] [--seconds 30] [--set K=V] [--csv FILE]
 """
 
 from __future__ import annotations
 
 import argparse
 import time
+from pathlib import Path
 
+import ros_results
 import rospy
 from ros_network_bench import Listener, cpu_s, launched, pid_of
 
@@ -19,7 +22,7 @@ STEP_S = 0.1
 WARM_UP_STEPS = 50
 
 
-def measure(robots: int, seconds: float) -> None:
+def measure(robots: int, seconds: float, csv: Path | None) -> None:
     """Listen to a run that is under way, and print what was seen."""
     rospy.init_node("bench", disable_rostime=True, disable_signals=True)
     answers = Listener("/robot_0/cmd_vel_stamped")
@@ -39,6 +42,9 @@ def measure(robots: int, seconds: float) -> None:
     steps = round(sim_s / STEP_S)
     print(f"ros team, {robots} robots: {share:.0%} of {steps} steps answered, {sim_s / wall_s:.2f} x real time")
     print(f"ros team, processor time per simulated second: {costs}; together {sum(used_s.values()) / sim_s:.3f} s")
+    if csv:
+        quantities = {f"{name} [s/s]": used / sim_s for name, used in used_s.items()}
+        ros_results.append(csv, "team", robots, {"answered": share, "speed": sim_s / wall_s, **quantities})
 
 
 def main() -> None:
@@ -46,9 +52,10 @@ def main() -> None:
     parser.add_argument("--robots", type=int, default=30)
     parser.add_argument("--seconds", type=float, default=30.0)
     parser.add_argument("--set", default="", help="overrides of the scenario, split at blanks")
+    parser.add_argument("--csv", type=Path, help="append the rows to this file, too")
     options = parser.parse_args()
     with launched(f"robots:={options.robots}", "controllers:=team", f"set:={options.set}"):
-        measure(options.robots, options.seconds)
+        measure(options.robots, options.seconds, options.csv)
 
 
 if __name__ == "__main__":

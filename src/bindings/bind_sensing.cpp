@@ -3,12 +3,14 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <array>
 #include <memory>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -134,11 +136,6 @@ void BindTeam(nb::module_& m) {
 }
 
 void BindVoiceSensor(nb::module_& m) {
-  nb::class_<sensing::VoiceReading>(m, "VoiceReading")
-      .def_ro("level_db", &sensing::VoiceReading::level_db)
-      .def_ro("heard", &sensing::VoiceReading::heard)
-      .def_ro("local_best_m", &sensing::VoiceReading::local_best)
-      .def_ro("local_best_level_db", &sensing::VoiceReading::local_best_level_db);
   nb::class_<sensing::VoiceSensor>(m, "VoiceSensor")
       .def(
           "__init__",
@@ -151,7 +148,13 @@ void BindVoiceSensor(nb::module_& m) {
           "origin_m"_a, "resolution_m"_a, "levels_db"_a, "radius_m"_a)
       .def(
           "hear",
-          [](sensing::VoiceSensor& sensor, const Points& positions_m) { return sensor.Hear(PointsOf(positions_m)); },
+          [](sensing::VoiceSensor& sensor, const Points& positions_m) {
+            std::vector<std::tuple<double, bool, base::Point, double>> readings;  // as the members of VoiceReading
+            for (const sensing::VoiceReading& heard : sensor.Hear(PointsOf(positions_m))) {
+              readings.emplace_back(heard.level_db, heard.heard, heard.local_best, heard.local_best_level_db);
+            }
+            return readings;
+          },
           "positions_m"_a);
 }
 

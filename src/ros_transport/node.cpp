@@ -2,10 +2,12 @@
 
 #include <netinet/in.h>
 #include <ros/connection_manager.h>
+#include <ros/poll_manager.h>
 #include <ros/ros.h>
 #include <ros/xmlrpc_manager.h>
 #include <sys/socket.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
@@ -21,6 +23,9 @@ constexpr const char* kOwnUseSimTime = "/use_sim_time:=/robotteamsim/use_sim_tim
 
 // So many connections may wait at once to be accepted.
 constexpr int kMaxWaiting = 4096;
+
+// How often roscpp's thread has begun to queue the messages published so far; in between it writes them.
+std::atomic<std::uint64_t> num_rounds{0};
 
 bool ListensOn(int socket, std::uint32_t port) {
   int listens = 0;
@@ -56,6 +61,7 @@ void StartNode(const std::string& name, std::vector<std::string> arguments) {
   ros::init(argc, argv.data(), name, ros::init_options::NoSigintHandler);
   ros::start();
   AcceptHundredsAtOnce();
+  ros::PollManager::instance()->addPollThreadListener([] { ++num_rounds; });
 }
 
 ros::NodeHandle StartedNode() {
@@ -69,6 +75,16 @@ bool IsOk() { return ros::isStarted() && ros::ok() && !ros::isShuttingDown(); }
 void ShutDown() {
   Threaded().Close(kServiceTimeoutS);
   ros::shutdown();
+}
+
+void WaitUntilSent() {
+  // The round that has begun may have missed the last messages; the next one queues and writes them.
+  constexpr int kRounds = 2, kMaxTries = 100;
+  const std::uint64_t begin = num_rounds;
+  for (int tries = 0; tries < kMaxTries && num_rounds < begin + kRounds; ++tries) {
+    ros::PollManager::instance()->getPollSet().signal();
+    ros::WallDuration(0.001).sleep();
+  }
 }
 
 std::string NodeName() { return ros::this_node::getName(); }

@@ -18,6 +18,9 @@ bool IsOk();
 // Waits for services that are being served, at most 5 s, and takes everything back from the master.
 void ShutDown();
 
+// Waits until all messages published so far are on their way, as far as sockets take them; at most 0.1 s.
+void WaitUntilSent();
+
 std::string NodeName();
 std::string ResolvedName(const std::string& name);
 

@@ -11,6 +11,8 @@ ServiceServer::ServiceServer(const std::string& service, const ServiceType& type
   using Spec = ros::ServiceSpec<RawMessage, RawMessage>;
   const Spec::CallbackType call = [handler = std::move(handler)](RawMessage& request, RawMessage& response) {
     response = handler(request);
+    // A client expects what it has changed on the topics; the response would overtake it.
+    WaitUntilSent();
     return true;
   };
   ros::AdvertiseServiceOptions options;

@@ -100,7 +100,7 @@ def _crossings(rings: Sequence[_Ring]) -> list[list[np.ndarray]]:
 
 
 class _Ring:
-    """One ring along cell borders, cut into runs of edges that each stand for one straight side.
+    """One ring along cell borders, cut into runs of edges that each represent one straight side.
 
     points: the ring as it is now, float64, shape (n, 2), the solid on its left.
     """
@@ -239,8 +239,8 @@ def _are_faces(edges: np.ndarray) -> np.ndarray:
     climbs = turns != np.roll(turns, -1)
     step_before, step_after = np.roll(lengths, 1) == 1.0, np.roll(lengths, -1) == 1.0
     limit = 1.25 * lengths + 1.0
-    alike = (np.roll(lengths, 2) <= limit) | (np.roll(lengths, -2) <= limit)
-    inner = climbs & step_before & step_after & alike
+    similar = (np.roll(lengths, 2) <= limit) | (np.roll(lengths, -2) <= limit)
+    inner = climbs & step_before & step_after & similar
     first = np.roll(inner, -2) & step_after & (lengths <= np.roll(limit, -2))
     last = np.roll(inner, 2) & step_before & (lengths <= np.roll(limit, 2))
     faces: np.ndarray = (lengths >= LONG_EDGE_CELLS) & ~(inner | first | last)

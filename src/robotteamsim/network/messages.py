@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple, overload
+from typing import overload
 
 import msgspec
 import numpy as np
@@ -103,8 +103,8 @@ class Traffic(msgspec.Struct, frozen=True, gc=False):
 NO_TRAFFIC = Traffic()
 
 
-class NetworkState(NamedTuple):
-    """The network of n robots in one step. Arrays may be those of the step before, and are to be read only.
+class NetworkState(msgspec.Struct, frozen=True, gc=False, eq=False):
+    """The network of n robots in one step. Arrays may be those of the step before, and must not be written to.
 
     rssi_dbm:            float64, shape (n, n), symmetric; 0 on the diagonal.
     link:                float64, shape (n, n), L of eq. (16): distance [m] or rssi [dBm]; 0 on the diagonal.
@@ -115,7 +115,7 @@ class NetworkState(NamedTuple):
     endangered:          bool, shape (n, n): links that exist but are below the endangered threshold.
     traffic:             what became of messages.
 
-    A robot that is not there has no link, is on no path and counts in no figure; its rows and columns are 0, but -inf
+    A robot that is not there has no link, is on no path and does not count; its rows and columns are 0, but -inf
     in `rssi_dbm` and -1 in `hop_count`, the diagonal included.
     """
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import msgspec
 import numpy as np
 
 from robotteamsim.network.delivery import Delivery
@@ -96,7 +97,7 @@ class Network:
         else:
             state = _among_all(self._links.step(positions_m[present]) if present.any() else _EMPTY, present)
         inboxes, traffic = self._delivery.step(state, present, outboxes, refused)
-        return state if traffic is NO_TRAFFIC else state._replace(traffic=traffic), inboxes
+        return state if traffic is NO_TRAFFIC else msgspec.structs.replace(state, traffic=traffic), inboxes
 
     def reset(self) -> None:
         """Forget the last links and messages under way, as a new network."""

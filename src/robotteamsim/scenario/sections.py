@@ -237,7 +237,7 @@ class Control(Model):
 
     algorithm: str = Field(
         default="rdpso",
-        description="rdpso, random_walk, greedy, pso, rpso, sebs, cover; the name of an installed one, or module:Class",
+        description="name of a controller, such as rdpso or random_walk, also of an installed package; or module:Class",
     )
     iteration_s: float = Field(default=1.0, gt=0.0, le=60.0, description="period of the swarm's iterations [s]")
     memory: Literal["published", "grunwald_letnikov"] = Field(

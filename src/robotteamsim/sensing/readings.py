@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple, overload
+from typing import overload
 
+import msgspec
 import numpy as np
 
 from robotteamsim.geometry import PoseReading, Twist
 
 
-class OdometryReading(NamedTuple):
+class OdometryReading(msgspec.Struct, frozen=True, gc=False):
     """A pose in `odom` and the twist in `base_link` that the wheels measured.
 
     pose_covariance: of x, y [m] and yaw [rad], the upper triangle row by row: xx, xy, x yaw, yy, y yaw, yaw yaw.
@@ -26,7 +27,7 @@ class OdometryReading(NamedTuple):
     twist_variances: tuple[float, ...] = (0.0,) * 3
 
 
-class VoiceReading(NamedTuple):
+class VoiceReading(msgspec.Struct, frozen=True, gc=False):
     """What a robot hears.
 
     level_db:            voice level at the robot [dB]; 0 where no voice is above the noise.
@@ -41,8 +42,7 @@ class VoiceReading(NamedTuple):
     local_best_level_db: float
 
 
-@dataclass(frozen=True, slots=True)
-class Fix:
+class Fix(msgspec.Struct, frozen=True, gc=False):
     """A position on the earth by satellite: on the ellipsoid WGS84, with the variance to the east and to the north."""
 
     latitude_deg: float
@@ -51,9 +51,8 @@ class Fix:
     variance_m2: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class FurtherReadings:
-    """What those sensors of a robot measure that not every robot has; None of one that had no turn in this step.
+class FurtherReadings(msgspec.Struct, frozen=True, gc=False, eq=False):
+    """Readings of the sensors that not every robot has; None of a sensor that has none in this step.
 
     scans_m:  of `robots.lasers`, in their order: float32, shape (beams,) [m].
     sonars_m: of `robots.sonars`, in their order: float32 [m].
@@ -68,10 +67,10 @@ class FurtherReadings:
 NOTHING_FURTHER = FurtherReadings()
 
 NOTHING_HEARD = VoiceReading(0.0, False, (math.nan, math.nan), 0.0)
-"""What a robot hears that is not there."""
+"""The voice reading of a robot that is not there."""
 
 
-class RobotReading(NamedTuple):
+class RobotReading(msgspec.Struct, frozen=True, gc=False, eq=False):
     """What the world gives one robot in one step.
 
     ranges_m: float32, shape (beams,), first beam at angle_min; no return as the scenario says.
@@ -88,14 +87,14 @@ class RobotReading(NamedTuple):
     further: FurtherReadings = NOTHING_FURTHER
 
 
-# Not frozen, as it keeps what is made when it is asked for.
+# Not frozen: it keeps the records that `one_by_one` makes.
 @dataclass(slots=True, eq=False)
 class TeamReadings(Sequence[RobotReading]):
     """The readings of all robots in one step, in id order: as arrays, or one by one.
 
     ground_truth: float64, shape (n, 4): x, y [m], qz, qw in `map`; NaN of a robot that is not there, whose other
                   readings mean nothing.
-    positions_m:  float64, shape (n, 2): x, y of them once more.
+    positions_m:  float64, shape (n, 2): x, y of the same.
     twists:       float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s] in `base_link`.
     odometry:     float64, shape (n, 16): x, y [m], qz, qw in `odom`, the twist that the wheels measured, then the
                   covariances of `OdometryReading`, six and three.
@@ -129,40 +128,54 @@ class TeamReadings(Sequence[RobotReading]):
         return iter(self.one_by_one())
 
     def one_by_one(self) -> tuple[RobotReading, ...]:
-        """Return the readings in a tuple, which is made when it is asked for first."""
+        """Return the readings as records, which are made on the first call.
+
+        Raises: ValueError: the arrays have different lengths.
+        """
         if not self._readings:
-            self._readings = tuple(
-                RobotReading(
-                    PoseReading(*truth),
-                    Twist(*twist),
-                    OdometryReading(
-                        PoseReading(*odometry[:4]), Twist(*odometry[4:7]), tuple(odometry[7:13]), tuple(odometry[13:])
-                    ),
-                    ranges_m,
-                    touches,
-                    self.contact_angles_rad.get(robot_id, ()) if touches else (),
-                    further,
-                )
-                for robot_id, (truth, twist, odometry, ranges_m, touches, further) in enumerate(
-                    zip(
-                        self.ground_truth.tolist(),
-                        self.twists.tolist(),
-                        self.odometry.tolist(),
-                        self.ranges_m,
-                        self.in_contact.tolist(),
-                        self.further or (NOTHING_FURTHER,) * len(self),
-                        strict=True,
+            further = self.further or [NOTHING_FURTHER] * len(self)
+            rows = zip(
+                self.ground_truth.tolist(),
+                self.twists.tolist(),
+                self.odometry.tolist(),
+                self.ranges_m,
+                self.in_contact.tolist(),
+                further,
+                strict=True,
+            )
+            readings = []
+            for robot_id, (truth, twist, odometry, ranges_m, in_contact, rest) in enumerate(rows):
+                angles_rad = self.contact_angles_rad.get(robot_id, ()) if in_contact else ()
+                readings.append(
+                    RobotReading(
+                        PoseReading(*truth),
+                        Twist(*twist),
+                        _odometry_reading(odometry),
+                        ranges_m,
+                        in_contact,
+                        angles_rad,
+                        rest,
                     )
                 )
-            )
+            self._readings = tuple(readings)
         return self._readings
+
+
+def _odometry_reading(row: list[float]) -> OdometryReading:
+    return OdometryReading(PoseReading(*row[:4]), Twist(*row[4:7]), tuple(row[7:13]), tuple(row[13:]))
 
 
 def ground_truth_rows(readings: Sequence[RobotReading]) -> np.ndarray:
     """Return the true poses as `TeamReadings` has them: float64, shape (n, 4)."""
     if isinstance(readings, TeamReadings):
         return readings.ground_truth
-    return np.array([reading.ground_truth for reading in readings], dtype=np.float64).reshape(-1, 4)
+    rows = [pose_row(reading.ground_truth) for reading in readings]
+    return np.array(rows, dtype=np.float64).reshape(-1, 4)
+
+
+def pose_row(pose: PoseReading) -> tuple[float, float, float, float]:
+    """Return a pose as a row of `TeamReadings.ground_truth`."""
+    return pose.x_m, pose.y_m, pose.qz, pose.qw
 
 
 def contact_flags(readings: Sequence[RobotReading]) -> np.ndarray:
@@ -175,4 +188,4 @@ def contact_flags(readings: Sequence[RobotReading]) -> np.ndarray:
 _NOWHERE = PoseReading(math.nan, math.nan, math.nan, math.nan)
 
 NOT_THERE = RobotReading(_NOWHERE, Twist(), OdometryReading(_NOWHERE, Twist()), np.zeros(0, np.float32), False)
-"""What is told of a robot that is not there, where something must stand."""
+"""The reading of a robot that is not there."""

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from robotteamsim.geometry import PoseReading
+from robotteamsim.sensing.readings import pose_row
 
 
 class TrajectoryHash:
@@ -22,7 +23,8 @@ class TrajectoryHash:
 
     def update(self, sim_time_ns: int, ground_truth: Sequence[PoseReading] | np.ndarray) -> None:
         """Take in one step. Args: ground_truth: as an array: shape (n, 4)."""
-        self.update_all([sim_time_ns], np.asarray(ground_truth, dtype=np.float64)[np.newaxis])
+        rows = ground_truth if isinstance(ground_truth, np.ndarray) else np.array(list(map(pose_row, ground_truth)))
+        self.update_all([sim_time_ns], rows[np.newaxis])
 
     def update_all(self, sim_times_ns: Sequence[int], ground_truth: np.ndarray) -> None:
         """Take in some steps, which is faster than one by one. Args: ground_truth: float64, shape (steps, n, 4)."""

@@ -49,9 +49,9 @@ def check_inside(plan: FloorPlan, key: str, point: tuple[float, float]) -> None:
         raise PlacementError(f"{key}: {point_text(point)} lies outside the plan, {plan.bounds}", key)
 
 
-def stands_in(solid: Solid) -> str:
-    """Return what messages say of a body in a solid."""
-    return f"stands in {solid.kind} '{solid.name}'"
+def overlaps(solid: Solid) -> str:
+    """Return how messages describe a body in a solid."""
+    return f"overlaps {solid.kind} '{solid.name}'"
 
 
 def point_text(point: tuple[float, ...]) -> str:

@@ -12,7 +12,7 @@ from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import FREE, obstacles, occupancy_grid
 from robotteamsim.scenario.sections import Team
-from robotteamsim.world.clearance import Solids, check_inside, point_text, stands_in
+from robotteamsim.world.clearance import Solids, check_inside, overlaps, point_text
 
 CLEARANCE_M = 0.05
 """Between a formation's robots and solids, beyond their radius."""
@@ -97,7 +97,7 @@ class _Room:
         hit = Solids(plan).under_robot(team, start)
         if hit:
             radius = "" if team.footprint_m else f"of radius {team.radius_m:g} m "
-            raise PlacementError(f"{key}: {point_text(start[:2])}: a robot {radius}{stands_in(hit)}", key)
+            raise PlacementError(f"{key}: {point_text(start[:2])}: a robot {radius}{overlaps(hit)}", key)
         self._obstacles = obstacles(plan)
         self._radius_m = team.reach_m
         self._taken = shapely.MultiPoint([pose[:2] for pose in taken])

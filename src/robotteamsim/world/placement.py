@@ -1,4 +1,4 @@
-"""Where robots stand at the start, and whether robots, objects, areas and victims have room there."""
+"""Start poses of robots, and checks that robots, objects, areas and victims have room in the plan."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robotteamsim.scenario.plan import solids
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import Mission, PlacedRobot, Robot, Team
-from robotteamsim.world.clearance import TOUCH_M, Solids, check_inside, point_text, stands_in
+from robotteamsim.world.clearance import TOUCH_M, Solids, check_inside, overlaps, point_text
 from robotteamsim.world.formation import formation
 
 Robots = Team | tuple[PlacedRobot, ...]
@@ -24,7 +24,7 @@ Robots = Team | tuple[PlacedRobot, ...]
 def placed_robots(scenario: Scenario) -> tuple[PlacedRobot, ...]:
     """Return every robot with its start pose, in id order.
 
-    A team takes its `start_poses` first; the others stand in its formation, see `formation`.
+    A team takes its `start_poses` first; the others are in its formation, see `formation`.
 
     Raises: PlacementError: a given pose touches a solid, lies outside or within another robot, or there is not enough
             room; one line with file or --set, key and value.
@@ -65,14 +65,14 @@ def check_objects(plan: FloorPlan, objects: Sequence[MovableObject], robots: Seq
         if not plan.bounds.contains(obj.pose[:2]):
             raise PlacementError(f"{place} lies outside the plan, {plan.bounds}", key)
         if hit := still.under_body(body, TOUCH_M):
-            raise PlacementError(f"{place} {stands_in(hit)}", key)
+            raise PlacementError(f"{place} {overlaps(hit)}", key)
         for other, other_body in zip(objects[:i], placed[:i], strict=True):
             if body.overlaps(other_body, TOUCH_M):
-                raise PlacementError(f"{place} stands in {other.kind} '{other.name}'", key)
+                raise PlacementError(f"{place} overlaps {other.kind} '{other.name}'", key)
         for robot_id, robot in enumerate(robots):
             is_near = math.dist(obj.pose[:2], robot.start_pose[:2]) < obj.reach_m + robot.reach_m
             if robot.present and is_near and body.overlaps(robot.body_at(robot.start_pose), TOUCH_M):
-                raise PlacementError(f"{place} stands where robot {robot_id} starts", key)
+                raise PlacementError(f"{place} overlaps robot {robot_id} at its start pose", key)
 
 
 @contextmanager
@@ -128,7 +128,7 @@ def _check_schedule(plan: FloorPlan, schedule: Sequence[ScheduledEvent], robots:
         body = robots[event.robot_id].body_at(event.pose)
         hit = next((solid for solid in still if body.overlaps_shape(solid.polygon, 0.0)), None)
         if hit is not None:
-            raise PlacementError(f"{place} {stands_in(hit)}", key)
+            raise PlacementError(f"{place} {overlaps(hit)}", key)
 
 
 def _check_poses(plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robot], keys: list[str]) -> None:
@@ -140,11 +140,11 @@ def _check_poses(plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robo
         hit = still.under_robot(robot, pose)
         if hit:
             radius = "" if robot.footprint_m else f"of radius {robot.radius_m:g} m "
-            raise PlacementError(f"{key}: {point_text(point)}: robot {i} {radius}{stands_in(hit)}", key)
+            raise PlacementError(f"{key}: {point_text(point)}: robot {i} {radius}{overlaps(hit)}", key)
         for j in range(i):
             is_near = math.dist(point, poses[j][:2]) < reaches_m[i] + reaches_m[j]
             if is_near and _are_present(robot, robots[j]) and _overlap(robot, pose, robots[j], poses[j]):
-                raise PlacementError(f"{key}: {point_text(point)}: robot {i} stands in robot {j}", key)
+                raise PlacementError(f"{key}: {point_text(point)}: robot {i} overlaps robot {j}", key)
 
 
 def _are_present(*robots: Robot) -> bool:

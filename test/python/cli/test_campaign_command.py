@@ -15,9 +15,10 @@ import pytest
 
 from robotteamsim.campaign import read_store
 from robotteamsim.cli import campaign_command, main
+from robotteamsim.control.runtime.registry import ALGORITHMS
 
 SHORT = ("--set", "mission.time_limit_s=1")
-KNOWN = "wanted one of: rdpso, random_walk, greedy, pso, rpso, sebs, cover, or module:Class"
+KNOWN = f"wanted one of: {', '.join(ALGORITHMS)}, or module:Class"
 NOISE = ("--noise", "10", "--noise", "20")
 
 

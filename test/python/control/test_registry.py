@@ -102,7 +102,7 @@ def test_controller_of_a_robot_that_comes_again_draws_other_numbers_each_time(te
     assert again == goals(team, scenario, 2)
 
 
-KNOWN = "rdpso, random_walk, greedy, pso, rpso, sebs, cover, still"
+KNOWN = ", ".join([*ALGORITHMS, "still"])
 
 
 @pytest.mark.parametrize(

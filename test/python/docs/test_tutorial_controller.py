@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from robotteamsim.control.runtime.registry import ALGORITHMS
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 
@@ -83,7 +84,7 @@ def test_package_of_the_tutorial_installs_and_is_known_by_its_name(folder, tmp_p
     assert "time limit reached" in done.stdout
     done = run_cli(target, *arguments, "control.algorithm=mien")
     assert done.returncode == 2
-    known = "rdpso, random_walk, greedy, pso, rpso, sebs, cover, mine"
+    known = ", ".join([*ALGORITHMS, "mine"])
     line = f"'mien' is not known; wanted one of: {known}, or module:Class"
     assert " ".join(done.stderr.split()).endswith(f"tutorial_arena: control.algorithm: {line}")
 

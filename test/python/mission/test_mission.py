@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -321,7 +322,7 @@ def test_two_missions_with_equal_inputs_tell_equal_events(hall_scenario):
 def test_a_message_that_is_too_large_is_told_once_with_robot_size_and_limit(mission):
     course = Course(mission)
     course.step()
-    refused = network(2)._replace(traffic=Traffic(refused=(Refusal(1, 70_000, 65_507),)))
+    refused = msgspec.structs.replace(network(2), traffic=Traffic(refused=(Refusal(1, 70_000, 65_507),)))
     told = []
     for _ in range(3):
         course.sim_time_ns += STEP_NS

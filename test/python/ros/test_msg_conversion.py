@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import genpy
+import msgspec
 import numpy as np
 import pytest
 from geometry_msgs.msg import Point, Quaternion, TwistStamped, Vector3
@@ -160,7 +161,7 @@ def test_network_keeps_its_matrices(make):
     assert (back.fiedler_value, message.num_endangered) == (1.0, 1)
     assert back.traffic == traffic
     quiet = conversion.network_state(
-        sent(ros_messages.network_state(make, TIME_NS, network._replace(traffic=Traffic())))
+        sent(ros_messages.network_state(make, TIME_NS, msgspec.structs.replace(network, traffic=Traffic())))
     )
     assert quiet.traffic == Traffic()
 

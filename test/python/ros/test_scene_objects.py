@@ -40,6 +40,6 @@ def test_equal_objects_stand_at_places_of_their_own():
 
 
 def test_objects_that_are_gone_are_cleared_away():
-    (clearing,) = object_markers((), (), anew=True).markers
+    (clearing,) = object_markers((), (), replace=True).markers
     assert clearing.action == Marker.DELETEALL
     assert object_markers((), ()).markers == []

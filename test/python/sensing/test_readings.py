@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.sensing.readings import NOTHING_FURTHER, OdometryReading, RobotReading, TeamReadings
+from robotteamsim.sensing.readings import NOTHING_FURTHER, TeamReadings
 
 
 def test_readings_one_by_one_hold_the_rows_of_the_arrays():
@@ -20,16 +20,17 @@ def test_readings_one_by_one_hold_the_rows_of_the_arrays():
         in_contact=np.array([False, True]),
         contact_angles_rad={1: (0.5,)},
     )
-    assert [type(part) for part in readings[1]][:3] == [PoseReading, Twist, OdometryReading]
-    truth, twist, measured, ranges_m, *rest = readings[1]
-    assert (truth, twist) == ((0.1, 0.2, 0.6, 0.8), (0.25, 0.0, 0.0))
-    assert (type(measured.pose), type(measured.twist)) == (PoseReading, Twist)
-    assert [x for part in measured for x in part] == odometry[1].tolist()
-    assert [len(part) for part in measured] == [4, 3, 6, 3]
-    assert ranges_m.shape == (3,)
-    assert rest == [True, (0.5,), NOTHING_FURTHER]
+    reading = readings[1]
+    assert reading.ground_truth == PoseReading(0.1, 0.2, 0.6, 0.8)
+    assert reading.twist == Twist(0.25, 0.0, 0.0)
+    assert reading.odometry.pose == PoseReading(16.0, 17.0, 18.0, 19.0)
+    assert reading.odometry.twist == Twist(20.0, 21.0, 22.0)
+    assert reading.odometry.pose_covariance == (23.0, 24.0, 25.0, 26.0, 27.0, 28.0)
+    assert reading.odometry.twist_variances == (29.0, 30.0, 31.0)
+    assert reading.ranges_m.shape == (3,)
+    assert (reading.in_contact, reading.contact_angles_rad, reading.further) == (True, (0.5,), NOTHING_FURTHER)
+    assert (readings[0].in_contact, readings[0].contact_angles_rad) == (False, ())
     assert len(list(readings)) == 2
-    assert isinstance(readings[0], RobotReading)
 
 
 def test_arrays_without_a_row_per_robot_are_refused():

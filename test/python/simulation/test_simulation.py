@@ -8,7 +8,7 @@ import pytest
 
 from robotteamsim import scenario
 from robotteamsim.errors import PlacementError, RecordingError
-from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.geometry import Twist
 from robotteamsim.interface import Decision, Task
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
 from robotteamsim.scenario import sections
@@ -76,10 +76,10 @@ class FakeSensors:
 
     def read(self):
         self.parts.calls.append(("sensors",))
-        pose = PoseReading.from_pose(Pose(3.0 + self.parts.step_index, 5.0, 0.0))
+        x_m, y_m = 3.0 + self.parts.step_index, 5.0
         return TeamReadings(
-            ground_truth=np.array([pose] * 2),
-            positions_m=np.array([pose[:2]] * 2),
+            ground_truth=np.array([[x_m, y_m, 0.0, 1.0]] * 2),
+            positions_m=np.array([[x_m, y_m]] * 2),
             twists=np.array([[0.5, 0.0, 0.0]] * 2),
             odometry=np.zeros((2, 16)),
             ranges_m=np.ones((2, 3), np.float32),

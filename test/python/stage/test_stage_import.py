@@ -264,9 +264,9 @@ def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
         ),
         (
             ROOM + ROBOT.replace("2 2 0 0", "0.1 2 0 0"),
-            "a.world:2: pose: [0.1, 2]: robot 0 stands in wall",
+            "a.world:2: pose: [0.1, 2]: robot 0 overlaps wall",
         ),
-        (ROOM + ROBOT + ROBOT, "a.world:3: pose: [2, 2]: robot 1 stands in robot 0"),
+        (ROOM + ROBOT + ROBOT, "a.world:3: pose: [2, 2]: robot 1 overlaps robot 0"),
         (ROOM + ROBOT.replace("181", "0"), "a.world:2: samples: beams: 0 is below 1"),
         (ROOM + ROBOT.replace("181", "100000"), "a.world:2: samples: beams: 100000 is above 10000"),
         (ROOM + ROBOT.replace("181", "2.5"), "a.world:2: samples: 2.5 is not a whole number"),

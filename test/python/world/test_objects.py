@@ -58,7 +58,7 @@ def test_robot_is_not_put_into_an_object():
 def test_object_where_a_robot_starts_is_refused():
     obj = MovableObject(name="crate", size_m=(0.6, 0.4), pose=(0.4, 0.0, 0.0))
     with pytest.raises(
-        PlacementError, match=r"^objects\.0\.pose: \[0\.4, 0\]: box 'crate' stands where robot 0 starts$"
+        PlacementError, match=r"^objects\.0\.pose: \[0\.4, 0\]: box 'crate' overlaps robot 0 at its start pose$"
     ):
         world_of(obj)
 

@@ -26,5 +26,5 @@ class ObjectsOutput:
         objects, poses = world.object_models(), tuple(world.objects().values())
         if (objects, poses) == (self._objects, self._poses):
             return
-        self._output.publish(object_markers(objects, poses, anew=objects != self._objects))
+        self._output.publish(object_markers(objects, poses, replace=objects != self._objects))
         self._objects, self._poses = objects, poses

@@ -33,10 +33,10 @@ FACE_LIGHTS = (0.62, 0.72, 0.84, 0.66)
 """Of a box's sides: they turn with it, for rviz does not light triangles that have colours."""
 
 
-def object_markers(objects: Sequence[MovableObject], poses: Sequence[Pose], *, anew: bool = False) -> MarkerArray:
-    """Return one marker per object, with its place in the list as id; anew: behind one that clears all others away."""
+def object_markers(objects: Sequence[MovableObject], poses: Sequence[Pose], *, replace: bool = False) -> MarkerArray:
+    """Return one marker per object, with its place in the list as id; replace: after one that deletes all others."""
     markers = [_marker(i, obj, pose) for i, (obj, pose) in enumerate(zip(objects, poses, strict=True))]
-    return MarkerArray([Marker(action=Marker.DELETEALL), *markers] if anew else markers)
+    return MarkerArray([Marker(action=Marker.DELETEALL), *markers] if replace else markers)
 
 
 def _marker(marker_id: int, obj: MovableObject, pose: Pose) -> Marker:

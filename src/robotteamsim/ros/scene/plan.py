@@ -84,7 +84,7 @@ def door_markers(plan: FloorPlan, openings: Mapping[str, float], cut_height_m: f
 
 
 def door_change(event: MissionEvent) -> tuple[str, float] | None:
-    """Return the name of a door and how far it is open now, if an event tells that it was opened or closed."""
+    """Return the name of a door and how far it is open now, if an event says that it was opened or closed."""
     return (event.subject, 0.0 if event.detail.endswith("closed") else 1.0) if event.kind == "door" else None
 
 

@@ -1,4 +1,4 @@
-"""What the node `scene` hears of one robot."""
+"""What the node `scene` receives of one robot."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class RobotFeed:
         self._lasers = {"base_scan": robot.laser, **{laser.name: laser for laser in robot.lasers}}
         self._scans = _Wanted(prefix, self._lasers, LaserScan)
         self._sonars = _Wanted(prefix, [sonar.name for sonar in robot.sonars], Range)
-        self._heard_m: dict[str, float] = {}
+        self._sonars_m: dict[str, float] = {}
         self._recent: dict[int, Pose] = {}
         self._excluded = False
         self._contact_angles_rad: tuple[float, ...] = ()
@@ -48,7 +48,7 @@ class RobotFeed:
         self.trail = scene_team.Trail()
 
     def look(self, trail_points: int) -> bool:
-        """Take in what came; return whether anything did."""
+        """Take in new messages; return whether there were any."""
         truths = self._truth.take(at_most=20)
         for truth in truths:
             pose = msg_conversion.odometry_reading(truth).pose.pose
@@ -57,7 +57,7 @@ class RobotFeed:
             if stamp_ns < self.stamp_ns:
                 self._recent.clear()
                 self._fixes.clear()
-                self._heard_m.clear()
+                self._sonars_m.clear()
             self.stamp_ns = stamp_ns
             self._recent[stamp_ns] = pose
         for old in list(self._recent)[:-10]:
@@ -72,11 +72,11 @@ class RobotFeed:
         return bool(truths) or status is not None
 
     def begin_trail(self) -> None:
-        """Let the trail begin anew: the robot has come (again)."""
+        """Start a new trail: the robot has arrived (again)."""
         self.trail = scene_team.Trail()
 
     def view(self) -> scene_team.RobotView | None:
-        """Return what to draw of it; None before it has told where it is."""
+        """Return what to draw of it; None before its first pose."""
         if not self._recent:
             return None
         robot = self._robot
@@ -101,8 +101,8 @@ class RobotFeed:
         }
 
     def sonars(self, wanted: bool) -> list[SonarView]:
-        """Return what each sonar told last, where the robot is now; subscribed to only while they are wanted."""
-        self._heard_m |= {name: message.range for name, message in self._sonars.newest(wanted).items()}
+        """Return the last range of each sonar, where the robot is now; subscribed to only while they are wanted."""
+        self._sonars_m |= {name: message.range for name, message in self._sonars.newest(wanted).items()}
         if not self._recent:
             return []
         return [
@@ -111,10 +111,10 @@ class RobotFeed:
                 min(sonar.height_m, self._robot.height_m),
                 sonar.opening_rad,
                 sonar.range_max_m,
-                self._heard_m[sonar.name],
+                self._sonars_m[sonar.name],
             )
             for sonar in self._robot.sonars
-            if sonar.name in self._heard_m
+            if sonar.name in self._sonars_m
         ]
 
     def fixes(self) -> tuple[FixView, ...]:
@@ -153,7 +153,7 @@ class RobotFeed:
 
 
 class _Wanted:
-    """Topics of one type that are subscribed to only while somebody looks."""
+    """Topics of one type that are subscribed to only while somebody looks at them."""
 
     def __init__(self, prefix: str, names: Iterable[str], message_class: type) -> None:
         self._prefix, self._names, self._class = prefix, tuple(names), message_class

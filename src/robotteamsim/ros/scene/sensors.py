@@ -36,7 +36,7 @@ MIN_DISC_M = 0.15
 
 @dataclass(frozen=True, slots=True)
 class SonarView:
-    """What one sonar told, and where it stands in the map frame: its x axis is the middle of the cone."""
+    """What one sonar measured, and its pose in the map frame: its x axis is the middle of the cone."""
 
     sonar: Pose
     height_m: float
@@ -52,7 +52,7 @@ class SonarView:
 
 @dataclass(frozen=True, slots=True)
 class FixView:
-    """Where a receiver of satellites was told to be, in the map frame, and with what standard deviation [m]."""
+    """A fix of a GPS receiver in the map frame, with its standard deviation [m]."""
 
     place_m: tuple[float, float]
     sigma_m: float

@@ -113,7 +113,7 @@ def lines(
 def drawn_below(item: Marker, layer: int) -> Marker:
     """Return the marker such that rviz paints it before what is see-through in lower layers, or in none (0).
 
-    rviz paints what is see-through from the farthest to the nearest, as told by the origins of the poses. So the
+    rviz paints what is see-through from the farthest to the nearest, by the origins of the poses. So the
     origin is sunk into the ground and the points are raised by as much; no deeper than needed, as rviz computes with
     24 bits and the layers are a centimetre apart. Changes and returns the marker.
     """

@@ -261,7 +261,7 @@ class Trail:
         """Take in where the robot is now; beyond `max_points` the oldest are forgotten.
 
         When time runs backwards, or the robot is farther away than it could have driven, it was put there: the
-        trail begins anew.
+        trail starts again.
         """
         elapsed_s, self._time_s = time_s - self._time_s, time_s
         if self._points:

@@ -17,9 +17,9 @@ from robotteamsim import _ros_transport as roscpp
 from robotteamsim.errors import RobotTeamSimError
 
 MASTER_PERIOD_S = 0.2
-"""A node looks this often whether the master has come [s, wall]."""
+"""A node checks this often whether the master has started [s, wall]."""
 WATCH_PERIOD_S = 0.1
-"""A node looks this often whether it was told to stop by the master [s, wall]."""
+"""A node checks this often whether the master has asked it to stop [s, wall]."""
 
 logger = logging.getLogger(__name__)
 
@@ -63,7 +63,7 @@ _shutdown = _Shutdown()
 
 
 def run(name: str, serve: Callable[[], None]) -> None:
-    """Run a node until it is done or told to stop; a user's mistake ends it in one line and status 2."""
+    """Run a node until it is done or asked to stop; a user's mistake ends it in one line and status 2."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: _shutdown.begin())
     _wait_for_master()
@@ -84,17 +84,17 @@ def run(name: str, serve: Callable[[], None]) -> None:
 
 
 def is_running() -> bool:
-    """Whether the node has not been told to stop."""
+    """Whether the node has not been asked to stop."""
     return not _shutdown.wait(0.0)
 
 
 def on_shutdown(close: Callable[[], None]) -> None:
-    """Have something called when the node is told to stop: it may wait for nothing, as a signal handler may call it."""
+    """Have something called when the node is asked to stop; it must not block, as a signal handler may call it."""
     _shutdown.call(close)
 
 
 def wait_for_shutdown(timeout_s: float) -> bool:
-    """Wait until the node is told to stop, but not longer than a time [s, wall]; return whether it was."""
+    """Wait until the node is asked to stop, but not longer than a time [s, wall]; return whether it was."""
     return _shutdown.wait(timeout_s)
 
 
