@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import msgspec
 
@@ -14,7 +13,7 @@ def normalise_angle(angle_rad: float) -> float:
     return math.pi if wrapped_rad == -math.pi else wrapped_rad
 
 
-class Pose(NamedTuple):
+class Pose(msgspec.Struct, frozen=True, gc=False):
     """A rigid transform of the plane; `a_T_b @ b_T_c` is `a_T_c`."""
 
     x_m: float
@@ -60,10 +59,11 @@ class PoseReading(msgspec.Struct, frozen=True, gc=False):
     @property
     def pose(self) -> Pose:
         """The pose with its yaw in (-pi, pi]."""
-        return Pose(self.x_m, self.y_m, normalise_angle(2.0 * math.atan2(self.qz, self.qw)))
+        yaw_rad = 2.0 * math.atan2(self.qz, self.qw)
+        return Pose(self.x_m, self.y_m, yaw_rad if -math.pi < yaw_rad <= math.pi else normalise_angle(yaw_rad))
 
 
-class Twist(NamedTuple):
+class Twist(msgspec.Struct, frozen=True, gc=False):
     """A velocity in `base_link`: forward and left [m/s], counter-clockwise [rad/s]."""
 
     linear_x_mps: float = 0.0
@@ -73,4 +73,5 @@ class Twist(NamedTuple):
     @property
     def is_finite(self) -> bool:
         """Whether no component is NaN or infinite."""
-        return all(map(math.isfinite, (self.linear_x_mps, self.linear_y_mps, self.angular_z_radps)))
+        # NaN and infinity survive a sum.
+        return math.isfinite(self.linear_x_mps + self.linear_y_mps + self.angular_z_radps)

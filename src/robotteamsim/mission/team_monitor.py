@@ -32,6 +32,9 @@ class TeamMonitor:
     def __init__(self, base: int | None = None) -> None:
         """Args: base: the robot that is the base; None: none is."""
         self._base = base
+        self._statuses: list[tuple[bool, int, str]] = []
+        """Excluded, swarm and fault of each robot in the last step."""
+        self._present: np.ndarray | None = None
         self.all_excluded = False
         """Whether no robot that is there belongs to a swarm."""
         self._swarms: list[int] = []
@@ -42,23 +45,21 @@ class TeamMonitor:
 
         Args: present: whether each robot is there, bool, shape (n,); None: all are.
         """
-        swarms = self._swarms_in(decisions, present)
-        faults = [decision.fault for decision in decisions]
-        if swarms == self._swarms and faults == self._faults:
+        statuses = [(decision.excluded, decision.swarm, decision.fault) for decision in decisions]
+        if statuses == self._statuses and present is self._present:
             return []
+        self._statuses, self._present = statuses, present
+        swarms = [OUTSIDE if excluded else swarm for excluded, swarm, _ in statuses]
+        faults = [fault for *_, fault in statuses]
+        if self._base is not None:
+            swarms[self._base] = OUTSIDE
+        if present is not None:
+            swarms = [swarm if there else _ABSENT for swarm, there in zip(swarms, present.tolist(), strict=True)]
         before = self._swarms or self._at_first(swarms)
         found = [*_changes_of_swarms(before, swarms), *_new_faults(self._faults or [""] * len(faults), faults)]
         self._swarms, self._faults = swarms, faults
         self.all_excluded = all(swarm in (OUTSIDE, _ABSENT) for swarm in swarms)
         return found
-
-    def _swarms_in(self, decisions: Sequence[Decision], present: np.ndarray | None) -> list[int]:
-        swarms = [OUTSIDE if decision.excluded else decision.swarm for decision in decisions]
-        if self._base is not None:
-            swarms[self._base] = OUTSIDE
-        if present is not None:
-            swarms = [swarm if there else _ABSENT for swarm, there in zip(swarms, present.tolist(), strict=True)]
-        return swarms
 
     def _at_first(self, swarms: list[int]) -> list[int]:
         """Return the swarms before the first step: a robot that is excluded in it has been in swarm 0."""

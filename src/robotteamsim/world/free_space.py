@@ -64,8 +64,8 @@ class FreeSpace:
             clearance = "" if robot.footprint_m else f"; expected {robot.radius_m:g} m of clearance"
             raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'{clearance}")
         self._check_other_robots(robot_id, pose, body, others.robot_poses, place)
-        for obj, (x_m, y_m, yaw_rad) in others.objects:
-            if body.overlaps(obj.body_at((x_m, y_m, yaw_rad)), TOUCH_M):
+        for obj, at in others.objects:
+            if body.overlaps(obj.body_at((at.x_m, at.y_m, at.yaw_rad)), TOUCH_M):
                 raise PlacementError(f"{place} is inside {obj.kind} '{obj.name}'")
 
     def check_object(self, obj: MovableObject, pose: Pose, others: Occupants) -> None:
@@ -76,8 +76,8 @@ class FreeSpace:
         hit = self._solid_in(body, others.doors)
         if hit is not None:
             raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'")
-        for other, (x_m, y_m, yaw_rad) in others.objects:
-            if other.name != obj.name and body.overlaps(other.body_at((x_m, y_m, yaw_rad)), TOUCH_M):
+        for other, at in others.objects:
+            if other.name != obj.name and body.overlaps(other.body_at((at.x_m, at.y_m, at.yaw_rad)), TOUCH_M):
                 raise PlacementError(f"{place} is inside {other.kind} '{other.name}'")
         for robot_id, (x_m, y_m, yaw_rad) in enumerate(others.robot_poses.tolist()):
             robot = self._robots[robot_id]

@@ -8,6 +8,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from math import isfinite
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,7 @@ _LARGEST = 2**31 - 1
 """ROS messages and bags hold numbers of swarms and search counters in 32 bits."""
 
 _TRUTHS = (bool, np.bool_)
+_WHOLE = (int, np.integer)
 _NUMBERS = (float, int, np.number)
 
 _ADDRESS = re.compile(" at 0x[0-9a-f]+")
@@ -74,21 +76,51 @@ class Guard:
         _logger.debug("controller of robot %d failed", self._robot_id, exc_info=error)
 
 
-def problem_of(decision: Decision, robot_id: int, num_robots: int) -> str:
-    """Return what is wrong with a decision, in a few words; "" where nothing is."""
+def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
+    """Return what is wrong with what a controller decided, in a few words; "" where nothing is."""
     if not isinstance(decision, Decision):
         return f"decide returned {_shown(decision)}; expected a Decision"
-    if not isinstance(decision.twist, Twist) or not _is_finite_twist(decision.twist):
-        return f"decide returned {decision.twist!r:.120}; expected a Twist of finite numbers"
-    if decision.goal_m is not None and not _is_finite_point(decision.goal_m):
-        return f"decide returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
+    problem = _problem_of_motion(decision) or _problem_of_status(decision)
+    if problem:
+        return problem
     if not isinstance(decision.outbox, (tuple, list)):
         return f"decide returned the outbox {_shown(decision.outbox)}; expected a tuple of Messages"
     for message in decision.outbox:
         problem = _problem_of_message(message, robot_id, num_robots)
         if problem:
             return problem
-    return _problem_of_status(decision)
+    return ""
+
+
+def _problem_of_motion(decision: Decision) -> str:
+    try:
+        if not (isinstance(decision.twist, Twist) and decision.twist.is_finite):
+            raise ValueError
+    except (TypeError, ValueError):
+        return f"decide returned {decision.twist!r:.120}; expected a Twist of finite numbers"
+    try:
+        x_m, y_m = decision.goal_m or (0.0, 0.0)
+        if not isfinite(x_m + y_m):
+            raise ValueError
+    except (TypeError, ValueError):
+        return f"decide returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
+    return ""
+
+
+def _problem_of_status(decision: Decision) -> str:
+    """Return what is wrong with the status in a decision, which ROS messages and bags hold as it is."""
+    swarm, search_counter = decision.swarm, decision.search_counter
+    if not isinstance(decision.excluded, _TRUTHS):
+        return f"decide returned excluded = {decision.excluded!r:.60}; expected True or False"
+    if not isinstance(swarm, _WHOLE) or not OUTSIDE <= swarm <= _LARGEST:
+        return f"decide returned swarm = {swarm!r:.60}; expected a number from 0 on, or {OUTSIDE} for none"
+    if not isinstance(search_counter, _WHOLE) or not 0 <= search_counter <= _LARGEST:
+        return f"decide returned search_counter = {search_counter!r:.60}; expected a number from 0 on"
+    if not isinstance(decision.local_best, _NUMBERS):
+        return f"decide returned local_best = {decision.local_best!r:.60}; expected a number"
+    if not isinstance(decision.fault, str):
+        return f"decide returned fault = {decision.fault!r:.60}; expected text"
+    return ""
 
 
 def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:
@@ -96,28 +128,13 @@ def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:
         return f"decide returned {_shown(message)} to send; expected a Message with text"
     if not message.payload.isascii() and not _has_utf8(message.payload):
         return f"decide returned the text {message.payload!r:.60} to send, which cannot be encoded as UTF-8"
-    if not _is_whole(message.sender) or message.sender != robot_id:
+    if not isinstance(message.sender, _WHOLE) or message.sender != robot_id:
         return f"decide returned a message from sender {message.sender!r}; expected {robot_id}, the robot itself"
-    if not _is_whole(message.receiver) or not EVERYBODY <= message.receiver < num_robots:
+    if not isinstance(message.receiver, _WHOLE) or not EVERYBODY <= message.receiver < num_robots:
         return (
             f"decide returned a message to receiver {message.receiver!r}; expected 0 to {num_robots - 1}, or "
             f"{EVERYBODY} for everybody"
         )
-    return ""
-
-
-def _problem_of_status(decision: Decision) -> str:
-    """Return what is wrong with the status in a decision, which ROS messages and bags hold as it is."""
-    if not isinstance(decision.excluded, _TRUTHS):
-        return f"decide returned excluded = {decision.excluded!r:.60}; expected True or False"
-    if not _is_whole(decision.swarm) or not OUTSIDE <= decision.swarm <= _LARGEST:
-        return f"decide returned swarm = {decision.swarm!r:.60}; expected a number from 0 on, or {OUTSIDE} for none"
-    if not _is_whole(decision.search_counter) or not 0 <= decision.search_counter <= _LARGEST:
-        return f"decide returned search_counter = {decision.search_counter!r:.60}; expected a number from 0 on"
-    if not isinstance(decision.local_best, _NUMBERS):
-        return f"decide returned local_best = {decision.local_best!r:.60}; expected a number"
-    if not isinstance(decision.fault, str):
-        return f"decide returned fault = {decision.fault!r:.60}; expected text"
     return ""
 
 
@@ -126,27 +143,9 @@ def _shown(value: object) -> str:
     return _ADDRESS.sub("", repr(value))[:60]
 
 
-def _is_whole(value: object) -> bool:
-    return type(value) is int or isinstance(value, np.integer)  # bool is a subclass of int
-
-
 def _has_utf8(text: str) -> bool:
     try:
         text.encode()
     except UnicodeEncodeError:
         return False
     return True
-
-
-def _is_finite_twist(twist: Twist) -> bool:
-    try:
-        return isfinite(twist.linear_x_mps) and isfinite(twist.linear_y_mps) and isfinite(twist.angular_z_radps)
-    except TypeError:
-        return False
-
-
-def _is_finite_point(point: object) -> bool:
-    try:
-        return isinstance(point, tuple) and len(point) == 2 and isfinite(point[0]) and isfinite(point[1])
-    except TypeError:
-        return False
