@@ -34,6 +34,7 @@ void AddSteps(simulation::TeamTotals& totals, const Array<const double, -1, -1, 
 
 std::vector<simulation::RobotTotals> Totals(const simulation::TeamTotals& totals) {
   std::vector<simulation::RobotTotals> of_robots;
+  of_robots.reserve(static_cast<std::size_t>(totals.num_robots()));
   for (int robot = 0; robot < totals.num_robots(); ++robot) of_robots.push_back(totals.of(robot));
   return of_robots;
 }

@@ -16,6 +16,9 @@ namespace {
 /// ones, or none.
 constexpr std::size_t kBlock = 16;
 
+/// Within 60 degrees of a hit inside the disc, motion leads towards it.
+constexpr double kCosSquaredOf60Degrees = 0.25;
+
 /// Returns whether some hits of a block are ahead, within the width of the disc and nearer than the free distance so
 /// far.
 ROBOTTEAMSIM_INLINE bool SomeCount(const base::Point* hits, const Direction& direction, double radius, double free) {
@@ -37,10 +40,11 @@ ROBOTTEAMSIM_INLINE double FreeBefore(const base::Point& hit, const Direction& d
   const double across = hit.y * direction.cos - hit.x * direction.sin;
   const double half_chord_squared = radius * radius - across * across;
   const double touch = along - std::sqrt(half_chord_squared > 0.0 ? half_chord_squared : 0.0);
-  const bool is_ahead = along * along > 0.25 * (along * along + across * across);
+  const bool is_ahead = along * along > kCosSquaredOf60Degrees * (along * along + across * across);
   const double free_inside = is_ahead ? 0.0 : kInfinity;
   const double free = touch >= 0.0 ? touch : free_inside;
-  return (along > 0.0) & (half_chord_squared > 0.0) ? free : kInfinity;
+  const bool counts = (along > 0.0) & (half_chord_squared > 0.0);
+  return counts ? free : kInfinity;  // NOLINT(bugprone-narrowing-conversions): both are double
 }
 
 ROBOTTEAMSIM_INLINE double FreeAmong(const base::Point* hits, std::size_t count, const Direction& direction,

@@ -9,7 +9,23 @@
 namespace robotteamsim::control {
 namespace {
 
-const double kTau = 2.0 * std::acos(-1.0);
+constexpr double kTau = 6.283185307179586;
+
+constexpr double kDegree = 0.5 * kTau / 180.0;
+
+/// Headings for passing an obstacle are this far apart, up to a right angle to either side.
+constexpr double kSidestepDegrees = 10.0;
+constexpr int kSidestepsPerSide = 9;
+
+/// By how many headings the first direction of an escape differs between robots of successive ids, and between
+/// successive attempts of one robot. Neither has a factor in common with 16, so all directions come first in turn.
+constexpr int kHeadingsPerRobot = 5;
+constexpr int kHeadingsPerAttempt = 3;
+
+/// Larger than any rounding error [m].
+constexpr double kReachMargin = 1e-6;
+/// Directions whose room differs by less are equal: the first one is taken [m].
+constexpr double kEqualRoom = 1e-9;
 
 double Distance(const base::Point& a, const base::Point& b) { return base::Hypot(a.x - b.x, a.y - b.y); }
 
@@ -22,8 +38,8 @@ bool IsSeen(double heading, const LaserLayout& laser) {
 /// Returns the headings for passing an obstacle: every 10 degrees within the laser's field of view.
 std::vector<double> SidestepsOf(const LaserLayout& laser) {
   std::vector<double> headings;
-  for (int i = -9; i <= 9; ++i) {
-    const double heading = 10.0 * i * (0.5 * kTau / 180.0);
+  for (int i = -kSidestepsPerSide; i <= kSidestepsPerSide; ++i) {
+    const double heading = kSidestepDegrees * i * kDegree;
     if (IsSeen(heading, laser)) headings.push_back(heading);
   }
   if (headings.empty()) headings.push_back(0.0);
@@ -112,7 +128,7 @@ base::Point Navigator::FindEscape(const Situation& now, const Teammates& teammat
   const base::Point position = PlaceOf(now.pose);
   const bool is_free = now.grid.IsFree(position);
   // Teammates farther away do not limit the room.
-  const double reach = 2.0 * parameters_.escape + body_.radius + 1e-6;
+  const double reach = 2.0 * parameters_.escape + body_.radius + kReachMargin;
   std::vector<base::Point> near;
   for (const auto& [robot_id, other] : teammates) {
     if (Distance(position, other) < reach) near.push_back(other);
@@ -120,13 +136,14 @@ base::Point Navigator::FindEscape(const Situation& now, const Teammates& teammat
   base::Point best = position;
   double best_room = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < parameters_.escape_headings; ++i) {
-    const int side = (i + 5 * body_.robot_id + 3 * num_escapes_) % parameters_.escape_headings;
+    const int side =
+        (i + kHeadingsPerRobot * body_.robot_id + kHeadingsPerAttempt * num_escapes_) % parameters_.escape_headings;
     const double heading = kTau * side / parameters_.escape_headings;
     const base::Point point{position.x + parameters_.escape * std::cos(heading),
                             position.y + parameters_.escape * std::sin(heading)};
     if (!(is_free ? now.grid.IsLineFree(position, point) : now.grid.IsFree(point))) continue;
     const double room = RoomAt(now, point, heading, near);
-    if (room > best_room + 1e-9) {
+    if (room > best_room + kEqualRoom) {
       best = point;
       best_room = room;
     }

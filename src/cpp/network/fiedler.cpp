@@ -39,7 +39,7 @@ class InverseLaplacian {
   InverseLaplacian(const Neighbors& neighbors, int n) : n_(n) {
     // Without its last row and column, which are redundant, the matrix is positive definite.
     Eigen::SparseMatrix<double> lower(n - 1, n - 1);
-    lower.reserve(neighbors.robots.size() / 2 + n);
+    lower.reserve(static_cast<Eigen::Index>(neighbors.robots.size() / 2) + n);
     for (int j = 0; j < n - 1; ++j) {
       lower.startVec(j);
       lower.insertBack(j, j) = neighbors.Count(j);

@@ -141,7 +141,9 @@ class Laser::View {
   /// Returns the ranges in the laser's order; infinity beyond range_max.
   std::vector<double> Take(double range_max) {
     if (is_inside_) return std::vector<double>(ranges_.size(), 0.0);
-    for (double& range : ranges_) range = range > range_max ? kInfinity : range;
+    for (double& range : ranges_) {
+      range = range > range_max ? kInfinity : range;  // NOLINT(bugprone-narrowing-conversions): both are double
+    }
     if (fan_.IsInOrder()) return std::move(ranges_);
     std::vector<double> ordered(ranges_.size());
     for (int beam = 0; beam < fan_.Count(); ++beam) ordered[beam] = ranges_[fan_.PlaceOf(beam)];

@@ -8,7 +8,7 @@
 namespace robotteamsim::simulation {
 namespace {
 
-constexpr double kStayRadius = 0.5;
+constexpr double kStayRadius = 0.5;  // [m]; part of the definition of `longest_stay`
 
 double Distance(const base::Point& a, const base::Point& b) { return base::Hypot(a.x - b.x, a.y - b.y); }
 

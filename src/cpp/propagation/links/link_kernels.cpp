@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
-#include <stdexcept>
 
 namespace robotteamsim::propagation {
 namespace {
@@ -66,7 +66,7 @@ struct Loops {
     const int count = source.num_targets;
     const int whole = count / kLanes;
     for (int b = 0; b < whole; ++b) {
-      const std::int32_t* const targets = order + b * kLanes;
+      const std::int32_t* const targets = order + std::ptrdiff_t{b} * kLanes;
       TargetBlock& __restrict block = blocks[b];
 #pragma GCC unroll 1  // if unrolled here, the lanes would be loaded one by one
       for (int i = 0; i < kLanes; ++i) {

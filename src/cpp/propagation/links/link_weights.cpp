@@ -98,8 +98,9 @@ void LinkWeights::AddScreen(std::size_t first_face, const std::array<Face, kFace
     const std::int64_t unit = is_box ? std::abs(dx + dy) : 1;
     block.x[j][lane] = static_cast<double>(face.start.x);
     block.y[j][lane] = static_cast<double>(face.start.y);
-    block.normal_x[j][lane] = static_cast<double>(-dy / unit);
-    block.normal_y[j][lane] = static_cast<double>(dx / unit);
+    const std::int64_t normal_x = -dy / unit, normal_y = dx / unit;  // without remainder
+    block.normal_x[j][lane] = static_cast<double>(normal_x);
+    block.normal_y[j][lane] = static_cast<double>(normal_y);
     block.least_left[j][lane] = IsLeftOf(face, face.start) ? 0.0 : 1.0;
     const int next = (j + 1) % ScreenBlock<kFaces>::kCorners;
     block.x[next][lane] = static_cast<double>(face.end.x);
