@@ -30,13 +30,12 @@ Array<double, -1> HypotOf(const Array<const double, -1>& x, const Array<const do
 void BindBase(nb::module_& m) {
   m.def("hypot", &HypotOf, "x"_a, "y"_a);
   m.def("nearest_point", &base::NearestPoint, "position_m"_a, "points_m"_a);
-  m.def(
-      "reached_places",
-      [](const Points& points_m, const Points& places_m, const Array<const double, -1>& reaches_m) {
-        return base::ReachedPlaces(PointsOf(points_m), PointsOf(places_m),
-                                   {reaches_m.data(), reaches_m.data() + reaches_m.size()});
-      },
-      "points_m"_a, "places_m"_a, "reaches_m"_a);
+  nb::class_<base::Places>(m, "Places")
+      .def(nb::init<std::vector<base::Point>, std::vector<double>>(), "places_m"_a, "reaches_m"_a)
+      .def(
+          "reached",
+          [](const base::Places& places, const Points& points_m) { return places.Reached(PointsOf(points_m)); },
+          "points_m"_a);
 }
 
 }  // namespace robotteamsim::bindings

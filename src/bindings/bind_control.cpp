@@ -1,19 +1,15 @@
 // Floor 6: how a robot drives, and what it remembers.
-#include <nanobind/stl/function.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -33,20 +29,18 @@ namespace {
 
 using Scan = Array<const float, -1>;
 using Heard = std::vector<std::pair<base::Point, std::optional<base::Point>>>;
-using TwistParts = std::tuple<double, double, double>;
 
 control::Ranges RangesOf(const Scan& scan) { return {scan.data(), scan.size()}; }
 
-TwistParts Drive(control::Navigator& navigator, const std::shared_ptr<const plan::PlanningGrid>& grid,
-                 const base::Pose& pose, const Scan& ranges_m, const base::Point& goal_m, double speed_mps,
-                 std::int64_t sim_time_ns, const std::function<std::map<int, base::Point>()>& teammates) {
+base::Twist Drive(control::Navigator& navigator, const std::shared_ptr<const plan::PlanningGrid>& grid,
+                  const base::Pose& pose, const Scan& ranges_m, const base::Point& goal_m, double speed_mps,
+                  std::int64_t sim_time_ns, const nb::typed<nb::callable, std::map<int, base::Point>()>& teammates) {
   const auto ask = [&teammates] {
-    const std::map<int, base::Point> places = teammates();
+    const auto places = nb::cast<std::map<int, base::Point>>(teammates());
     return control::Navigator::Teammates(places.begin(), places.end());
   };
   const double time_s = static_cast<double>(sim_time_ns) * 1e-9;
-  const base::Twist twist = navigator.Drive(grid, pose, RangesOf(ranges_m), goal_m, speed_mps, time_s, ask);
-  return {twist.linear_x, twist.linear_y, twist.angular_z};
+  return navigator.Drive(grid, pose, RangesOf(ranges_m), goal_m, speed_mps, time_s, ask);
 }
 
 void BindParameters(nb::module_& m) {

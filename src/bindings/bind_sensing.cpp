@@ -3,14 +3,12 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <array>
 #include <memory>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -21,6 +19,23 @@
 #include "robotteamsim/sensing/team_odometry.hpp"
 #include "robotteamsim/sensing/team_sensors.hpp"
 #include "robotteamsim/sensing/voice_sensor.hpp"
+
+namespace nanobind::detail {
+
+template <>
+struct type_caster<robotteamsim::sensing::VoiceReading> {
+  NB_TYPE_CASTER(robotteamsim::sensing::VoiceReading, const_name("robotteamsim.sensing.readings.VoiceReading"))
+
+  static handle from_cpp(const robotteamsim::sensing::VoiceReading& heard, rv_policy /*policy*/,
+                         cleanup_list* /*cleanup*/) {
+    // Kept for as long as the interpreter runs.
+    static const handle record =
+        object(module_::import_("robotteamsim.sensing.readings").attr("VoiceReading")).release();
+    return record(heard.level_db, heard.heard, heard.local_best, heard.local_best_level_db).release();
+  }
+};
+
+}  // namespace nanobind::detail
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -60,24 +75,43 @@ std::vector<Record> RecordsOf(const Triples& rows) {
   return {records, records + rows.shape(0)};
 }
 
-sensing::TeamReadings Read(sensing::TeamSensors& sensors, const world::World& world, const Triples& odometry_noise,
-                           const std::vector<NoiseRows>& laser_noise_m) {
-  const std::vector<sensing::TeamLaser>& lasers = sensors.lasers();
-  if (laser_noise_m.size() != lasers.size()) throw std::invalid_argument("each kind of laser must have its noise");
-  std::vector<const double*> noise;
-  noise.reserve(lasers.size());
-  for (std::size_t i = 0; i < lasers.size(); ++i) {
-    noise.push_back(CheckedNoise(laser_noise_m[i], *lasers[i].laser, lasers[i].robots));
+constexpr nb::ssize_t kReadingSize = 24;  // doubles of a RobotReading
+
+float* CheckedRanges(const Array<float, -1, -1>& ranges_m, const sensing::TeamLaser& laser) {
+  if (ranges_m.shape(0) != laser.robots.size() ||
+      ranges_m.shape(1) != static_cast<std::size_t>(laser.laser->NumBeams())) {
+    throw std::invalid_argument("ranges must have one row per robot and one column per beam");
   }
-  return sensors.Read(world, RecordsOf<sensing::Odometry::Noise>(odometry_noise), noise);
+  return ranges_m.data();
 }
 
-// A read-only array of records that a Python object holds: the getters that return it keep that object.
-template <nb::ssize_t count, typename Record>
-Array<const double, -1, count> ViewOf(const std::vector<Record>& records) {
-  static_assert(sizeof(Record) == count * sizeof(double));
-  const std::array<std::size_t, 2> shape{records.size(), count};
-  return Array<const double, -1, count>(records.data(), shape.size(), shape.data());
+// Writes into `readings` and `ranges_m`.
+void Read(sensing::TeamSensors& sensors, const world::World& world, const Triples& odometry_noise,
+          const std::vector<NoiseRows>& laser_noise_m, const Array<double, -1, kReadingSize>& readings,
+          const std::vector<Array<float, -1, -1>>& ranges_m) {
+  static_assert(sizeof(sensing::RobotReading) == kReadingSize * sizeof(double));
+  const std::vector<sensing::TeamLaser>& lasers = sensors.lasers();
+  if (ranges_m.size() != lasers.size()) throw std::invalid_argument("each kind of laser must have its ranges");
+  if (!laser_noise_m.empty() && laser_noise_m.size() != lasers.size()) {
+    throw std::invalid_argument("each kind of laser must have its noise");
+  }
+  if (readings.shape(0) != world.poses().size()) throw std::invalid_argument("readings must have one row per robot");
+  std::vector<sensing::TeamScans> scans;
+  scans.reserve(lasers.size());
+  for (std::size_t i = 0; i < lasers.size(); ++i) {
+    const double* const noise =
+        laser_noise_m.empty() ? nullptr : CheckedNoise(laser_noise_m[i], *lasers[i].laser, lasers[i].robots);
+    scans.push_back({CheckedRanges(ranges_m[i], lasers[i]), noise});
+  }
+  sensors.Read(world, RecordsOf<sensing::Odometry::Noise>(odometry_noise),
+               reinterpret_cast<sensing::RobotReading*>(readings.data()), scans);
+}
+
+Array<float, -1, -1> Scan(const sensing::Laser& laser, const world::World& world, const std::vector<int>& robot_ids,
+                          const NoiseRows& noise_m) {
+  auto ranges = NewArray<float, -1, -1>({robot_ids.size(), static_cast<std::size_t>(laser.NumBeams())});
+  sensing::ScanTeam(laser, world, robot_ids, CheckedNoise(noise_m, laser, robot_ids), ranges.data());
+  return ranges;
 }
 
 void BindOdometry(nb::module_& m) {
@@ -110,29 +144,18 @@ void BindOdometry(nb::module_& m) {
 }
 
 void BindTeam(nb::module_& m) {
-  constexpr auto kView = nb::rv_policy::reference_internal;
-  nb::class_<sensing::TeamReadings>(m, "TeamReadings")
-      .def_prop_ro(
-          "ground_truth", [](const sensing::TeamReadings& r) { return ViewOf<4>(r.ground_truth); }, kView)
-      .def_prop_ro(
-          "positions_m", [](const sensing::TeamReadings& r) { return ViewOf<2>(r.positions); }, kView)
-      .def_prop_ro(
-          "twists", [](const sensing::TeamReadings& r) { return ViewOf<3>(r.twists); }, kView)
-      .def_prop_ro(
-          "odometry", [](const sensing::TeamReadings& r) { return ViewOf<16>(r.odometry); }, kView)
-      .def_ro("scans_m", &sensing::TeamReadings::scans, kView)
-      .def_ro("in_contact", &sensing::TeamReadings::in_contact, kView);
   nb::class_<sensing::TeamSensors>(m, "TeamSensors")
       .def(
           "__init__",
           [](sensing::TeamSensors* self, std::shared_ptr<sensing::TeamOdometry> odometry,
              const std::vector<std::pair<std::shared_ptr<const sensing::Laser>, std::vector<int>>>& lasers) {
             std::vector<sensing::TeamLaser> kinds;
+            kinds.reserve(lasers.size());
             for (const auto& [laser, robots] : lasers) kinds.push_back({laser, robots});
             new (self) sensing::TeamSensors(std::move(odometry), std::move(kinds));
           },
           "odometry"_a, "lasers"_a)
-      .def("read", &Read, "world"_a, "odometry_noise"_a, "laser_noise_m"_a);
+      .def("read", &Read, "world"_a, "odometry_noise"_a, "laser_noise_m"_a, "readings"_a, "ranges_m"_a);
 }
 
 void BindVoiceSensor(nb::module_& m) {
@@ -148,13 +171,7 @@ void BindVoiceSensor(nb::module_& m) {
           "origin_m"_a, "resolution_m"_a, "levels_db"_a, "radius_m"_a)
       .def(
           "hear",
-          [](sensing::VoiceSensor& sensor, const Points& positions_m) {
-            std::vector<std::tuple<double, bool, base::Point, double>> readings;  // as the members of VoiceReading
-            for (const sensing::VoiceReading& heard : sensor.Hear(PointsOf(positions_m))) {
-              readings.emplace_back(heard.level_db, heard.heard, heard.local_best, heard.local_best_level_db);
-            }
-            return readings;
-          },
+          [](sensing::VoiceSensor& sensor, const Points& positions_m) { return sensor.Hear(PointsOf(positions_m)); },
           "positions_m"_a);
 }
 
@@ -173,13 +190,7 @@ void BindSensing(nb::module_& m) {
           },
           "solids"_a, "doors"_a, nb::kw_only(), "beams"_a, "angle_min_rad"_a, "angle_max_rad"_a, "forward_m"_a,
           "range_min_m"_a, "range_max_m"_a, "too_near_m"_a, "no_return_m"_a, "left_m"_a)
-      .def(
-          "scan",
-          [](const sensing::Laser& laser, const world::World& world, const std::vector<int>& robot_ids,
-             const NoiseRows& noise_m) {
-            return sensing::ScanTeam(laser, world, robot_ids, CheckedNoise(noise_m, laser, robot_ids));
-          },
-          "world"_a, "robot_ids"_a, "noise_m"_a)
+      .def("scan", &Scan, "world"_a, "robot_ids"_a, "noise_m"_a)
       .def("nearest", &Nearest, "world"_a, "robot_ids"_a, "noise_m"_a);
   BindOdometry(m);
   BindTeam(m);

@@ -46,11 +46,13 @@ int CheckedObject(const world::World& world, int object) {
   return object;
 }
 
-// The angles of contact of those robots that touch something, by their ids.
-std::map<int, std::vector<double>> ContactAngles(const world::World& world) {
-  std::map<int, std::vector<double>> angles;
+// The angles of contact of the robots that touch something, by id.
+using Angles = nb::typed<nb::tuple, double, nb::ellipsis>;
+
+std::map<int, Angles> ContactAngles(const world::World& world) {
+  std::map<int, Angles> angles;
   for (int i = 0; i < static_cast<int>(world.in_contact().size()); ++i) {
-    if (world.in_contact()[i]) angles[i] = world.contact_angles(i);
+    if (world.in_contact()[i]) angles[i] = Angles(nb::tuple(nb::cast(world.contact_angles(i))));
   }
   return angles;
 }

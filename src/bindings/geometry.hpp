@@ -64,6 +64,12 @@ template <>
 struct type_caster<robotteamsim::base::Twist> {
   NB_TYPE_CASTER(robotteamsim::base::Twist, const_name("robotteamsim.geometry.Twist"))
 
+  static handle from_cpp(const robotteamsim::base::Twist& twist, rv_policy /*policy*/, cleanup_list* /*cleanup*/) {
+    // Kept for as long as the interpreter runs.
+    static const handle twist_class = object(module_::import_("robotteamsim.geometry").attr("Twist")).release();
+    return twist_class(twist.linear_x, twist.linear_y, twist.angular_z).release();
+  }
+
   bool from_python(handle source, uint32_t /*flags*/, cleanup_list* /*cleanup*/) noexcept {
     static const std::array<PyObject*, 3> names{PyUnicode_InternFromString("linear_x_mps"),
                                                 PyUnicode_InternFromString("linear_y_mps"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from math import atan2, pi
 
 import msgspec
 
@@ -10,7 +11,7 @@ import msgspec
 def normalise_angle(angle_rad: float) -> float:
     """Return the same direction as an angle in (-pi, pi]."""
     wrapped_rad = math.remainder(angle_rad, math.tau)
-    return math.pi if wrapped_rad == -math.pi else wrapped_rad
+    return pi if wrapped_rad == -pi else wrapped_rad
 
 
 class Pose(msgspec.Struct, frozen=True, gc=False):
@@ -38,6 +39,12 @@ class Pose(msgspec.Struct, frozen=True, gc=False):
         )
 
 
+def pose_of(x_m: float, y_m: float, qz: float, qw: float) -> Pose:
+    """Return the pose at a position [m] with the orientation of the unit quaternion (0, 0, qz, qw)."""
+    yaw_rad = 2.0 * atan2(qz, qw)
+    return Pose(x_m, y_m, yaw_rad if -pi < yaw_rad <= pi else normalise_angle(yaw_rad))
+
+
 class PoseReading(msgspec.Struct, frozen=True, gc=False):
     """A pose as ROS messages carry it: position and the unit quaternion (0, 0, qz, qw).
 
@@ -59,8 +66,7 @@ class PoseReading(msgspec.Struct, frozen=True, gc=False):
     @property
     def pose(self) -> Pose:
         """The pose with its yaw in (-pi, pi]."""
-        yaw_rad = 2.0 * math.atan2(self.qz, self.qw)
-        return Pose(self.x_m, self.y_m, yaw_rad if -math.pi < yaw_rad <= math.pi else normalise_angle(yaw_rad))
+        return pose_of(self.x_m, self.y_m, self.qz, self.qw)
 
 
 class Twist(msgspec.Struct, frozen=True, gc=False):

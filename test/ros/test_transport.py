@@ -279,13 +279,11 @@ def readings(robots) -> TeamReadings:
     angles = generator.uniform(-3.0, 3.0, (ROBOTS, 1))
     odometry = np.hstack((generator.normal(size=(ROBOTS, 2)), np.sin(angles), np.cos(angles)))
     positions_m = generator.normal(size=(ROBOTS, 2))
+    truth = np.hstack((positions_m, np.sin(-angles), np.cos(-angles), generator.normal(size=(ROBOTS, 3))))
+    in_contact = (np.arange(ROBOTS) % 4 > 1)[:, np.newaxis]
     return TeamReadings(
-        ground_truth=np.hstack((positions_m, np.sin(-angles), np.cos(-angles))),
-        positions_m=positions_m,
-        twists=generator.normal(size=(ROBOTS, 3)),
-        odometry=np.hstack((odometry, generator.normal(size=(ROBOTS, 12)))),
+        rows=np.hstack((truth, odometry, generator.normal(size=(ROBOTS, 12)), in_contact)),
         ranges_m=[generator.uniform(0.1, 5.0, robot.laser.beams).astype(np.float32) for robot in robots],
-        in_contact=np.arange(ROBOTS) % 4 > 1,
         contact_angles_rad={2: (0.5,), 3: (-1.0, 1.0), 11: (3.0,)},
     )
 

@@ -11,11 +11,20 @@ namespace robotteamsim::base {
 /// Throws std::invalid_argument if there are no points.
 Point NearestPoint(const Point& position, const std::vector<Point>& points);
 
-/// Returns the places that have a point within their reach: the index of each such place, ascending, and the index of
-/// the point nearest to it, the first of equally near points.
-/// Args: reaches: one per place [m].
-/// Throws std::invalid_argument if the number of reaches differs from that of places.
-std::vector<std::pair<int, int>> ReachedPlaces(const std::vector<Point>& points, const std::vector<Point>& places,
-                                               const std::vector<double>& reaches);
+/// Places that are reached by a point within their reach.
+class Places {
+ public:
+  /// Args: reaches: one per place [m].
+  /// Throws std::invalid_argument if the number of reaches differs from that of places.
+  Places(std::vector<Point> places, std::vector<double> reaches);
+
+  /// Returns the places that have a point within their reach: the index of each such place, ascending, and the index of
+  /// the point nearest to it, the first of equally near points.
+  std::vector<std::pair<int, int>> Reached(const std::vector<Point>& points) const;
+
+ private:
+  std::vector<Point> places_;
+  std::vector<double> reaches_;
+};
 
 }  // namespace robotteamsim::base

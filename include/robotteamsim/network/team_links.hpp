@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -32,14 +31,11 @@ class TeamLinks {
   /// Computes the links for these positions [m].
   /// Args: rssi: where to write the signals between all pairs of robots [dBm], 0 on the diagonal;
   ///       link: where to write L of eq. (16), 0 on the diagonal; for links by signal it is the same matrix.
+  /// Returns whether links, or which of them are endangered, have changed.
   /// Throws std::invalid_argument, naming the robot, if a position is not finite.
-  void Step(const Eigen::Ref<const propagation::Positions>& positions, Eigen::Ref<propagation::CellValues> rssi,
+  bool Step(const Eigen::Ref<const propagation::Positions>& positions, Eigen::Ref<propagation::CellValues> rssi,
             Eigen::Ref<propagation::CellValues> link);
 
-  /// Grows whenever a link appears or disappears: equal versions mean equal links, hops and Fiedler values.
-  std::int64_t version() const { return version_; }
-  /// Grows whenever a link begins or ceases to be endangered.
-  std::int64_t endangered_version() const { return endangered_version_; }
   const Adjacency& adjacency() const { return adjacency_; }
   /// The links whose signal is below the limit.
   const Adjacency& endangered() const { return endangered_; }
@@ -47,14 +43,16 @@ class TeamLinks {
   double fiedler_value() const { return fiedler_value_; }
 
  private:
-  void FindLinks(const Eigen::Ref<const propagation::CellValues>& rssi,
-                 const Eigen::Ref<const propagation::CellValues>& link);
+  struct Changes {
+    bool links = false;
+    bool endangered = false;
+  };
+  Changes FindLinks(const Eigen::Ref<const propagation::CellValues>& rssi,
+                    const Eigen::Ref<const propagation::CellValues>& link);
 
   std::shared_ptr<const propagation::FaceSet> faces_;
   propagation::RadioModel model_;
   LinkRule rule_;
-  std::int64_t version_ = 0;
-  std::int64_t endangered_version_ = 0;
   Adjacency adjacency_, endangered_;
   HopCount hops_;
   double fiedler_value_ = 0.0;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
@@ -11,12 +11,10 @@
 
 namespace robotteamsim::sensing {
 
-/// Reported ranges of lasers [m], one row per robot.
-using Scans = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// Returns the reported ranges of some robots' lasers in a world.
+/// Writes the reported ranges [m] of some robots' lasers in a world, robot by robot.
 /// Args: noise: [m], one number per beam, robot by robot; null: none.
-Scans ScanTeam(const Laser& laser, const world::World& world, const std::vector<int>& robots, const double* noise);
+void ScanTeam(const Laser& laser, const world::World& world, const std::vector<int>& robots, const double* noise,
+              float* ranges);
 
 /// The lasers of one kind and the robots that carry one.
 struct TeamLaser {
@@ -24,14 +22,18 @@ struct TeamLaser {
   std::vector<int> robots;
 };
 
-/// The readings of all robots after a step.
-struct TeamReadings {
-  std::vector<PoseReading> ground_truth;  ///< NaN for a robot that is not there
-  std::vector<base::Point> positions;     ///< x, y of the ground truth
-  std::vector<base::Twist> twists;
-  std::vector<OdometryReading> odometry;
-  std::vector<Scans> scans;  ///< one matrix per kind of laser, in the order of its robots
-  Eigen::Array<bool, Eigen::Dynamic, 1> in_contact;
+/// Memory for the scans of one kind of laser and, unless it is null, the noise of its beams, as for ScanTeam.
+struct TeamScans {
+  float* ranges = nullptr;
+  const double* noise = nullptr;
+};
+
+/// The reading of one robot without its scan; doubles only, so that a team's readings are rows of an array.
+struct RobotReading {
+  PoseReading ground_truth;  ///< NaN for an absent robot
+  base::Twist twist;
+  OdometryReading odometry;
+  double in_contact = 0.0;  ///< 1 if the robot touches something
 };
 
 /// The sensors of a team.
@@ -41,10 +43,10 @@ class TeamSensors {
   TeamSensors(std::shared_ptr<TeamOdometry> odometry, std::vector<TeamLaser> lasers)
       : odometry_(std::move(odometry)), lasers_(std::move(lasers)) {}
 
-  /// Returns the readings after the last step of a world.
-  /// Args: odometry_noise: one per robot; laser_noise: as for ScanTeam, for each kind of laser.
-  TeamReadings Read(const world::World& world, const std::vector<Odometry::Noise>& odometry_noise,
-                    const std::vector<const double*>& laser_noise);
+  /// Writes the readings after the last step of a world.
+  /// Args: odometry_noise, readings: one per robot; scans: one per kind of laser.
+  void Read(const world::World& world, const std::vector<Odometry::Noise>& odometry_noise, RobotReading* readings,
+            const std::vector<TeamScans>& scans);
 
   const std::vector<TeamLaser>& lasers() const { return lasers_; }
 

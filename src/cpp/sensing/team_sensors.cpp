@@ -4,34 +4,25 @@
 
 namespace robotteamsim::sensing {
 
-Scans ScanTeam(const Laser& laser, const world::World& world, const std::vector<int>& robots, const double* noise) {
-  Scans scans(static_cast<Eigen::Index>(robots.size()), laser.NumBeams());
-  for (std::size_t i = 0; i < robots.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    laser.Report(laser.Scan(world, robots[i]), noise == nullptr ? nullptr : noise + row * laser.NumBeams(),
-                 scans.row(row).data());
+void ScanTeam(const Laser& laser, const world::World& world, const std::vector<int>& robots, const double* noise,
+              float* ranges) {
+  const int beams = laser.NumBeams();
+  for (const int robot : robots) {
+    laser.Report(laser.Scan(world, robot), noise, ranges);
+    ranges += beams;
+    if (noise != nullptr) noise += beams;
   }
-  return scans;
 }
 
-TeamReadings TeamSensors::Read(const world::World& world, const std::vector<Odometry::Noise>& odometry_noise,
-                               const std::vector<const double*>& laser_noise) {
-  TeamReadings readings;
-  readings.odometry = odometry_->Follow(world, odometry_noise);
-  readings.twists = world.twists();
-  const std::size_t n = world.poses().size();
-  readings.ground_truth.reserve(n);
-  readings.positions.reserve(n);
-  readings.in_contact.resize(static_cast<Eigen::Index>(n));
-  for (std::size_t i = 0; i < n; ++i) {
-    readings.ground_truth.push_back(ReadingOf(world.poses()[i]));
-    readings.positions.push_back({world.poses()[i].x, world.poses()[i].y});
-    readings.in_contact[static_cast<Eigen::Index>(i)] = world.in_contact()[i];
+void TeamSensors::Read(const world::World& world, const std::vector<Odometry::Noise>& odometry_noise,
+                       RobotReading* readings, const std::vector<TeamScans>& scans) {
+  const std::vector<OdometryReading> odometry = odometry_->Follow(world, odometry_noise);
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    readings[i] = {ReadingOf(world.poses()[i]), world.twists()[i], odometry[i], world.in_contact()[i] ? 1.0 : 0.0};
   }
   for (std::size_t kind = 0; kind < lasers_.size(); ++kind) {
-    readings.scans.push_back(ScanTeam(*lasers_[kind].laser, world, lasers_[kind].robots, laser_noise.at(kind)));
+    ScanTeam(*lasers_[kind].laser, world, lasers_[kind].robots, scans.at(kind).noise, scans.at(kind).ranges);
   }
-  return readings;
 }
 
 }  // namespace robotteamsim::sensing

@@ -56,7 +56,7 @@ class Mission:
         self._num_explored = 0
         self._victim_states: list[VictimState] = ["waiting"] * len(self.victims)
         self._note_who_is_saved()
-        self._places_m, self._reaches_m = self._all_places()
+        self._places = self._all_places()
         self._heard_places_m: set[tuple[float, float]] = set()
         """Loudest places that have been judged since the last change of the victims."""
         self._epoch = 0
@@ -137,7 +137,7 @@ class Mission:
         self.victims = (*self.victims[:index], victim, *self.victims[index + 1 :])
         self._victim_states[index : index + 1] = ["waiting"]
         self._note_who_is_saved()
-        self._places_m, self._reaches_m = self._all_places()
+        self._places = self._all_places()
         self._heard_places_m.clear()
         self._add_event("victim", name, NOBODY, f"victim {name} calls at ({position_m[0]:.1f}, {position_m[1]:.1f})")
         self._change_task()
@@ -199,7 +199,7 @@ class Mission:
     def _judge_places(self, positions_m: np.ndarray) -> None:
         num_victims = len(self.victims)
         area = num_victims + self._num_explored
-        for place, robot_id in _core.base.reached_places(positions_m, self._places_m, self._reaches_m):
+        for place, robot_id in self._places.reached(positions_m):
             if place == area:
                 self._explore(robot_id)
             elif place < num_victims and self._victim_states[place] != "saved":
@@ -288,11 +288,11 @@ class Mission:
         count = f"{self._num_explored}/{len(self._areas)} areas, {saved}/{len(self.victims)} victims"
         self._add_event("end", "", NOBODY, f"mission ends: {END_TEXTS[end]}; {count}")
 
-    def _all_places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the positions of victims, then of areas, shape (n, 2), and the reach of each, shape (n,) [m]."""
+    def _all_places(self) -> _core.base.Places:
+        """Return the places of victims, then of areas, with the reach of each."""
         places = [victim.position for victim in self.victims] + [area.center for area in self._areas]
         reaches = [self._save_distance_m] * len(self.victims) + [area.radius_m for area in self._areas]
-        return np.array(places, dtype=np.float64).reshape(-1, 2), np.array(reaches, dtype=np.float64)
+        return _core.base.Places(places, reaches)
 
     def _change_task(self) -> None:
         self._epoch += 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from operator import attrgetter
 
 import msgspec
 import numpy as np
@@ -20,6 +21,9 @@ class Change(msgspec.Struct, frozen=True, gc=False):
     subject: str
     robot_id: int
     detail: str
+
+
+_STATUS = attrgetter("excluded", "swarm", "fault")
 
 
 class TeamMonitor:
@@ -45,7 +49,7 @@ class TeamMonitor:
 
         Args: present: whether each robot is there, bool, shape (n,); None: all are.
         """
-        statuses = [(decision.excluded, decision.swarm, decision.fault) for decision in decisions]
+        statuses = list(map(_STATUS, decisions))
         if statuses == self._statuses and present is self._present:
             return []
         self._statuses, self._present = statuses, present

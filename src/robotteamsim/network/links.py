@@ -27,11 +27,11 @@ class TeamLinks:
             max_distance_m=network.max_distance_m,
             endangered_below_dbm=network.endangered_below_dbm,
         )
-        self._version = self._endangered_version = 0
-        """Of the arrays below."""
+        # Of the last step.
         self._adjacency = self._endangered = np.zeros((0, 0), dtype=np.bool_)
         self._hop_count = np.zeros((0, 0), dtype=np.int32)
         self._no_break = np.zeros((0, 0))
+        self._fiedler_value = 0.0
 
     def step(self, positions_m: np.ndarray) -> NetworkState:
         """Return the network without its traffic; arrays that did not change are those of the last step, read-only.
@@ -41,23 +41,24 @@ class TeamLinks:
         """
         core, n = self._core, len(positions_m)
         rssi_dbm = np.empty((n, n))
-        link = np.empty((n, n)) if self._by_distance else rssi_dbm
-        core.step(positions_m, rssi_dbm, link)
-        if core.version != self._version:
-            self._version = core.version
+        if self._by_distance:
+            link = np.empty((n, n))
+            has_changed = core.step(positions_m, rssi_dbm, link)
+        else:
+            link = rssi_dbm
+            has_changed = core.step(positions_m, rssi_dbm)
+        if has_changed or len(self._adjacency) != n:
             self._adjacency, self._hop_count = _read_only(core.adjacency()), _read_only(core.hop_count())
-            self._no_break = _read_only(np.zeros((n, n)))
-        if core.endangered_version != self._endangered_version:
-            self._endangered_version = core.endangered_version
-            self._endangered = _read_only(core.endangered())
-        is_split = core.fiedler_value == 0.0
+            self._endangered, self._no_break = _read_only(core.endangered()), _read_only(np.zeros((n, n)))
+            self._fiedler_value = core.fiedler_value
+        is_split = self._fiedler_value == 0.0
         return NetworkState(
             rssi_dbm,
             link,
             self._adjacency,
             self._hop_count,
             _core.network.break_matrix(link, self._hop_count) if is_split else self._no_break,
-            core.fiedler_value,
+            self._fiedler_value,
             self._endangered,
         )
 

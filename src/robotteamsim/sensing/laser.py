@@ -28,6 +28,7 @@ class Laser:
     def __init__(self, model: LaserModel, world: World) -> None:
         self._model = model
         self._world = world
+        self.beams = model.beams
         self.core = _core_laser(world.plan, model)
         """The C++ laser, for the sensors of a team."""
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import repeat
 from typing import overload
 
 import msgspec
 import numpy as np
+from msgspec.structs import astuple
 
-from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.geometry import Pose, PoseReading, Twist, pose_of
 
 
 class OdometryReading(msgspec.Struct, frozen=True, gc=False):
@@ -70,21 +72,72 @@ NOTHING_HEARD = VoiceReading(0.0, False, (math.nan, math.nan), 0.0)
 """The voice reading of a robot that is not there."""
 
 
-class RobotReading(msgspec.Struct, frozen=True, gc=False, eq=False):
-    """What the world gives one robot in one step.
+ROW_LENGTH = 24
+"""Numbers in a row of `TeamReadings.rows`."""
 
-    ranges_m: float32, shape (beams,), first beam at angle_min; no return as the scenario says.
+
+class RobotReading(msgspec.Struct, frozen=True, gc=False, eq=False):
+    """What one robot measures in one step.
+
+    row:      pose, velocity, odometry and contact as a row of `TeamReadings.rows`; the properties decode it.
+    ranges_m: float32, shape (beams,), first beam at angle_min; no return as the scenario defines it.
     contact_angles_rad: directions of contacts from base_link, ascending in (-pi, pi].
-    further:  of sensors that not every robot has.
+    further:  of sensors that only some robots have.
     """
 
-    ground_truth: PoseReading
-    twist: Twist
-    odometry: OdometryReading
+    row: Sequence[float]
     ranges_m: np.ndarray
-    in_contact: bool
     contact_angles_rad: tuple[float, ...] = ()
     further: FurtherReadings = NOTHING_FURTHER
+
+    @classmethod
+    def of(
+        cls,
+        ground_truth: PoseReading,
+        twist: Twist,
+        odometry: OdometryReading,
+        ranges_m: np.ndarray,
+        in_contact: bool,
+        contact_angles_rad: tuple[float, ...] = (),
+        further: FurtherReadings = NOTHING_FURTHER,
+    ) -> RobotReading:
+        """Return the reading that consists of these parts."""
+        row = (
+            *astuple(ground_truth),
+            *astuple(twist),
+            *astuple(odometry.pose),
+            *astuple(odometry.twist),
+            *odometry.pose_covariance,
+            *odometry.twist_variances,
+            float(in_contact),
+        )
+        return cls(row, ranges_m, contact_angles_rad, further)
+
+    @property
+    def ground_truth(self) -> PoseReading:
+        """The true pose in `map`; NaN for an absent robot, whose other readings mean nothing."""
+        return PoseReading(*self.row[:4])
+
+    @property
+    def true_pose(self) -> Pose:
+        """The true pose in `map` with its yaw in (-pi, pi]."""
+        return pose_of(*self.row[:4])
+
+    @property
+    def twist(self) -> Twist:
+        """The true velocity in `base_link`."""
+        return Twist(*self.row[4:7])
+
+    @property
+    def odometry(self) -> OdometryReading:
+        """The pose and the velocity that the wheels measured."""
+        row = self.row
+        return OdometryReading(PoseReading(*row[7:11]), Twist(*row[11:14]), tuple(row[14:20]), tuple(row[20:23]))
+
+    @property
+    def in_contact(self) -> bool:
+        """Whether the robot touches something."""
+        return self.row[23] > 0.0
 
 
 # Not frozen: it keeps the records that `one_by_one` makes.
@@ -92,30 +145,48 @@ class RobotReading(msgspec.Struct, frozen=True, gc=False, eq=False):
 class TeamReadings(Sequence[RobotReading]):
     """The readings of all robots in one step, in id order: as arrays, or one by one.
 
-    ground_truth: float64, shape (n, 4): x, y [m], qz, qw in `map`; NaN of a robot that is not there, whose other
-                  readings mean nothing.
-    positions_m:  float64, shape (n, 2): x, y of the same.
-    twists:       float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s] in `base_link`.
-    odometry:     float64, shape (n, 16): x, y [m], qz, qw in `odom`, the twist that the wheels measured, then the
-                  covariances of `OdometryReading`, six and three.
-    ranges_m:     float32 per robot, shape (beams,) [m].
-    in_contact:   bool, shape (n,).
-    contact_angles_rad: of those that touch something, by their ids.
-    further:      of sensors that not every robot has; empty where none has any.
+    rows:     float64, shape (n, 24). Columns: the true pose x, y [m], qz, qw in `map`; the true velocity forward, left
+              [m/s], counter-clockwise [rad/s] in `base_link`; the pose in `odom` and the velocity that the wheels
+              measured; the covariances of `OdometryReading`, six and three; 1 for a robot that touches something.
+              An absent robot's true pose is NaN, and its other readings mean nothing.
+    ranges_m: float32 per robot, shape (beams,) [m].
+    contact_angles_rad: of the robots that touch something, by id.
+    further:  of sensors that only some robots have; empty if no robot has any.
     """
 
-    ground_truth: np.ndarray
-    positions_m: np.ndarray
-    twists: np.ndarray
-    odometry: np.ndarray
+    rows: np.ndarray
     ranges_m: Sequence[np.ndarray] | np.ndarray
-    in_contact: np.ndarray
     contact_angles_rad: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
     further: Sequence[FurtherReadings] = ()
     _readings: tuple[RobotReading, ...] = field(default=(), init=False, repr=False)
 
+    @property
+    def ground_truth(self) -> np.ndarray:
+        """The true poses, shape (n, 4)."""
+        return self.rows[:, :4]
+
+    @property
+    def positions_m(self) -> np.ndarray:
+        """The true positions in `map`, C-contiguous, shape (n, 2) [m]."""
+        return np.ascontiguousarray(self.rows[:, :2])
+
+    @property
+    def twists(self) -> np.ndarray:
+        """The true velocities, shape (n, 3)."""
+        return self.rows[:, 4:7]
+
+    @property
+    def odometry(self) -> np.ndarray:
+        """The readings of the odometry, shape (n, 16)."""
+        return self.rows[:, 7:23]
+
+    @property
+    def in_contact(self) -> np.ndarray:
+        """Whether each robot touches something, bool, shape (n,)."""
+        return self.rows[:, 23] > 0.0
+
     def __len__(self) -> int:
-        return len(self.ranges_m)
+        return len(self.rows)
 
     @overload
     def __getitem__(self, index: int) -> RobotReading: ...
@@ -133,63 +204,23 @@ class TeamReadings(Sequence[RobotReading]):
         Raises: ValueError: the arrays have different lengths.
         """
         if not self._readings:
-            further = self.further or [NOTHING_FURTHER] * len(self)
-            rows = zip(
-                self.ground_truth.tolist(),
-                self.twists.tolist(),
-                self.odometry.tolist(),
-                self.ranges_m,
-                self.in_contact.tolist(),
-                further,
-                strict=True,
-            )
-            angles_rad = self.contact_angles_rad
-            self._readings = tuple(
-                [
-                    RobotReading(
-                        PoseReading(*truth),
-                        Twist(*twist),
-                        _odometry_reading(*odometry),
-                        ranges_m,
-                        in_contact,
-                        angles_rad.get(robot_id, ()) if in_contact else (),
-                        rest,
-                    )
-                    for robot_id, (truth, twist, odometry, ranges_m, in_contact, rest) in enumerate(rows)
-                ]
-            )
+            n, further = len(self), self.further or (NOTHING_FURTHER,) * len(self)
+            if len(self.ranges_m) != n or len(further) != n:
+                raise ValueError(f"{n} rows, {len(self.ranges_m)} scans and {len(further)} further readings")
+            angles = self.contact_angles_rad
+            angles_rad = [angles.get(robot_id, ()) for robot_id in range(n)] if angles else repeat((), n)
+            self._readings = tuple(map(RobotReading, self.rows.tolist(), self.ranges_m, angles_rad, further))
         return self._readings
 
 
-def _odometry_reading(
-    x_m: float, y_m: float, qz: float, qw: float, v_x: float, v_y: float, turn: float, *covariances: float
-) -> OdometryReading:
-    """Return the reading in a row of `TeamReadings.odometry`."""
-    pose, twist = PoseReading(x_m, y_m, qz, qw), Twist(v_x, v_y, turn)
-    return OdometryReading(pose, twist, covariances[:6], covariances[6:])
-
-
-def ground_truth_rows(readings: Sequence[RobotReading]) -> np.ndarray:
-    """Return the true poses as `TeamReadings` has them: float64, shape (n, 4)."""
+def reading_rows(readings: Sequence[RobotReading]) -> np.ndarray:
+    """Return the readings as `TeamReadings.rows`: float64, shape (n, 24)."""
     if isinstance(readings, TeamReadings):
-        return readings.ground_truth
-    rows = [pose_row(reading.ground_truth) for reading in readings]
-    return np.array(rows, dtype=np.float64).reshape(-1, 4)
-
-
-def pose_row(pose: PoseReading) -> tuple[float, float, float, float]:
-    """Return a pose as a row of `TeamReadings.ground_truth`."""
-    return pose.x_m, pose.y_m, pose.qz, pose.qw
-
-
-def contact_flags(readings: Sequence[RobotReading]) -> np.ndarray:
-    """Return whether each robot touches something, as `TeamReadings` has it: bool, shape (n,)."""
-    if isinstance(readings, TeamReadings):
-        return readings.in_contact
-    return np.array([reading.in_contact for reading in readings], dtype=bool)
+        return readings.rows
+    return np.array([reading.row for reading in readings], dtype=np.float64).reshape(-1, ROW_LENGTH)
 
 
 _NOWHERE = PoseReading(math.nan, math.nan, math.nan, math.nan)
 
-NOT_THERE = RobotReading(_NOWHERE, Twist(), OdometryReading(_NOWHERE, Twist()), np.zeros(0, np.float32), False)
+NOT_THERE = RobotReading.of(_NOWHERE, Twist(), OdometryReading(_NOWHERE, Twist()), np.zeros(0, np.float32), False)
 """The reading of a robot that is not there."""

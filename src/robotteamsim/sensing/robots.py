@@ -12,7 +12,7 @@ from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.sensing.further import FurtherSensors
 from robotteamsim.sensing.laser import Laser
 from robotteamsim.sensing.odometry import TeamOdometry
-from robotteamsim.sensing.readings import TeamReadings
+from robotteamsim.sensing.readings import ROW_LENGTH, TeamReadings
 from robotteamsim.world import World
 
 
@@ -33,8 +33,8 @@ class RobotSensors:
             (Laser(model, world), [robot_id for robot_id, robot in enumerate(self._robots) if robot.laser == model])
             for model in models
         ]
-        noisy = any(model.noise_m > 0.0 for model in models)
-        self._no_noise_m: list[np.ndarray] | None = None if noisy else [np.empty((0, 0)) for _ in models]
+        self._scan_shapes = [(len(robot_ids), laser.beams) for laser, robot_ids in self._lasers]
+        self._has_laser_noise = any(model.noise_m > 0.0 for model in models)
         self._further = FurtherSensors(world, robots, seed)
         self.reset()
 
@@ -45,22 +45,18 @@ class RobotSensors:
         """
         if self._world.arrivals is not self._arrivals:
             self._begin_for_those_who_came()
-        noise_m = self._no_noise_m
-        if noise_m is None:
-            kinds = zip(self._lasers, self._laser_streams, strict=True)
-            noise_m = [laser.noise_m(streams) for (laser, _), streams in kinds]
+        rows = np.empty((len(self._robots), ROW_LENGTH))
+        scans_m = [np.empty(shape, dtype=np.float32) for shape in self._scan_shapes]
+        self._core.read(self._world.core, self._odometry.next_noise(), self._laser_noise_m(), rows, scans_m)
         further = self._further.read() if self._further.has_any else ()
-        readings = self._core.read(self._world.core, self._odometry.next_noise(), noise_m)
-        return TeamReadings(
-            ground_truth=readings.ground_truth,
-            positions_m=readings.positions_m,
-            twists=readings.twists,
-            odometry=readings.odometry,
-            ranges_m=self._by_robot(readings.scans_m),
-            in_contact=readings.in_contact,
-            contact_angles_rad=self._world.contact_angles_rad(),
-            further=further,
-        )
+        return TeamReadings(rows, self._by_robot(scans_m), self._world.contact_angles_rad(), further)
+
+    def _laser_noise_m(self) -> list[np.ndarray]:
+        """Draw the noise of each kind of laser; empty where no laser has any."""
+        if not self._has_laser_noise:
+            return []
+        kinds = zip(self._lasers, self._laser_streams, strict=True)
+        return [laser.noise_m(streams) for (laser, _), streams in kinds]
 
     def _by_robot(self, scans_m: Sequence[np.ndarray]) -> Sequence[np.ndarray] | np.ndarray:
         """Return the scans in the order of robots. Args: scans_m: of each kind of laser, in the order of its robots."""

@@ -63,7 +63,7 @@ class VoiceSensor:
             self._core = _core.sensing.VoiceSensor(
                 voice_map.origin_m, voice_map.resolution_m, voice_map.values, radius_m
             )
-        return tuple([VoiceReading(*reading) for reading in self._core.hear(positions_m)])
+        return tuple(self._core.hear(positions_m))
 
     def silence(self, name: str) -> None:
         """Let a victim fall silent. Raises: ValueError: no such victim."""

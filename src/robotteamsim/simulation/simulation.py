@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from operator import attrgetter
 
 import msgspec
 import numpy as np
@@ -16,13 +17,15 @@ from robotteamsim.mission.status import Event
 from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import RobotReading, TeamReadings, VoiceReading, ground_truth_rows
+from robotteamsim.sensing.readings import RobotReading, VoiceReading, reading_rows
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.tally import Tally
 from robotteamsim.world import World
 from robotteamsim.world.placement import check_places, placed_robots
+
+_TWIST, _OUTBOX = attrgetter("twist"), attrgetter("outbox")
 
 
 class Simulation:
@@ -57,9 +60,10 @@ class Simulation:
         """Advance by one step and return all that happened in it."""
         self._move_world()
         readings = self.sensors.read()
-        voices, network, inboxes = self._deliver(readings.positions_m)
-        self._decisions = self._decide(readings, voices, inboxes)
-        events = self._judge(readings.positions_m, voices, network, inboxes)
+        positions_m = readings.positions_m
+        voices, network, inboxes = self._deliver(positions_m)
+        self._decisions = self._decide(readings.one_by_one(), voices, inboxes)
+        events = self._judge(positions_m, voices, network, inboxes)
         world, mission = self.world, self.mission
         return StepRecord(
             step_index=world.step_index,
@@ -81,7 +85,7 @@ class Simulation:
 
     def _move_world(self) -> None:
         """Move the world by the last decisions; voice, radio and mission follow its doors."""
-        self.world.step([decision.twist for decision in self._decisions])
+        self.world.step(list(map(_TWIST, self._decisions)))
         doors = self.world.door_states()
         if doors.version != self._doors_version:
             self._doors_version = doors.version
@@ -92,7 +96,7 @@ class Simulation:
         self, positions_m: np.ndarray
     ) -> tuple[tuple[VoiceReading, ...], NetworkState, Sequence[Sequence[Message]]]:
         """Let each robot hear, and deliver what was sent in the last step."""
-        outboxes = [decision.outbox for decision in self._decisions]
+        outboxes = list(map(_OUTBOX, self._decisions))
         return self.environment.step(positions_m, outboxes, self._saved, self.world.present)
 
     def _decide(
@@ -103,13 +107,11 @@ class Simulation:
     ) -> tuple[Decision, ...]:
         """Let each controller observe and decide."""
         sim_time_ns, task = self.world.sim_time_ns, self._task
-        received = zip(self._present_controllers(), readings, voices, inboxes, strict=True)
-        return tuple(
-            [
-                controller.step(Observation(robot_id, sim_time_ns, reading, voice), inbox, task)
-                for robot_id, (controller, reading, voice, inbox) in enumerate(received)
-            ]
-        )
+        decisions = []
+        for robot_id, controller in enumerate(self._present_controllers()):
+            observation = Observation(robot_id, sim_time_ns, readings[robot_id], voices[robot_id])
+            decisions.append(controller.step(observation, inboxes[robot_id], task))
+        return tuple(decisions)
 
     def _judge(
         self,
@@ -232,6 +234,4 @@ _ABSENT = _Absent()
 
 def true_positions_m(readings: Sequence[RobotReading]) -> np.ndarray:
     """Return the robots' true positions in `map`, float64 of shape (n, 2) [m]."""
-    if isinstance(readings, TeamReadings):
-        return readings.positions_m
-    return np.ascontiguousarray(ground_truth_rows(readings)[:, :2])
+    return np.ascontiguousarray(reading_rows(readings)[:, :2])

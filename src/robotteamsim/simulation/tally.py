@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
+from operator import attrgetter
 
 import msgspec
 import numpy as np
 
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import contact_flags, ground_truth_rows
+from robotteamsim.sensing.readings import reading_rows
 from robotteamsim.simulation.record import Result, StepRecord
 from robotteamsim.simulation.team_totals import TeamTotals
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
@@ -17,15 +18,17 @@ _PENDING_STEPS = 64
 """Steps are added up in blocks of this many: NumPy calls cost about the same for one step as for many."""
 
 
-class _Step(msgspec.Struct, frozen=True, gc=False, eq=False):
-    """What is added up of a step; the rest of its readings is not kept, so that its memory is free for the next ones.
+_EXCLUDED = attrgetter("excluded")
 
-    ground_truth: rows of true poses, as in `TeamReadings`.  running: whether the mission runs.
+
+class _Step(msgspec.Struct, frozen=True, gc=False, eq=False):
+    """The values of a step that are added up. The record itself is not kept, so that its scans are freed.
+
+    rows: as in `TeamReadings`.  running: whether the mission runs.
     """
 
     sim_time_ns: int
-    ground_truth: np.ndarray
-    in_contact: np.ndarray
+    rows: np.ndarray
     excluded: list[bool]
     running: bool
 
@@ -47,9 +50,8 @@ class Tally:
         self._pending.append(
             _Step(
                 record.sim_time_ns,
-                ground_truth_rows(record.readings),
-                contact_flags(record.readings),
-                [decision.excluded for decision in record.decisions],
+                reading_rows(record.readings),
+                list(map(_EXCLUDED, record.decisions)),
                 record.mission.state == "running",
             )
         )
@@ -88,12 +90,11 @@ class Tally:
         if not self._pending:
             return
         steps = self._pending
-        shape = (len(steps), len(steps[0].excluded))
-        ground_truth = np.concatenate([step.ground_truth for step in steps]).reshape(*shape, 4)
-        self._hash.update_all([step.sim_time_ns for step in steps], ground_truth)
+        rows = np.stack([step.rows for step in steps])
+        self._hash.update_all([step.sim_time_ns for step in steps], rows[:, :, :4])
         self._totals.update(
-            ground_truth[:, :, :2],
-            np.concatenate([step.in_contact for step in steps]).reshape(shape),
+            np.ascontiguousarray(rows[:, :, :2]),
+            rows[:, :, 23] > 0.0,
             np.array([step.excluded for step in steps], dtype=bool),
             np.array([step.running for step in steps]),
         )

@@ -6,9 +6,9 @@ import hashlib
 from collections.abc import Sequence
 
 import numpy as np
+from msgspec.structs import astuple
 
 from robotteamsim.geometry import PoseReading
-from robotteamsim.sensing.readings import pose_row
 
 
 class TrajectoryHash:
@@ -23,7 +23,7 @@ class TrajectoryHash:
 
     def update(self, sim_time_ns: int, ground_truth: Sequence[PoseReading] | np.ndarray) -> None:
         """Take in one step. Args: ground_truth: as an array: shape (n, 4)."""
-        rows = ground_truth if isinstance(ground_truth, np.ndarray) else np.array(list(map(pose_row, ground_truth)))
+        rows = ground_truth if isinstance(ground_truth, np.ndarray) else np.array(list(map(astuple, ground_truth)))
         self.update_all([sim_time_ns], rows[np.newaxis])
 
     def update_all(self, sim_times_ns: Sequence[int], ground_truth: np.ndarray) -> None:

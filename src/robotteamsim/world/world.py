@@ -121,7 +121,7 @@ class World:
 
         Angles in `base_link`, ascending in (-pi, pi], from the robot's centre; contacts within 0.05 rad count as one.
         """
-        return {robot_id: tuple(angles) for robot_id, angles in self.core.contact_angles().items()}
+        return self.core.contact_angles()
 
     def objects(self) -> dict[str, Pose]:
         """Return the pose of each object's centre in `map`, by name, in the scenario's order."""

@@ -32,11 +32,11 @@ TEST(NearestPoint, IsTheFirstOfEquallyNearOnes) {
   EXPECT_THROW(NearestPoint({0.0, 0.0}, {}), std::invalid_argument);
 }
 
-TEST(ReachedPlaces, AreThoseWithAPointWithinTheirReach) {
+TEST(Places, AreThoseWithAPointWithinTheirReach) {
   const std::vector<Point> points{{0.0, 0.0}, {4.0, 0.0}}, places{{1.0, 0.0}, {2.0, 0.0}, {9.0, 0.0}};
   const std::vector<std::pair<int, int>> expected{{0, 0}, {1, 0}};
-  EXPECT_EQ(ReachedPlaces(points, places, {1.0, 2.0, 3.0}), expected);
-  EXPECT_THROW(ReachedPlaces(points, places, {1.0}), std::invalid_argument);
+  EXPECT_EQ(Places(places, {1.0, 2.0, 3.0}).Reached(points), expected);
+  EXPECT_THROW(Places(places, {1.0}), std::invalid_argument);
 }
 
 }  // namespace

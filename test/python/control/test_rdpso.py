@@ -28,7 +28,7 @@ def observation(
     step: int, x: float = 3.0, y: float = 4.0, voice: VoiceReading | None = None, odometry: Pose | None = None
 ):
     """Return what robot 0 perceives in an empty place, at step * 0.1 s."""
-    reading = RobotReading(
+    reading = RobotReading.of(
         ground_truth=PoseReading.from_pose(Pose(x, y, 0.0)),
         twist=Twist(),
         odometry=OdometryReading(PoseReading.from_pose(odometry or Pose(0.0, 0.0, 0.0)), Twist()),

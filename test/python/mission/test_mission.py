@@ -339,18 +339,18 @@ def test_places_are_reached_by_the_nearest_robot_within_reach_the_first_of_equal
         reaches_m = generator.integers(0, 4, 9) * 0.5
         apart_m = np.hypot(*(places_m[:, None] - points_m[None]).transpose(2, 0, 1))
         expected = [(place, int(np.argmin(row))) for place, row in enumerate(apart_m) if row.min() <= reaches_m[place]]
-        assert _core.base.reached_places(points_m, places_m, reaches_m) == expected
-        other = np.asfortranarray(places_m), reaches_m.astype(np.float32)
-        assert _core.base.reached_places(points_m, *other) == expected
+        places = _core.base.Places(list(map(tuple, places_m.tolist())), reaches_m.tolist())
+        assert places.reached(points_m) == expected
+        assert places.reached(np.asfortranarray(points_m)) == expected
 
 
 def test_places_that_are_no_numbers_are_refused():
     with pytest.raises(TypeError, match="incompatible function arguments"):
-        _core.base.reached_places([["here", "there"]], np.zeros((1, 2)), np.zeros(1))
+        _core.base.Places([("here", "there")], [0.0])
     with pytest.raises(TypeError, match="incompatible function arguments"):
-        _core.base.reached_places(np.zeros((1, 3)), np.zeros((1, 2)), np.zeros(1))
+        _core.base.Places([(0.0, 0.0)], [0.0]).reached(np.zeros((1, 3)))
     with pytest.raises(ValueError, match="one reach per place"):
-        _core.base.reached_places(np.zeros((1, 2)), np.zeros((1, 2)), np.zeros(2))
+        _core.base.Places([(0.0, 0.0)], [0.0, 0.0])
 
 
 def test_robots_that_go_and_come_are_events(course):

@@ -72,7 +72,7 @@ class Trial:
             twist_variances=(0.01, 0.0, 0.02),
         )
         ranges_m = np.linspace(0.5, 5.0, 181, dtype=np.float32)
-        return RobotReading(truth, Twist(0.5, 0.0, 0.0), odometry, ranges_m, in_contact=False)
+        return RobotReading.of(truth, Twist(0.5, 0.0, 0.0), odometry, ranges_m, in_contact=False)
 
     @staticmethod
     def network() -> NetworkState:

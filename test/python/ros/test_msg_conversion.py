@@ -30,7 +30,7 @@ RANGES_M = np.array([0.1, 5.0, np.inf], dtype=np.float32)
 BELIEVED = OdometryReading(
     PLACE, MOTION, tuple((np.arange(1.0, 7.0) / 7.0).tolist()), (0.1 + 0.2, 0.2 / 3.0, 1.0 / 3.0)
 )
-READING = RobotReading(PLACE, MOTION, BELIEVED, RANGES_M, True)
+READING = RobotReading.of(PLACE, MOTION, BELIEVED, RANGES_M, True)
 
 
 @pytest.fixture

@@ -39,7 +39,7 @@ def step(trial: Trial, index: int, *places_m: tuple[float, float]) -> list[str]:
     network = NetworkState(nothing, nothing, nothing > 0, nothing.astype(np.int32), nothing, 0.0, nothing > 0)
     events = trial.step(
         index * STEP_NS,
-        tuple(RobotReading(p, Twist(), OdometryReading(p, Twist()), np.zeros(0, np.float32), False) for p in poses),
+        tuple(RobotReading.of(p, Twist(), OdometryReading(p, Twist()), np.zeros(0, np.float32), False) for p in poses),
         tuple(VoiceReading(0.0, False, (pose.x_m, pose.y_m), 0.0) for pose in poses),
         network,
         (Decision(), Decision()),

@@ -76,15 +76,9 @@ class FakeSensors:
 
     def read(self):
         self.parts.calls.append(("sensors",))
-        x_m, y_m = 3.0 + self.parts.step_index, 5.0
-        return TeamReadings(
-            ground_truth=np.array([[x_m, y_m, 0.0, 1.0]] * 2),
-            positions_m=np.array([[x_m, y_m]] * 2),
-            twists=np.array([[0.5, 0.0, 0.0]] * 2),
-            odometry=np.zeros((2, 16)),
-            ranges_m=np.ones((2, 3), np.float32),
-            in_contact=np.zeros(2, bool),
-        )
+        rows = np.zeros((2, 24))
+        rows[:, :5] = 3.0 + self.parts.step_index, 5.0, 0.0, 1.0, 0.5
+        return TeamReadings(rows, np.ones((2, 3), np.float32))
 
 
 class FakeEnvironment:

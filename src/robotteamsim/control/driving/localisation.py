@@ -21,7 +21,7 @@ class Localiser:
     def map_T_base_link(self, reading: RobotReading) -> Pose:  # noqa: N802
         """Return the robot's pose in `map`."""
         if self._map_T_odom is None:
-            return reading.ground_truth.pose
+            return reading.true_pose
         return self._map_T_odom @ reading.odometry.pose.pose
 
 

@@ -46,7 +46,7 @@ class Navigator:
               speed_mps: not to be exceeded.  sim_time_ns: the observation's stamp.
               teammates: returns where other robots were last heard to be, in `map` [m]; called when the robot is stuck.
         """
-        return Twist(*self._core.drive(grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates))
+        return self._core.drive(grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates)
 
 
 def laser_layout(laser: Laser) -> _core.control.LaserLayout:

@@ -7,7 +7,7 @@ import logging
 import re
 import traceback
 from collections.abc import Callable, Sequence
-from math import isfinite
+from math import dist, hypot, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from robotteamsim.interface import EVERYBODY, OUTSIDE, Controller, Decision, Mes
 _LARGEST = 2**31 - 1
 """ROS messages and bags hold numbers of swarms and search counters in 32 bits."""
 
+_ORIGIN = (0.0, 0.0)
 _TRUTHS = (bool, np.bool_)
 _WHOLE = (int, np.integer)
 _NUMBERS = (float, int, np.number)
@@ -77,8 +78,9 @@ def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
     """Return what is wrong with what a controller decided, in a few words; "" where nothing is."""
     if not isinstance(decision, Decision):
         return f"decide returned {_shown(decision)}; expected a Decision"
-    if not isinstance(decision.twist, Twist) or not _is_finite(decision.twist):
-        return f"decide returned {decision.twist!r:.120}; expected a Twist of finite numbers"
+    twist = decision.twist
+    if not isinstance(twist, Twist) or not _is_finite(twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps):
+        return f"decide returned {twist!r:.120}; expected a Twist of finite numbers"
     if decision.goal_m is not None and not _is_point(decision.goal_m):
         return f"decide returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
     if not isinstance(decision.outbox, (tuple, list)):
@@ -114,18 +116,16 @@ def _problem_of_status(
     return ""
 
 
-def _is_finite(twist: Twist) -> bool:
+def _is_finite(*numbers: float) -> bool:
     try:
-        # NaN and infinity survive a sum.
-        return isfinite(twist.linear_x_mps + twist.linear_y_mps + twist.angular_z_radps)
+        return isfinite(hypot(*numbers))
     except TypeError:
         return False
 
 
 def _is_point(value: Any) -> bool:
     try:
-        x_m, y_m = value
-        return isfinite(x_m + y_m)
+        return isfinite(dist(value, _ORIGIN))
     except (TypeError, ValueError):
         return False
 

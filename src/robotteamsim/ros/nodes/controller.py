@@ -120,7 +120,7 @@ class ControllerSlot:
         # A real robot that navigates by odometry has no ground truth.
         ground_truth = step.latest(self._truth) or odometry
         contact = step.latest(self._contact)
-        robot = RobotReading(
+        robot = RobotReading.of(
             ground_truth=ground_truth.pose,
             twist=ground_truth.twist,
             odometry=odometry,

@@ -94,7 +94,7 @@ class RobotInputs:
         """Return what the mission knows of the robot's senses: no odometry of its own, and no ranges."""
         truth = step.latest(self.ground_truth)
         contact = step.latest(self.contact)
-        return RobotReading(truth.pose, truth.twist, truth, _NO_RANGES, contact is not None and contact.in_contact)
+        return RobotReading.of(truth.pose, truth.twist, truth, _NO_RANGES, contact is not None and contact.in_contact)
 
     def heard(self, step: Step) -> VoiceReading:
         """Return what the robot hears."""

@@ -31,7 +31,7 @@ class TeamOutputs:
         """Args: localized: tf has map -> odom, too, free of error."""
         self._make = make = RosTypes()
         ids = range(len(robots))
-        still = RobotReading(_ORIGIN.pose, _ORIGIN.twist, _ORIGIN, np.zeros(0, np.float32), in_contact=False)
+        still = RobotReading.of(_ORIGIN.pose, _ORIGIN.twist, _ORIGIN, np.zeros(0, np.float32), in_contact=False)
         truths = [serialized(ros_messages.ground_truth(make, 0, i, still)) for i in ids]
         odometry = [serialized(ros_messages.odometry(make, 0, i, _ORIGIN)) for i in ids]
         nothing_m = np.zeros(0, np.float32)
