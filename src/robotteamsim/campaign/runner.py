@@ -116,6 +116,9 @@ def _interrupts_kept_from_children() -> Iterator[None]:
 
     A terminal sends it to all processes; workers would print tracebacks.
     """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
     resource_tracker.ensure_running()  # Otherwise it starts later, and unblocks the signal then.
     former = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import csv
 import dataclasses
-import fcntl
 import io
 import json
 import os
@@ -13,7 +12,9 @@ import sqlite3
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
+
+from filelock import FileLock, Timeout
 
 import robotteamsim
 from robotteamsim.campaign.design import Design, Trial, settings_difference
@@ -200,14 +201,13 @@ def _outcomes(database: sqlite3.Connection) -> tuple[Outcome, ...]:
 
 
 @contextlib.contextmanager
-def _locked(folder: Path) -> Iterator[IO[bytes]]:
+def _locked(folder: Path) -> Iterator[None]:
     """Lock the folder against other campaigns. The system releases the lock when the process ends, however it does."""
-    with (folder / _LOCK_NAME).open("wb") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise CampaignError(f"{folder}: another process is running this campaign") from None
-        yield file
+    try:
+        with FileLock(folder / _LOCK_NAME, blocking=False):
+            yield
+    except Timeout:
+        raise CampaignError(f"{folder}: another process is running this campaign") from None
 
 
 @contextlib.contextmanager

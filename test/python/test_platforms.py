@@ -1,0 +1,33 @@
+"""The package on systems that are not POSIX."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+IMPORT_ALL = """
+import importlib, pkgutil, sys
+
+HIDDEN = ("fcntl", "grp", "posix_ipc", "pwd", "resource", "termios", "tty")
+# Libraries may import what this system has.
+LIBRARIES = ("cv2", "distributed", "filelock", "matplotlib.pyplot", "rosbags.rosbag1", "statsmodels.api")
+for library in LIBRARIES:
+    importlib.import_module(library)
+for name in HIDDEN:
+    sys.modules[name] = None
+
+import robotteamsim
+
+names = [module.name for module in pkgutil.walk_packages(robotteamsim.__path__, "robotteamsim.")]
+names = [name for name in names if not name.startswith(("robotteamsim.ros", "robotteamsim._ros_transport"))]
+names = [name for name in names if name.split(".")[1] not in ("msg", "srv") and not name.endswith("__main__")]
+for name in names:
+    importlib.import_module(name)
+print(len(names))
+"""
+
+
+def test_every_module_but_those_for_ros_is_imported_without_posix_modules():
+    done = subprocess.run([sys.executable, "-c", IMPORT_ALL], capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 150
