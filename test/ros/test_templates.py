@@ -1,0 +1,76 @@
+"""The homework of the tutorial in Python and in C++: built, started and driven towards a wall."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from running import ROSLAUNCH, running
+
+TEMPLATES = Path(__file__).parents[2] / "templates"
+
+DRIVE = """
+import math
+
+import rospy
+from geometry_msgs.msg import Twist, Vector3
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+
+rospy.init_node("driver", disable_rostime=True)
+commands, speeds, nearest = [], [], []
+rospy.Subscriber("cmd_vel", Twist, lambda message: commands.append(message.linear.x))
+rospy.Subscriber("base_pose_ground_truth", Odometry, lambda message: speeds.append(message.twist.twist.linear.x))
+rospy.Subscriber("base_scan", LaserScan, lambda message: nearest.append(min(message.ranges)))
+wanted = rospy.Publisher("wanted_vel", Twist, queue_size=1)
+
+
+def stands_at_the_wall():
+    return 0.25 in commands and commands[-1] == 0.0 and abs(speeds[-1]) < 1e-6
+
+
+for _ in range(6000):
+    wanted.publish(Twist(linear=Vector3(0.5, 0.0, 0.0)))
+    rospy.rostime.wallsleep(0.02)
+    if commands and speeds and nearest and stands_at_the_wall():
+        break
+print("commands", sorted(set(commands)), "nearest", round(nearest[-1], 3))
+"""
+
+
+@pytest.fixture(scope="module")
+def cpp_driver(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The program that the C++ template is built into."""
+    build = tmp_path_factory.mktemp("cpp_controller")
+    configure = (
+        "cmake",
+        "-S",
+        str(TEMPLATES / "cpp_controller"),
+        "-B",
+        str(build),
+        "-DPYTHON_EXECUTABLE=/usr/bin/python3",
+    )
+    for command in (configure, ("cmake", "--build", str(build))):
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+    return build / "devel" / "lib" / "cpp_controller" / "careful_driver"
+
+
+@pytest.mark.parametrize("language", ["python", "cpp"])
+def test_careful_driver_halves_the_speed_and_stops_before_the_wall(language, tmp_path, request):
+    command: Sequence[str] = (sys.executable, str(TEMPLATES / "controller" / "careful_driver.py"))
+    if language == "cpp":
+        command = (str(request.getfixturevalue("cpp_driver")),)
+    (tmp_path / "drive.py").write_text(DRIVE)
+    world = (*ROSLAUNCH, "robotteamsim", "world.launch", "scenario:=tutorial_arena", "speed:=3")
+    with running(world, tmp_path) as program:
+        program.wait_for(lambda line: "process[world" in line, "the world's start")
+        shared = ("env", f"ROS_MASTER_URI=http://localhost:{program.port}", "ROS_NAMESPACE=robot_0")
+        with running((*shared, *command), tmp_path), running((*shared, sys.executable, "drive.py"), tmp_path) as driver:
+            assert driver.wait() == 0, driver.output
+    assert "commands [0.0, 0.25, 0.5]" in driver.output, driver.output
+    nearest_m = float(driver.output.split("nearest")[1])
+    assert 0.2 < nearest_m < 0.3
