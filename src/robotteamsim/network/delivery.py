@@ -1,4 +1,4 @@
-"""How messages travel: hop by hop over the links of each step, with a delay per hop and losses on weak links."""
+"""Delivery of messages: hop by hop over the links of each step, with a delay per hop and losses on weak links."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class Links(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class _Flight:
-    """A message under way.
+    """A message in transit.
 
     sent_step: the step in which it was sent.       number: its place in the outbox of that step.
-    hops:      made so far.                         reached: bool, shape (n,): who has received it.
-    holders:   ids of the robots that pass it on in the next hop.
+    hops:      made so far.                         reached: bool, shape (n,): the robots that have received it.
+    holders:   ids of the robots that forward it in the next hop.
     """
 
     message: Message
@@ -46,9 +46,9 @@ class _Flight:
 
 
 def loss_probability(rssi_dbm: np.ndarray, network: NetworkSection) -> np.ndarray:
-    """Return how likely a message is lost on links of these signals [dBm], in one hop; same shape.
+    """Return the probability that a message is lost in one hop over links with these signals [dBm]; same shape.
 
-    It rises linearly from 0 at `endangered_below_dbm` to 1 at `lost_below_dbm`; where both are one, no link loses any.
+    It rises linearly from 0 at `endangered_below_dbm` to 1 at `lost_below_dbm`; if both are equal, nothing is lost.
     """
     if network.loss == "none" or network.endangered_below_dbm == network.lost_below_dbm:
         return np.zeros_like(rssi_dbm)
@@ -59,10 +59,10 @@ def loss_probability(rssi_dbm: np.ndarray, network: NetworkSection) -> np.ndarra
 class Delivery:
     """Carries messages between `num_robots` robots.
 
-    A message to one robot takes, at each hop, a link of the shortest path of that moment, of equal ones the strongest,
-    and is dropped where none leads on. A message to everybody floods: who gets it passes it on once, to all in reach.
-    Losses are drawn per link from the stream ("network", step, transmitter), so they follow from the seed, the step,
-    the pair and how much the transmitter has sent in that step, and from nothing else.
+    A message to one robot follows, at each hop, the shortest path of that moment, over the strongest of equally good
+    links, and is dropped if there is none. A message to everybody floods the network: each robot that receives it
+    forwards it once, to all neighbours. Losses are drawn per link from the stream ("network", step, transmitter), so
+    they depend only on the seed, the step, the pair and the number of messages that the transmitter sent in that step.
     """
 
     def __init__(self, network: NetworkSection, num_robots: int, seed: int, step_ns: int) -> None:
@@ -71,12 +71,12 @@ class Delivery:
         self._seed = seed
         self._step_ns = step_ns
         self._hop_delay_ns = round(network.hop_delay_s * 1e9)
-        # If so, every message arrives in the next step or never, and nothing is drawn or kept.
+        # If so, every message arrives in the next step or never; nothing is drawn or kept.
         self._is_instant = network.loss == "none" and self._hop_delay_ns * (num_robots - 1) <= step_ns
         self.reset()
 
     def reset(self) -> None:
-        """Forget messages under way and begin with the first step."""
+        """Forget messages in transit and start again at the first step."""
         self._step = 0
         self._flights: list[_Flight] = []
         self._generators: dict[int, np.random.Generator] = {}
@@ -88,9 +88,9 @@ class Delivery:
         outboxes: Sequence[Sequence[Message]],
         refused: tuple[Refusal, ...],
     ) -> tuple[Inboxes, Traffic]:
-        """Take what was sent in the last step, carry all messages under way, and return what arrives in this one.
+        """Accept the messages of the last step, carry all messages in transit, and return those that arrive now.
 
-        Args: outboxes: one sequence per robot in id order; empty if nobody sent anything.
+        Args: outboxes: one sequence per robot in id order; empty if no robot sent anything.
         """
         self._step += 1
         if not self._is_instant:

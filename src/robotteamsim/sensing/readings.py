@@ -1,4 +1,4 @@
-"""What a robot perceives in one step, in the form in which ROS messages carry it."""
+"""The readings of a robot's sensors in one step, in the form in which ROS messages carry them."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class VoiceReading(msgspec.Struct, frozen=True, gc=False):
 
 
 class Fix(msgspec.Struct, frozen=True, gc=False):
-    """A position on the earth by satellite: on the ellipsoid WGS84, with the variance to the east and to the north."""
+    """A position by satellite on the ellipsoid WGS84, with its variance to the east and to the north."""
 
     latitude_deg: float
     longitude_deg: float
@@ -54,7 +54,7 @@ class Fix(msgspec.Struct, frozen=True, gc=False):
 
 
 class FurtherReadings(msgspec.Struct, frozen=True, gc=False, eq=False):
-    """Readings of the sensors that not every robot has; None of a sensor that has none in this step.
+    """Readings of sensors that only some robots have; None for a sensor without a reading in this step.
 
     scans_m:  of `robots.lasers`, in their order: float32, shape (beams,) [m].
     sonars_m: of `robots.sonars`, in their order: float32 [m].
@@ -69,7 +69,7 @@ class FurtherReadings(msgspec.Struct, frozen=True, gc=False, eq=False):
 NOTHING_FURTHER = FurtherReadings()
 
 NOTHING_HEARD = VoiceReading(0.0, False, (math.nan, math.nan), 0.0)
-"""The voice reading of a robot that is not there."""
+"""The voice reading of an absent robot."""
 
 
 ROW_LENGTH = 24
@@ -223,4 +223,4 @@ def reading_rows(readings: Sequence[RobotReading]) -> np.ndarray:
 _NOWHERE = PoseReading(math.nan, math.nan, math.nan, math.nan)
 
 NOT_THERE = RobotReading.of(_NOWHERE, Twist(), OdometryReading(_NOWHERE, Twist()), np.zeros(0, np.float32), False)
-"""The reading of a robot that is not there."""
+"""The reading of an absent robot."""

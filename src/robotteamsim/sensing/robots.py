@@ -1,4 +1,4 @@
-"""All that robots perceive of the world by themselves: laser, odometry, contact."""
+"""The sensors of all robots: laser, odometry, contact and further sensors."""
 
 from __future__ import annotations
 
@@ -17,14 +17,16 @@ from robotteamsim.world import World
 
 
 class RobotSensors:
-    """The sensors of all robots of a world. Random streams: ("odometry", id), ("laser", id); `FurtherSensors`' own.
+    """The sensors of all robots of a world.
 
-    With a robot that comes (again) its sensors begin anew; from the second time on that number ends the names of its
-    streams, so nothing that it draws depends on what was before.
+    Random streams: ("odometry", id), ("laser", id), and those of `FurtherSensors`.
+
+    When a robot arrives, its sensors restart. From the second arrival on, the names of its streams end with the number
+    of the arrival, so that its noise does not depend on what happened before.
     """
 
     def __init__(self, world: World, robots: Sequence[PlacedRobot], seed: int) -> None:
-        """Args: robots: those that the world was built with, in id order."""
+        """Args: robots: those of the world, in id order."""
         self._world = world
         self._robots = tuple(robots)
         self._seed = seed
@@ -39,12 +41,12 @@ class RobotSensors:
         self.reset()
 
     def read(self) -> TeamReadings:
-        """Return every robot's reading after the step that the world made last, in id order.
+        """Return the reading of every robot after the last step of the world, in id order.
 
-        Odometry adds that step's motion, so this is called once after each step.
+        Odometry adds the motion of that step, so call this once after each step.
         """
         if self._world.arrivals is not self._arrivals:
-            self._begin_for_those_who_came()
+            self._restart_arrived()
         rows = np.empty((len(self._robots), ROW_LENGTH))
         scans_m = [np.empty(shape, dtype=np.float32) for shape in self._scan_shapes]
         self._core.read(self._world.core, self._odometry.next_noise(), self._laser_noise_m(), rows, scans_m)
@@ -59,7 +61,7 @@ class RobotSensors:
         return [laser.noise_m(streams) for (laser, _), streams in kinds]
 
     def _by_robot(self, scans_m: Sequence[np.ndarray]) -> Sequence[np.ndarray] | np.ndarray:
-        """Return the scans in the order of robots. Args: scans_m: of each kind of laser, in the order of its robots."""
+        """Return the scans in the order of robots. Args: scans_m: per kind of laser, in the order of its robots."""
         if len(scans_m) == 1:
             return scans_m[0]
         scan_of = {
@@ -70,7 +72,7 @@ class RobotSensors:
         return [scan_of[robot_id] for robot_id in range(len(self._robots))]
 
     def reset(self) -> None:
-        """Begin again as new, after `World.reset`: odometry at its origin, all random streams from their start."""
+        """Restart after `World.reset`: odometry at its origin, all random streams from their start."""
         self._arrivals = self._world.arrivals
         self._further.reset()
         self._laser_streams = [
@@ -86,7 +88,7 @@ class RobotSensors:
             self._odometry.core, [(laser.core, robot_ids) for laser, robot_ids in self._lasers]
         )
 
-    def _begin_for_those_who_came(self) -> None:
+    def _restart_arrived(self) -> None:
         arrivals = self._world.arrivals
         for robot_id, (before, now) in enumerate(zip(self._arrivals, arrivals, strict=True)):
             if before != now:

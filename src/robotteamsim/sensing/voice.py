@@ -1,4 +1,4 @@
-"""What robots hear of the victims who call for help."""
+"""The sensor that hears victims who call for help."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from robotteamsim.sensing.readings import VoiceReading
 class VoiceSensor:
     """Hears all victims that are not silenced, by the voice map [dissertation, 4.3].
 
-    l_c and gamma of each victim are drawn once from the stream ("voice", name). The map is kept and computed anew only
-    after a change.
+    l_c and gamma of each victim are drawn once from the stream ("voice", name). The map is computed again only after a
+    change.
     """
 
     def __init__(self, plan: FloorPlan, voice: Voice, victims: Sequence[Victim], seed: int) -> None:
@@ -31,10 +31,10 @@ class VoiceSensor:
         self._sources: dict[str, VoiceSource] = {}
         self._silenced: frozenset[str] = frozenset()
         self._asked: Collection[str] | None = None
-        """The names that were asked to be silent last, while they are."""
+        """The names that were last set silent, as long as that holds."""
         self._map: FieldMap | None = None
         self._core: _core.sensing.VoiceSensor | None = None
-        """Hears by this map."""
+        """Evaluates this map at positions."""
         self.changes = 0
         """How often the map has changed so far."""
         for victim in victims:
@@ -48,16 +48,16 @@ class VoiceSensor:
         return self._map
 
     def read(self, position_m: tuple[float, float]) -> VoiceReading:
-        """Return what a robot hears at a position in `map` [m]: its cell, and the loudest cell around it.
+        """Return what a robot hears at a position in `map` [m]: the level of its cell, and the loudest cell nearby.
 
-        The loudest cell is the one of the highest level of those whose centre is within the local-best radius; of
-        equal ones the lowest row, then the lowest column. Beyond the map nothing is heard.
+        The loudest cell is the one with the highest level among those whose centre is within the local-best radius; of
+        equal ones, the one in the lowest row, then in the lowest column. Outside the map nothing is heard.
         Raises: ValueError: the position is not finite.
         """
         return self.read_team(np.array([position_m], dtype=np.float64))[0]
 
     def read_team(self, positions_m: np.ndarray) -> tuple[VoiceReading, ...]:
-        """Return what `read` does for the position of each robot, shape (n, 2)."""
+        """Return the reading of `read` for the position of each robot, shape (n, 2) [m]."""
         if self._core is None:
             voice_map, radius_m = self.map(), self._voice.local_best_radius_m
             self._core = _core.sensing.VoiceSensor(
@@ -66,11 +66,11 @@ class VoiceSensor:
         return tuple(self._core.hear(positions_m))
 
     def silence(self, name: str) -> None:
-        """Let a victim fall silent. Raises: ValueError: no such victim."""
+        """Silence a victim. Raises: ValueError: no such victim."""
         self.set_silenced({*self._silenced, name})
 
     def set_silenced(self, names: Collection[str]) -> None:
-        """Let these victims be silent and all others call. Raises: ValueError: no such victim."""
+        """Silence these victims and let all others call. Raises: ValueError: no such victim."""
         if names is self._asked and isinstance(names, tuple):
             return
         for name in names:
@@ -89,7 +89,7 @@ class VoiceSensor:
             self._change()
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
-        """Add a victim, or move the one of that name [m, map]; she calls (again), as loud as before.
+        """Add a victim, or move the one with that name [m, map]; the victim calls (again), as loudly as before.
 
         Raises: ValueError: the position is not finite.
         """

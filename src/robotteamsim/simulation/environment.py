@@ -41,13 +41,13 @@ class Environment:
         saved: Collection[str],
         present: np.ndarray | None = None,
     ) -> tuple[tuple[VoiceReading, ...], NetworkState, Sequence[Sequence[Message]]]:
-        """Let each robot hear, and carry messages over the links of this step.
+        """Return the voices that the robots hear, the links of this step, and the messages that arrive.
 
         Args:
             positions_m: true positions in `map`, shape (n, 2) [m].
             outboxes:    messages sent in the last step, one sequence per robot in id order.
             saved:       names of the victims saved up to the last step; they are silent.
-            present:     whether each robot is there, bool, shape (n,); None: all are. Absent robots hear nothing.
+            present:     whether each robot is present, bool, shape (n,); None: all are. Absent robots hear nothing.
         Returns: voice readings in id order, the network, and the inbox of each robot in id order.
         """
         self.voice.set_silenced(saved)
@@ -65,7 +65,7 @@ class Environment:
         self._doors = self._doors.with_door(name, closed)
 
     def follow_doors(self, doors: DoorStates) -> None:
-        """Open and close the doors for radio and voices that the world has opened and closed."""
+        """Open and close for radio and voices the doors that the world has opened and closed."""
         for name, before, now in doors.changes_since(self._doors):
             if now.closed != before.closed:
                 self.set_door(name, now.closed)

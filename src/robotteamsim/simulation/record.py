@@ -19,15 +19,15 @@ from robotteamsim.world.doors import DoorStates
 
 
 class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
-    """All that happened in one step; sequences are in robot id order.
+    """The record of one step; sequences are in robot id order.
 
     step_index: 1 for the first step.     sim_time_ns: its stamp [ns].
     inboxes:    messages that arrived in this step, sent in the one before.
     decisions:  of the controllers; their outboxes arrive in the next step.
     victims:    in the order of `mission.victims`, at their places.
-    doors:      as they are after the step, by name, in the plan's order; the same object until one of them changes.
-    present:    whether each robot is there, bool, shape (n,); None: all are. Entries of absent robots mean nothing.
-    arrivals:   how often each robot has come, its start included; both are the same objects until that changes.
+    doors:      after the step, by name, in the plan's order; the same object until a door changes.
+    present:    whether each robot is present, bool, shape (n,); None: all are. Entries of absent robots mean nothing.
+    arrivals:   how often each robot has arrived, its start included; both are the same objects until that changes.
     voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
     """
 
@@ -48,7 +48,7 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     arrivals: tuple[int, ...] = ()
 
     def is_there(self, robot_id: int) -> bool:
-        """Whether a robot is there."""
+        """Whether a robot is present."""
         return self.present is None or bool(self.present[robot_id])
 
     @property

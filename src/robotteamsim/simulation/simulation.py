@@ -29,7 +29,7 @@ _TWIST, _OUTBOX = attrgetter("twist"), attrgetter("outbox")
 
 
 class Simulation:
-    """One trial of a scenario. Everything that it does follows from the scenario, its seed included.
+    """One trial of a scenario. It depends on nothing but the scenario, which includes the seed.
 
     The world moves, the robots sense, the network delivers, the controllers decide, the mission judges.
     The stages pass each other only what ROS messages of the same stamp, or of the step before, can carry: in step k
@@ -38,7 +38,7 @@ class Simulation:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        """Build all stages. Raises: PlacementError: a robot, object, area or victim has no room where it is."""
+        """Build all stages. Raises: PlacementError: there is no room for a robot, object, area or victim."""
         check_places(scenario)
         robots, seed = placed_robots(scenario), scenario.run.seed
         self.scenario = scenario
@@ -57,7 +57,7 @@ class Simulation:
         self._doors_version = 0
 
     def step(self) -> StepRecord:
-        """Advance by one step and return all that happened in it."""
+        """Advance by one step and return its record."""
         self._move_world()
         readings = self.sensors.read()
         positions_m = readings.positions_m
@@ -163,17 +163,17 @@ class Simulation:
         self.mission.set_noise_db(noise_db)
 
     def remove_robot(self, robot_id: int) -> None:
-        """Remove a robot, see `World.remove_robot`. The messages that it sent last are lost.
+        """Remove a robot, see `World.remove_robot`. Its last messages are lost.
 
-        Raises: ValueError: no such robot, or it is not there.
+        Raises: ValueError: no such robot, or it is absent.
         """
         self.world.remove_robot(robot_id)
 
     def spawn_robot(self, robot_id: int, pose: Pose | None = None) -> None:
-        """Place a robot that is not there, see `World.spawn_robot`; it starts again, with a new controller.
+        """Spawn an absent robot, see `World.spawn_robot`; it starts with a new controller.
 
-        Raises: PlacementError: it cannot stand there.
-                ValueError: no such robot, it is there already, or the pose is not finite.
+        Raises: PlacementError: there is no room.
+                ValueError: no such robot, it is present already, or the pose is not finite.
         """
         self.world.spawn_robot(robot_id, pose)
         # The last command of its former controller must not move it.
@@ -201,7 +201,7 @@ class Simulation:
         return Guard(robot_id, self.world.num_robots, partial(make_controller, robot_id, self.scenario, arrival))
 
     def _present_controllers(self) -> Sequence[Guard | _Absent]:
-        """Return the controllers in id order, new ones of robots that have come since the last step."""
+        """Return the controllers in id order, with new ones for robots that have arrived since the last step."""
         arrivals, present = self.world.arrivals, self.world.present
         if arrivals != self._arrivals:
             for robot_id, (before, now) in enumerate(zip(self._arrivals, arrivals, strict=True)):
@@ -222,7 +222,7 @@ class Simulation:
 
 
 class _Absent:
-    """The controller of a robot that is not there."""
+    """The controller of an absent robot."""
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return no command and no message."""

@@ -34,7 +34,7 @@ class _Step(msgspec.Struct, frozen=True, gc=False, eq=False):
 
 
 class Tally:
-    """Adds up the steps of one trial, from the first to the one in which the mission ended."""
+    """Adds up the steps of one trial, from the first to the one in which the mission ends."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
@@ -45,7 +45,7 @@ class Tally:
         self._pending: list[_Step] = []
 
     def add(self, record: StepRecord) -> None:
-        """Take in one step."""
+        """Add one step."""
         self._last = record
         self._pending.append(
             _Step(
@@ -61,7 +61,7 @@ class Tally:
     def result(self) -> Result:
         """Return the result as of the last step. Raises: ValueError: there was no step yet."""
         if self._last is None:
-            raise ValueError("a trial without a step has no result")
+            raise ValueError("a trial without steps has no result")
         self._add_pending()
         record, status = self._last, self._last.mission
         delivered = status.delivered

@@ -18,15 +18,15 @@ class TeamTotals:
     def update(
         self, positions_m: np.ndarray, in_contact: np.ndarray, excluded: np.ndarray, running: np.ndarray
     ) -> None:
-        """Take in some steps, in id order. Staying counts only while the mission runs.
+        """Add several steps. A stay counts only while the mission runs.
 
         Args:
-            positions_m: true ones, in `map` [m], float64, shape (steps, n, 2); NaN of a robot that is not there, which
-                         does not count.
+            positions_m: true ones, in `map` [m], float64, shape (steps, n, 2); NaN for an absent robot, which does
+                         not count.
             in_contact:  whether each robot touches something, bool, shape (steps, n).
             excluded:    whether each robot is excluded, bool, shape (steps, n).
             running:     whether the mission runs, bool, shape (steps,).
-        Raises: ValueError: the shapes do not fit.
+        Raises: ValueError: the shapes differ.
         """
         self._core.add_steps(positions_m, in_contact, excluded, running)
 
