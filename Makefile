@@ -82,7 +82,8 @@ tidy: build ## clang-tidy over the C++ code; about four minutes on two cores
 bench: build ## measure the speed of each part as a ratio, into bench/results/speed.csv
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_bench > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/run.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_bench --csv bench/results/speed.csv $(ARGS)
-	@$(ENV) for script in bench/world_bench.py $(filter-out bench/ros_bench.py bench/world_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
+	@$(ENV) $(PYTHON) bench/mission_bench.py --csv bench/results/missions.csv
+	@$(ENV) for script in bench/world_bench.py $(filter-out bench/ros_bench.py bench/world_bench.py bench/mission_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
 
 bench_ros: build ## measure the speed of worlds and missions in ROS, with a client that receives everything
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_ros_listener > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }

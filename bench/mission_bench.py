@@ -1,16 +1,14 @@
-"""How much faster than real time missions run headless, how long a campaign takes, and how fast a bag is told.
+"""The speed of headless missions, of campaigns and of reading a bag, relative to real time.
 
-Missions and teams are timed by the processor's time of one core, by turns with sorting a million numbers in NumPy, so
-that machines, and hours of one machine, can be compared. A campaign is the command of the dissertation's tables on all
-cores: it counts in wall time, from when its workers have started to the last result, as the command tells it.
-Usage: python bench/mission_bench.py [--rounds 7] [--trials 30] [--csv FILE]       --trials 0 leaves the campaign out
+Missions and teams are measured in processor time of one core, in alternation with sorting a million numbers in NumPy,
+so that machines, and hours of one machine, can be compared. The campaign is the command of the dissertation's tables on
+all cores. It is measured in wall time, from the start of its workers to the last result, as the command reports it.
+Usage: python bench/mission_bench.py [--rounds 7] [--trials 30] [--csv FILE]       --trials 0 omits the campaign
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
-import datetime
 import re
 import statistics
 import subprocess
@@ -19,9 +17,11 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+from results_file import append_rows
 
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
@@ -30,13 +30,17 @@ from robotteamsim.recording import BagWriter
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 
-TEAM_STEPS = 300
-CAMPAIGN_GOAL_S = 20.0
+TEAM_GOALS = {30: 100.0, 100: 30.0, 300: 6.0, 1000: 1.0}
+"""Times real time, by the number of robots."""
+
+TEAM_S = 5.0
+MISSION_GOAL = 1300.0
+CAMPAIGN_GOAL_S = 18.0
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One work. times_real_time: of simulated time.  sortings: how often NumPy sorts while a simulated second runs."""
+    """One measurement. sortings_per_second: how often NumPy sorts in the time that a simulated second takes."""
 
     work: str
     times_real_time: float
@@ -47,50 +51,56 @@ class Row:
 
     @property
     def verdict(self) -> str:
-        """Whether the goal is met, where there is one."""
+        """Whether the goal is met; empty without a goal."""
         if self.goal is None:
             return ""
         return "met" if self.times_real_time >= self.goal else "MISSED"
 
 
-def mission() -> float:
-    """Run the garage mission; return how long it lasted [s, simulated]."""
-    return Simulation(load("garage_sar", ["run.seed=1"])).run().time_s
+Work = Callable[[], float]
+"""What is timed; returns how long it lasted in simulated time [s]."""
 
 
-def team() -> float:
-    """Run the first half minute of a hundred robots with RDPSO; return how long that is [s, simulated]."""
-    simulation = Simulation(load("garage_sar", ["robots.count=100", "robots.spacing_m=0.45"]))
+def mission() -> Work:
+    """Return a run of the garage mission."""
+    scenario = load("garage_sar", ["run.seed=1"])
+    return lambda: Simulation(scenario).run().time_s
+
+
+def team(robots: int) -> Work:
+    """Return the first 5 s of a team with RDPSO, without its set-up."""
+    simulation = Simulation(load("garage_sar", [f"robots.count={robots}", "robots.spacing_m=0.45"]))
     simulation.mission.start()
-    for _ in range(TEAM_STEPS):
-        simulation.step()
-    return TEAM_STEPS * simulation.scenario.run.step_s
+
+    def run() -> float:
+        for _ in range(round(TEAM_S / simulation.scenario.run.step_s)):
+            simulation.step()
+        return TEAM_S
+
+    return run
 
 
-def bag_of_mission(path: Path) -> Callable[[], float]:
-    """Record the garage mission; return a work that reads the bag and says how long it lasted [s, simulated]."""
-    Simulation(load("garage_sar", ["run.seed=1"])).run([BagWriter(path)])
-
-    def told() -> float:
-        return run_totals(read_run([path])).duration_s
-
-    return told
+def reading_bag(path: Path) -> Work:
+    """Return the reading of a bag, which is recorded first if there is none."""
+    if not path.exists():
+        Simulation(load("garage_sar", ["run.seed=1"])).run([BagWriter(path)])
+    return lambda: run_totals(read_run([path])).duration_s
 
 
-def busy_s(work: Callable[[], float]) -> tuple[float, float]:
-    """Return what a work returns, and the processor's time that it took [s]."""
+def busy_s(work: Work) -> tuple[float, float]:
+    """Return the result of a function and its processor time [s]."""
     start_s = time.process_time()
     result = work()
     return result, time.process_time() - start_s
 
 
-def measure(name: str, work: Callable[[], float], rounds: int, goal: float | None) -> Row:
-    """Return medians over rounds, each of which sorts numbers, too."""
+def measure(name: str, prepare: Callable[[], Work], rounds: int, goal: float | None) -> Row:
+    """Return medians over rounds; each round also sorts numbers. Preparation is not timed."""
     numbers = np.random.default_rng(1).random(1_000_000)
-    work()
+    prepare()()
     speeds, sortings = [], []
     for _ in range(rounds):
-        simulated_s, spent_s = busy_s(work)
+        simulated_s, spent_s = busy_s(prepare())
         _, sorting_s = busy_s(lambda: float(np.sort(numbers)[0]))
         speeds.append(simulated_s / spent_s)
         sortings.append(spent_s / sorting_s / simulated_s)
@@ -106,10 +116,10 @@ def campaign(trials: int) -> tuple[float, float, float]:
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "robotteamsim.cli", "campaign", "garage_sar", *noises]
         command += ["--trials", str(trials), "--json", "--out", f"{folder}/garage"]
-        told = subprocess.run(command, check=True, capture_output=True, text=True).stderr
+        shown = subprocess.run(command, check=True, capture_output=True, text=True).stderr
         simulated_s = sum(outcome.time_s or 0.0 for outcome in read_store(Path(folder, "garage")).outcomes)
-    times = re.search(r" in ([0-9.]+) s: .* took ([0-9.]+) s to start", told)
-    assert times, told
+    times = re.search(r" in ([0-9.]+) s: .* took ([0-9.]+) s to start", shown)
+    assert times, shown
     return float(times[1]), float(times[2]), simulated_s
 
 
@@ -126,30 +136,31 @@ def table(rows: list[Row]) -> str:
 
 
 def write_csv(path: Path, rows: list[Row]) -> None:
-    """Write rows, each with the date."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("date", "work", "times_real_time", "slowest", "fastest", "goal", "sortings_per_second"))
-        for row in rows:
-            numbers = row.times_real_time, row.slowest, row.fastest, row.goal, row.sortings_per_second
-            texts = ("" if number is None else f"{number:.4g}" for number in numbers)
-            writer.writerow((datetime.date.today().isoformat(), row.work, *texts))
+    """Append the rows to a file."""
+    table = []
+    for row in rows:
+        numbers = row.times_real_time, row.slowest, row.fastest, row.goal, row.sortings_per_second
+        table.append((row.work, *("" if number is None else f"{number:.4g}" for number in numbers)))
+    append_rows(path, ("work", "times_real_time", "slowest", "fastest", "goal", "sortings_per_second"), table)
 
 
 def main() -> None:
     """Measure, print, write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=7)
-    parser.add_argument("--trials", type=int, default=30, help="of the campaign, at each of three levels of noise")
-    parser.add_argument("--csv", type=Path, help="write the table into this file too")
+    parser.add_argument("--trials", type=int, default=30, help="trials of the campaign at each of three noise levels")
+    parser.add_argument("--csv", type=Path, help="append the table to this file")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         works = (
-            ("garage mission of 3 robots", mission, 1000.0),
-            ("30 s of 100 robots with RDPSO", team, 20.0),
-            ("bag of a garage mission, told", bag_of_mission(Path(folder, "mission.bag")), None),
+            ("garage mission of 3 robots", mission, MISSION_GOAL),
+            *(
+                (f"first 5 s of {robots} robots with RDPSO", partial(team, robots), goal)
+                for robots, goal in TEAM_GOALS.items()
+            ),
+            ("reading the bag of a garage mission", partial(reading_bag, Path(folder, "mission.bag")), None),
         )
-        rows = [measure(name, work, options.rounds, goal) for name, work, goal in works]
+        rows = [measure(name, prepare, options.rounds, goal) for name, prepare, goal in works]
     if options.trials:
         spent_s, start_up_s, simulated_s = campaign(options.trials)
         count, speed = 3 * options.trials, simulated_s / spent_s

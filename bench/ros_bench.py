@@ -28,7 +28,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import ros_results
+import results_file
 from world_bench import free_robots, plan_of_rectangles
 
 from robotteamsim.scenario.dumping import write_floor_plan
@@ -157,7 +157,7 @@ def main() -> None:
         )
         if options.csv:
             busy = {"world [s/s]": run.world_busy, "client [s/s]": run.client_busy}
-            ros_results.append(options.csv, "subscribed", count, {"speed": run.speed, "lost": lost, **busy})
+            results_file.append(options.csv, "subscribed", count, {"speed": run.speed, "lost": lost, **busy})
     if options.mission_seconds:
         for name, lockstep in (("lockstep", True), ("free", False)):
             speeds = [
@@ -165,7 +165,7 @@ def main() -> None:
             ]
             print(f"{name:8s} {options.mission_robots:4d}  {statistics.median(speeds):7.2f}", flush=True)
             if options.csv:
-                ros_results.append(options.csv, name, options.mission_robots, {"speed": statistics.median(speeds)})
+                results_file.append(options.csv, name, options.mission_robots, {"speed": statistics.median(speeds)})
 
 
 if __name__ == "__main__":

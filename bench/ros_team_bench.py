@@ -13,7 +13,7 @@ import argparse
 import time
 from pathlib import Path
 
-import ros_results
+import results_file
 import rospy
 from ros_network_bench import Listener, cpu_s, launched, pid_of
 
@@ -44,7 +44,7 @@ def measure(robots: int, seconds: float, csv: Path | None) -> None:
     print(f"ros team, processor time per simulated second: {costs}; together {sum(used_s.values()) / sim_s:.3f} s")
     if csv:
         quantities = {f"{name} [s/s]": used / sim_s for name, used in used_s.items()}
-        ros_results.append(csv, "team", robots, {"answered": share, "speed": sim_s / wall_s, **quantities})
+        results_file.append(csv, "team", robots, {"answered": share, "speed": sim_s / wall_s, **quantities})
 
 
 def main() -> None:

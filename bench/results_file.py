@@ -1,4 +1,4 @@
-"""Writes what the ROS benchmarks have measured into bench/results/ros.csv, one row per measurement."""
+"""Appends measurements to files in bench/results, with date, processor, commit and load of the machine."""
 
 from __future__ import annotations
 
@@ -6,21 +6,27 @@ import csv
 import datetime
 import os
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 
-COLUMNS = ("date", "cpu", "commit", "load", "work", "robots", "quantity", "value")
+RUN_COLUMNS = ("date", "cpu", "commit", "load")
 
 
 def append(path: Path, work: str, robots: int, quantities: dict[str, float]) -> None:
-    """Append rows. Quantities are named with their unit, as in "world [s/s]"."""
+    """Append one row per quantity. Quantities are named with their unit, as in "world [s/s]"."""
+    rows = [(work, robots, quantity, f"{value:.4g}") for quantity, value in quantities.items()]
+    append_rows(path, ("work", "robots", "quantity", "value"), rows)
+
+
+def append_rows(path: Path, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
+    """Append rows to a table, which is created with its header if there is none."""
     is_new = not path.exists()
     with path.open("a", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         if is_new:
-            writer.writerow(COLUMNS)
+            writer.writerow((*RUN_COLUMNS, *columns))
         run = (datetime.date.today().isoformat(), _cpu(), _commit(), f"{os.getloadavg()[0]:.1f}")
-        for quantity, value in quantities.items():
-            writer.writerow((*run, work, robots, quantity, f"{value:.4g}"))
+        writer.writerows((*run, *row) for row in rows)
 
 
 def _cpu() -> str:
