@@ -1,7 +1,5 @@
 """Draws a floor plan, and the areas, victims, objects and robots of a scenario."""
 
-from __future__ import annotations
-
 import math
 import os
 

@@ -1,7 +1,5 @@
 """The design of a campaign: cells, which are settings of a scenario, and the trials of each, with their seeds."""
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import json

@@ -1,7 +1,5 @@
 """The factors of a campaign, from the command line or a YAML file."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The paths of a trial's robots, in a compact form."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 

@@ -1,7 +1,5 @@
 """Mean, spread and interval of the results of each cell's trials."""
 
-from __future__ import annotations
-
 import math
 import statistics
 from collections.abc import Sequence

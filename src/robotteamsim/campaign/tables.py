@@ -1,7 +1,5 @@
 """Tables as text: Tables 6 to 9 of the dissertation beside ours, and one line per cell for any other campaign."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import statistics

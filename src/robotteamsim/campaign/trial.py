@@ -1,7 +1,5 @@
 """One trial of a campaign, as a worker runs it."""
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import json

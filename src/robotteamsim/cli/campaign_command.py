@@ -1,7 +1,5 @@
 """`robotteamsim campaign`: run many missions on many processes and print tables of their results."""
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import json

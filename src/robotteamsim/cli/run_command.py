@@ -1,7 +1,5 @@
 """`robotteamsim run`: run one mission as fast as possible."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from pathlib import Path

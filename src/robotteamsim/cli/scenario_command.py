@@ -1,7 +1,5 @@
 """`robotteamsim scenario`: check, show, draw and list scenarios; print the JSON Schema for editors."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

@@ -1,7 +1,5 @@
 """`robotteamsim plan import-stage` and `plan export-stage`: convert worlds of the Stage simulator."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Payloads of messages: typed JSON, written and read by msgspec. Floats keep every bit."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, TypeVar
 
 import msgspec

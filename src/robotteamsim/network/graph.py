@@ -1,7 +1,5 @@
 """Figures of an undirected graph of robots and links."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robotteamsim import _core

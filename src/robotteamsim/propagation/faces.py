@@ -1,7 +1,5 @@
 """The faces of a floor plan: what a ray pays for passing through the outlines of walls, blocks and doors."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass

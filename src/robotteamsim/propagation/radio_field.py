@@ -1,7 +1,5 @@
 """How radio fades between robots: the one-slope model and multi-wall losses."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

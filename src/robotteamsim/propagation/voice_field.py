@@ -1,7 +1,5 @@
 """How a call for help fades: the voice model and the voice map."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Sequence

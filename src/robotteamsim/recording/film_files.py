@@ -1,7 +1,5 @@
 """Writes films: GIF with Pillow, MP4 with ffmpeg."""
 
-from __future__ import annotations
-
 import itertools
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """mission.json: the result of a trial, every event, and everything needed to repeat it."""
 
-from __future__ import annotations
-
 import json
 import platform
 from importlib import metadata

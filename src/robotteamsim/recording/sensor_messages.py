@@ -1,7 +1,5 @@
 """Topics and messages of a robot's further sensors, for bags written without ROS and for the nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """Prints the events and the result of a mission."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """How robots move: the drives of a scenario."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal
 

@@ -1,7 +1,5 @@
 """Reading scenarios and floor plans from YAML, with overrides; every mistake is reported in one line."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from pathlib import Path

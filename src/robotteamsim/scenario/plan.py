@@ -1,7 +1,5 @@
 """The geometry of a floor plan: outlines of its elements and its occupancy grid."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

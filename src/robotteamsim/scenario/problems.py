@@ -1,7 +1,5 @@
 """Pydantic's validation errors as one line that a user understands: key, value, what was expected."""
 
-from __future__ import annotations
-
 import difflib
 import textwrap
 from collections.abc import Callable, Iterator, Sequence

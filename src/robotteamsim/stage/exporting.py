@@ -1,7 +1,5 @@
 """From a scenario to a Stage world file and its bitmap."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

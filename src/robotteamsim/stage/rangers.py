@@ -1,7 +1,5 @@
 """Stage's rangers as lasers and sonars of a robot."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass

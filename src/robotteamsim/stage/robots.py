@@ -1,7 +1,5 @@
 """Stage's position models and their rangers as robots of a scenario."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The bodies of Stage's models as walls and blocks of a floor plan."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path

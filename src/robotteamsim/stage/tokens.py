@@ -1,7 +1,5 @@
 """The words, numbers, texts and brackets of a Stage world file, with the files that it includes."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import re

@@ -1,7 +1,5 @@
 """The values of a world file's properties in SI units, checked, and notes on what the scenario does not support."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any, TypeVar

@@ -1,7 +1,5 @@
 """What the members of the family take: coefficients, memory, sizes of swarms, terms of robots."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

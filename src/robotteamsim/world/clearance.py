@@ -1,7 +1,5 @@
 """Whether points, robots and objects are inside the plan and clear of its solids."""
 
-from __future__ import annotations
-
 import numpy as np
 import shapely
 

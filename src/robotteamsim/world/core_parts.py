@@ -1,7 +1,5 @@
 """Parts of the C++ world from models of the scenario."""
 
-from __future__ import annotations
-
 import functools
 
 import shapely

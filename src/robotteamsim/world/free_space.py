@@ -1,7 +1,5 @@
 """Checks whether a robot or an object has room at a pose in a world as it is now."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple

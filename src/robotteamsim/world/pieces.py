@@ -1,7 +1,5 @@
 """Convex pieces of polygons: Box2D takes no others."""
 
-from __future__ import annotations
-
 import shapely
 
 from robotteamsim.scenario.plan import Corners

@@ -1,7 +1,5 @@
 """Start poses of robots, and checks that robots, objects, areas and victims have room in the plan."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """The true state of a trial: poses of robots and objects, contacts, doors, time."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

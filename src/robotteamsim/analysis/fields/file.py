@@ -1,7 +1,5 @@
 """Radio and voice maps as files: arrays, and an image that map_server loads as an OccupancyGrid."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

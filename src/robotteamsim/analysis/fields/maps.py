@@ -1,7 +1,5 @@
 """Radio and voice maps of a scenario as panels, and the styles to draw them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Curves of recorded runs over time: progress, network, distances."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Totals of recorded runs as JSON, and their time series as CSV tables."""
 
-from __future__ import annotations
-
 import csv
 import dataclasses
 from collections.abc import Iterable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """Films of recorded runs, frame by frame: robots, links, victims and areas on the floor plan, and growing curves."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

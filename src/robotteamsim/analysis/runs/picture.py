@@ -1,7 +1,5 @@
 """Pictures of recorded runs: paths on the floor plan and curves over time, of one run or several side by side."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes

@@ -1,7 +1,5 @@
 """Reads a run from a bag, or from the parts of one."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import defaultdict

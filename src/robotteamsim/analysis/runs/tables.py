@@ -1,7 +1,5 @@
 """Tables of recorded runs for a terminal: one run in detail, or one line for each of several runs."""
 
-from __future__ import annotations
-
 import statistics
 from collections.abc import Sequence
 

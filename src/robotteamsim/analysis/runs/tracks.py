@@ -1,7 +1,5 @@
 """Paths of robots, from their true poses or from odometry and /tf."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import defaultdict

@@ -1,7 +1,5 @@
 """The graph that a robot patrols: that of the scenario, or one made from the map that it carries."""
 
-from __future__ import annotations
-
 import functools
 import math
 from dataclasses import dataclass

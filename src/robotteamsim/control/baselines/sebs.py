@@ -1,7 +1,5 @@
 """SEBS: patrol of a graph by state exchange [portugal2013]."""
 
-from __future__ import annotations
-
 import functools
 import math
 from typing import Annotated

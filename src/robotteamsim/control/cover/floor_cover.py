@@ -1,7 +1,5 @@
 """Which parts of the floor the team has been to, as far as one robot knows."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Sequence

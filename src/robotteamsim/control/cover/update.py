@@ -1,7 +1,5 @@
 """What robots that cover a floor send each other, once per iteration."""
 
-from __future__ import annotations
-
 import functools
 
 import msgspec

@@ -1,7 +1,5 @@
 """The map that a robot carries: where its body fits in the known plan, and the lengths of free paths."""
 
-from __future__ import annotations
-
 import functools
 import math
 

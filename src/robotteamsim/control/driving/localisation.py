@@ -1,7 +1,5 @@
 """Where a robot believes itself to be."""
 
-from __future__ import annotations
-
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.scenario import Scenario

@@ -1,7 +1,5 @@
 """What follows from the updates of one iteration alone: the same for all robots that heard the same ones."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """What one robot can know of its links, and where they draw it."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Mapping, Sequence

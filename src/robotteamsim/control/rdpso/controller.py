@@ -1,7 +1,5 @@
 """RDPSO as one robot runs it [dissertation, 5.2.2 and 5.3]."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 

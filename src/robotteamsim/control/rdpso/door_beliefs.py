@@ -1,7 +1,5 @@
 """Doors as a robot believes them to be: as in the plan, until its laser or a teammate sees otherwise."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

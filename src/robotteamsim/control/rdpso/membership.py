@@ -5,8 +5,6 @@ rules, and applies the verdict to itself. Robots that heard the same come to the
 each part goes on by itself, and each robot's own statement of its swarm counts.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from functools import partial
 

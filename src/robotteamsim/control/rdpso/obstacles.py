@@ -1,7 +1,5 @@
 """What is around a robot, as its laser sees it: the obstacle term of eq. (22)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robotteamsim import _core

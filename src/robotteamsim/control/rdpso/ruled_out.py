@@ -1,7 +1,5 @@
 """Places where no victim can be, though a voice is heard there."""
 
-from __future__ import annotations
-
 from robotteamsim import _core
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.swarm import Vector

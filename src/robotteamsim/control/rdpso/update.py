@@ -1,7 +1,5 @@
 """What a robot of a swarm sends its team once per iteration."""
 
-from __future__ import annotations
-
 import functools
 from typing import Annotated
 

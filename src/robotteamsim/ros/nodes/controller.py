@@ -3,8 +3,6 @@
 The first runs in its robot's namespace; the second, in the namespace of all, hosts the same class for each robot.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 

@@ -1,7 +1,5 @@
 """The node `environment`: carries voices and messages between the robots."""
 
-from __future__ import annotations
-
 import logging
 import threading
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The further lasers, sonars and GPS of a robot, as its controller's node receives them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

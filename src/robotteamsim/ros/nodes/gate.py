@@ -1,7 +1,5 @@
 """When the world may take its next step: pause, single steps, reset, pace. Knows threads, but no ROS."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time

@@ -1,7 +1,5 @@
 """The node `mission`: judges the mission, reports it, and ends the launch with it."""
 
-from __future__ import annotations
-
 import logging
 import threading
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Objects that are put down by service."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from pydantic import ValidationError

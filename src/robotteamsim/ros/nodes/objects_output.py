@@ -1,7 +1,5 @@
 """Where boxes and barrels are, for subscribers of now and later."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from visualization_msgs.msg import MarkerArray

@@ -1,7 +1,5 @@
 """Starts rviz with a view in which the building of the run just fits."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

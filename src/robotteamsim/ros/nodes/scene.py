@@ -1,7 +1,5 @@
 """The node `scene`: turns the topics of a run, or of a bag, into what rviz shows."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterable
 

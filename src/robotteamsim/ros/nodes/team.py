@@ -1,7 +1,5 @@
 """Where the world gets the robots' commands from: in lockstep, or as they come."""
 
-from __future__ import annotations
-
 import logging
 import time
 from collections.abc import Callable, Sequence

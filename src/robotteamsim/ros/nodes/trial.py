@@ -1,7 +1,5 @@
 """One mission in ROS, from its first step to its end. Knows no ROS."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The node `world`: moves the robots, senses for them, and keeps the time."""
 
-from __future__ import annotations
-
 import logging
 import threading
 

@@ -1,7 +1,5 @@
 """Laser returns of the whole team as one coloured point cloud in the map frame."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

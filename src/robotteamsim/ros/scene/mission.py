@@ -1,7 +1,5 @@
 """The mission in the 3D scene: victims, areas, the voice layer and the line of text above the building."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence

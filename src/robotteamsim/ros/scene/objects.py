@@ -1,7 +1,5 @@
 """Boxes and barrels in the 3D scene."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """What the node `scene` receives of one robot."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterable
 

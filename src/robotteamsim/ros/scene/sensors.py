@@ -1,7 +1,5 @@
 """Sonars and satellite navigation in the 3D scene."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence

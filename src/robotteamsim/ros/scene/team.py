@@ -1,7 +1,5 @@
 """The team in the 3D scene: robots, their trails and the radio links between them."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import deque

@@ -1,7 +1,5 @@
 """From ROS messages to our values. Our values become messages in `recording.ros_messages`, for bags as well."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, cast
 

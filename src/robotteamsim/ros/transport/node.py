@@ -1,7 +1,5 @@
 """How a node starts, logs, reads parameters and ends. A process is one node, and roscpp its only ROS client."""
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import signal

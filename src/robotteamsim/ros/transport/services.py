@@ -1,7 +1,5 @@
 """The services that a node offers and calls."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """Waits for the messages of the next step. Knows no ROS."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol

@@ -1,7 +1,5 @@
 """Puts the stamped messages of several channels together to steps. Knows neither ROS nor threads."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
