@@ -5,6 +5,7 @@ import contextlib
 import json
 import sys
 import textwrap
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -180,7 +181,7 @@ def _document(
         "scenario": design.scenario.name,
         "seed": design.seed,
         "trials": design.trials,
-        "cells": [summary.as_json() for summary in summarise(design, outcomes)],
+        "cells": [asdict(summary) for summary in summarise(design, outcomes)],
         "failed": [{"cell": o.cell, "trial": o.number, "seed": o.seed, "error": o.error} for o in outcomes if o.failed],
         "given_up": [{"cell": trial.cell, "trial": trial.number, "seed": trial.seed} for trial in given_up],
         "folder": str(options.out),

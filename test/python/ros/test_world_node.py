@@ -111,6 +111,7 @@ def serve(monkeypatch, hall_scenario) -> Callable[..., None]:
     monkeypatch.setattr(world_node, "parameter", lambda name, default: parameters[name])
     monkeypatch.setattr(world_node, "QUIET_S", 0.0)
     monkeypatch.setattr(world_node, "Service", lambda *_: None)
+    monkeypatch.setattr(world_node, "command", lambda *_, **__: None)
     for name in ("OdometryTopic", "ScanTopic", "ContactTopic"):
         monkeypatch.setattr(team_outputs.roscpp, name, FakeTeamTopic)
     monkeypatch.setattr(team_outputs.roscpp, "FramesTopic", FakeFrames)

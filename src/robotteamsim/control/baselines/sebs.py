@@ -1,6 +1,5 @@
 """SEBS: patrol of a graph by state exchange [portugal2013]."""
 
-import functools
 import math
 from typing import Annotated
 
@@ -12,7 +11,7 @@ from robotteamsim.control.driving.path_controller import PathController
 from robotteamsim.control.runtime.streams import robot_stream
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Decision
-from robotteamsim.interface.payload import Index, read_payload, to_payload
+from robotteamsim.interface.payload import Index, Update, update_reader
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.scenario import Scenario
@@ -22,26 +21,16 @@ LONGEST_TIMED_M = 1000.0
 """Places without a free path to them are far beyond this: for them, the timeout must end as well."""
 
 
-class Visit(msgspec.Struct, frozen=True, gc=False, tag="sebs"):
+class Visit(Update, frozen=True, gc=False, tag="sebs"):
     """What a robot sends its team: the vertex that it has reached (-1: none yet) and the one that it goes to."""
 
     robot_id: Index
     reached: Annotated[int, msgspec.Meta(ge=-1, le=2**31 - 1)]
     intends: Index
 
-    def to_json(self) -> str:
-        """Return the visit as one line of JSON."""
-        return to_payload(self)
 
-
-_decoder = msgspec.json.Decoder(Visit)
-
-
-# The robots of one process receive the same payloads.
-@functools.lru_cache(maxsize=8192)
-def parse_visit(payload: str) -> Visit | None:
-    """Return the visit that a message carries; None where it carries something else."""
-    return read_payload(_decoder, payload)
+parse_visit = update_reader(Visit, kept=8192)
+"""Return the visit that a message carries; None where it carries something else."""
 
 
 def gain(idleness_s: float, length_m: float, patrol: Patrol) -> float:

@@ -12,6 +12,7 @@ from nav_msgs.msg import Odometry
 from rich.console import Console
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
+from robotteamsim import srv
 from robotteamsim.interface import Decision
 from robotteamsim.mission.status import Event
 from robotteamsim.msg import (
@@ -32,23 +33,12 @@ from robotteamsim.ros.nodes.trial import Trial
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.node import parameter, run, wait_for_shutdown
 from robotteamsim.ros.transport.presence import PRESENCE, Presence
-from robotteamsim.ros.transport.services import Service
+from robotteamsim.ros.transport.services import Service, command
 from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
 from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
 from robotteamsim.sensing.readings import NOT_THERE, NOTHING_HEARD, RobotReading, VoiceReading
 from robotteamsim.simulation import Observer
-from robotteamsim.srv import (
-    SetDoor,
-    SetDoorRequest,
-    SetDoorResponse,
-    SetNoise,
-    SetNoiseRequest,
-    SetNoiseResponse,
-    SetVictim,
-    SetVictimRequest,
-    SetVictimResponse,
-)
 
 logger = logging.getLogger(__name__)
 
@@ -207,9 +197,9 @@ class MissionNode:
         actions = ("start", "pause", "resume", "abort")
         self._services = (
             *(Service(f"/mission/{name}", Trigger, self._server_of(name)) for name in actions),
-            Service("/mission/set_door", SetDoor, self._serve_set_door),
-            Service("/mission/set_noise", SetNoise, self._serve_set_noise),
-            Service("/mission/set_victim", SetVictim, self._serve_set_victim),
+            command("/mission/set_door", srv.SetDoor, self._set_door),
+            command("/mission/set_noise", srv.SetNoise, self._set_noise),
+            command("/mission/set_victim", srv.SetVictim, self._set_victim),
         )
 
     def _server_of(self, name: str) -> Callable[[TriggerRequest], TriggerResponse]:
@@ -223,17 +213,14 @@ class MissionNode:
 
         return serve
 
-    def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
+    def _set_door(self, request: srv.SetDoorRequest) -> None:
         with self._trial_lock:
             self._trial.mission.set_door(request.name, request.closed)
-        return SetDoorResponse(success=True, message="")
 
-    def _serve_set_noise(self, request: SetNoiseRequest) -> SetNoiseResponse:
+    def _set_noise(self, request: srv.SetNoiseRequest) -> None:
         with self._trial_lock:
             self._trial.mission.set_noise_db(request.noise_db)
-        return SetNoiseResponse(success=True, message="")
 
-    def _serve_set_victim(self, request: SetVictimRequest) -> SetVictimResponse:
+    def _set_victim(self, request: srv.SetVictimRequest) -> None:
         with self._trial_lock:
             self._trial.mission.set_victim(request.name, (request.position.x, request.position.y))
-        return SetVictimResponse(success=True, message="")

@@ -2,11 +2,9 @@
 
 from typing import Any
 
-from pydantic import ValidationError
-
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.problems import checked
 from robotteamsim.srv import SetObjectRequest
 from robotteamsim.world import World
 
@@ -29,7 +27,4 @@ def _object(request: SetObjectRequest, pose: Pose) -> MovableObject:
     values |= {"size_m": size_m if any(size_m) else None, "radius_m": request.radius_m or None}
     # 0 in a request means the default.
     values |= {key: value for key in ("height_m", "mass_kg", "friction") if (value := getattr(request, key))}
-    try:
-        return MovableObject.model_validate(values)
-    except ValidationError as error:
-        raise ValueError(str(problems(error, MovableObject)[0])) from None
+    return checked(MovableObject, values, ValueError)

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from robotteamsim import _ros_transport as roscpp
+from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.ros.transport.serialization import deserialized, serialized, service_type
 
 logger = logging.getLogger(__name__)
@@ -26,6 +27,22 @@ class Service:
         except Exception:  # The caller gets the message; the node goes on.
             logger.exception("%s failed", self._name)
             raise
+
+
+def command(name: str, service_class: Any, do: Callable[[Any], str | None]) -> Service:
+    """Offer a service whose response has `success` and `message`.
+
+    do: carries a request out and returns the message, None for none; ValueError and a user's mistake become a failure.
+    """
+    response = service_class._response_class
+
+    def serve(request: Any) -> Any:
+        try:
+            return response(success=True, message=do(request) or "")
+        except (ValueError, RobotTeamSimError) as error:
+            return response(success=False, message=str(error))
+
+    return Service(name, service_class, serve)
 
 
 def call_service(name: str, service_class: Any, request: Any, timeout_s: float) -> Any | None:
