@@ -1,6 +1,6 @@
 """Prints the events and the result of a mission."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from rich import box
@@ -59,7 +59,7 @@ def print_result(
     robots = counted(len(result.robots), "robot")
     title = f"{result.scenario}: {robots}, {result.noise_db:g} dB noise, seed {result.seed}"
     console.print(event_table(title, events))
-    console.print(_totals_table(result))
+    console.print(totals_table(_totals(result)))
     console.print(Text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)
     for path in filter(None, written):
         console.print(Text(f"  written      {path}"), soft_wrap=True)
@@ -88,13 +88,20 @@ def delivery_rows(delivered: int | None, mean_s: float | None, max_s: float | No
     return [("reached base", f"{discoveries}{delay}")]
 
 
-def _totals_table(result: Result) -> Table:
+def totals_table(rows: Iterable[tuple[str, str]]) -> Table:
+    """Return names and values in two columns."""
     table = Table(box=None, show_header=False, pad_edge=True)
     table.add_column(style="dim")
     table.add_column()
+    for name, value in rows:
+        table.add_row(name, value)
+    return table
+
+
+def _totals(result: Result) -> list[tuple[str, str]]:
     distances = ", ".join(f"{robot.distance_m:.0f}" for robot in result.robots[:10])
     more = " .." if len(result.robots) > 10 else ""
-    rows = [
+    return [
         ("end", END_TEXTS[result.end]),
         ("areas explored", f"{result.areas_explored} of {result.num_areas}"),
         ("victims saved", f"{result.victims_saved} of {result.num_victims}"),
@@ -104,6 +111,3 @@ def _totals_table(result: Result) -> Table:
         ("driven", f"{distances}{more} m"),
         ("speed", f"{result.speed:.0f} x real time ({result.wall_s:.1f} s)"),
     ]
-    for name, value in rows:
-        table.add_row(name, value)
-    return table

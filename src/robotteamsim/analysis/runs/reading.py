@@ -253,8 +253,10 @@ def _network_sample(stamp_ns: int, message: Any) -> _NetworkSample:
 
 
 def _status(stamp_ns: int, message: Any) -> RecordedStatus:
-    # Older bags have no base.
-    has_base = getattr(message, "has_base", False)
+    delivered = None
+    if getattr(message, "has_base", False):  # Older bags have no base.
+        count = int(message.discoveries_delivered)
+        delivered = DeliveredDiscoveries(count, message.mean_delivery_delay_s, message.max_delivery_delay_s)
     return RecordedStatus(
         stamp_ns=stamp_ns,
         time_s=message.time_s,
@@ -265,13 +267,7 @@ def _status(stamp_ns: int, message: Any) -> RecordedStatus:
         victims=tuple(message.victims),
         endangered_links=int(message.endangered_links),
         noise_db=message.noise_db,
-        delivered=_delivered(message) if has_base else None,
-    )
-
-
-def _delivered(message: Any) -> DeliveredDiscoveries:
-    return DeliveredDiscoveries(
-        int(message.discoveries_delivered), message.mean_delivery_delay_s, message.max_delivery_delay_s
+        delivered=delivered,
     )
 
 

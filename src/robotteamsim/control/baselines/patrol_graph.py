@@ -57,7 +57,7 @@ def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float, longest_e
         for other in ((column + 1, row), (column, row + 1)):
             if other not in places:
                 continue
-            _, length_m = known.first_stretch(places[column, row], places[other], longest_edge * spacing_m)
+            _, length_m = known.grid.first_stretch(places[column, row], places[other], longest_edge * spacing_m)
             free = known.grid.is_line_free(places[column, row], places[other])
             # Without a path of that length the straight distance comes back, through the wall.
             if free or math.dist(places[column, row], places[other]) + 1e-6 < length_m <= longest_edge * spacing_m:

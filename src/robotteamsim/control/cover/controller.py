@@ -18,7 +18,7 @@ from robotteamsim.interface import Decision, Discovery, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import VoiceReading
-from robotteamsim.swarm import Vector, limit_speed
+from robotteamsim.swarm import Vector, limit_speed, next_position
 from robotteamsim.world.placement import placed_robots
 
 
@@ -145,7 +145,7 @@ class CoverController:
         if velocity == (0.0, 0.0):
             self._target = None
             return
-        self._target = self._map.reachable_towards(position, (position[0] + velocity[0], position[1] + velocity[1]))
+        self._target = self._map.grid.reachable_towards(position, next_position(position, velocity))
         self._speed_mps = max(0.1, self._control.speed_factor * math.hypot(*velocity) / self._control.iteration_s)
 
     def _choose_goal(self, position: Vector, voice: VoiceReading, time_s: float) -> None:

@@ -183,7 +183,7 @@ class RdpsoController:
         self._goal = next_position(position, velocity)
         if self._control.navigation == "path":
             # A step ends at a wall; it does not lead around it. The path around it is in the attractors.
-            self._goal = self._map.reachable_towards(position, self._goal)
+            self._goal = self._map.grid.reachable_towards(position, self._goal)
         self._speed_mps = max(0.1, self._control.speed_factor * math.hypot(*velocity) / self._control.iteration_s)
 
     def _share_bests(self, own: RdpsoUpdate, view: CommonView) -> tuple[dict[int, Best | None], list[int]]:
@@ -212,7 +212,7 @@ class RdpsoController:
         """Return v[t+1] of eq. (25), before the speed limit."""
         assert self._observation is not None
         position = (pose.x_m, pose.y_m)
-        obstacle = self._surroundings.attractor(pose, ranges_m)
+        obstacle = self._surroundings.clearest_place(pose, ranges_m)
         x_cb, c4 = self._links.pull(position, self._heard(view), self._missing(team, view))
         x_lb = local_best.position
         if global_best.is_voice and not local_best.is_voice and self._observation.voice.heard:
@@ -248,7 +248,7 @@ class RdpsoController:
         """Return a place as the path to it begins: at the path's length, in the direction of its first stretch."""
         if self._control.navigation != "path":
             return place
-        return self._map.along_path(position, place, self._control.longest_detour_m)
+        return self._map.grid.along_path(position, place, self._control.longest_detour_m)
 
     def _update_map(self) -> None:
         """Take the map with the doors as believed now; bests along other paths are forgotten."""

@@ -1,7 +1,7 @@
 """From ROS messages to our values. Our values become messages in `recording.ros_messages`, for bags as well."""
 
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any
 
 import geometry_msgs.msg
 import nav_msgs.msg
@@ -16,7 +16,6 @@ import robotteamsim.msg
 from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Discovery, Task
-from robotteamsim.mission.status import DeliveredDiscoveries, MissionEnd, MissionState, MissionStatus
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
 from robotteamsim.world.doors import DoorState, DoorStates
@@ -102,11 +101,6 @@ def read_twist_stamped(data: bytes) -> Twist:
     return Twist(*roscpp.read_twist_stamped(data))
 
 
-def sonar_m(message: sensor_msgs.msg.Range) -> float:
-    """Return the range that a sonar measured, a float32 [m]."""
-    return float(message.range)
-
-
 def fix(message: sensor_msgs.msg.NavSatFix) -> Fix:
     """Return what a GPS receiver measured."""
     return Fix(message.latitude, message.longitude, message.altitude, message.position_covariance[0])
@@ -162,21 +156,6 @@ def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
     )
 
 
-def mission_status(message: robotteamsim.msg.MissionStatus) -> MissionStatus:
-    """Return the mission and the task it sets."""
-    return MissionStatus(
-        state=cast("MissionState", message.state),
-        end=cast("MissionEnd", message.end),
-        time_s=message.time_s,
-        explored=tuple(map(bool, message.explored)),
-        victims=tuple(message.victims),
-        target_area=message.target_area,
-        endangered_links=message.endangered_links,
-        task=task(message),
-        delivered=delivered(message),
-    )
-
-
 def task(message: robotteamsim.msg.MissionStatus) -> Task:
     """Return what the mission asks of the team."""
     return Task(
@@ -188,15 +167,6 @@ def task(message: robotteamsim.msg.MissionStatus) -> Task:
             Discovery(find.kind, find.name, find.robot_id, _point(find.position), find.time_s)
             for find in message.undelivered
         ),
-    )
-
-
-def delivered(message: robotteamsim.msg.MissionStatus) -> DeliveredDiscoveries | None:
-    """Return what the base has received; None: there is no base."""
-    if not message.has_base:
-        return None
-    return DeliveredDiscoveries(
-        message.discoveries_delivered, message.mean_delivery_delay_s, message.max_delivery_delay_s
     )
 
 
