@@ -56,14 +56,9 @@ def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
     axes.spines[:].set_visible(False)
-    axes.set_title(_title(plan, scenario), fontsize=11)
-    return figure
-
-
-def _title(plan: FloorPlan, scenario: Scenario | None) -> str:
-    (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
     name = plan.name if scenario is None or scenario.name == plan.name else f"{scenario.name} in {plan.name}"
-    return f"{name}, {max_x - min_x:g} x {max_y - min_y:g} m"
+    axes.set_title(f"{name}, {width_m:g} x {height_m:g} m", fontsize=11)
+    return figure
 
 
 def draw_solids(axes: Axes, plan: FloorPlan) -> None:

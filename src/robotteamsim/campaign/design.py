@@ -113,7 +113,8 @@ def make_design(
             name = json.dumps(cell.values)
             if name in cells:
                 place = (chosen or group)[-1].place
-                raise CampaignError(f"{place}: duplicate cell: {_settings_text(keys, cell.values)}")
+                said = ", ".join(f"{key}={shown(value)}" for key, value in zip(keys, cell.values, strict=True))
+                raise CampaignError(f"{place}: duplicate cell: {said or 'no settings'}")
             cells[name] = cell
     return Design(base, seed, trials, keys, tuple(cells.values()))
 
@@ -191,10 +192,6 @@ def _without_seed(of: Scenario) -> dict[str, Any]:
     data = of.model_dump(mode="json", by_alias=True)
     data["run"].pop("seed")
     return data
-
-
-def _settings_text(keys: Sequence[str], values: Sequence[Any]) -> str:
-    return ", ".join(f"{key}={shown(value)}" for key, value in zip(keys, values, strict=True)) or "no settings"
 
 
 def settings_difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str | None:

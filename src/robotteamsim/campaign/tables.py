@@ -10,6 +10,7 @@ from robotteamsim.campaign.design import Design
 from robotteamsim.campaign.reference import MissionValues, dissertation_missions
 from robotteamsim.campaign.summary import DELIVERY_QUANTITIES, CellSummary, Spread
 from robotteamsim.campaign.trial import Outcome
+from robotteamsim.wording import counted
 
 Missions = Mapping[float, Sequence[MissionValues | None]]
 """By background noise [dB], the missions in order; None: it failed, or was not run."""
@@ -40,7 +41,8 @@ def missions_by_noise(design: Design, outcomes: Sequence[Outcome]) -> Missions:
     }
     for outcome in outcomes:
         if not outcome.failed:
-            missions[design.cells[outcome.cell].values[0]][outcome.number - 1] = _values(outcome)
+            values = MissionValues(*(getattr(outcome, field.name) for field in dataclasses.fields(MissionValues)))
+            missions[design.cells[outcome.cell].values[0]][outcome.number - 1] = values
     return missions
 
 
@@ -84,11 +86,10 @@ def exclusion_note(outcomes: Sequence[Outcome]) -> str:
     times_s = [outcome.time_s for outcome in outcomes if outcome.end == "all_excluded" and outcome.time_s is not None]
     if not times_s:
         return ""
-    what = "mission" if len(times_s) == 1 else "missions"
     when = f"{min(times_s):.0f}" if len(times_s) == 1 else f"{min(times_s):.0f} to {max(times_s):.0f}"
     return (
-        f"{len(times_s)} {what} of ours ended at {when} s because all robots were excluded; that is the time here, "
-        "while a report uses the time limit"
+        f"{counted(len(times_s), 'mission')} of ours ended at {when} s because all robots were excluded; that is the "
+        "time here, while a report uses the time limit"
     )
 
 
@@ -150,10 +151,6 @@ def _aligned(lines: Sequence[Sequence[str]]) -> str:
     widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
     padded = ["  ".join(f"{text:<{width}}" for text, width in zip(line, widths, strict=True)) for line in lines]
     return "\n".join(line.rstrip() for line in padded)
-
-
-def _values(outcome: Outcome) -> MissionValues:
-    return MissionValues(*(getattr(outcome, field.name) for field in dataclasses.fields(MissionValues)))
 
 
 def _item(missions: Sequence[MissionValues | None], index: int) -> MissionValues | None:

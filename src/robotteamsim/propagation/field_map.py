@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robotteamsim.scenario.plan import OccupancyGrid
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FieldMap:
@@ -21,11 +19,6 @@ class FieldMap:
     origin_m: tuple[float, float]
     resolution_m: float
     values: np.ndarray
-
-    @classmethod
-    def over(cls, grid: OccupancyGrid, values: np.ndarray) -> FieldMap:
-        """Return a map with the cells of an occupancy grid."""
-        return cls(grid.origin_m, grid.resolution_m, values)
 
     def cell_center(self, row: int, column: int) -> tuple[float, float]:
         """Return the centre (x, y) of a cell in `map` [m]."""

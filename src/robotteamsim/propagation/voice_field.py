@@ -96,7 +96,7 @@ class VoiceField:
             values,
             threads,
         )
-        return FieldMap.over(self._grid, values)
+        return FieldMap(self._grid.origin_m, self._grid.resolution_m, values)
 
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door. Raises: ValueError: no such door."""

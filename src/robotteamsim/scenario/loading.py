@@ -51,11 +51,10 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
         plan_path, plan_place = _plan_file(data["plan"], folder, "--set" if ("plan",) in origin.set_keys else place)
         data["plan"] = _read_plan(plan_path, plan_place)
     _read_patrol_graph(data, path.parent, origin)
-    scenario = _validated(Scenario, data, origin).with_origin(origin)
-    if plan_path is not None:
-        return scenario.with_plan_file(str(plan_path.resolve()))
-    _check_doors(scenario.plan, "plan.", origin)
-    return scenario
+    scenario = _validated(Scenario, data, origin)
+    if plan_path is None:
+        _check_doors(scenario.plan, "plan.", origin)
+    return scenario.read_from(origin, None if plan_path is None else str(plan_path.resolve()))
 
 
 def load_floor_plan(path_or_name: str | os.PathLike[str]) -> FloorPlan:

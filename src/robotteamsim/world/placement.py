@@ -132,6 +132,7 @@ def _check_schedule(plan: FloorPlan, schedule: Sequence[ScheduledEvent], robots:
 def _check_poses(plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robot], keys: list[str]) -> None:
     still = Solids(plan)
     reaches_m = [robot.reach_m for robot in robots]
+    present = [not isinstance(robot, PlacedRobot) or robot.present for robot in robots]
     for i, (pose, robot, key) in enumerate(zip(poses, robots, keys, strict=True)):
         point = pose[:2]
         check_inside(plan, key, point)
@@ -141,13 +142,8 @@ def _check_poses(plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robo
             raise PlacementError(f"{key}: {point_text(point)}: robot {i} {radius}{overlaps(hit)}", key)
         for j in range(i):
             is_near = math.dist(point, poses[j][:2]) < reaches_m[i] + reaches_m[j]
-            if is_near and _are_present(robot, robots[j]) and _overlap(robot, pose, robots[j], poses[j]):
+            if is_near and present[i] and present[j] and _overlap(robot, pose, robots[j], poses[j]):
                 raise PlacementError(f"{key}: {point_text(point)}: robot {i} overlaps robot {j}", key)
-
-
-def _are_present(*robots: Robot) -> bool:
-    """Whether all of them are there at the start."""
-    return all(not isinstance(robot, PlacedRobot) or robot.present for robot in robots)
 
 
 def _overlap(robot: Robot, pose: PlanarPose, other: Robot, other_pose: PlanarPose) -> bool:

@@ -1,12 +1,13 @@
 """Pictures of recorded runs: paths on the floor plan and curves over time, of one run or several side by side."""
 
+import itertools
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from robotteamsim.analysis.runs.curves import Curve, curves, draw_column, draw_speeds
+from robotteamsim.analysis.runs.curves import curves, draw_column, draw_speeds
 from robotteamsim.analysis.runs.plan_panel import (
     COLLISION,
     EXPLORED,
@@ -70,7 +71,9 @@ def _draw_one(run: RecordedRun, totals: RunTotals, plan: FloorPlan | None) -> Fi
 
 
 def _draw_columns(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals], plan: FloorPlan | None) -> Figure:
-    rows = [c for c in _all_curves(runs) if c is not draw_speeds]
+    # Every curve of any run, in the order of the run with most curves.
+    in_order = sorted(map(curves, runs), key=len, reverse=True)
+    rows = [draw for draw in dict.fromkeys(itertools.chain.from_iterable(in_order)) if draw is not draw_speeds]
     height = 2.6 + 1.25 * len(rows) + 0.9
     figure = Figure(figsize=(max(4.4 * len(runs), 8.8), height), dpi=120, layout="constrained")
     all_axes = figure.subplots(1 + len(rows), len(runs), squeeze=False, height_ratios=[2.6, *(1.0 for _ in rows)])
@@ -92,12 +95,6 @@ def _draw_columns(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals], 
         _share(all_axes[row])
     _add_legend(figure, runs, all_totals, with_totals=False)
     return figure
-
-
-def _all_curves(runs: Sequence[RecordedRun]) -> list[Curve]:
-    """Return every curve of any run, in the order of the run with most curves."""
-    fullest = max((curves(run) for run in runs), key=len)
-    return fullest + [draw for run in runs for draw in curves(run) if draw not in fullest]
 
 
 def _share(row: Sequence[Axes]) -> None:

@@ -9,7 +9,6 @@ import numpy as np
 from robotteamsim.control.driving.known_map import KnownMap, known_map
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.patrol import PatrolGraph
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.swarm import Vector
 
@@ -30,18 +29,15 @@ def patrol_graph(scenario: Scenario, robot_radius_m: float) -> Graph:
     """Return the graph of `control.patrol`. Raises: ScenarioError: the plan has no room for one."""
     patrol = scenario.control.patrol
     if patrol.graph is not None:
-        return _of_file(patrol.graph)
+        vertices = patrol.graph.vertices
+        edges = tuple(tuple(zip(vertex.neighbours, vertex.lengths_m, strict=True)) for vertex in vertices)
+        return Graph(tuple(vertex.position for vertex in vertices), edges)
     graph = _lattice(scenario.plan, robot_radius_m, patrol.spacing_m, patrol.longest_edge)
     if not graph.places:
         raise ScenarioError(
             f"{scenario.name}: control.patrol.spacing_m: {patrol.spacing_m:g} m leaves no two places of the plan linked"
         )
     return graph
-
-
-def _of_file(graph: PatrolGraph) -> Graph:
-    places = tuple(vertex.position for vertex in graph.vertices)
-    return Graph(places, tuple(tuple(zip(v.neighbours, v.lengths_m, strict=True)) for v in graph.vertices))
 
 
 @functools.lru_cache(maxsize=8)

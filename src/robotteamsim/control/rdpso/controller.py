@@ -112,7 +112,8 @@ class RdpsoController:
             self._own = None
             self._standing = self._decide_to_stand()
         if not self._sent_ns <= sim_time_ns < self._iteration_ends_ns:
-            self._begin_iteration(sim_time_ns)
+            self._iteration, self._sent_ns = sim_time_ns // self._iteration_ns, sim_time_ns
+            self._iteration_ends_ns = (self._iteration + 1) * self._iteration_ns
             self._own = self._evaluate(pose, observation)
             outbox = (Message(self._robot_id, EVERYBODY, self._own.to_json()),)
             self._standing = self._decide_to_stand()
@@ -123,11 +124,6 @@ class RdpsoController:
             speed_mps = self._control.max_step_speed_mps
         twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, self._teammates)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, goal_m=goal)
-
-    def _begin_iteration(self, sim_time_ns: int) -> None:
-        """Take note of the iteration that this step is the first of."""
-        self._iteration, self._sent_ns = sim_time_ns // self._iteration_ns, sim_time_ns
-        self._iteration_ends_ns = (self._iteration + 1) * self._iteration_ns
 
     def _has_waited_enough(self, sim_time_ns: int) -> bool:
         """Whether all that sent an update in the last iteration have sent one in this, or the timeout has expired."""

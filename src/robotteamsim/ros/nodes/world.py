@@ -15,8 +15,7 @@ from robotteamsim.msg import Doors, Robots
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.commands import STOP
 from robotteamsim.ros.nodes.gate import Gate, Pacer
-from robotteamsim.ros.nodes.object_requests import set_object
-from robotteamsim.ros.nodes.objects_output import ObjectsOutput
+from robotteamsim.ros.nodes.objects import ObjectsOutput, set_object
 from robotteamsim.ros.nodes.team import FreeTeam, LockstepTeam
 from robotteamsim.ros.nodes.team_outputs import TeamOutputs
 from robotteamsim.ros.transport import msg_conversion as conversion

@@ -84,14 +84,9 @@ class RobotView:
     """Its swarm, where there are several; None: there is but one."""
 
 
-def robot_colour(robot_id: int) -> Colour:
-    """Return the robot's colour; they repeat after the palette's length."""
-    return ROBOT_COLOURS[robot_id % len(ROBOT_COLOURS)]
-
-
-def swarm_colour(swarm: int) -> Colour:
-    """Return the colour of a swarm's rings; they repeat after the palette's length."""
-    return ROBOT_COLOURS[swarm % len(ROBOT_COLOURS)]
+def robot_colour(number: int) -> Colour:
+    """Return the colour of a robot, or of a swarm's rings, by its number; they repeat after the palette's length."""
+    return ROBOT_COLOURS[number % len(ROBOT_COLOURS)]
 
 
 def label_offset(position_m: tuple[float, float], others_m: Iterable[tuple[float, float]]) -> tuple[float, float]:
@@ -129,7 +124,7 @@ def robot_markers(
     is red, and a red arc lies before its ring.
     """
     tint = robot_colour(view.robot_id)
-    sign = EXCLUDED if view.excluded else tint if view.swarm is None else swarm_colour(view.swarm)
+    sign = EXCLUDED if view.excluded else tint if view.swarm is None else robot_colour(view.swarm)
     pose, radius_m, height_m = view.pose, view.radius_m, view.height_m
     x, y = pose.x_m, pose.y_m
     ring_m = radius_m + RING_MARGIN_M

@@ -35,7 +35,9 @@ class RosTypes:
         # All fields are given, so the defaults that __init__ would fill in first are not needed.
         message = message_class.__new__(message_class)
         for name, value in fields.items():
-            setattr(message, name, _plain(value) if type(value) is np.ndarray else value)
+            if type(value) is np.ndarray:  # uint8[] is bytes in genpy; other arrays are written fastest from lists.
+                value = value.tobytes() if value.dtype == np.uint8 else value.tolist()
+            setattr(message, name, value)
         return message
 
     def time(self, time_ns: int) -> Time:
@@ -49,32 +51,19 @@ class RosTypes:
         return self._classes.setdefault(type_name, getattr(package.msg, class_name))
 
 
-def _plain(values: np.ndarray) -> Any:
-    """uint8[] is bytes in genpy; other arrays are written fastest from lists."""
-    return values.tobytes() if values.dtype == np.uint8 else values.tolist()
-
-
 def stamp_ns(message: Any) -> int:
     """Return the stamp of a message with a header [ns]."""
     stamp = message.header.stamp
     return int(stamp.secs * 10**9 + stamp.nsecs)
 
 
-def pose_reading(message: geometry_msgs.msg.Pose) -> PoseReading:
-    """Return a pose in the plane; height, roll and pitch are dropped."""
-    return PoseReading(message.position.x, message.position.y, message.orientation.z, message.orientation.w)
-
-
-def _twist(message: geometry_msgs.msg.Twist) -> Twist:
-    return Twist(message.linear.x, message.linear.y, message.angular.z)
-
-
 def odometry_reading(message: nav_msgs.msg.Odometry) -> OdometryReading:
-    """Return pose and twist of `odom` or `base_pose_ground_truth`."""
+    """Return pose and twist in the plane of `odom` or `base_pose_ground_truth`; height, roll and pitch are dropped."""
+    pose, twist = message.pose.pose, message.twist.twist
     of_pose, of_twist = message.pose.covariance, message.twist.covariance
     return OdometryReading(
-        pose_reading(message.pose.pose),
-        _twist(message.twist.twist),
+        PoseReading(pose.position.x, pose.position.y, pose.orientation.z, pose.orientation.w),
+        Twist(twist.linear.x, twist.linear.y, twist.angular.z),
         pose_covariance=(of_pose[0], of_pose[1], of_pose[5], of_pose[7], of_pose[11], of_pose[35]),
         twist_variances=(of_twist[0], of_twist[7], of_twist[35]),
     )

@@ -95,10 +95,13 @@ def _read_settings() -> Settings:
     num_robots = parameter(f"{PARAMETERS}/robots", NOT_SET)
     if num_robots != NOT_SET and isinstance(scenario.robots, Team) and scenario.robots.count != num_robots:
         scenario = load(name, [*overrides, f"robots.count={num_robots}"])
+    hosted = parameter(f"{PARAMETERS}/controllers", "per_robot")
+    if hosted.lower() not in HOSTED:
+        raise ParameterError(f"{PARAMETERS}/controllers: {hosted}; expected {', '.join(HOSTED)}")
     settings = Settings(
         scenario,
         lockstep=parameter(f"{PARAMETERS}/lockstep", False),
-        controllers=_has_controllers(),
+        controllers=hosted.lower() != NO_CONTROLLERS,
         teleop=parameter(f"{PARAMETERS}/teleop", NOT_SET),
         silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
         mission=parameter(f"{PARAMETERS}/mission", True),
@@ -113,11 +116,3 @@ def _read_settings() -> Settings:
     if settings.teleop not in range(NOT_SET, settings.num_robots):
         raise ParameterError(f"{PARAMETERS}/teleop: {settings.teleop}; expected 0 to {settings.num_robots - 1}")
     return read_seed(settings)
-
-
-def _has_controllers() -> bool:
-    """Return whether there are controllers, in whichever processes. Raises: ParameterError."""
-    hosted = parameter(f"{PARAMETERS}/controllers", "per_robot")
-    if hosted.lower() not in HOSTED:
-        raise ParameterError(f"{PARAMETERS}/controllers: {hosted}; expected {', '.join(HOSTED)}")
-    return bool(hosted.lower() != NO_CONTROLLERS)

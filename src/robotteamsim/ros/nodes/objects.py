@@ -1,12 +1,34 @@
-"""Objects that are put down by service."""
+"""Boxes and barrels: where they are, for subscribers of now and later, and those that are put down by service."""
 
+from collections.abc import Sequence
 from typing import Any
 
+from visualization_msgs.msg import MarkerArray
+
 from robotteamsim.geometry import Pose
+from robotteamsim.ros.scene.objects import object_markers
+from robotteamsim.ros.transport.topics import Output
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.problems import checked
 from robotteamsim.srv import SetObjectRequest
 from robotteamsim.world import World
+
+
+class ObjectsOutput:
+    """The topic `/world/objects`; latched, so what stands still is published once."""
+
+    def __init__(self) -> None:
+        self._output = Output("/world/objects", MarkerArray, latched=True)
+        self._objects: tuple[MovableObject, ...] = ()
+        self._poses: Sequence[Pose] = ()
+
+    def show(self, world: World) -> None:
+        """Publish all objects, unless nothing has changed. Nobody may change the world meanwhile."""
+        objects, poses = world.object_models(), tuple(world.objects().values())
+        if (objects, poses) == (self._objects, self._poses):
+            return
+        self._output.publish(object_markers(objects, poses, replace=objects != self._objects))
+        self._objects, self._poses = objects, poses
 
 
 def set_object(world: World, request: SetObjectRequest) -> None:
