@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from robotteamsim.errors import ScenarioError
 from robotteamsim.stage.tokens import Place, Token, read_tokens
 
 MAX_DEPTH = 50
@@ -48,6 +49,10 @@ class Entity:
         """Return the place of a property, or else that of the entity."""
         found = self.properties.get(name)
         return found.place if found else self.place
+
+    def error(self, name: str, text: str) -> ScenarioError:
+        """Return the error that names a property and its place."""
+        return self.place_of(name).error(f"{name}: {text}")
 
     def of_kind(self, *kinds: str) -> list[Entity]:
         """Return the children of these kinds, in the file's order."""
