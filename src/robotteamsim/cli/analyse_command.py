@@ -102,7 +102,8 @@ def _check(options: argparse.Namespace) -> None:
     twice = next((bag for bag, name in zip(options.bags, names, strict=True) if names.count(name) > 1), None)
     if twice:
         raise UsageError(f"{twice} is given twice")
-    for path in _files(options):
+    files = [path for path in (options.json, options.png, options.gif, options.mp4) if path and path != Path("-")]
+    for path in files:
         check_replaceable(path)
         if not path.parent.is_dir():
             raise UsageError(f"{path}: cannot be written: {path.parent} is not a folder")
@@ -121,11 +122,6 @@ def _check_film(options: argparse.Namespace) -> None:
         raise UsageError(f"--seconds {options.seconds:g} is outside {_MIN_FILM_S:g} to {_MAX_FILM_S:g} s")
     if options.mp4:
         find_ffmpeg()
-
-
-def _files(options: argparse.Namespace) -> list[Path]:
-    """Return the files to be written."""
-    return [path for path in (options.json, options.png, options.gif, options.mp4) if path and path != Path("-")]
 
 
 def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> list[Path]:

@@ -12,7 +12,7 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.schedule import ScheduledEvent, in_order
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.world.core_parts import core_object, core_robot, core_solids
-from robotteamsim.world.doors import DoorStates, door_state
+from robotteamsim.world.doors import DoorState, DoorStates
 from robotteamsim.world.free_space import FreeSpace, Occupants
 from robotteamsim.world.placement import check_objects
 
@@ -270,7 +270,5 @@ class World:
 
     def _update_doors(self) -> None:
         if self.core.doors_version != self._doors.version:
-            states = {
-                name: door_state(state) for name, state in zip(self._door_ids, self.core.door_states(), strict=True)
-            }
-            self._doors = DoorStates(states, self.core.doors_version)
+            states = [DoorState(door.closed, door.opening, door.motion) for door in self.core.door_states()]
+            self._doors = DoorStates(dict(zip(self._door_ids, states, strict=True)), self.core.doors_version)

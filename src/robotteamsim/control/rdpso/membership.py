@@ -26,9 +26,9 @@ class Membership:
         self._robot_id = robot_id
         self._seed = scenario.run.seed
         self._enabled = exclusion.enabled
-        self._rules = ExclusionRules(exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots)
-        self._swarms = swarms
         limits = exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots
+        self._rules = ExclusionRules(*limits)
+        self._swarms = swarms
         self._settings = self._seed, *limits, swarms.min, swarms.max, swarms.new_robots
         """All that a verdict depends on beside the updates."""
         self.swarm_id = robot_id * swarms.initial // scenario.num_robots

@@ -52,34 +52,28 @@ class RadioMaps:
 
     def __init__(self, robot_name: str, make: RosTypes, now: Callable[[], tuple[int, FieldMap] | None]) -> None:
         """Advertise the maps. now: returns stamp [ns] and map of the last step, for late subscribers; None: no map."""
-        self._make = make
         self._now = now
-        self._picture = Output(
-            f"/{robot_name}/radio_map", OccupancyGrid, greeting=lambda: self._greeting(self._picture_of)
-        )
-        self._values = Output(
-            f"/{robot_name}/radio_map/values", FloatMap, greeting=lambda: self._greeting(self._values_of)
+        topic = f"/{robot_name}/radio_map"
+        picture = partial(ros_messages.radio_map_picture, make)
+        values = partial(ros_messages.field_map, make, quantity="rssi", unit="dBm")
+        self._outputs = (
+            (Output(topic, OccupancyGrid, greeting=partial(self._greeting, picture)), picture),
+            (Output(f"{topic}/values", FloatMap, greeting=partial(self._greeting, values)), values),
         )
         self._due_ns = 0
 
     def publish(self, time_ns: int, position_m: tuple[float, float], environment: Environment) -> None:
         """Publish the maps, if they are due and somebody subscribes."""
-        if time_ns < self._due_ns or not (self._picture.wanted or self._values.wanted):
+        if time_ns < self._due_ns or not any(output.wanted for output, _ in self._outputs):
             return
         self._due_ns = time_ns + RADIO_MAP_PERIOD_NS
         radio_map = environment.radio_map(position_m, RADIO_MAP_RESOLUTION_M)
-        self._picture.publish(self._picture_of(time_ns, radio_map))
-        self._values.publish(self._values_of(time_ns, radio_map))
+        for output, message_of in self._outputs:
+            output.publish(message_of(time_ns, radio_map))
 
     def restart(self) -> None:
         """Begin again with the first step."""
         self._due_ns = 0
-
-    def _picture_of(self, time_ns: int, radio_map: FieldMap) -> OccupancyGrid:
-        return ros_messages.radio_map_picture(self._make, time_ns, radio_map)
-
-    def _values_of(self, time_ns: int, radio_map: FieldMap) -> FloatMap:
-        return ros_messages.field_map(self._make, time_ns, radio_map, "rssi", "dBm")
 
     def _greeting(self, message_of: Callable[[int, FieldMap], Any]) -> Any:
         now = self._now()
@@ -164,7 +158,7 @@ class EnvironmentNode:
             for topic in self._sent
         ]
         with self._environment_lock:
-            doors = step.latest(DOORS) if self._settings.scenario.plan.doors else None
+            doors = step.latest(DOORS)
             if doors is not None:
                 self._environment.follow_doors(conversion.door_states(doors))
             status = step.latest(STATUS)

@@ -90,7 +90,7 @@ class RobotInputs:
 
     def decision(self, step: Step) -> Decision:
         """Return what is published of the robot's decision."""
-        status = step.latest(self.status) if self.status in step.messages else None
+        status = step.latest(self.status)
         return Decision() if status is None else conversion.decision(status)
 
 
@@ -163,9 +163,9 @@ class MissionNode:
         voices = tuple(topics.heard(step) if is_present else NOTHING_HEARD for topics, is_present in robots)
         decisions = tuple(topics.decision(step) if is_present else Decision() for topics, is_present in robots)
         network = conversion.network_state(step.latest(NETWORK))
-        message = step.latest(DOORS) if self._settings.scenario.plan.doors else None
+        message = step.latest(DOORS)
         doors = None if message is None else conversion.door_states(message)
-        received = step.messages[self._base_received] if self._base_received else ()
+        received = step.messages.get(self._base_received, ())
         base_inbox = [received_by_base for one in received for received_by_base in conversion.network_messages(one)]
         with self._trial_lock:
             events = self._trial.step(step.stamp_ns, readings, voices, network, decisions, doors, base_inbox, present)
