@@ -9,8 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from robotteamsim.mission.status import END_TEXTS, Event
-from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.simulation import Result, StepRecord
+from robotteamsim.simulation import Result
 from robotteamsim.wording import counted
 
 MAX_EVENTS = 60
@@ -31,30 +30,7 @@ _STYLES = {
 }
 
 
-class EventList:
-    """Collects the events of a run."""
-
-    def __init__(self) -> None:
-        self.events: list[Event] = []
-
-    def begin(self, scenario: Scenario) -> None:
-        """Discard the events of an earlier run."""
-        self.events = []
-
-    def step(self, record: StepRecord) -> None:
-        """Keep the events of one step."""
-        self.events.extend(record.events)
-
-    def end(self, result: Result) -> None:
-        """Do nothing."""
-
-    def abandon(self) -> None:
-        """Do nothing."""
-
-
-def print_result(
-    console: Console, scenario: Scenario, result: Result, events: Sequence[Event], written: Sequence[Path | None]
-) -> None:
+def print_result(console: Console, result: Result, events: Sequence[Event], written: Sequence[Path | None]) -> None:
     """Print the events in order and the totals of a mission."""
     robots = counted(len(result.robots), "robot")
     title = f"{result.scenario}: {robots}, {result.noise_db:g} dB noise, seed {result.seed}"

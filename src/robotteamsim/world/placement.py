@@ -9,7 +9,6 @@ from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.plan import solids
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import Mission, PlacedRobot, Robot, Team
@@ -115,7 +114,7 @@ def _check(
 
 def _check_schedule(plan: FloorPlan, schedule: Sequence[ScheduledEvent], robots: Sequence[PlacedRobot]) -> None:
     """Check that no robot would come in a wall or outside; doors, objects and robots come and go."""
-    still = [solid for solid in solids(plan) if solid.kind != "door"] if schedule else []
+    still = Solids(plan, doors=False)
     for index, event in enumerate(schedule):
         if event.pose is None:
             continue
@@ -123,9 +122,7 @@ def _check_schedule(plan: FloorPlan, schedule: Sequence[ScheduledEvent], robots:
         place = f"{key}: {point_text(event.pose[:2])}: robot {event.robot_id}"
         if not plan.bounds.contains(event.pose[:2]):
             raise PlacementError(f"{place} lies outside the plan, {plan.bounds}", key)
-        body = robots[event.robot_id].body_at(event.pose)
-        hit = next((solid for solid in still if body.overlaps_shape(solid.polygon, 0.0)), None)
-        if hit is not None:
+        if hit := still.under_body(robots[event.robot_id].body_at(event.pose), 0.0):
             raise PlacementError(f"{place} {overlaps(hit)}", key)
 
 

@@ -9,7 +9,6 @@ from robotteamsim.control.baselines.patrol_graph import patrol_graph
 from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.control.driving.path_controller import PathController
 from robotteamsim.control.runtime.streams import robot_stream
-from robotteamsim.geometry import Pose
 from robotteamsim.interface import Decision
 from robotteamsim.interface.payload import Index, Update, update_reader
 from robotteamsim.network.messages import EVERYBODY, Message
@@ -81,18 +80,19 @@ class SebsController(PathController):
         pose = self.pose()
         position = (pose.x_m, pose.y_m)
         if self._goal < 0:
-            self._go_to(self._graph.nearest(position), position)
-            return self._send_visit(pose)
-        if math.dist(position, self._graph.places[self._goal]) < self._patrol.arrived_m:
+            vertex = self._graph.nearest(position)
+        elif math.dist(position, self._graph.places[self._goal]) < self._patrol.arrived_m:
             self._visited_s[self._goal] = self.time_s
             self._at = self._goal
-            self._go_to(self._next_vertex(self._at), position)
-            return self._send_visit(pose)
-        if self.time_s > self._until_s:
+            vertex = self._next_vertex(self._at)
+        elif self.time_s > self._until_s:
             # The path is blocked: any vertex nearby is as good.
-            self._go_to(self._next_vertex(self._goal), position)
-            return self._send_visit(pose)
-        return self.drive(pose, self._graph.places[self._goal])
+            vertex = self._next_vertex(self._goal)
+        else:
+            return self.drive(pose, self._graph.places[self._goal])
+        self._go_to(vertex, position)
+        visit = Message(self.robot_id, EVERYBODY, Visit(self.robot_id, self._at, vertex).to_json())
+        return self.drive(pose, self._graph.places[vertex], (visit,))
 
     def _listen(self) -> None:
         last = len(self._visited_s) - 1
@@ -127,8 +127,3 @@ class SebsController(PathController):
         distance_m = self.map.distance_m(self._graph.places[vertex], position)
         travel_s = self._patrol.timeout_factor * min(distance_m, LONGEST_TIMED_M) / self.speed_mps
         self._until_s = self.time_s + self._patrol.timeout_s + travel_s
-
-    def _send_visit(self, pose: Pose) -> Decision:
-        visit = Visit(self.robot_id, self._at, self._goal)
-        message = Message(self.robot_id, EVERYBODY, visit.to_json())
-        return self.drive(pose, self._graph.places[self._goal], (message,))

@@ -12,21 +12,9 @@ from nav_msgs.msg import Odometry
 from rich.console import Console
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from robotteamsim import srv
+from robotteamsim import msg, srv
 from robotteamsim.interface import Decision
 from robotteamsim.mission.status import Event
-from robotteamsim.msg import (
-    Areas,
-    Contact,
-    ControllerStatus,
-    Doors,
-    MissionEvent,
-    MissionStatus,
-    NetworkMessages,
-    NetworkState,
-    Victims,
-    Voice,
-)
 from robotteamsim.recording import ResultWriter, TumWriter, ros_messages
 from robotteamsim.recording.table import print_result
 from robotteamsim.ros.nodes.trial import Trial
@@ -71,11 +59,11 @@ class RobotInputs:
         mine = partial(Channel, robot_id=self._robot_id)
         inputs = [
             Input(mine(self.ground_truth, needed=True), Odometry, conversion.read_odometry),
-            Input(mine(self.contact), Contact),
-            Input(mine(self.voice, needed=True), Voice),
+            Input(mine(self.contact), msg.Contact),
+            Input(mine(self.voice, needed=True), msg.Voice),
         ]
         if controlled:
-            inputs.append(Input(mine(self.status, may_be_silent=True), ControllerStatus))
+            inputs.append(Input(mine(self.status, may_be_silent=True), msg.ControllerStatus))
         return inputs
 
     def reading(self, step: Step) -> RobotReading:
@@ -112,10 +100,10 @@ class MissionNode:
         self._trial = self._begin_trial()
         inputs = self._inputs()
         self._steps = receive_steps(make_synchronizer(settings, inputs), inputs)
-        self._events = Output("/mission/events", MissionEvent)
-        self._victims = Output("/mission/victims", Victims, latched=True)
-        self._areas = Output("/mission/areas", Areas, latched=True)
-        self._status = Output("/mission/status", MissionStatus, latched=True)
+        self._events = Output("/mission/events", msg.MissionEvent)
+        self._victims = Output("/mission/victims", msg.Victims, latched=True)
+        self._areas = Output("/mission/areas", msg.Areas, latched=True)
+        self._status = Output("/mission/status", msg.MissionStatus, latched=True)
         self._published: tuple[Any, ...] = ()
         self._publish(0, ())
         self._offer_services()
@@ -142,11 +130,11 @@ class MissionNode:
     def _inputs(self) -> list[Input]:
         controlled = self._settings.controlled
         inputs = [an_input for i, topics in enumerate(self._robots) for an_input in topics.inputs(i in controlled)]
-        doors = [Input(Channel(DOORS), Doors)] if self._settings.scenario.plan.doors else []
-        base = (
-            [Input(Channel(self._base_received, robot_id=self._base), NetworkMessages)] if self._base_received else []
-        )
-        return [*inputs, *doors, *base, PRESENCE, Input(Channel(NETWORK, needed=True), NetworkState)]
+        if self._settings.scenario.plan.doors:
+            inputs.append(Input(Channel(DOORS), msg.Doors))
+        if self._base_received:
+            inputs.append(Input(Channel(self._base_received, robot_id=self._base), msg.NetworkMessages))
+        return [*inputs, PRESENCE, Input(Channel(NETWORK, needed=True), msg.NetworkState)]
 
     def _begin_trial(self) -> Trial:
         recorders: list[Observer] = []
@@ -191,7 +179,7 @@ class MissionNode:
         result = self._trial.result
         assert result is not None
         written = [self._folder] if self._folder is not None else []
-        print_result(Console(), self._settings.scenario, result, self._trial.events, written)
+        print_result(Console(), result, self._trial.events, written)
 
     def _offer_services(self) -> None:
         actions = ("start", "pause", "resume", "abort")

@@ -9,16 +9,7 @@ from sensor_msgs.msg import PointCloud2
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from robotteamsim.msg import (
-    Areas,
-    Doors,
-    FloatMap,
-    MissionEvent,
-    MissionStatus,
-    NetworkState,
-    Robots,
-    Victims,
-)
+from robotteamsim import msg
 from robotteamsim.ros.scene import laser as scene_laser
 from robotteamsim.ros.scene import mission as scene_mission
 from robotteamsim.ros.scene import plan as scene_plan
@@ -108,19 +99,19 @@ class Scene:
         self._laser = Output("/scene/laser", PointCloud2)
         self._robots: dict[int, RobotFeed] = {}
         self._missing: set[int] = set()
-        self._status = Feed("/mission/status", MissionStatus)
-        self._events = Feed("/mission/events", MissionEvent, keep=1000)
-        self._doors = Feed("/world/doors", Doors)
+        self._status = Feed("/mission/status", msg.MissionStatus)
+        self._events = Feed("/mission/events", msg.MissionEvent, keep=1000)
+        self._doors = Feed("/world/doors", msg.Doors)
         self._has_doors = False
-        self._areas = Feed("/mission/areas", Areas)
-        self._victims = Feed("/mission/victims", Victims)
-        self._presence = Feed(ROBOTS, Robots)
+        self._areas = Feed("/mission/areas", msg.Areas)
+        self._victims = Feed("/mission/victims", msg.Victims)
+        self._presence = Feed(ROBOTS, msg.Robots)
         self._absent: frozenset[int] = frozenset()
-        self._network = Feed("/network/state", NetworkState)
-        self._voice = Feed("/voice_map/values", FloatMap)
+        self._network = Feed("/network/state", msg.NetworkState)
+        self._voice = Feed("/voice_map/values", msg.FloatMap)
         self._links: list[scene_team.LinkView] = []
         self._scans: dict[tuple[int, str], scene_laser.ScanView] = {}
-        self._mission: MissionStatus | None = None
+        self._mission: msg.MissionStatus | None = None
         self._num_endangered = 0
         self._headline: scene_mission.Headline | None = None
         self._stamp_ns = 0
