@@ -11,18 +11,11 @@ from typing import Any
 
 from rich.console import Console
 
-from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_design, open_store
+from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_design, open_store, tables
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, parse_sweep, read_design_file
 from robotteamsim.campaign.runner import local_workers, prepare, run_trials, scheduler_at
 from robotteamsim.campaign.summary import summarise
-from robotteamsim.campaign.tables import (
-    dissertation_tables,
-    exclusion_note,
-    is_the_dissertations,
-    missions_by_noise,
-    summary_table,
-)
 from robotteamsim.cli.campaign_progress import CampaignProgress
 from robotteamsim.cli.parser import number, positive_whole_number, whole_number
 from robotteamsim.cli.run_command import add_set_option
@@ -162,11 +155,11 @@ def _run_missing(options: argparse.Namespace, design: Design, store: Store, clie
 
 
 def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
-    if is_the_dissertations(design):
-        print(dissertation_tables(missions_by_noise(design, outcomes)))
+    if tables.is_the_dissertations(design):
+        print(tables.dissertation_tables(tables.missions_by_noise(design, outcomes)))
     else:
-        print(summary_table(design, summarise(design, outcomes)))
-    if note := exclusion_note(outcomes):
+        print(tables.summary_table(design, summarise(design, outcomes)))
+    if note := tables.exclusion_note(outcomes):
         print(f"\n{note}")
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from robotteamsim.analysis.runs import tracks
 from robotteamsim.analysis.runs.recorded_run import (
     Flags,
     RecordedArea,
@@ -19,15 +20,7 @@ from robotteamsim.analysis.runs.recorded_run import (
     RecordedStatus,
     RecordedVictim,
 )
-from robotteamsim.analysis.runs.tracks import (
-    AFTER_ALL_NS,
-    BEFORE_ALL_NS,
-    Absence,
-    PoseSample,
-    Transforms,
-    from_odometry,
-    from_truth,
-)
+from robotteamsim.analysis.runs.tracks import Absence
 from robotteamsim.errors import RecordingError
 from robotteamsim.mission.status import DeliveredDiscoveries, Event
 from robotteamsim.recording.bag_reader import BagReader
@@ -92,7 +85,7 @@ def _read(bag: BagReader, name: str) -> RecordedRun:
     types = _types_to_read(bag.topics)
     unread = {topic for topic in types if not bag.is_known(topic)}
     samples: dict[str, list[tuple[int, Any]]] = defaultdict(list)
-    transforms = Transforms()
+    transforms = tracks.Transforms()
     for topic, stamp_ns, message in bag.messages(set(types) - unread):
         if topic in _TF_TYPES:
             transforms.add(message, is_static=topic == "/tf_static")
@@ -135,7 +128,7 @@ def _namespaces(topics: Mapping[str, str]) -> list[str]:
 def _run(
     name: str,
     samples: Samples,
-    transforms: Transforms,
+    transforms: tracks.Transforms,
     unread: tuple[str, ...],
     topics: tuple[str, ...],
 ) -> RecordedRun:
@@ -194,13 +187,13 @@ def _in_order(topic: str, samples: list[tuple[int, Any]]) -> list[tuple[int, Any
     return sorted(samples, key=lambda sample: sample[0])
 
 
-def _robot(namespace: str, samples: Samples, transforms: Transforms) -> RecordedRobot | None:
+def _robot(namespace: str, samples: Samples, transforms: tracks.Transforms) -> RecordedRobot | None:
     truth, odom = samples.get(f"{namespace}/{TRUTH}"), samples.get(f"{namespace}/{ODOM}")
     name = namespace.strip("/") or "robot"
     number = re.fullmatch(r"robot_(\d+)", name)
     robot_id = int(number[1]) if number else None
     absences = _absences([item for item in samples.get("/mission/events", []) if item[1].robot_id == robot_id])
-    track = from_truth(truth, absences) if truth else from_odometry(odom or [], transforms, absences)
+    track = tracks.from_truth(truth, absences) if truth else tracks.from_odometry(odom or [], transforms, absences)
     if track is None:
         return None
     contact, excluded = samples.get(f"{namespace}/contact"), samples.get(f"{namespace}/controller/status")
@@ -210,13 +203,13 @@ def _robot(namespace: str, samples: Samples, transforms: Transforms) -> Recorded
 def _absences(events: list[tuple[int, Event]]) -> tuple[Absence, ...]:
     """Return the absences of a robot from its events; if the first event is its arrival, it was absent before."""
     changes = [(ns, event.kind == "robot_spawned") for ns, event in events if event.kind in _LEAVES_OR_COMES]
-    gone_ns = BEFORE_ALL_NS if changes and changes[0][1] else None
+    gone_ns = tracks.BEFORE_ALL_NS if changes and changes[0][1] else None
     absences = []
     for stamp_ns, comes in changes:
         if comes:
             absences.append((stamp_ns if gone_ns is None else gone_ns, stamp_ns))
         gone_ns = None if comes else stamp_ns
-    return (*absences, *([] if gone_ns is None else [(gone_ns, AFTER_ALL_NS)]))
+    return (*absences, *([] if gone_ns is None else [(gone_ns, tracks.AFTER_ALL_NS)]))
 
 
 def _flags(samples: list[tuple[int, Any]] | None) -> Flags | None:
@@ -240,9 +233,9 @@ def _network(samples: list[tuple[int, Any]]) -> RecordedNetwork:
     )
 
 
-def _pose_sample(stamp_ns: int, message: Any) -> PoseSample:
+def _pose_sample(stamp_ns: int, message: Any) -> tracks.PoseSample:
     position, q = message.pose.pose.position, message.pose.pose.orientation
-    return PoseSample(message.header.frame_id.lstrip("/"), position.x, position.y, q.x, q.y, q.z, q.w)
+    return tracks.PoseSample(message.header.frame_id.lstrip("/"), position.x, position.y, q.x, q.y, q.z, q.w)
 
 
 def _network_sample(stamp_ns: int, message: Any) -> _NetworkSample:

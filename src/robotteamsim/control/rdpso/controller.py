@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import msgspec
 import numpy as np
 
+from robotteamsim import swarm
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.localisation import Localiser, body_of
 from robotteamsim.control.driving.navigation import Navigator
@@ -26,15 +27,7 @@ from robotteamsim.interface import OUTSIDE, Decision, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message, batch_of
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Control
-from robotteamsim.swarm import (
-    Vector,
-    Weights,
-    limit_speed,
-    memory_coefficients,
-    next_position,
-    next_velocity,
-    uniform_numbers,
-)
+from robotteamsim.swarm import Vector
 
 
 class RdpsoController:
@@ -51,7 +44,7 @@ class RdpsoController:
         body = body_of(robot_id, scenario)
         self._robot_id = robot_id
         self._control = control
-        self._weights = Weights(control.c1, control.c2, control.c3, 0.0)
+        self._weights = swarm.Weights(control.c1, control.c2, control.c3, 0.0)
         """Of the terms of eq. (22); that of communication is 0 while no link is in danger."""
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._timeout_ns = round(control.update_timeout_share * control.iteration_s * 1e9)
@@ -67,7 +60,7 @@ class RdpsoController:
         self._finder = LocalBestFinder(scenario)
         self._membership = Membership(robot_id, scenario)
         self._momentum = Momentum(self.memory(control))
-        self._numbers = uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
+        self._numbers = swarm.uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
         self._wander = Wander(
             control.wander, robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps
         )
@@ -91,7 +84,7 @@ class RdpsoController:
     @staticmethod
     def memory(control: Control) -> tuple[float, ...]:
         """Return the weights of v[t], v[t-1], ... in v[t+1]."""
-        return memory_coefficients(control.memory, control.alpha, control.memory_terms)
+        return swarm.memory_coefficients(control.memory, control.alpha, control.memory_terms)
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
         """Take in what the robot perceives, the messages that arrived, and the mission's task."""
@@ -175,8 +168,8 @@ class RdpsoController:
         self._wander.stop()
         self._momentum.note(position)
         velocity = self._next_velocity(pose, ranges_m, team, view, self._local_best, self._known_best)
-        velocity = limit_speed(velocity, self._control.max_step_speed_mps * self._control.iteration_s)
-        self._goal = next_position(position, velocity)
+        velocity = swarm.limit_speed(velocity, self._control.max_step_speed_mps * self._control.iteration_s)
+        self._goal = swarm.next_position(position, velocity)
         if self._control.navigation == "path":
             # A step ends at a wall; it does not lead around it. The path around it is in the attractors.
             self._goal = self._map.grid.reachable_towards(position, self._goal)
@@ -221,7 +214,7 @@ class RdpsoController:
             self._along_path(position, x_cb) if c4 > 0.0 else x_cb,
         )
         weights = self._weights if c4 == 0.0 else self._weights._replace(communication=c4)
-        return next_velocity(position, self._momentum.term(), attractors, weights, self._numbers)
+        return swarm.next_velocity(position, self._momentum.term(), attractors, weights, self._numbers)
 
     def _heard(self, view: CommonView) -> Mapping[int, Vector]:
         """Return where the other members of the swarm are that sent an update in this iteration, by robot id."""
