@@ -146,16 +146,6 @@ class OccupancyGrid(Grid):
 
     cells: np.ndarray
 
-    def contains(self, row: int, column: int) -> bool:
-        """Whether a cell lies in the grid."""
-        rows, columns = self.cells.shape
-        return bool(0 <= row < rows and 0 <= column < columns)
-
-    def is_free(self, x_m: float, y_m: float) -> bool:
-        """Whether a point is in a free cell; points outside the grid are not."""
-        row, column = self.cell_at(x_m, y_m)
-        return self.contains(row, column) and int(self.cells[row, column]) == FREE
-
 
 def grid_shape(plan: FloorPlan, resolution_m: float) -> tuple[int, int]:
     """Return (rows, columns) of the cells over a plan's bounds; the last ones may reach beyond.

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import msgspec
 import numpy as np
@@ -115,7 +116,8 @@ class RdpsoController:
         if goal is None:
             goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), sim_time_ns * 1e-9)
             speed_mps = self._control.max_step_speed_mps
-        twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, self._teammates)
+        teammates = partial(self._team.positions, without=self._robot_id)
+        twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, goal_m=goal)
 
     def _has_waited_enough(self, sim_time_ns: int) -> bool:
@@ -245,10 +247,6 @@ class RdpsoController:
             self._map_doors = self._doors.changed
             self._map = known_map(self._plan, self._reach_m, self._map_doors)
             self._known_best = None
-
-    def _teammates(self) -> dict[int, Vector]:
-        """Return where each teammate was when it was last heard, in `map` [m], by robot id."""
-        return self._team.positions(without=self._robot_id)
 
     def _decide_to_stand(self) -> Decision:
         """Return the decision to stand still, with the status of the robot and its swarm."""

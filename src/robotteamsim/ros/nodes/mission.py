@@ -183,11 +183,12 @@ class MissionNode:
 
     def _offer_services(self) -> None:
         actions = ("start", "pause", "resume", "abort")
+        locked = partial(command, lock=self._trial_lock)
         self._services = (
             *(Service(f"/mission/{name}", Trigger, self._server_of(name)) for name in actions),
-            command("/mission/set_door", srv.SetDoor, self._set_door),
-            command("/mission/set_noise", srv.SetNoise, self._set_noise),
-            command("/mission/set_victim", srv.SetVictim, self._set_victim),
+            locked("/mission/set_door", srv.SetDoor, lambda r: self._trial.mission.set_door(r.name, r.closed)),
+            locked("/mission/set_noise", srv.SetNoise, lambda r: self._trial.mission.set_noise_db(r.noise_db)),
+            locked("/mission/set_victim", srv.SetVictim, self._set_victim),
         )
 
     def _server_of(self, name: str) -> Callable[[TriggerRequest], TriggerResponse]:
@@ -201,14 +202,5 @@ class MissionNode:
 
         return serve
 
-    def _set_door(self, request: srv.SetDoorRequest) -> None:
-        with self._trial_lock:
-            self._trial.mission.set_door(request.name, request.closed)
-
-    def _set_noise(self, request: srv.SetNoiseRequest) -> None:
-        with self._trial_lock:
-            self._trial.mission.set_noise_db(request.noise_db)
-
     def _set_victim(self, request: srv.SetVictimRequest) -> None:
-        with self._trial_lock:
-            self._trial.mission.set_victim(request.name, (request.position.x, request.position.y))
+        self._trial.mission.set_victim(request.name, (request.position.x, request.position.y))

@@ -2,6 +2,7 @@
 
 import logging
 import threading
+from functools import partial
 
 import numpy as np
 from nav_msgs.msg import OccupancyGrid
@@ -173,6 +174,7 @@ class WorldNode:
         self._static_map = Service("/static_map", GetMap, lambda _: GetMapResponse(map=grid))
 
     def _offer_services(self) -> None:
+        locked = partial(command, lock=self._world_lock)
         self._services = (
             command("/pause", Trigger, self._pause),
             command("/resume", Trigger, self._resume),
@@ -181,12 +183,12 @@ class WorldNode:
             command("/reset_seed", srv.ResetSeed, self._reset_seed),
             Service("/reset_positions", Empty, self._reset_positions),
             command("/set_speed", srv.SetSpeed, lambda request: self._pacer.set_speed(request.speed)),
-            command("/set_pose", srv.SetPose, self._set_pose),
-            command("/spawn_robot", srv.SpawnRobot, self._spawn_robot),
-            command("/remove_robot", srv.RemoveRobot, self._remove_robot),
-            command("/set_object", srv.SetObject, self._set_object),
-            command("/remove_object", srv.RemoveObject, self._remove_object),
-            command("/world/set_door", srv.SetDoor, self._set_door),
+            locked("/set_pose", srv.SetPose, self._set_pose),
+            locked("/spawn_robot", srv.SpawnRobot, self._spawn_robot),
+            locked("/remove_robot", srv.RemoveRobot, lambda request: self._world.remove_robot(request.robot_id)),
+            locked("/set_object", srv.SetObject, self._set_object),
+            locked("/remove_object", srv.RemoveObject, self._remove_object),
+            locked("/world/set_door", srv.SetDoor, lambda request: self._world.set_door(request.name, request.closed)),
         )
 
     def _pause(self, _: object) -> str:
@@ -215,33 +217,20 @@ class WorldNode:
         return EmptyResponse()
 
     def _set_pose(self, request: srv.SetPoseRequest) -> None:
-        pose = Pose(request.pose.x, request.pose.y, request.pose.theta)
-        with self._world_lock:
-            self._world.set_pose(request.robot_id, pose)
+        self._world.set_pose(request.robot_id, Pose(request.pose.x, request.pose.y, request.pose.theta))
 
     def _spawn_robot(self, request: srv.SpawnRobotRequest) -> None:
         pose = None if request.at_start else Pose(request.pose.x, request.pose.y, request.pose.theta)
-        with self._world_lock:
-            self._world.spawn_robot(request.robot_id, pose)
-            self._arrived.add(request.robot_id)
-
-    def _remove_robot(self, request: srv.RemoveRobotRequest) -> None:
-        with self._world_lock:
-            self._world.remove_robot(request.robot_id)
+        self._world.spawn_robot(request.robot_id, pose)
+        self._arrived.add(request.robot_id)
 
     def _set_object(self, request: srv.SetObjectRequest) -> None:
-        with self._world_lock:
-            set_object(self._world, request)
-            self._objects.show(self._world)  # a paused world makes no step that would
+        set_object(self._world, request)
+        self._objects.show(self._world)  # a paused world makes no step that would
 
     def _remove_object(self, request: srv.RemoveObjectRequest) -> None:
-        with self._world_lock:
-            self._world.remove_object(request.name)
-            self._objects.show(self._world)
-
-    def _set_door(self, request: srv.SetDoorRequest) -> None:
-        with self._world_lock:
-            self._world.set_door(request.name, request.closed)
+        self._world.remove_object(request.name)
+        self._objects.show(self._world)
 
 
 def _pacer() -> Pacer:

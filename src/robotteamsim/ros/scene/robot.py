@@ -3,7 +3,6 @@
 from collections import deque
 from collections.abc import Iterable
 
-import numpy as np
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan, NavSatFix, Range
 
@@ -138,16 +137,7 @@ class RobotFeed:
 
     def _scan_view(self, laser: Laser, scan: LaserScan) -> ScanView:
         base = self._recent.get(msg_conversion.stamp_ns(scan), self._newest_pose)
-        return ScanView(
-            robot_id=self._id,
-            laser=base @ _mount(laser),
-            height_m=laser.height_m,
-            angle_min_rad=scan.angle_min,
-            angle_step_rad=scan.angle_increment,
-            range_min_m=scan.range_min,
-            range_max_m=scan.range_max,
-            ranges_m=np.asarray(scan.ranges),
-        )
+        return ScanView(self._id, base @ _mount(laser), laser.height_m, scan)
 
 
 class _Wanted:

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 from robotteamsim import _ros_transport as roscpp
@@ -29,16 +30,20 @@ class Service:
             raise
 
 
-def command(name: str, service_class: Any, do: Callable[[Any], str | None]) -> Service:
+def command(
+    name: str, service_class: Any, do: Callable[[Any], str | None], lock: AbstractContextManager[Any] | None = None
+) -> Service:
     """Offer a service whose response has `success` and `message`.
 
     do: carries a request out and returns the message, None for none; ValueError and a user's mistake become a failure.
+    lock: held meanwhile.
     """
     response = service_class._response_class
 
     def serve(request: Any) -> Any:
         try:
-            return response(success=True, message=do(request) or "")
+            with lock or nullcontext():
+                return response(success=True, message=do(request) or "")
         except (ValueError, RobotTeamSimError) as error:
             return response(success=False, message=str(error))
 
