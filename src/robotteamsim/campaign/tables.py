@@ -119,7 +119,7 @@ def _statistics_table(title: str, ours: Missions, theirs: Missions, *columns: _C
             for _, _, value, digits in columns:
                 for source in (ours, theirs):
                     values = [float(value(mission)) for mission in source.get(noise_db, ()) if mission is not None]
-                    cells.append(_trimmed(statistic(values), digits) if values else "-")
+                    cells.append(f"{round(statistic(values), digits):g}" if values else "-")
         lines.append(cells)
     return _block(title, "", sorted(ours), columns, lines)
 
@@ -168,8 +168,3 @@ def _spread(spread: Spread | None) -> str:
     if spread.sd is None:
         return f"{spread.mean:.2f}"
     return f"{spread.mean:.2f} ± {spread.sd:.2f} [{spread.low:.2f}, {spread.high:.2f}]"
-
-
-def _trimmed(value: float, digits: int) -> str:
-    text = f"{value:.{digits}f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text

@@ -91,7 +91,12 @@ def analyse(options: argparse.Namespace) -> None:
         written.append(options.png)
     written += _film(options, runs[0], all_totals[0], plan)
     if options.json != Path("-"):
-        _print(runs, all_totals)
+        from robotteamsim.analysis.runs.tables import print_run, print_runs
+
+        if len(runs) == 1:
+            print_run(Console(), runs[0], all_totals[0])
+        else:
+            print_runs(Console(), all_totals)
         for path in written:
             print(path)
 
@@ -159,12 +164,3 @@ def _with_progress(frames: Iterator[np.ndarray], count: int) -> Iterator[np.ndar
     """Yield the frames and show a progress bar on a terminal."""
     console = Console(stderr=True)
     return iter(track(frames, "film", count, console=console, disable=not console.is_terminal, transient=True))
-
-
-def _print(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> None:
-    from robotteamsim.analysis.runs.tables import print_run, print_runs
-
-    if len(runs) == 1:
-        print_run(Console(), runs[0], all_totals[0])
-    else:
-        print_runs(Console(), all_totals)

@@ -89,7 +89,17 @@ def run(options: argparse.Namespace) -> int:
         outcomes, csv_path = store.outcomes(), store.export()
     failed = [outcome for outcome in outcomes if outcome.failed]
     if options.json:
-        print(json.dumps(_document(options, design, outcomes, given_up, csv_path)))
+        document = {
+            "scenario": design.scenario.name,
+            "seed": design.seed,
+            "trials": design.trials,
+            "cells": [asdict(summary) for summary in summarise(design, outcomes)],
+            "failed": [{"cell": o.cell, "trial": o.number, "seed": o.seed, "error": o.error} for o in failed],
+            "given_up": [{"cell": trial.cell, "trial": trial.number, "seed": trial.seed} for trial in given_up],
+            "folder": str(options.out),
+            "csv": str(csv_path),
+        }
+        print(json.dumps(document))
     elif not options.quiet:
         _print_tables(design, outcomes)
         print(f"\nwritten {csv_path}")
@@ -161,25 +171,6 @@ def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
         print(tables.summary_table(design, summarise(design, outcomes)))
     if note := tables.exclusion_note(outcomes):
         print(f"\n{note}")
-
-
-def _document(
-    options: argparse.Namespace,
-    design: Design,
-    outcomes: tuple[Outcome, ...],
-    given_up: tuple[Trial, ...],
-    csv_path: Path,
-) -> dict[str, Any]:
-    return {
-        "scenario": design.scenario.name,
-        "seed": design.seed,
-        "trials": design.trials,
-        "cells": [asdict(summary) for summary in summarise(design, outcomes)],
-        "failed": [{"cell": o.cell, "trial": o.number, "seed": o.seed, "error": o.error} for o in outcomes if o.failed],
-        "given_up": [{"cell": trial.cell, "trial": trial.number, "seed": trial.seed} for trial in given_up],
-        "folder": str(options.out),
-        "csv": str(csv_path),
-    }
 
 
 def _first(*values: int | None) -> int:

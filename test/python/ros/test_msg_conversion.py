@@ -142,8 +142,8 @@ def test_voice_keeps_its_bits(make, reading):
 
 def test_messages_keep_order_and_text(make):
     messages = (Message(0, -1, '{"a": 0.1}'), Message(2, 1, "ü"), Message(1, 0, ""))
-    assert conversion.network_messages(sent(ros_messages.network_messages(make, TIME_NS, messages))) == messages
-    assert conversion.network_messages(sent(ros_messages.network_messages(make, TIME_NS, ()))) == ()
+    assert conversion.network_messages([sent(ros_messages.network_messages(make, TIME_NS, messages))]) == list(messages)
+    assert conversion.network_messages([sent(ros_messages.network_messages(make, TIME_NS, ()))]) == []
 
 
 def test_network_keeps_its_matrices(make):

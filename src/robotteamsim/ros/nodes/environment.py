@@ -153,10 +153,7 @@ class EnvironmentNode:
             for robot_id, topic in enumerate(self._places)
         ]
         positions_m = np.array([(place.x_m, place.y_m) for place in places])
-        outboxes = [
-            [sent for message in step.messages.get(topic, ()) for sent in conversion.network_messages(message)]
-            for topic in self._sent
-        ]
+        outboxes = [conversion.network_messages(step.messages.get(topic, ())) for topic in self._sent]
         with self._environment_lock:
             doors = step.latest(DOORS)
             if doors is not None:

@@ -25,7 +25,7 @@ from robotteamsim.ros.transport.services import Service, command
 from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
 from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
-from robotteamsim.sensing.readings import NOT_THERE, NOTHING_HEARD, RobotReading, VoiceReading
+from robotteamsim.sensing.readings import NOT_THERE, NOTHING_HEARD, RobotReading
 from robotteamsim.simulation import Observer
 
 logger = logging.getLogger(__name__)
@@ -71,10 +71,6 @@ class RobotInputs:
         truth = step.latest(self.ground_truth)
         contact = step.latest(self.contact)
         return RobotReading(truth.pose, truth.twist, truth, _NO_RANGES, contact is not None and contact.in_contact)
-
-    def heard(self, step: Step) -> VoiceReading:
-        """Return what the robot hears."""
-        return conversion.voice_reading(step.latest(self.voice))
 
     def decision(self, step: Step) -> Decision:
         """Return what is published of the robot's decision."""
@@ -148,13 +144,15 @@ class MissionNode:
         present = self._presence.present
         robots = [(topics, self._presence.is_present(robot_id)) for robot_id, topics in enumerate(self._robots)]
         readings = tuple(topics.reading(step) if is_present else NOT_THERE for topics, is_present in robots)
-        voices = tuple(topics.heard(step) if is_present else NOTHING_HEARD for topics, is_present in robots)
+        heard = conversion.voice_reading
+        voices = tuple(
+            heard(step.latest(topics.voice)) if is_present else NOTHING_HEARD for topics, is_present in robots
+        )
         decisions = tuple(topics.decision(step) if is_present else Decision() for topics, is_present in robots)
         network = conversion.network_state(step.latest(NETWORK))
         message = step.latest(DOORS)
         doors = None if message is None else conversion.door_states(message)
-        received = step.messages.get(self._base_received, ())
-        base_inbox = [received_by_base for one in received for received_by_base in conversion.network_messages(one)]
+        base_inbox = conversion.network_messages(step.messages.get(self._base_received, ()))
         with self._trial_lock:
             events = self._trial.step(step.stamp_ns, readings, voices, network, decisions, doors, base_inbox, present)
         self._publish(step.stamp_ns, events)

@@ -1,6 +1,6 @@
 """From ROS messages to our values. Our values become messages in `recording.ros_messages`, for bags as well."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import geometry_msgs.msg
@@ -100,9 +100,9 @@ def voice_reading(message: robotteamsim.msg.Voice) -> VoiceReading:
     return VoiceReading(message.level_db, message.heard, _point(message.local_best), message.local_best_level_db)
 
 
-def network_messages(message: robotteamsim.msg.NetworkMessages) -> tuple[Message, ...]:
+def network_messages(received: Iterable[robotteamsim.msg.NetworkMessages]) -> list[Message]:
     """Return the messages of `network/tx` or `network/rx`, in their order."""
-    return tuple(Message(m.sender, m.receiver, m.payload) for m in message.messages)
+    return [Message(m.sender, m.receiver, m.payload) for batch in received for m in batch.messages]
 
 
 def network_state(message: robotteamsim.msg.NetworkState) -> NetworkState:
