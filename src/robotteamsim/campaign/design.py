@@ -106,7 +106,9 @@ def make_design(
         for values in itertools.product(*(factor.values for factor in factors)):
             chosen = [Factor(factor.key, (value,), factor.place) for factor, value in zip(factors, values, strict=True)]
             settings = [*overrides, *group, *chosen]
-            cell = _cell(scenario_name, settings, keys)
+            loaded = _load(scenario_name, settings)
+            data, given = loaded.model_dump(mode="json", by_alias=True), {s.key: s.values[0] for s in settings}
+            cell = Cell(tuple(_value_at(data, key, given.get(key)) for key in keys), loaded)
             if cell.scenario.control.algorithm not in checked:
                 _check_algorithm(cell.scenario, settings)
                 checked.add(cell.scenario.control.algorithm)
@@ -140,12 +142,6 @@ def _checked_keys(
         if key in ("run", "run.seed"):
             raise CampaignError(f"{place}: {key}: not allowed: the seed of each trial is derived from --seed")
     return tuple(varied)
-
-
-def _cell(scenario_name: str, settings: Sequence[Factor], keys: Sequence[str]) -> Cell:
-    loaded = _load(scenario_name, settings)
-    data, said = loaded.model_dump(mode="json", by_alias=True), {factor.key: factor.values[0] for factor in settings}
-    return Cell(tuple(_value_at(data, key, said.get(key)) for key in keys), loaded)
 
 
 def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:

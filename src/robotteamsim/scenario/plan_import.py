@@ -52,9 +52,10 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     path = Path(map_yaml)
     settings = checked(MapFile, read_mapping(path, str(path), "the yaml of a map"), place=f"{path}: ")
     occupied, free = _read_cells(path, settings)
-    bounds = _bounds(path, settings, *free.shape)
-    solid = solid_cells(occupied, free, settings.resolution)
     cell_m = (settings.resolution, settings.resolution)
+    low, high = in_metres(settings.origin[:2], cell_m, np.array([(0, 0), free.shape[::-1]])).tolist()
+    bounds = checked(Bounds, {"min": low, "max": high}, place=f"{path}: image: bounds.")
+    solid = solid_cells(occupied, free, settings.resolution)
     walls, blocks = walls_and_blocks(solid_pieces(solid, settings.origin[:2], cell_m))
     return FloorPlan(name=path.stem, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
 
@@ -71,12 +72,6 @@ def walls_and_blocks(pieces: Iterable[Piece]) -> tuple[list[Wall], list[Block]]:
             name = f"block_{len(blocks) + 1}"
             blocks.append(Block(name=name, polygon=piece.corners, thickness_m=piece.thickness_m))
     return walls, blocks
-
-
-def _bounds(path: Path, settings: MapFile, rows: int, columns: int) -> Bounds:
-    cell = (settings.resolution, settings.resolution)
-    low, high = in_metres(settings.origin[:2], cell, np.array([[0, 0], [columns, rows]])).tolist()
-    return checked(Bounds, {"min": low, "max": high}, place=f"{path}: image: bounds.")
 
 
 def _read_cells(path: Path, settings: MapFile) -> tuple[np.ndarray, np.ndarray]:

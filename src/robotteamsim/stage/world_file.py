@@ -17,14 +17,13 @@ MAX_ENTITIES = 100_000
 Value = float | str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Property:
-    """One key with its value, or its values in brackets; `index` is that of its token, so no two are equal."""
+    """One key with its value, or its values in brackets; no two are equal."""
 
     name: str
     values: tuple[Value, ...]
     place: Place
-    index: int
 
 
 @dataclass(slots=True)
@@ -109,8 +108,7 @@ class _Parser:
         if self._peek("mark", "("):
             parent.children.append(self._entity(name, depth))
         else:
-            index = self._next
-            parent.properties[name.value] = Property(name.value, self._values(name), name.place, index)
+            parent.properties[name.value] = Property(name.value, self._values(name), name.place)
 
     def _entity(self, name: Token, depth: int) -> Entity:
         pattern = self._defined.get(name.value)

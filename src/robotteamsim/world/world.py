@@ -57,7 +57,9 @@ class World:
         self._schedule = [event for _, event in in_order(schedule)]
         self._free_space.check_start_poses(self._doors)
         check_objects(plan, self._objects, self._robots)
-        self.core = self._build(run)
+        still, leaves = core_solids(plan)
+        bodies, models = [core_robot(robot) for robot in self._robots], [core_object(obj) for obj in self._objects]
+        self.core = _core.world.World(still, leaves, bodies, run.step_s, run.physics_substeps, models)
         """The C++ world, for sensors."""
         self._have_leaves = any(door.motion != "instant" for door in plan.doors)
         self._begin()
@@ -256,11 +258,6 @@ class World:
         """Return where robots, objects and leaves are now."""
         poses = [Pose(*row) for row in self.core.object_poses().tolist()]
         return Occupants(self.core.poses(), list(zip(self._objects, poses, strict=True)), self._doors)
-
-    def _build(self, run: Run) -> _core.world.World:
-        still, leaves = core_solids(self.plan)
-        robots, objects = [core_robot(robot) for robot in self._robots], [core_object(obj) for obj in self._objects]
-        return _core.world.World(still, leaves, robots, run.step_s, run.physics_substeps, objects)
 
     def _object_index(self, name: str) -> int:
         names = [obj.name for obj in self._objects]

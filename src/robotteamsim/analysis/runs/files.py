@@ -23,6 +23,8 @@ from robotteamsim.recording.files import atomically, prepare_folder
 
 Row = Sequence[Any]
 
+_COUNTS = ("areas_explored", "victims_heard", "victims_saved", "endangered_links")
+
 
 def document(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> dict[str, Any]:
     """Return the totals and events of all bags as plain values for JSON; null for values that a bag lacks."""
@@ -53,16 +55,7 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
             ((run.name, *msgspec.structs.astuple(event)) for run in runs for _, event in run.events),
         ),
         "progress": (
-            (
-                "bag",
-                "time_s",
-                "mission_time_s",
-                "state",
-                "areas_explored",
-                "victims_heard",
-                "victims_saved",
-                "endangered_links",
-            ),
+            ("bag", "time_s", "mission_time_s", "state", *_COUNTS),
             (row for run in runs for row in _progress_rows(run)),
         ),
         "network": (

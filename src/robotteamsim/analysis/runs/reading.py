@@ -264,10 +264,6 @@ def _status(stamp_ns: int, message: Any) -> RecordedStatus:
     )
 
 
-def _event(stamp_ns: int, message: Any) -> Event:
-    return Event(message.time_s, message.kind, message.subject, message.robot_id, message.detail)
-
-
 def _victims(stamp_ns: int, message: Any) -> tuple[RecordedVictim, ...]:
     return tuple(RecordedVictim(v.name, (v.position.x, v.position.y), v.state) for v in message.victims)
 
@@ -293,7 +289,7 @@ _CONVERTERS: dict[str, Callable[[int, Any], Any]] = {
     "robotteamsim/ControllerStatus": lambda stamp_ns, message: message.excluded,
     "robotteamsim/NetworkState": _network_sample,
     "robotteamsim/MissionStatus": _status,
-    "robotteamsim/MissionEvent": _event,
+    "robotteamsim/MissionEvent": lambda stamp_ns, m: Event(m.time_s, m.kind, m.subject, m.robot_id, m.detail),
     "robotteamsim/Victims": _victims,
     "robotteamsim/Areas": _areas,
 }

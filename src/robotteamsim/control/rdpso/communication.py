@@ -59,7 +59,10 @@ class LinkKeeper:
         weight = swarm.communication_weight(self._c4, proximity, endangered, not missing)
         if weight == 0.0:
             return position, 0.0
-        range_m = self._range_m(position, neighbour, signal_dbm)
+        if self._links_by_distance:
+            range_m = self._endangered_fraction * self._network.max_distance_m
+        else:
+            range_m = math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db)
         return swarm.communication_attractor(position, neighbour, range_m), weight
 
     def in_reach(self, places: Sequence[Vector], resolution_m: float) -> np.ndarray | None:
@@ -102,12 +105,6 @@ class LinkKeeper:
         signal_dbm = self._tx_power_dbm - self._field.path_loss_db(position, neighbour)
         proximity = swarm.robot_proximity_by_signal(signal_dbm, self._lost_dbm, self._reference_dbm)
         return proximity, self._endangered_proximity, signal_dbm
-
-    def _range_m(self, position: Vector, neighbour: Vector, signal_dbm: float) -> float:
-        """Return the range that x_CB keeps on a link [m]."""
-        if self._links_by_distance:
-            return self._endangered_fraction * self._network.max_distance_m
-        return float(math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db))
 
 
 def strongest_tree(strength: np.ndarray) -> list[tuple[int, int]]:

@@ -176,8 +176,7 @@ class MissionNode:
     def _report(self) -> None:
         result = self._trial.result
         assert result is not None
-        written = [self._folder] if self._folder is not None else []
-        print_result(Console(), result, self._trial.events, written)
+        print_result(Console(), result, self._trial.events, [self._folder])
 
     def _offer_services(self) -> None:
         actions = ("start", "pause", "resume", "abort")

@@ -65,26 +65,18 @@ class Canvas:
     def __init__(self, topic: str) -> None:
         self._output = Output(topic, MarkerArray, latched=True)
         self._shown = Shown()
-        self._markers: list[Marker] = []
+        self.markers: list[Marker] = []
+        """What the topic shows."""
 
     def draw(self, markers: Iterable[Marker]) -> None:
         """Replace what the topic shows."""
-        self._markers = list(markers)
-        self._output.publish(MarkerArray(self._shown.update(self._markers)))
+        self.markers = list(markers)
+        self._output.publish(MarkerArray(self._shown.update(self.markers)))
 
     @property
     def watched(self) -> bool:
         """Whether somebody subscribes right now."""
         return self._output.num_subscribers > 0
-
-    @property
-    def shows(self) -> bool:
-        """Whether there is anything on it."""
-        return bool(self._markers)
-
-    def draw_again(self) -> None:
-        """Send what the topic shows."""
-        self.draw(self._markers)
 
 
 class Scene:
@@ -152,7 +144,7 @@ class Scene:
         if now_s >= self._resend_due_s:
             self._resend_due_s = now_s + RESEND_PERIOD_S
             for canvas in self._canvas.values():
-                canvas.draw_again()
+                canvas.draw(canvas.markers)
         self._draw_mission()
         self._draw_voice()
         self._draw_team(now_s)
@@ -249,7 +241,7 @@ class Scene:
             return False
         for robot_id in self._absent - absent:
             if robot_id in self._robots:
-                self._robots[robot_id].begin_trail()
+                self._robots[robot_id].trail = scene_team.Trail()
         self._absent = absent
         self._scans = {key: scan for key, scan in self._scans.items() if key[0] not in absent}
         return True
@@ -266,7 +258,7 @@ class Scene:
             ("sonars", scene_sensors.sonar_markers(sonars)),
             ("gps", scene_sensors.fix_markers(fixes)),
         ):
-            if markers or self._canvas[layer].shows:
+            if markers or self._canvas[layer].markers:
                 self._canvas[layer].draw(markers)
 
     def _draw_laser(self) -> None:

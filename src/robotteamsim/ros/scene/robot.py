@@ -68,10 +68,6 @@ class RobotFeed:
             self._contact_angles_rad = tuple(contact.angles_rad)
         return bool(truths) or status is not None
 
-    def begin_trail(self) -> None:
-        """Start a new trail: the robot has arrived (again)."""
-        self.trail = scene_team.Trail()
-
     def view(self) -> scene_team.RobotView | None:
         """Return what to draw of it; None before its first pose."""
         if not self._recent:

@@ -120,8 +120,7 @@ def robot_markers(
     """Return body, deck, heading wedge, lasers, number, and a ring with an arrow to find the robot from far away.
 
     An excluded robot has a grey ring, arrow and number, one of several swarms has them in the colour of the swarm; its
-    deck keeps its own. Where it touches something, its rim
-    is red, and a red arc lies before its ring.
+    deck keeps its own. Where it touches something, its rim is red, and a red arc lies before its ring.
     """
     tint = robot_colour(view.robot_id)
     sign = EXCLUDED if view.excluded else tint if view.swarm is None else robot_colour(view.swarm)
