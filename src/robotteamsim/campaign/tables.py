@@ -119,7 +119,7 @@ def _statistics_table(title: str, ours: Missions, theirs: Missions, *columns: _C
             for _, _, value, digits in columns:
                 for source in (ours, theirs):
                     values = [float(value(mission)) for mission in source.get(noise_db, ()) if mission is not None]
-                    cells.append(f"{round(statistic(values), digits):g}" if values else "-")
+                    cells.append(f"{statistic(values):.{digits}f}".rstrip("0").rstrip(".") if values else "-")
         lines.append(cells)
     return _block(title, "", sorted(ours), columns, lines)
 
