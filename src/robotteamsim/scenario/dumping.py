@@ -1,8 +1,7 @@
-"""Writing scenarios and floor plans as YAML, and the JSON Schema of a scenario file, for editors."""
+"""Writing scenarios and floor plans as YAML."""
 
 import os
 from pathlib import Path
-from typing import Any
 
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
@@ -27,15 +26,3 @@ def write_floor_plan(plan: FloorPlan, path: str | os.PathLike[str]) -> None:
     """Write a floor plan as a plan.yaml, leaving out what has its default. Raises: OSError."""
     data = plan.model_dump(by_alias=True, mode="json", exclude_defaults=True)
     Path(path).write_text(write(data), encoding="utf-8")
-
-
-def json_schema() -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12) of a scenario file: `plan` as a path, or written out in place."""
-    schema = Scenario.model_json_schema(by_alias=True)
-    plan = schema["properties"]["plan"]
-    schema["properties"]["plan"] = {
-        "title": "Plan",
-        "description": plan["description"],
-        "anyOf": [{"type": "string"}, {"$ref": plan["$ref"]}],
-    }
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -42,14 +42,9 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
     Times count from the start of the mission, or from the first message if there is no mission [s].
     """
     prepare_folder(folder)
-    of_network = [f"network_{name}" for name in _names(NetworkTotals)]
-    bag_head = ("bag", "duration_s", *_names(MissionTotals), "distance_m", "collisions", *of_network, "trajectory_hash")
     tables: dict[str, tuple[Row, Iterable[Row]]] = {
-        "bags": (bag_head, map(_bag_row, all_totals)),
-        "robots": (
-            ("bag", *_names(RobotTotals)),
-            ((totals.bag, *dataclasses.astuple(robot)) for totals in all_totals for robot in totals.robots),
-        ),
+        "bags": (_bag_head(), map(_bag_row, all_totals)),
+        "robots": (("bag", *_names(RobotTotals)), (row for totals in all_totals for row in _robot_rows(totals))),
         "events": (
             ("bag", "time_s", "kind", "subject", "robot_id", "detail"),
             ((run.name, *msgspec.structs.astuple(event)) for run in runs for _, event in run.events),
@@ -82,11 +77,21 @@ def _names(kind: Any) -> list[str]:
     return [field.name for field in dataclasses.fields(kind)]
 
 
+def _bag_head() -> Row:
+    network = [f"network_{name}" for name in _names(NetworkTotals)]
+    return ("bag", "duration_s", *_names(MissionTotals), "distance_m", "collisions", *network, "trajectory_hash")
+
+
 def _bag_row(totals: RunTotals) -> Row:
     mission = dataclasses.astuple(totals.mission) if totals.mission else (None,) * len(_names(MissionTotals))
     network = dataclasses.astuple(totals.network) if totals.network else (None,) * len(_names(NetworkTotals))
     own = (totals.distance_m, totals.collisions)
     return (totals.bag, totals.duration_s, *mission, *own, *network, totals.trajectory_hash)
+
+
+def _robot_rows(totals: RunTotals) -> Iterator[Row]:
+    for robot in totals.robots:
+        yield (totals.bag, *dataclasses.astuple(robot))
 
 
 def _progress_rows(run: RecordedRun) -> Iterator[Row]:

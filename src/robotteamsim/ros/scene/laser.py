@@ -57,10 +57,5 @@ def cloud(scans: Sequence[ScanView]) -> PointCloud2:
     message.header.frame_id = FRAME
     message.row_step = len(points) * _POINT.itemsize
     message.data = points.tobytes()
-    message.fields = [
-        PointField("x", 0, PointField.FLOAT32, 1),
-        PointField("y", 4, PointField.FLOAT32, 1),
-        PointField("z", 8, PointField.FLOAT32, 1),
-        PointField("rgb", 12, PointField.FLOAT32, 1),
-    ]
+    message.fields = [PointField(name, 4 * i, PointField.FLOAT32, 1) for i, name in enumerate(_POINT.names or ())]
     return message
