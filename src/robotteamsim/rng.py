@@ -1,7 +1,5 @@
 """Named random streams: one seed, one independent generator per purpose."""
 
-from __future__ import annotations
-
 import hashlib
 
 import numpy as np

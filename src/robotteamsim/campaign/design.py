@@ -1,7 +1,5 @@
 """The design of a campaign: cells, which are settings of a scenario, and the trials of each, with their seeds."""
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import json
@@ -108,14 +106,17 @@ def make_design(
         for values in itertools.product(*(factor.values for factor in factors)):
             chosen = [Factor(factor.key, (value,), factor.place) for factor, value in zip(factors, values, strict=True)]
             settings = [*overrides, *group, *chosen]
-            cell = _cell(scenario_name, settings, keys)
+            loaded = _load(scenario_name, settings)
+            data, given = loaded.model_dump(mode="json", by_alias=True), {s.key: s.values[0] for s in settings}
+            cell = Cell(tuple(_value_at(data, key, given.get(key)) for key in keys), loaded)
             if cell.scenario.control.algorithm not in checked:
                 _check_algorithm(cell.scenario, settings)
                 checked.add(cell.scenario.control.algorithm)
             name = json.dumps(cell.values)
             if name in cells:
                 place = (chosen or group)[-1].place
-                raise CampaignError(f"{place}: duplicate cell: {_settings_text(keys, cell.values)}")
+                said = ", ".join(f"{key}={shown(value)}" for key, value in zip(keys, cell.values, strict=True))
+                raise CampaignError(f"{place}: duplicate cell: {said or 'no settings'}")
             cells[name] = cell
     return Design(base, seed, trials, keys, tuple(cells.values()))
 
@@ -141,12 +142,6 @@ def _checked_keys(
         if key in ("run", "run.seed"):
             raise CampaignError(f"{place}: {key}: not allowed: the seed of each trial is derived from --seed")
     return tuple(varied)
-
-
-def _cell(scenario_name: str, settings: Sequence[Factor], keys: Sequence[str]) -> Cell:
-    loaded = _load(scenario_name, settings)
-    data, said = loaded.model_dump(mode="json", by_alias=True), {factor.key: factor.values[0] for factor in settings}
-    return Cell(tuple(_value_at(data, key, said.get(key)) for key in keys), loaded)
 
 
 def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
@@ -193,10 +188,6 @@ def _without_seed(of: Scenario) -> dict[str, Any]:
     data = of.model_dump(mode="json", by_alias=True)
     data["run"].pop("seed")
     return data
-
-
-def _settings_text(keys: Sequence[str], values: Sequence[Any]) -> str:
-    return ", ".join(f"{key}={shown(value)}" for key, value in zip(keys, values, strict=True)) or "no settings"
 
 
 def settings_difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str | None:

@@ -1,7 +1,5 @@
 """The paths of a trial's robots, in a compact form."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 
@@ -27,7 +25,7 @@ class PathLog:
 
     def begin(self, scenario: Scenario) -> None:
         """Clear the log."""
-        self._every = steps_between(scenario)
+        self._every = max(round(PERIOD_S / scenario.run.step_s), 1)
         self._starts_m = [robot.start_pose[:2] for robot in placed_robots(scenario)]
         self._positions_m: list[list[tuple[float, float]]] = []
 
@@ -52,11 +50,6 @@ class PathLog:
     def encoded(self) -> bytes:
         """Return the paths, as `decode_paths` reads them."""
         return encode_paths(np.array(self._positions_m, dtype=np.float64))
-
-
-def steps_between(scenario: Scenario) -> int:
-    """Return the number of steps between two stored positions."""
-    return max(round(PERIOD_S / scenario.run.step_s), 1)
 
 
 def encode_paths(positions_m: np.ndarray) -> bytes:

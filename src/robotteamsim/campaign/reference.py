@@ -1,7 +1,5 @@
 """The missions of the dissertation, from its Tables 6 and 7."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterator
 from dataclasses import dataclass

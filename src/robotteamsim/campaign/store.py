@@ -1,7 +1,5 @@
 """The store of a campaign: one SQLite file, written by one process, row by row as trials end."""
 
-from __future__ import annotations
-
 import contextlib
 import csv
 import dataclasses

@@ -1,7 +1,5 @@
 """Tables as text: Tables 6 to 9 of the dissertation beside ours, and one line per cell for any other campaign."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import statistics
@@ -12,6 +10,7 @@ from robotteamsim.campaign.design import Design
 from robotteamsim.campaign.reference import MissionValues, dissertation_missions
 from robotteamsim.campaign.summary import DELIVERY_QUANTITIES, CellSummary, Spread
 from robotteamsim.campaign.trial import Outcome
+from robotteamsim.wording import counted
 
 Missions = Mapping[float, Sequence[MissionValues | None]]
 """By background noise [dB], the missions in order; None: it failed, or was not run."""
@@ -42,7 +41,8 @@ def missions_by_noise(design: Design, outcomes: Sequence[Outcome]) -> Missions:
     }
     for outcome in outcomes:
         if not outcome.failed:
-            missions[design.cells[outcome.cell].values[0]][outcome.number - 1] = _values(outcome)
+            values = MissionValues(*(getattr(outcome, field.name) for field in dataclasses.fields(MissionValues)))
+            missions[design.cells[outcome.cell].values[0]][outcome.number - 1] = values
     return missions
 
 
@@ -86,11 +86,10 @@ def exclusion_note(outcomes: Sequence[Outcome]) -> str:
     times_s = [outcome.time_s for outcome in outcomes if outcome.end == "all_excluded" and outcome.time_s is not None]
     if not times_s:
         return ""
-    what = "mission" if len(times_s) == 1 else "missions"
     when = f"{min(times_s):.0f}" if len(times_s) == 1 else f"{min(times_s):.0f} to {max(times_s):.0f}"
     return (
-        f"{len(times_s)} {what} of ours ended at {when} s because all robots were excluded; that is the time here, "
-        "while a report uses the time limit"
+        f"{counted(len(times_s), 'mission')} of ours ended at {when} s because all robots were excluded; that is the "
+        "time here, while a report uses the time limit"
     )
 
 
@@ -120,7 +119,7 @@ def _statistics_table(title: str, ours: Missions, theirs: Missions, *columns: _C
             for _, _, value, digits in columns:
                 for source in (ours, theirs):
                     values = [float(value(mission)) for mission in source.get(noise_db, ()) if mission is not None]
-                    cells.append(_trimmed(statistic(values), digits) if values else "-")
+                    cells.append(f"{statistic(values):.{digits}f}".rstrip("0").rstrip(".") if values else "-")
         lines.append(cells)
     return _block(title, "", sorted(ours), columns, lines)
 
@@ -154,10 +153,6 @@ def _aligned(lines: Sequence[Sequence[str]]) -> str:
     return "\n".join(line.rstrip() for line in padded)
 
 
-def _values(outcome: Outcome) -> MissionValues:
-    return MissionValues(*(getattr(outcome, field.name) for field in dataclasses.fields(MissionValues)))
-
-
 def _item(missions: Sequence[MissionValues | None], index: int) -> MissionValues | None:
     return missions[index] if index < len(missions) else None
 
@@ -173,8 +168,3 @@ def _spread(spread: Spread | None) -> str:
     if spread.sd is None:
         return f"{spread.mean:.2f}"
     return f"{spread.mean:.2f} ± {spread.sd:.2f} [{spread.low:.2f}, {spread.high:.2f}]"
-
-
-def _trimmed(value: float, digits: int) -> str:
-    text = f"{value:.{digits}f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text

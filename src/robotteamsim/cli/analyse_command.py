@@ -91,7 +91,12 @@ def analyse(options: argparse.Namespace) -> None:
         written.append(options.png)
     written += _film(options, runs[0], all_totals[0], plan)
     if options.json != Path("-"):
-        _print(runs, all_totals)
+        from robotteamsim.analysis.runs.tables import print_run, print_runs
+
+        if len(runs) == 1:
+            print_run(Console(), runs[0], all_totals[0])
+        else:
+            print_runs(Console(), all_totals)
         for path in written:
             print(path)
 
@@ -102,7 +107,8 @@ def _check(options: argparse.Namespace) -> None:
     twice = next((bag for bag, name in zip(options.bags, names, strict=True) if names.count(name) > 1), None)
     if twice:
         raise UsageError(f"{twice} is given twice")
-    for path in _files(options):
+    files = [path for path in (options.json, options.png, options.gif, options.mp4) if path and path != Path("-")]
+    for path in files:
         check_replaceable(path)
         if not path.parent.is_dir():
             raise UsageError(f"{path}: cannot be written: {path.parent} is not a folder")
@@ -121,11 +127,6 @@ def _check_film(options: argparse.Namespace) -> None:
         raise UsageError(f"--seconds {options.seconds:g} is outside {_MIN_FILM_S:g} to {_MAX_FILM_S:g} s")
     if options.mp4:
         find_ffmpeg()
-
-
-def _files(options: argparse.Namespace) -> list[Path]:
-    """Return the files to be written."""
-    return [path for path in (options.json, options.png, options.gif, options.mp4) if path and path != Path("-")]
 
 
 def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> list[Path]:
@@ -163,12 +164,3 @@ def _with_progress(frames: Iterator[np.ndarray], count: int) -> Iterator[np.ndar
     """Yield the frames and show a progress bar on a terminal."""
     console = Console(stderr=True)
     return iter(track(frames, "film", count, console=console, disable=not console.is_terminal, transient=True))
-
-
-def _print(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> None:
-    from robotteamsim.analysis.runs.tables import print_run, print_runs
-
-    if len(runs) == 1:
-        print_run(Console(), runs[0], all_totals[0])
-    else:
-        print_runs(Console(), all_totals)

@@ -1,7 +1,5 @@
 """Ctrl-C during a run."""
 
-from __future__ import annotations
-
 import signal
 from types import FrameType
 

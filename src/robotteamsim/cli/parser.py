@@ -1,7 +1,5 @@
 """The argument parser of all commands, and argument types shared by several commands."""
 
-from __future__ import annotations
-
 import argparse
 import difflib
 import math

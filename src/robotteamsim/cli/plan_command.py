@@ -1,7 +1,5 @@
 """`robotteamsim plan`: import floor plans from map_server images and Stage worlds, export them, draw them."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any

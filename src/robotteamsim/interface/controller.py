@@ -1,7 +1,5 @@
 """The protocol of every controller: observation and messages in, decision out."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Protocol
 

@@ -1,7 +1,5 @@
 """What a controller returns in each step."""
 
-from __future__ import annotations
-
 import msgspec
 
 from robotteamsim.geometry import Twist

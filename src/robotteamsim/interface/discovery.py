@@ -1,7 +1,5 @@
 """Discoveries, and the messages by which robots announce them and the base acknowledges them."""
 
-from __future__ import annotations
-
 import functools
 import math
 from typing import Literal

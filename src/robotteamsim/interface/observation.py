@@ -1,7 +1,5 @@
 """What one robot perceives in one step."""
 
-from __future__ import annotations
-
 import msgspec
 
 from robotteamsim.sensing.readings import RobotReading, VoiceReading

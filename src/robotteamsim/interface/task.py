@@ -1,7 +1,5 @@
 """What the mission asks of the team."""
 
-from __future__ import annotations
-
 import msgspec
 
 from robotteamsim.interface.discovery import Discovery

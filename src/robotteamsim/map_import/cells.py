@@ -1,7 +1,5 @@
 """From an image to cells: which are occupied, which are free, which count as solid."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import cv2

@@ -1,7 +1,5 @@
 """Cutting a polygon with holes into convex pieces."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cutting a polygon of walls where walls meet: from each inner corner straight to the nearest opposite side."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """From solid cells to pieces: straight walls where a piece is a thin upright rectangle, polygons elsewhere."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Straight lines through chains of edges: where one ends and the next begins, and the line that fits each best."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The thickness of the walls that outlines enclose."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which discoveries have been delivered to the base, judged from the messages that reach it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from robotteamsim.interface import Discovery, Message

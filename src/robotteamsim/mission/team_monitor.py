@@ -1,7 +1,5 @@
 """Events of the team's swarms and controllers, derived from the robots' decisions."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from operator import attrgetter
 

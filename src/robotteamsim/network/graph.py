@@ -1,7 +1,5 @@
 """Figures of an undirected graph of robots and links."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robotteamsim import _core
@@ -16,22 +14,6 @@ def hop_count(adjacency: np.ndarray) -> np.ndarray:
     Raises:  ValueError: not square, not symmetric, or not zero on the diagonal.
     """
     return _core.network.hop_count(_matrix(adjacency))
-
-
-def connectivity_matrix(adjacency: np.ndarray) -> np.ndarray:
-    """Return C of eq. (18-20) by the dissertation's own recurrence; `hop_count` is the fast way to the same numbers.
-
-    Args:    adjacency: bool, shape (n, n), symmetric, zero diagonal: A of eq. (17).
-    Returns: int32, shape (n, n); 0 on the diagonal and where no path exists.
-    """
-    a = np.asarray(adjacency, dtype=np.int32)
-    n = len(a)
-    c = a.copy()
-    for k in range(2, n):
-        b = np.where((c == 0) & (c @ a > 0), k, 0).astype(np.int32)  # (19)
-        np.fill_diagonal(b, 0)
-        c += b  # (20)
-    return c
 
 
 def next_hop(hops: np.ndarray, rssi_dbm: np.ndarray, holder: int, receiver: int) -> int:

@@ -1,7 +1,5 @@
 """The links of a team from step to step."""
 
-from __future__ import annotations
-
 from typing import TypeVar
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Messages between robots, and the state of the network in one step."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import overload
 

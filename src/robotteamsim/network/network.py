@@ -1,7 +1,5 @@
 """The ad hoc network of a team: who has a link to whom, and which messages arrive."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """The faces of a floor plan: what a ray pays for passing through the outlines of walls, blocks and doors."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -71,7 +69,8 @@ def radio_faces(plan: FloorPlan, radio: Radio) -> Faces:
         _wall_units(plan, radio, solid.element) // 2 if radio.pillars or solid.kind != "pillar" else _NO_FACE
         for solid in _static_solids(plan)
     )
-    return _faces(plan, half_losses, tuple(_door_units(radio, door) for door in plan.doors))
+    door_loss_db = {"normal": radio.door_loss_db, "fireproof": radio.fireproof_door_loss_db}
+    return _faces(plan, half_losses, tuple(_units(door_loss_db[door.kind]) for door in plan.doors))
 
 
 def voice_faces(plan: FloorPlan) -> Faces:
@@ -158,12 +157,6 @@ def _thickness_mm(element: Wall | Block | Door) -> int:
         assert isinstance(element, Block)
         thickness_m = _smaller_width_m(element.polygon)
     return round(thickness_m * MM_PER_M)
-
-
-def _door_units(radio: Radio, door: Door) -> int:
-    if door.kind == "fireproof":
-        return _units(radio.fireproof_door_loss_db)
-    return _units(radio.door_loss_db)
 
 
 def _units(loss_db: float) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -14,20 +14,6 @@ from robotteamsim.scenario.plan import grid_shape
 from robotteamsim.scenario.sections import Radio
 
 Point = tuple[float, float]
-
-
-class KeptRadioMap:
-    """The signal of one transmitter whose walls are kept from call to call; made by `RadioField.keep_map`."""
-
-    def __init__(self, write: Callable[[int, np.ndarray | None], FieldMap]) -> None:
-        self._write = write
-
-    def rssi_map_dbm(self, *, floors_crossed: int = 0, out: np.ndarray | None = None) -> FieldMap:
-        """Return what RadioField.rssi_map_dbm returns, to the bit, with the doors as they are now.
-
-        Raises: ValueError: `out` of another shape or type, or floors_crossed negative.
-        """
-        return self._write(floors_crossed, out)
 
 
 class RadioField:
@@ -152,18 +138,27 @@ class RadioField:
 
         Raises: ValueError: the transmitter's position is not finite, or the resolution not above 0.
         """
-        shape = grid_shape(self._plan, resolution_m)
-        origin_m = self._plan.bounds.min
-        weights = _core.propagation.WeightMap(self.core_faces, tx_m, origin_m, resolution_m, *shape)
-
-        def write(floors_crossed: int, out: np.ndarray | None) -> FieldMap:
-            values = map_array(shape, out)
-            weights.update(self.core_faces)
-            weights.write_rssi_dbm(self.core_model, floors_crossed, values)
-            return FieldMap(origin_m, resolution_m, values)
-
-        return KeptRadioMap(write)
+        return KeptRadioMap(self, self._plan, tx_m, resolution_m)
 
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door. Raises: ValueError: no such door."""
         self.core_faces.set_active(self._faces.door_face(name), closed)
+
+
+class KeptRadioMap:
+    """The signal of one transmitter whose walls are kept from call to call; made by `RadioField.keep_map`."""
+
+    def __init__(self, field: RadioField, plan: FloorPlan, tx_m: Point, resolution_m: float) -> None:
+        self._field, self._origin_m, self._resolution_m = field, plan.bounds.min, resolution_m
+        self._shape = grid_shape(plan, resolution_m)
+        self._weights = _core.propagation.WeightMap(field.core_faces, tx_m, self._origin_m, resolution_m, *self._shape)
+
+    def rssi_map_dbm(self, *, floors_crossed: int = 0, out: np.ndarray | None = None) -> FieldMap:
+        """Return what RadioField.rssi_map_dbm returns, to the bit, with the doors as they are now.
+
+        Raises: ValueError: `out` of another shape or type, or floors_crossed negative.
+        """
+        values = map_array(self._shape, out)
+        self._weights.update(self._field.core_faces)
+        self._weights.write_rssi_dbm(self._field.core_model, floors_crossed, values)
+        return FieldMap(self._origin_m, self._resolution_m, values)

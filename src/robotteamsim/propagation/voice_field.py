@@ -1,7 +1,5 @@
 """How a call for help fades: the voice model and the voice map."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Sequence
@@ -98,7 +96,7 @@ class VoiceField:
             values,
             threads,
         )
-        return FieldMap.over(self._grid, values)
+        return FieldMap(self._grid.origin_m, self._grid.resolution_m, values)
 
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door. Raises: ValueError: no such door."""

@@ -1,7 +1,5 @@
 """Writes a bag of a headless run, with the topics and types of a ROS run."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import struct

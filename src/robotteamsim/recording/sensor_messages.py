@@ -1,7 +1,5 @@
 """Topics and messages of a robot's further sensors, for bags written without ROS and for the nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -52,9 +50,8 @@ def _scan(
     index: int, laser: MountedLaser, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings
 ) -> Any | None:
     ranges_m = readings.scans_m[index]
-    return (
-        None if ranges_m is None else ros_messages.scan(make, time_ns, robot_id, laser, ranges_m, f"{laser.name}_link")
-    )
+    frame = f"{laser.name}_link"
+    return None if ranges_m is None else ros_messages.scan(make, time_ns, robot_id, laser, ranges_m, frame)
 
 
 def _range(index: int, sonar: Sonar, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings) -> Any:

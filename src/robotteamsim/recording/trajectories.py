@@ -1,7 +1,5 @@
 """Writes trajectories as text files that evo and most plotting tools can read."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

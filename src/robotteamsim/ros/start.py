@@ -1,7 +1,5 @@
 """What a node's script calls: its module is imported here, so that it can be interrupted from the beginning."""
 
-from __future__ import annotations
-
 import importlib
 import signal
 

@@ -26,10 +26,7 @@ class NavigatorTuning(Model):
     braking_mps2: float = Field(default=1.0, gt=0.0, le=50.0, description="planned before obstacles [m/s^2]")
     manoeuvring_mps: float = Field(default=0.3, gt=0.0, le=10.0, description="of a car that must turn far [m/s]")
     room_to_turn_m: float = Field(
-        default=0.4,
-        gt=0.0,
-        le=10.0,
-        description="with less room ahead, a car that must turn far drives back [m]",
+        default=0.4, gt=0.0, le=10.0, description="with less room ahead, a car that must turn far drives back [m]"
     )
     progress_m: float = Field(default=0.2, gt=0.0, le=10.0, description="a robot that moves less is stuck [m]")
     stuck_timeout_s: float = Field(default=4.0, gt=0.0, le=600.0, description="after so long it escapes [s]")
@@ -87,10 +84,7 @@ class CoverTuning(Model):
 
     radius_m: float = Field(default=2.5, gt=0.0, le=50.0, description="what a robot covers around it [m]")
     nearness_m: float = Field(
-        default=4.0,
-        gt=0.0,
-        le=1000.0,
-        description="a place is worth what it newly covers / (its distance + this) [m]",
+        default=4.0, gt=0.0, le=1000.0, description="a place is worth what it newly covers / (its distance + this) [m]"
     )
     apart_m: float = Field(
         default=6.0, ge=0.0, le=1000.0, description="places nearer than this to a teammate's goal are left to it [m]"

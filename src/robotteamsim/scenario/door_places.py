@@ -1,7 +1,5 @@
 """Checks that the doors of a plan are in gaps between walls."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

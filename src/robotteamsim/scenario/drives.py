@@ -1,7 +1,5 @@
 """How robots move: the drives of a scenario."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal
 
@@ -67,8 +65,7 @@ def _kind(value: Any) -> str:
 def _check_kind(value: Any) -> Any:
     kind = value.get("kind", KINDS[0]) if isinstance(value, dict) else KINDS[0]
     if kind not in KINDS:
-        text = f"{shown(kind)} is not one of {', '.join(KINDS)}{suggestion(str(kind), KINDS)}"
-        raise wrong("kind", text)
+        raise wrong("kind", f"{shown(kind)} is not one of {', '.join(KINDS)}{suggestion(str(kind), KINDS)}")
     return value
 
 

@@ -1,7 +1,5 @@
 """Writing scenarios and floor plans as YAML."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Where a scenario was read, so that errors found later still name the file or the --set."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 Key = tuple[str | int, ...]

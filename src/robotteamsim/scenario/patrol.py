@@ -67,10 +67,7 @@ class Patrol(Model):
     g2: float = Field(default=100.0, gt=0.0, le=1e6, description="G2: gain at which the probability reaches 1 [s/m]")
     edge_min_m: float = Field(default=1.0, gt=0.0, le=100.0, description="shorter edges count as this [m]")
     longest_edge: float = Field(
-        default=1.5,
-        ge=1.0,
-        le=10.0,
-        description="longest path between linked places of the lattice, in spacings",
+        default=1.5, ge=1.0, le=10.0, description="longest path between linked places of the lattice, in spacings"
     )
     arrived_m: float = Field(
         default=0.5,
@@ -79,10 +76,7 @@ class Patrol(Model):
         description="a vertex counts as visited within this distance, so that robots can meet there [m]",
     )
     timeout_factor: float = Field(
-        default=4.0,
-        ge=1.0,
-        le=100.0,
-        description="a robot chooses again after so many times its travel time",
+        default=4.0, ge=1.0, le=100.0, description="a robot chooses again after so many times its travel time"
     )
     timeout_s: float = Field(default=10.0, ge=0.0, le=1e6, description="on top of timeout_factor [s]")
 

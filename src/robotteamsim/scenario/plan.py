@@ -1,7 +1,5 @@
 """The geometry of a floor plan: outlines of its elements and its occupancy grid."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -118,16 +116,11 @@ def obstacles(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> shap
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class OccupancyGrid:
-    """Which cells of a floor plan are free.
-
-    origin_m: lower left corner of cell (0, 0) in the map frame [m].
-    cells:    int8, shape (rows, cols), row 0 at the lowest y: 0 free, 100 occupied, -1 unknown.
-    """
+class Grid:
+    """Square cells over the floor; origin_m: lower left corner of cell (0, 0) in the map frame [m]."""
 
     origin_m: tuple[float, float]
     resolution_m: float
-    cells: np.ndarray
 
     def cell_at(self, x_m: float, y_m: float) -> tuple[int, int]:
         """Return (row, column) of the cell that contains a point; outside the grid if the point is."""
@@ -143,15 +136,15 @@ class OccupancyGrid:
             self.origin_m[1] + (row + 0.5) * self.resolution_m,
         )
 
-    def contains(self, row: int, column: int) -> bool:
-        """Whether a cell lies in the grid."""
-        rows, columns = self.cells.shape
-        return bool(0 <= row < rows and 0 <= column < columns)
 
-    def is_free(self, x_m: float, y_m: float) -> bool:
-        """Whether a point is in a free cell; points outside the grid are not."""
-        row, column = self.cell_at(x_m, y_m)
-        return self.contains(row, column) and int(self.cells[row, column]) == FREE
+@dataclass(frozen=True, slots=True, eq=False)
+class OccupancyGrid(Grid):
+    """Which cells of a floor plan are free.
+
+    cells: int8, shape (rows, cols), row 0 at the lowest y: 0 free, 100 occupied, -1 unknown.
+    """
+
+    cells: np.ndarray
 
 
 def grid_shape(plan: FloorPlan, resolution_m: float) -> tuple[int, int]:

@@ -1,19 +1,20 @@
 """Pydantic's validation errors as one line that a user understands: key, value, what was expected."""
 
-from __future__ import annotations
-
 import difflib
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, TypeVar, get_args, get_origin
 
 from pydantic import Tag, ValidationError
 from pydantic.fields import FieldInfo
 
+from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.base import Model
 from robotteamsim.scenario.renamed_keys import renaming
 from robotteamsim.scenario.yaml_text import shown
+
+M = TypeVar("M", bound=Model)
 
 _Detail = dict[str, Any]
 
@@ -39,6 +40,14 @@ def problems(error: ValidationError, root: type[Model], data: Any = None) -> lis
     """
     details = sorted(map(dict, error.errors(include_url=False)), key=lambda detail: detail["type"] != "extra_forbidden")
     return [_problem(detail, root, data) for detail in details if not _only_lacks_wrong_items(detail, details)]
+
+
+def checked(model: type[M], data: Any, kind: type[Exception] = ScenarioError, place: str = "") -> M:
+    """Return a model of some data. Raises: an error of that kind: the first mistake in one line, after `place`."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise kind(f"{place}{problems(error, model, data)[0]}") from None
 
 
 def _only_lacks_wrong_items(detail: _Detail, details: Sequence[_Detail]) -> bool:

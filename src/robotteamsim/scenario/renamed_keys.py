@@ -1,7 +1,5 @@
 """Keys that scenarios used to have, and what replaces them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 RENAMED_KEYS = {"things": "objects"}

@@ -101,19 +101,14 @@ class Scenario(Model):
         """The file that `plan` was read from; None if the plan did not come from a file or was changed."""
         return self._plan_file[1] if self._plan_file and self._plan_file[0] == self.plan else None
 
-    def with_plan_file(self, file: str) -> Scenario:
-        """Return this scenario with the file that its plan was read from."""
-        scenario = self.model_copy()
-        scenario._plan_file = (self.plan, file)
-        return scenario
-
     @property
     def origin(self) -> Origin:
         """Where it was read: errors that are found later name it."""
         return self._origin
 
-    def with_origin(self, origin: Origin) -> Scenario:
-        """Return this scenario with the place that it was read from."""
+    def read_from(self, origin: Origin, plan_file: str | None) -> Scenario:
+        """Return this scenario with the place that it was read from, and the file of its plan; None: it has none."""
         scenario = self.model_copy()
         scenario._origin = origin
+        scenario._plan_file = None if plan_file is None else (self.plan, plan_file)
         return scenario

@@ -97,18 +97,14 @@ class Robot(Model):
     odometry: Odometry = Odometry()
     cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="how long the last command is kept [s]")
 
-    @model_validator(mode="after")
-    def _check_sensors(self) -> Robot:
-        check_names({"lasers": self.lasers, "sonars": self.sonars})
-        return self
-
     @property
     def mounts(self) -> tuple[Mount, ...]:
         """The additional sensors, which have their own frames."""
         return (*self.lasers, *self.sonars)
 
     @model_validator(mode="after")
-    def _check_footprint(self) -> Robot:
+    def _check_body(self) -> Robot:
+        check_names({"lasers": self.lasers, "sonars": self.sonars})
         if self.footprint_m:
             check_footprint("footprint_m", self.footprint_m)
         return self

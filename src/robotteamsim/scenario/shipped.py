@@ -1,7 +1,5 @@
 """Finds the shipped scenarios and maps: in the source tree, a catkin space or a wheel."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

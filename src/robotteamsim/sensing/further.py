@@ -1,7 +1,5 @@
 """Sensors that not every robot has, each on its own topic."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Satellite navigation: where a robot is on the earth, with noise."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

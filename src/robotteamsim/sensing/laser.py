@@ -1,7 +1,5 @@
 """The laser range finder: what a robot sees of walls, closed doors and other robots."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Odometry: what robots believe of their ways from what they really did."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

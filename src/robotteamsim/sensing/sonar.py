@@ -1,7 +1,5 @@
 """Sonars: how far the nearest object within a cone is."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robotteamsim import _core

@@ -1,7 +1,5 @@
 """From a Stage world file to a scenario and its floor plan."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterator

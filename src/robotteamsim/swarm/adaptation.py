@@ -4,8 +4,6 @@ No source publishes membership functions or levels. Ours: generalised bells of w
 the levels of `Levels`. Outputs are levels weighed by how far their rules hold; AND and OR are minimum and maximum.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal

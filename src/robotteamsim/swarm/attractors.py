@@ -1,7 +1,5 @@
 """Where obstacles and the network draw a robot: x_OB and x_CB of eq. (22)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

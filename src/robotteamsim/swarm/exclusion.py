@@ -1,7 +1,5 @@
 """Social exclusion and inclusion: who stays in the swarm [dissertation, 5.2.2 and eq. 12]."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated

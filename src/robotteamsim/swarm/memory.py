@@ -1,7 +1,5 @@
 """Fractional memory: how the velocities of the past carry on [dissertation, eq. 23 and 24]."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Literal, cast
 

@@ -1,7 +1,5 @@
 """How a swarm and its robots do: the context metrics of RDPSO [dissertation, eq. 28 to 32, and 34]."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

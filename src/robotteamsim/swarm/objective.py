@@ -1,7 +1,5 @@
 """An objective that somebody else wrote: asked for values, and what it answers is checked."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,10 +1,8 @@
 """What the members of the family take: coefficients, memory, sizes of swarms, terms of robots."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -70,8 +68,22 @@ SenseObstacles = Callable[[np.ndarray], ObstacleTerm]
 SenseNetwork = Callable[[np.ndarray], CommunicationTerm]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion:
+    """How particles of all kinds move; see PsoOptions."""
+
+    c1: float = 1.49618
+    c2: float = 1.49618
+    memory: Literal["inertia"] | MemoryMode = "inertia"
+    inertia: float = 0.7298
+    alpha: float | None = None
+    memory_terms: int = 4
+    max_step: float = 0.5
+    random_per_dimension: bool = True
+
+
 @dataclass(frozen=True, slots=True)
-class PsoOptions:
+class PsoOptions(Motion):
     """PSO: (11) with inertia = 1, (14) with less, fractional with another `memory`.
 
     The defaults of inertia, c1 and c2 are those of the constriction factor [clerc2002].
@@ -84,14 +96,6 @@ class PsoOptions:
     """
 
     num_particles: int = 30
-    c1: float = 1.49618
-    c2: float = 1.49618
-    memory: Literal["inertia"] | MemoryMode = "inertia"
-    inertia: float = 0.7298
-    alpha: float | None = None
-    memory_terms: int = 4
-    max_step: float = 0.5
-    random_per_dimension: bool = True
 
     def __post_init__(self) -> None:
         _check_count("num_particles", self.num_particles, 1)
@@ -138,18 +142,10 @@ class SwarmSizes:
 
 
 @dataclass(frozen=True, slots=True)
-class DpsoOptions:
+class DpsoOptions(Motion):
     """DPSO: several swarms that each move by PSO, and natural selection (12, 13). See PsoOptions."""
 
     sizes: SwarmSizes = SwarmSizes(min_swarms=1, min_particles=3)
-    c1: float = 1.49618
-    c2: float = 1.49618
-    memory: Literal["inertia"] | MemoryMode = "inertia"
-    inertia: float = 0.7298
-    alpha: float | None = None
-    memory_terms: int = 4
-    max_step: float = 0.5
-    random_per_dimension: bool = True
 
     def __post_init__(self) -> None:
         if self.sizes.min_swarms < 1:
@@ -158,7 +154,7 @@ class DpsoOptions:
 
 
 @dataclass(frozen=True, slots=True)
-class RdpsoOptions:
+class RdpsoOptions(Motion):
     """RDPSO (25): several swarms of robots, with obstacle and communication terms, social exclusion and inclusion.
 
     The number of robots stays. See PsoOptions and RpsoOptions; besides:
@@ -170,16 +166,9 @@ class RdpsoOptions:
     """
 
     sizes: SwarmSizes = SwarmSizes()
-    c1: float = _RDPSO_WEIGHTS[0]
-    c2: float = _RDPSO_WEIGHTS[1]
     c3: float = _RDPSO_WEIGHTS[2]
     c4: float = _RDPSO_WEIGHTS[3]
-    memory: Literal["inertia"] | MemoryMode = "grunwald_letnikov"
-    inertia: float = 0.7298
-    alpha: float | None = None
-    memory_terms: int = 4
-    max_step: float = 0.5
-    random_per_dimension: bool = True
+    memory: Literal["inertia"] | MemoryMode = field(default="grunwald_letnikov", kw_only=True)
     obstacles: SenseObstacles | None = None
     communication: SenseNetwork | None = None
     endangered_proximity: float = 0.2

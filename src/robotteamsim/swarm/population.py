@@ -1,7 +1,5 @@
 """Particles of all swarms in flat arrays, and how they move [dissertation, eq. 11, 14, 15, 22 and 25]."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

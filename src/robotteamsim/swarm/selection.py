@@ -3,8 +3,6 @@
 What the sources leave open is settled in docs/swarm.md.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """For which memory and coefficients a particle comes to rest, where its bests stay put."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The velocity and position update of a robotic swarm [dissertation, eq. 22 and 25]."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from itertools import islice

@@ -1,7 +1,5 @@
 """Whether points, robots and objects are inside the plan and clear of its solids."""
 
-from __future__ import annotations
-
 import numpy as np
 import shapely
 
@@ -17,10 +15,10 @@ TOUCH_M = 1e-6
 
 
 class Solids:
-    """The solids of a plan at the start, for questions what is in the way."""
+    """The solids of a plan at the start, for questions what is in the way; with doors or without."""
 
-    def __init__(self, plan: FloorPlan) -> None:
-        self._solids = solids(plan)
+    def __init__(self, plan: FloorPlan, doors: bool = True) -> None:
+        self._solids = [solid for solid in solids(plan) if doors or solid.kind != "door"]
         self._shapes = [solid.polygon for solid in self._solids]
 
     def at_point(self, point: tuple[float, float]) -> Solid | None:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
-from robotteamsim import _core
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.plan import Corners, door_corners, leaf_corners
 
@@ -81,11 +80,6 @@ class DoorStates(Mapping[str, DoorState]):
             return []
         pairs = [DoorChange(name, before[name], state) for name, state in self._states.items()]
         return [change for change in pairs if change.now != change.before]
-
-
-def door_state(state: _core.world.DoorState) -> DoorState:
-    """Return the state of a door of the C++ world."""
-    return DoorState(state.closed, state.opening, state.motion)
 
 
 def leaf_outline(door: Door, state: DoorState) -> Corners | None:

@@ -1,7 +1,5 @@
 """The true state of a trial: poses of robots and objects, contacts, doors, time."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,7 +12,7 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.schedule import ScheduledEvent, in_order
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.world.core_parts import core_object, core_robot, core_solids
-from robotteamsim.world.doors import DoorStates, door_state
+from robotteamsim.world.doors import DoorState, DoorStates
 from robotteamsim.world.free_space import FreeSpace, Occupants
 from robotteamsim.world.placement import check_objects
 
@@ -59,7 +57,9 @@ class World:
         self._schedule = [event for _, event in in_order(schedule)]
         self._free_space.check_start_poses(self._doors)
         check_objects(plan, self._objects, self._robots)
-        self.core = self._build(run)
+        still, leaves = core_solids(plan)
+        bodies, models = [core_robot(robot) for robot in self._robots], [core_object(obj) for obj in self._objects]
+        self.core = _core.world.World(still, leaves, bodies, run.step_s, run.physics_substeps, models)
         """The C++ world, for sensors."""
         self._have_leaves = any(door.motion != "instant" for door in plan.doors)
         self._begin()
@@ -259,11 +259,6 @@ class World:
         poses = [Pose(*row) for row in self.core.object_poses().tolist()]
         return Occupants(self.core.poses(), list(zip(self._objects, poses, strict=True)), self._doors)
 
-    def _build(self, run: Run) -> _core.world.World:
-        still, leaves = core_solids(self.plan)
-        robots, objects = [core_robot(robot) for robot in self._robots], [core_object(obj) for obj in self._objects]
-        return _core.world.World(still, leaves, robots, run.step_s, run.physics_substeps, objects)
-
     def _object_index(self, name: str) -> int:
         names = [obj.name for obj in self._objects]
         if name not in names:
@@ -272,7 +267,5 @@ class World:
 
     def _update_doors(self) -> None:
         if self.core.doors_version != self._doors.version:
-            states = {
-                name: door_state(state) for name, state in zip(self._door_ids, self.core.door_states(), strict=True)
-            }
-            self._doors = DoorStates(states, self.core.doors_version)
+            states = [DoorState(door.closed, door.opening, door.motion) for door in self.core.door_states()]
+            self._doors = DoorStates(dict(zip(self._door_ids, states, strict=True)), self.core.doors_version)

@@ -5,10 +5,11 @@ import math
 
 import numpy as np
 import pytest
+from recurrence import connectivity_matrix
 
 from robotteamsim import rng
-from robotteamsim.network import EVERYBODY, Message, Network, connectivity_matrix
-from robotteamsim.network.messages import Batch, Inbox, batch_of
+from robotteamsim.network import Network
+from robotteamsim.network.messages import EVERYBODY, Batch, Inbox, Message, batch_of
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.sections import Network as NetworkSection

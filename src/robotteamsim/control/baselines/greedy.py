@@ -1,7 +1,5 @@
 """The greedy voice climber: each robot for itself, always to the loudest place that it hears around it."""
 
-from __future__ import annotations
-
 from robotteamsim.control.driving.path_controller import PathController
 from robotteamsim.control.rdpso.local_best import LocalBestFinder
 from robotteamsim.control.rdpso.ruled_out import RuledOut

@@ -1,7 +1,5 @@
 """The graph that a robot patrols: that of the scenario, or one made from the map that it carries."""
 
-from __future__ import annotations
-
 import functools
 import math
 from dataclasses import dataclass
@@ -11,7 +9,6 @@ import numpy as np
 from robotteamsim.control.driving.known_map import KnownMap, known_map
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.patrol import PatrolGraph
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.swarm import Vector
 
@@ -32,18 +29,15 @@ def patrol_graph(scenario: Scenario, robot_radius_m: float) -> Graph:
     """Return the graph of `control.patrol`. Raises: ScenarioError: the plan has no room for one."""
     patrol = scenario.control.patrol
     if patrol.graph is not None:
-        return _of_file(patrol.graph)
+        vertices = patrol.graph.vertices
+        edges = tuple(tuple(zip(vertex.neighbours, vertex.lengths_m, strict=True)) for vertex in vertices)
+        return Graph(tuple(vertex.position for vertex in vertices), edges)
     graph = _lattice(scenario.plan, robot_radius_m, patrol.spacing_m, patrol.longest_edge)
     if not graph.places:
         raise ScenarioError(
             f"{scenario.name}: control.patrol.spacing_m: {patrol.spacing_m:g} m leaves no two places of the plan linked"
         )
     return graph
-
-
-def _of_file(graph: PatrolGraph) -> Graph:
-    places = tuple(vertex.position for vertex in graph.vertices)
-    return Graph(places, tuple(tuple(zip(v.neighbours, v.lengths_m, strict=True)) for v in graph.vertices))
 
 
 @functools.lru_cache(maxsize=8)
@@ -59,7 +53,7 @@ def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float, longest_e
         for other in ((column + 1, row), (column, row + 1)):
             if other not in places:
                 continue
-            _, length_m = known.first_stretch(places[column, row], places[other], longest_edge * spacing_m)
+            _, length_m = known.grid.first_stretch(places[column, row], places[other], longest_edge * spacing_m)
             free = known.grid.is_line_free(places[column, row], places[other])
             # Without a path of that length the straight distance comes back, through the wall.
             if free or math.dist(places[column, row], places[other]) + 1e-6 < length_m <= longest_edge * spacing_m:

@@ -1,7 +1,5 @@
 """PSO and RPSO on robots: what RDPSO is without its fractional memory, its network and its exclusion."""
 
-from __future__ import annotations
-
 from robotteamsim.control.rdpso.controller import RdpsoController
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Control

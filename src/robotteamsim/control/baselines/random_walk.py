@@ -1,7 +1,5 @@
 """The random walk: a baseline that uses neither voices nor areas nor teammates."""
 
-from __future__ import annotations
-
 from robotteamsim.control.driving.path_controller import PathController
 from robotteamsim.interface import Decision
 

@@ -1,8 +1,5 @@
 """SEBS: patrol of a graph by state exchange [portugal2013]."""
 
-from __future__ import annotations
-
-import functools
 import math
 from typing import Annotated
 
@@ -12,9 +9,8 @@ from robotteamsim.control.baselines.patrol_graph import patrol_graph
 from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.control.driving.path_controller import PathController
 from robotteamsim.control.runtime.streams import robot_stream
-from robotteamsim.geometry import Pose
 from robotteamsim.interface import Decision
-from robotteamsim.interface.payload import Index, read_payload, to_payload
+from robotteamsim.interface.payload import Index, Update, update_reader
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.scenario import Scenario
@@ -24,26 +20,16 @@ LONGEST_TIMED_M = 1000.0
 """Places without a free path to them are far beyond this: for them, the timeout must end as well."""
 
 
-class Visit(msgspec.Struct, frozen=True, gc=False, tag="sebs"):
+class Visit(Update, frozen=True, gc=False, tag="sebs"):
     """What a robot sends its team: the vertex that it has reached (-1: none yet) and the one that it goes to."""
 
     robot_id: Index
     reached: Annotated[int, msgspec.Meta(ge=-1, le=2**31 - 1)]
     intends: Index
 
-    def to_json(self) -> str:
-        """Return the visit as one line of JSON."""
-        return to_payload(self)
 
-
-_decoder = msgspec.json.Decoder(Visit)
-
-
-# The robots of one process receive the same payloads.
-@functools.lru_cache(maxsize=8192)
-def parse_visit(payload: str) -> Visit | None:
-    """Return the visit that a message carries; None where it carries something else."""
-    return read_payload(_decoder, payload)
+parse_visit = update_reader(Visit, kept=8192)
+"""Return the visit that a message carries; None where it carries something else."""
 
 
 def gain(idleness_s: float, length_m: float, patrol: Patrol) -> float:
@@ -94,18 +80,19 @@ class SebsController(PathController):
         pose = self.pose()
         position = (pose.x_m, pose.y_m)
         if self._goal < 0:
-            self._go_to(self._graph.nearest(position), position)
-            return self._send_visit(pose)
-        if math.dist(position, self._graph.places[self._goal]) < self._patrol.arrived_m:
+            vertex = self._graph.nearest(position)
+        elif math.dist(position, self._graph.places[self._goal]) < self._patrol.arrived_m:
             self._visited_s[self._goal] = self.time_s
             self._at = self._goal
-            self._go_to(self._next_vertex(self._at), position)
-            return self._send_visit(pose)
-        if self.time_s > self._until_s:
+            vertex = self._next_vertex(self._at)
+        elif self.time_s > self._until_s:
             # The path is blocked: any vertex nearby is as good.
-            self._go_to(self._next_vertex(self._goal), position)
-            return self._send_visit(pose)
-        return self.drive(pose, self._graph.places[self._goal])
+            vertex = self._next_vertex(self._goal)
+        else:
+            return self.drive(pose, self._graph.places[self._goal])
+        self._go_to(vertex, position)
+        visit = Message(self.robot_id, EVERYBODY, Visit(self.robot_id, self._at, vertex).to_json())
+        return self.drive(pose, self._graph.places[vertex], (visit,))
 
     def _listen(self) -> None:
         last = len(self._visited_s) - 1
@@ -140,8 +127,3 @@ class SebsController(PathController):
         distance_m = self.map.distance_m(self._graph.places[vertex], position)
         travel_s = self._patrol.timeout_factor * min(distance_m, LONGEST_TIMED_M) / self.speed_mps
         self._until_s = self.time_s + self._patrol.timeout_s + travel_s
-
-    def _send_visit(self, pose: Pose) -> Decision:
-        visit = Visit(self.robot_id, self._at, self._goal)
-        message = Message(self.robot_id, EVERYBODY, visit.to_json())
-        return self.drive(pose, self._graph.places[self._goal], (message,))

@@ -18,7 +18,7 @@ from robotteamsim.interface import Decision, Discovery, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import VoiceReading
-from robotteamsim.swarm import Vector, limit_speed
+from robotteamsim.swarm import Vector, limit_speed, next_position
 from robotteamsim.world.placement import placed_robots
 
 
@@ -106,17 +106,15 @@ class CoverController:
         if iteration != self._iteration:
             self._iteration = iteration
             self._choose(pose, self._observation.voice, sim_time_ns * 1e-9)
-            outbox = (Message(self._robot_id, EVERYBODY, self._update(pose).to_json()),)
+            position, covered = (pose.x_m, pose.y_m), self._cover.to_hex()
+            update = CoverUpdate(self._robot_id, position, self._goal, covered, self.found)
+            outbox = (Message(self._robot_id, EVERYBODY, update.to_json()),)
         if self._target is None:
             return Decision(outbox=outbox)
         twist = self._navigator.drive(
             self._map.grid, pose, robot.ranges_m, self._target, self._speed_mps, sim_time_ns, lambda: self._teammates
         )
         return Decision(twist=twist, outbox=outbox, goal_m=self._goal)
-
-    def _update(self, pose: Pose) -> CoverUpdate:
-        position = (pose.x_m, pose.y_m)
-        return CoverUpdate(self._robot_id, position, self._goal, self._cover.to_hex(), tuple(self._found))
 
     def _note_victim(self, observation: Observation) -> None:
         """Note a victim whom the robot has found: a voice beside it that falls silent."""
@@ -145,13 +143,14 @@ class CoverController:
         if velocity == (0.0, 0.0):
             self._target = None
             return
-        self._target = self._map.reachable_towards(position, (position[0] + velocity[0], position[1] + velocity[1]))
+        self._target = self._map.grid.reachable_towards(position, next_position(position, velocity))
         self._speed_mps = max(0.1, self._control.speed_factor * math.hypot(*velocity) / self._control.iteration_s)
 
     def _choose_goal(self, position: Vector, voice: VoiceReading, time_s: float) -> None:
         loudest = voice.local_best_m if voice.heard else None
         self._ruled_out.add(position, loudest)
-        if loudest and not self._ruled_out.covers(loudest) and not self._is_avoided(loudest):
+        is_avoided = loudest and any(math.dist(loudest, place) <= self._tuning.avoided_m for place, _ in self._avoided)
+        if loudest and not is_avoided and not self._ruled_out.covers(loudest):
             if self._goal is None or math.dist(self._goal, loudest) > self._tuning.avoided_m:
                 self._goal_m, self._goal_since_s = math.inf, time_s
             self._goal = loudest
@@ -167,9 +166,6 @@ class CoverController:
         if self._goal is None:
             self._goal = self._best_place(position)
             self._goal_m, self._goal_since_s = math.inf, time_s
-
-    def _is_avoided(self, place: Vector) -> bool:
-        return any(math.dist(place, avoided) <= self._tuning.avoided_m for avoided, _ in self._avoided)
 
     def _is_taken(self, place: Vector, position: Vector) -> bool:
         """Whether a teammate goes there that is nearer, or as near and of lower id."""

@@ -1,7 +1,5 @@
 """Which parts of the floor the team has been to, as far as one robot knows."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Sequence
@@ -24,8 +22,8 @@ class _Floor:
 
     def __init__(self, plan: FloorPlan, robot_radius_m: float, start: Vector) -> None:
         self.grid = known_map(plan, robot_radius_m).grid
-        self.origin_m = plan.bounds.min
-        columns, rows = (math.ceil((high - low) / CELL_M) for low, high in zip(*_corners(plan), strict=True))
+        self.origin_m = low_m = plan.bounds.min
+        columns, rows = (math.ceil((high - low) / CELL_M) for low, high in zip(low_m, plan.bounds.max, strict=True))
         self.shape = rows, columns
         self.middles_m = np.stack(np.meshgrid(np.arange(columns) + 0.5, np.arange(rows) + 0.5), axis=-1) * CELL_M
         self.middles_m += self.origin_m
@@ -58,10 +56,6 @@ class _Floor:
     def _lengths_from(self, start: Vector) -> np.ndarray:
         field = self.grid.distance_map(start)
         return np.where(self._has_place, field[self._rows, self._columns], math.inf)
-
-
-def _corners(plan: FloorPlan) -> tuple[Vector, Vector]:
-    return plan.bounds.min, plan.bounds.max
 
 
 # Robots and trials share it: its content depends on these values alone.

@@ -1,7 +1,5 @@
 """The map that a robot carries: where its body fits in the known plan, and the lengths of free paths."""
 
-from __future__ import annotations
-
 import functools
 import math
 
@@ -30,6 +28,11 @@ class KnownMap:
 
     Answers depend on places and doors alone, never on earlier questions. Distance maps are kept because they are
     expensive.
+
+    `grid` answers what needs no distance map: `along_path` returns a goal as the path to it from a start begins, at the
+    path's length, in the direction of its first stretch; `first_stretch` where a shortest path first bends, and its
+    whole length [m]; `reachable_towards` the goal if the straight line to it is free, else the reachable place nearest
+    to it. A goal without a path of at most the given length [m] is returned as it is, at its straight distance.
     """
 
     def __init__(self, plan: FloorPlan, robot_radius_m: float, closed_doors: tuple[tuple[str, bool], ...]) -> None:
@@ -38,16 +41,6 @@ class KnownMap:
             occupancy.cells != FREE, occupancy.origin_m, GRID_RESOLUTION_M, robot_radius_m + MARGIN_M
         )
         self._distance_maps: dict[Vector, np.ndarray | None] = {}
-
-    def along_path(self, start: Vector, goal: Vector, max_length_m: float) -> Vector:
-        """Return a goal as the path to it from a start begins: at the path's length, in the direction of its first
-        stretch. A goal without a path of at most `max_length_m` [m] is returned as it is.
-        """
-        return self.grid.along_path(start, goal, max_length_m)
-
-    def reachable_towards(self, start: Vector, goal: Vector) -> Vector:
-        """Return the goal if the straight line to it from a start is free; else the reachable place nearest to it."""
-        return self.grid.reachable_towards(start, goal)
 
     def distance_m(self, goal: Vector, position: Vector) -> float:
         """Return the length of the shortest free path [m]; UNREACHABLE_M and the straight distance without one."""
@@ -75,13 +68,6 @@ class KnownMap:
         """Return the free cell within `radius_m` of a robot that is nearest to a goal as the crow flies."""
         cell = self.grid.nearest_in_disc(position, goal, radius_m)
         return position if cell is None else cell
-
-    def first_stretch(self, start: Vector, goal: Vector, max_length_m: float) -> tuple[Vector, float]:
-        """Return where a shortest path from `start` to `goal` first bends, and its whole length [m].
-
-        The bend is `goal` itself, at its straight distance, where the line is free or no path of `max_length_m` exists.
-        """
-        return self.grid.first_stretch(start, goal, max_length_m)
 
     def _distance_map(self, goal: Vector) -> np.ndarray | None:
         distances = self._distance_maps.get(goal)

@@ -1,7 +1,5 @@
 """Where a robot believes itself to be."""
 
-from __future__ import annotations
-
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.scenario import Scenario
@@ -27,7 +25,6 @@ class Localiser:
 
 def body_of(robot_id: int, scenario: Scenario) -> Robot:
     """Return what one robot is. Raises: ScenarioError: the scenario has no such robot."""
-    count = scenario.robots.count if isinstance(scenario.robots, Team) else len(scenario.robots)
-    if not 0 <= robot_id < count:
-        raise ScenarioError(f"{scenario.name}: there is no robot {robot_id}, only 0 to {count - 1}")
+    if not 0 <= robot_id < scenario.num_robots:
+        raise ScenarioError(f"{scenario.name}: there is no robot {robot_id}, only 0 to {scenario.num_robots - 1}")
     return scenario.robots if isinstance(scenario.robots, Team) else scenario.robots[robot_id]

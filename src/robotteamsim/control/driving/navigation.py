@@ -1,7 +1,5 @@
 """Driving to a point: along the known map, around what the laser sees, and out of jams."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Literal
 

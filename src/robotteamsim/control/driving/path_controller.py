@@ -1,7 +1,5 @@
 """The base of the simpler controllers: a robot that knows where it is, has the map, and drives to a point."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from robotteamsim.control.driving.known_map import known_map

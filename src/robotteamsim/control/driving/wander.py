@@ -1,7 +1,5 @@
 """Wandering at random: what an excluded robot does, and one that knows nothing better."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

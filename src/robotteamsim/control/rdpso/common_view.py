@@ -1,7 +1,5 @@
 """What follows from the updates of one iteration alone: the same for all robots that heard the same ones."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -71,19 +69,12 @@ class CommonView:
 
 
 def _bests_of(swarm_id: int, updates: Iterable[RdpsoUpdate]) -> Bests:
-    # Dictionaries serve as sets that keep their order.
-    known: dict[Best, None] = {}
-    local: dict[Best, None] = {}
-    for update in updates:
-        if update.swarm_id not in (swarm_id, OUTSIDE):
-            continue
-        if update.known_best:
-            known[update.known_best] = None
-        if update.local_best and (update.swarm_id != OUTSIDE or update.local_best.is_voice):
-            local[update.local_best] = None
+    own = [update for update in updates if update.swarm_id in (swarm_id, OUTSIDE)]
+    known = [update.known_best for update in own if update.known_best]
+    local = [u.local_best for u in own if u.local_best and (u.swarm_id != OUTSIDE or u.local_best.is_voice)]
     return Bests(_highest_first(known), _highest_first(local))
 
 
 def _highest_first(bests: Iterable[Best]) -> tuple[Best, ...]:
-    """Return bests in falling order; equal values in the order given."""
-    return tuple(sorted(bests, key=lambda best: best.value, reverse=True))
+    """Return bests in falling order, each once; equal values in the order given."""
+    return tuple(sorted(dict.fromkeys(bests), key=lambda best: best.value, reverse=True))

@@ -1,25 +1,17 @@
 """What one robot can know of its links, and where they draw it."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from robotteamsim import _core
+from robotteamsim import _core, swarm
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Radio
-from robotteamsim.swarm import (
-    Vector,
-    communication_attractor,
-    communication_weight,
-    robot_proximity_by_distance,
-    robot_proximity_by_signal,
-)
+from robotteamsim.swarm import Vector
 
 
 class LinkKeeper:
@@ -45,7 +37,7 @@ class LinkKeeper:
         # A hair above the limit keeps P_n defined where both thresholds, or q_1m and q_min, are one number.
         self._reference_dbm = max(signal_at_1_m_dbm, endangered_dbm, lost_dbm + 1e-9)
         at_risk_dbm = max(endangered_dbm, lost_dbm + 1e-9)
-        self._endangered_proximity = robot_proximity_by_signal(at_risk_dbm, lost_dbm, self._reference_dbm)
+        self._endangered_proximity = swarm.robot_proximity_by_signal(at_risk_dbm, lost_dbm, self._reference_dbm)
         self._field = _radio_field(scenario.plan, scenario.radio.model_dump_json()) if self._c4 > 0.0 else None
 
     def pull(
@@ -64,10 +56,14 @@ class LinkKeeper:
         else:
             neighbour = _core.base.nearest_point(position, list(members.values()))
         proximity, endangered, signal_dbm = self._link_to(position, neighbour)
-        weight = communication_weight(self._c4, proximity, endangered, not missing)
+        weight = swarm.communication_weight(self._c4, proximity, endangered, not missing)
         if weight == 0.0:
             return position, 0.0
-        return communication_attractor(position, neighbour, self._range_m(position, neighbour, signal_dbm)), weight
+        if self._links_by_distance:
+            range_m = self._endangered_fraction * self._network.max_distance_m
+        else:
+            range_m = math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db)
+        return swarm.communication_attractor(position, neighbour, range_m), weight
 
     def in_reach(self, places: Sequence[Vector], resolution_m: float) -> np.ndarray | None:
         """Return the cells of the plan that have a good enough link to one of some places, bool, shape (rows, cols).
@@ -103,18 +99,12 @@ class LinkKeeper:
         """Return P_n of a link, that of an endangered one, and its signal [dBm]; 0 for links by distance."""
         if self._links_by_distance:
             away_m = math.dist(position, neighbour)
-            proximity = robot_proximity_by_distance(away_m, self._network.max_distance_m)
+            proximity = swarm.robot_proximity_by_distance(away_m, self._network.max_distance_m)
             return proximity, 1.0 - self._endangered_fraction, 0.0
         assert self._field is not None
         signal_dbm = self._tx_power_dbm - self._field.path_loss_db(position, neighbour)
-        proximity = robot_proximity_by_signal(signal_dbm, self._lost_dbm, self._reference_dbm)
+        proximity = swarm.robot_proximity_by_signal(signal_dbm, self._lost_dbm, self._reference_dbm)
         return proximity, self._endangered_proximity, signal_dbm
-
-    def _range_m(self, position: Vector, neighbour: Vector, signal_dbm: float) -> float:
-        """Return the range that x_CB keeps on a link [m]."""
-        if self._links_by_distance:
-            return self._endangered_fraction * self._network.max_distance_m
-        return float(math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db))
 
 
 def strongest_tree(strength: np.ndarray) -> list[tuple[int, int]]:

@@ -1,13 +1,13 @@
 """RDPSO as one robot runs it [dissertation, 5.2.2 and 5.3]."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import msgspec
 import numpy as np
 
+from robotteamsim import swarm
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.localisation import Localiser, body_of
 from robotteamsim.control.driving.navigation import Navigator
@@ -28,15 +28,7 @@ from robotteamsim.interface import OUTSIDE, Decision, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message, batch_of
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Control
-from robotteamsim.swarm import (
-    Vector,
-    Weights,
-    limit_speed,
-    memory_coefficients,
-    next_position,
-    next_velocity,
-    uniform_numbers,
-)
+from robotteamsim.swarm import Vector
 
 
 class RdpsoController:
@@ -53,7 +45,7 @@ class RdpsoController:
         body = body_of(robot_id, scenario)
         self._robot_id = robot_id
         self._control = control
-        self._weights = Weights(control.c1, control.c2, control.c3, 0.0)
+        self._weights = swarm.Weights(control.c1, control.c2, control.c3, 0.0)
         """Of the terms of eq. (22); that of communication is 0 while no link is in danger."""
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._timeout_ns = round(control.update_timeout_share * control.iteration_s * 1e9)
@@ -69,7 +61,7 @@ class RdpsoController:
         self._finder = LocalBestFinder(scenario)
         self._membership = Membership(robot_id, scenario)
         self._momentum = Momentum(self.memory(control))
-        self._numbers = uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
+        self._numbers = swarm.uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
         self._wander = Wander(
             control.wander, robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps
         )
@@ -93,7 +85,7 @@ class RdpsoController:
     @staticmethod
     def memory(control: Control) -> tuple[float, ...]:
         """Return the weights of v[t], v[t-1], ... in v[t+1]."""
-        return memory_coefficients(control.memory, control.alpha, control.memory_terms)
+        return swarm.memory_coefficients(control.memory, control.alpha, control.memory_terms)
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
         """Take in what the robot perceives, the messages that arrived, and the mission's task."""
@@ -114,7 +106,8 @@ class RdpsoController:
             self._own = None
             self._standing = self._decide_to_stand()
         if not self._sent_ns <= sim_time_ns < self._iteration_ends_ns:
-            self._begin_iteration(sim_time_ns)
+            self._iteration, self._sent_ns = sim_time_ns // self._iteration_ns, sim_time_ns
+            self._iteration_ends_ns = (self._iteration + 1) * self._iteration_ns
             self._own = self._evaluate(pose, observation)
             outbox = (Message(self._robot_id, EVERYBODY, self._own.to_json()),)
             self._standing = self._decide_to_stand()
@@ -123,13 +116,9 @@ class RdpsoController:
         if goal is None:
             goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), sim_time_ns * 1e-9)
             speed_mps = self._control.max_step_speed_mps
-        twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, self._teammates)
+        teammates = partial(self._team.positions, without=self._robot_id)
+        twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, goal_m=goal)
-
-    def _begin_iteration(self, sim_time_ns: int) -> None:
-        """Take note of the iteration that this step is the first of."""
-        self._iteration, self._sent_ns = sim_time_ns // self._iteration_ns, sim_time_ns
-        self._iteration_ends_ns = (self._iteration + 1) * self._iteration_ns
 
     def _has_waited_enough(self, sim_time_ns: int) -> bool:
         """Whether all that sent an update in the last iteration have sent one in this, or the timeout has expired."""
@@ -181,11 +170,11 @@ class RdpsoController:
         self._wander.stop()
         self._momentum.note(position)
         velocity = self._next_velocity(pose, ranges_m, team, view, self._local_best, self._known_best)
-        velocity = limit_speed(velocity, self._control.max_step_speed_mps * self._control.iteration_s)
-        self._goal = next_position(position, velocity)
+        velocity = swarm.limit_speed(velocity, self._control.max_step_speed_mps * self._control.iteration_s)
+        self._goal = swarm.next_position(position, velocity)
         if self._control.navigation == "path":
             # A step ends at a wall; it does not lead around it. The path around it is in the attractors.
-            self._goal = self._map.reachable_towards(position, self._goal)
+            self._goal = self._map.grid.reachable_towards(position, self._goal)
         self._speed_mps = max(0.1, self._control.speed_factor * math.hypot(*velocity) / self._control.iteration_s)
 
     def _share_bests(self, own: RdpsoUpdate, view: CommonView) -> tuple[dict[int, Best | None], list[int]]:
@@ -214,7 +203,7 @@ class RdpsoController:
         """Return v[t+1] of eq. (25), before the speed limit."""
         assert self._observation is not None
         position = (pose.x_m, pose.y_m)
-        obstacle = self._surroundings.attractor(pose, ranges_m)
+        obstacle = self._surroundings.clearest_place(pose, ranges_m)
         x_cb, c4 = self._links.pull(position, self._heard(view), self._missing(team, view))
         x_lb = local_best.position
         if global_best.is_voice and not local_best.is_voice and self._observation.voice.heard:
@@ -227,7 +216,7 @@ class RdpsoController:
             self._along_path(position, x_cb) if c4 > 0.0 else x_cb,
         )
         weights = self._weights if c4 == 0.0 else self._weights._replace(communication=c4)
-        return next_velocity(position, self._momentum.term(), attractors, weights, self._numbers)
+        return swarm.next_velocity(position, self._momentum.term(), attractors, weights, self._numbers)
 
     def _heard(self, view: CommonView) -> Mapping[int, Vector]:
         """Return where the other members of the swarm are that sent an update in this iteration, by robot id."""
@@ -250,7 +239,7 @@ class RdpsoController:
         """Return a place as the path to it begins: at the path's length, in the direction of its first stretch."""
         if self._control.navigation != "path":
             return place
-        return self._map.along_path(position, place, self._control.longest_detour_m)
+        return self._map.grid.along_path(position, place, self._control.longest_detour_m)
 
     def _update_map(self) -> None:
         """Take the map with the doors as believed now; bests along other paths are forgotten."""
@@ -258,10 +247,6 @@ class RdpsoController:
             self._map_doors = self._doors.changed
             self._map = known_map(self._plan, self._reach_m, self._map_doors)
             self._known_best = None
-
-    def _teammates(self) -> dict[int, Vector]:
-        """Return where each teammate was when it was last heard, in `map` [m], by robot id."""
-        return self._team.positions(without=self._robot_id)
 
     def _decide_to_stand(self) -> Decision:
         """Return the decision to stand still, with the status of the robot and its swarm."""

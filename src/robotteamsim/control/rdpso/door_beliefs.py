@@ -1,7 +1,5 @@
 """Doors as a robot believes them to be: as in the plan, until its laser or a teammate sees otherwise."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -11,7 +9,6 @@ from robotteamsim.geometry import Pose
 from robotteamsim.scenario.control_tuning import DoorTuning
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.sections import Laser
-from robotteamsim.swarm import Vector
 
 
 class DoorBeliefs:
@@ -19,7 +16,8 @@ class DoorBeliefs:
 
     def __init__(self, plan: FloorPlan, laser: Laser, tuning: DoorTuning) -> None:
         self._tuning = tuning
-        self._doors = [(door, _middle(door)) for door in plan.doors]
+        middles = [tuple((a + b) / 2.0 for a, b in zip(door.start, door.end, strict=True)) for door in plan.doors]
+        self._doors = list(zip(plan.doors, middles, strict=True))
         self._planned = {door.name: door.closed for door in plan.doors}
         self._sightings: dict[str, Sighting] = {}
         self.sightings: tuple[Sighting, ...] = ()
@@ -37,7 +35,8 @@ class DoorBeliefs:
             if math.dist(position, middle) > range_m:
                 continue
             closed = self._seen_closed(door, pose, ranges_m)
-            if closed is not None and closed != self._believed(door.name):
+            seen = self._sightings.get(door.name)
+            if closed is not None and closed != (seen.closed if seen else self._planned[door.name]):
                 self._note(Sighting(door.name, closed, iteration))
 
     def hear(self, sightings: tuple[Sighting, ...]) -> None:
@@ -52,9 +51,6 @@ class DoorBeliefs:
         self._sightings[sighting.door] = sighting
         self.sightings = tuple(self._sightings[name] for name in sorted(self._sightings))
         self.changed = tuple((s.door, s.closed) for s in self.sightings if s.closed != self._planned[s.door])
-
-    def _believed(self, name: str) -> bool:
-        return self._sightings[name].closed if name in self._sightings else self._planned[name]
 
     def _seen_closed(self, door: Door, pose: Pose, ranges_m: np.ndarray) -> bool | None:
         """Return whether beams end at the leaf or continue behind it; None where too few of them do either."""
@@ -79,7 +75,3 @@ class DoorBeliefs:
         if num_ends >= fewest:
             return True
         return False if num_passes >= fewest else None
-
-
-def _middle(door: Door) -> Vector:
-    return (door.start[0] + door.end[0]) / 2.0, (door.start[1] + door.end[1]) / 2.0

@@ -1,7 +1,5 @@
 """The best place that one robot perceives around it [dissertation, 5.3]."""
 
-from __future__ import annotations
-
 import math
 
 from robotteamsim.control.driving.known_map import KnownMap

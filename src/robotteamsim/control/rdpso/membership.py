@@ -5,8 +5,6 @@ rules, and applies the verdict to itself. Robots that heard the same come to the
 each part goes on by itself, and each robot's own statement of its swarm counts.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from functools import partial
 
@@ -14,7 +12,6 @@ from robotteamsim import rng
 from robotteamsim.control.rdpso.common_view import CommonView
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import Team
 from robotteamsim.swarm import ExclusionRules, SwarmState, Verdict, judge
 
 Values = dict[int, float]
@@ -26,16 +23,15 @@ class Membership:
 
     def __init__(self, robot_id: int, scenario: Scenario) -> None:
         exclusion, swarms = scenario.control.exclusion, scenario.control.swarms
-        num_robots = scenario.robots.count if isinstance(scenario.robots, Team) else len(scenario.robots)
         self._robot_id = robot_id
         self._seed = scenario.run.seed
         self._enabled = exclusion.enabled
-        self._rules = ExclusionRules(exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots)
-        self._swarms = swarms
         limits = exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots
+        self._rules = ExclusionRules(*limits)
+        self._swarms = swarms
         self._settings = self._seed, *limits, swarms.min, swarms.max, swarms.new_robots
         """All that a verdict depends on beside the updates."""
-        self.swarm_id = robot_id * swarms.initial // num_robots
+        self.swarm_id = robot_id * swarms.initial // scenario.num_robots
         """OUTSIDE where it is excluded."""
         self.state = SwarmState()
         self._last_swarm_id = self.swarm_id

@@ -1,14 +1,11 @@
 """What a robot of a swarm sends its team once per iteration."""
 
-from __future__ import annotations
-
-import functools
 from typing import Annotated
 
 import msgspec
 
 from robotteamsim.interface import OUTSIDE
-from robotteamsim.interface.payload import Index, Point, read_payload, to_payload
+from robotteamsim.interface.payload import Index, Point, Update, update_reader
 from robotteamsim.network.messages import Message
 from robotteamsim.swarm import SwarmState
 
@@ -36,7 +33,7 @@ class Sighting(msgspec.Struct, frozen=True, gc=False):
     iteration: Index
 
 
-class RdpsoUpdate(msgspec.Struct, frozen=True, gc=False, cache_hash=True, tag="rdpso"):
+class RdpsoUpdate(Update, frozen=True, gc=False, cache_hash=True, tag="rdpso"):
     """One robot's view at the start of an iteration; positions in `map` [m].
 
     epoch:      of the task; bests of different epochs, or of robots that disagree on doors, are not comparable.
@@ -59,24 +56,14 @@ class RdpsoUpdate(msgspec.Struct, frozen=True, gc=False, cache_hash=True, tag="r
     swarm: SwarmState
     doors: tuple[Sighting, ...] = ()
 
-    def to_json(self) -> str:
-        """Return the update as one line of JSON; numbers keep every bit."""
-        return to_payload(self)
-
     @property
     def value(self) -> float:
         """Value of the local best; below any other where there is none."""
         return NOTHING if self.local_best is None else self.local_best.value
 
 
-_decoder = msgspec.json.Decoder(RdpsoUpdate)
-
-
-# The robots of one process receive the same payloads.
-@functools.lru_cache(maxsize=4096)
-def parse_update(payload: str) -> RdpsoUpdate | None:
-    """Return the update that a message carries; None where it carries something else."""
-    return read_payload(_decoder, payload)
+parse_update = update_reader(RdpsoUpdate, kept=4096)
+"""Return the update that a message carries; None where it carries something else."""
 
 
 def update_of(message: Message) -> RdpsoUpdate | None:

@@ -1,7 +1,5 @@
 """How a robot's own way carries on in its next step: the memory term of eq. (25)."""
 
-from __future__ import annotations
-
 from collections import deque
 
 from robotteamsim.swarm import Vector, memory_term

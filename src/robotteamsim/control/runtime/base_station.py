@@ -1,7 +1,5 @@
 """How discoveries are delivered to the base, `mission.base`, whichever controllers the robots have."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import msgspec

@@ -1,7 +1,5 @@
 """Controllers by the name that `control.algorithm` gives: ours, those of installed packages, any class by its place."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 from collections.abc import Callable

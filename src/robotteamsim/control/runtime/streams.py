@@ -1,7 +1,5 @@
 """Random numbers of one robot's controller."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robotteamsim import rng

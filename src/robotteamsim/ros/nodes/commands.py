@@ -1,7 +1,5 @@
 """The last command and the last answer of each robot's controller. Knows no ROS."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 from robotteamsim.geometry import Twist

@@ -3,8 +3,6 @@
 The first runs in its robot's namespace; the second, in the namespace of all, hosts the same class for each robot.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 
@@ -17,7 +15,6 @@ from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.msg import Contact, ControllerStatus, MissionStatus, NetworkMessages, Voice
-from robotteamsim.network.messages import Message
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.further_inputs import FurtherInputs
 from robotteamsim.ros.transport import msg_conversion as conversion
@@ -112,7 +109,8 @@ class ControllerSlot:
 
     def step(self, step: Step, task: Task) -> None:
         """Let the controller perceive and decide, and publish what it decided."""
-        decision = self._controller.step(self._observation(step), self._inbox(step), task)
+        inbox = conversion.network_messages(step.messages[self._received])
+        decision = self._controller.step(self._observation(step), inbox, task)
         self._publish(step.stamp_ns, decision)
 
     def _observation(self, step: Step) -> Observation:
@@ -130,11 +128,6 @@ class ControllerSlot:
             further=self._further.reading(step),
         )
         return Observation(self._robot_id, step.stamp_ns, robot, conversion.voice_reading(step.latest(self._voice)))
-
-    def _inbox(self, step: Step) -> list[Message]:
-        return [
-            received for message in step.messages[self._received] for received in conversion.network_messages(message)
-        ]
 
     def _publish(self, time_ns: int, decision: Decision) -> None:
         make = self._make

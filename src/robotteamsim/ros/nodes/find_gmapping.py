@@ -1,7 +1,5 @@
 """Says where slam_gmapping is, for `mapping.launch`: its failure ends the launch before anything has started."""
 
-from __future__ import annotations
-
 import sys
 
 import roslib.packages

@@ -1,7 +1,5 @@
 """The further lasers, sonars and GPS of a robot, as its controller's node receives them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 
@@ -54,7 +52,7 @@ class FurtherInputs:
             return NOTHING_FURTHER
         for i, name in enumerate(self._sonars):
             if (message := step.latest(name)) is not None:
-                self._sonars_m[i] = conversion.sonar_m(message)
+                self._sonars_m[i] = float(message.range)
         fix = None if robot.gps is None else step.latest(self._fix)
         scans_m = tuple(step.latest(name) for name in self._lasers)
         return FurtherReadings(scans_m, tuple(self._sonars_m), None if fix is None else conversion.fix(fix))

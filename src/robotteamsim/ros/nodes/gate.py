@@ -1,7 +1,5 @@
 """When the world may take its next step: pause, single steps, reset, pace. Knows threads, but no ROS."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time
@@ -17,7 +15,8 @@ class Gate:
     def __init__(self) -> None:
         self._paused = False
         self._steps = 0
-        self._reset_wanted = False
+        self.reset_wanted = False
+        """Whether a reset was asked for."""
         self._waiting = False
         self._closed = False
         # Its lock may be taken twice by one thread: a signal handler may close the gate in the midst of `wait`.
@@ -28,7 +27,7 @@ class Gate:
         with self._changed:
             self._waiting = True
             self._changed.notify_all()
-            self._changed.wait_for(lambda: self._closed or not self._paused or self._steps > 0 or self._reset_wanted)
+            self._changed.wait_for(lambda: self._closed or not self._paused or self._steps > 0 or self.reset_wanted)
             self._waiting = False
             return not self._closed
 
@@ -43,15 +42,10 @@ class Gate:
             self._steps = max(0, self._steps - 1)
             self._changed.notify_all()
 
-    @property
-    def reset_wanted(self) -> bool:
-        """Whether a reset was asked for."""
-        return self._reset_wanted
-
     def reset_done(self) -> None:
         """Note that the reset has happened."""
         with self._changed:
-            self._reset_wanted = False
+            self.reset_wanted = False
             self._changed.notify_all()
 
     def pause(self, timeout_s: float) -> bool:
@@ -80,9 +74,9 @@ class Gate:
     def reset(self, timeout_s: float) -> bool:
         """Ask for a reset; return whether it happened in time [s, wall]."""
         with self._changed:
-            self._reset_wanted = True
+            self.reset_wanted = True
             self._changed.notify_all()
-            return self._changed.wait_for(lambda: self._closed or not self._reset_wanted, timeout=timeout_s)
+            return self._changed.wait_for(lambda: self._closed or not self.reset_wanted, timeout=timeout_s)
 
     def close(self) -> None:
         """Let nobody through any more, and nobody wait."""

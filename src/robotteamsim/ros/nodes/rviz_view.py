@@ -1,7 +1,5 @@
 """Starts rviz with a view in which the building of the run just fits."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path
@@ -25,7 +23,10 @@ def main() -> None:
     config = Path(packages.get_path("robotteamsim"), "rviz", "robotteamsim.rviz")
     try:
         bounds = load(parameter(f"{PARAMETERS}/scenario", ""), parameter(f"{PARAMETERS}/set", "").split()).plan.bounds
-        config = write_view(fitted(config, bounds), Path(rospkg.get_log_dir()))
+        settings, folder = fitted(config, bounds), Path(rospkg.get_log_dir())
+        folder.mkdir(parents=True, exist_ok=True)
+        config = folder / f"robotteamsim-{os.getpid()}.rviz"
+        config.write_text(yaml.safe_dump(settings), encoding="utf-8")
     except (RobotTeamSimError, OSError) as error:  # The world reports mistakes; rviz shows what there is.
         sys.stderr.write(f"rviz_view: the view is not fitted to the building: {error}\n")
     os.execvp("rviz", ["rviz", "-d", str(config), *sys.argv[1:]])
@@ -42,11 +43,3 @@ def fitted(config: Path, bounds: Bounds) -> dict[str, Any]:
             if key in view:
                 view[key] *= factor
     return settings
-
-
-def write_view(settings: dict[str, Any], folder: Path) -> Path:
-    """Write rviz's settings into a folder, in a file of this process, and return its path."""
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"robotteamsim-{os.getpid()}.rviz"
-    path.write_text(yaml.safe_dump(settings), encoding="utf-8")
-    return path

@@ -1,26 +1,15 @@
 """The node `scene`: turns the topics of a run, or of a bag, into what rviz shows."""
 
-from __future__ import annotations
-
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Point, TransformStamped
 from sensor_msgs.msg import PointCloud2
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from robotteamsim.msg import (
-    Areas,
-    Doors,
-    FloatMap,
-    MissionEvent,
-    MissionStatus,
-    NetworkState,
-    Robots,
-    Victims,
-)
+from robotteamsim import msg
 from robotteamsim.ros.scene import laser as scene_laser
 from robotteamsim.ros.scene import mission as scene_mission
 from robotteamsim.ros.scene import plan as scene_plan
@@ -76,26 +65,18 @@ class Canvas:
     def __init__(self, topic: str) -> None:
         self._output = Output(topic, MarkerArray, latched=True)
         self._shown = Shown()
-        self._markers: list[Marker] = []
+        self.markers: list[Marker] = []
+        """What the topic shows."""
 
     def draw(self, markers: Iterable[Marker]) -> None:
         """Replace what the topic shows."""
-        self._markers = list(markers)
-        self._output.publish(MarkerArray(self._shown.update(self._markers)))
+        self.markers = list(markers)
+        self._output.publish(MarkerArray(self._shown.update(self.markers)))
 
     @property
     def watched(self) -> bool:
         """Whether somebody subscribes right now."""
         return self._output.num_subscribers > 0
-
-    @property
-    def shows(self) -> bool:
-        """Whether there is anything on it."""
-        return bool(self._markers)
-
-    def draw_again(self) -> None:
-        """Send what the topic shows."""
-        self.draw(self._markers)
 
 
 class Scene:
@@ -110,21 +91,21 @@ class Scene:
         self._laser = Output("/scene/laser", PointCloud2)
         self._robots: dict[int, RobotFeed] = {}
         self._missing: set[int] = set()
-        self._status = Feed("/mission/status", MissionStatus)
-        self._events = Feed("/mission/events", MissionEvent, keep=1000)
-        self._doors = Feed("/world/doors", Doors)
+        self._status = Feed("/mission/status", msg.MissionStatus)
+        self._events = Feed("/mission/events", msg.MissionEvent, keep=1000)
+        self._doors = Feed("/world/doors", msg.Doors)
         self._has_doors = False
-        self._areas = Feed("/mission/areas", Areas)
-        self._victims = Feed("/mission/victims", Victims)
-        self._presence = Feed(ROBOTS, Robots)
+        self._areas = Feed("/mission/areas", msg.Areas)
+        self._victims = Feed("/mission/victims", msg.Victims)
+        self._presence = Feed(ROBOTS, msg.Robots)
         self._absent: frozenset[int] = frozenset()
-        self._network = Feed("/network/state", NetworkState)
-        self._voice = Feed("/voice_map/values", FloatMap)
+        self._network = Feed("/network/state", msg.NetworkState)
+        self._voice = Feed("/voice_map/values", msg.FloatMap)
         self._links: list[scene_team.LinkView] = []
         self._scans: dict[tuple[int, str], scene_laser.ScanView] = {}
-        self._mission: MissionStatus | None = None
+        self._mission: msg.MissionStatus | None = None
         self._num_endangered = 0
-        self._headline: scene_mission.Headline | None = None
+        self._headline = ""
         self._stamp_ns = 0
         self._discovery_due_s = self._trails_due_s = self._resend_due_s = 0.0
         self._trails_stale = False
@@ -135,17 +116,18 @@ class Scene:
         mission, plan = self._scenario.mission, self._scenario.plan
         self._canvas["building"].draw(scene_plan.building_markers(plan, self._wall_height_m))
         self._draw_doors(scene_plan.openings_at_start(plan))
-        areas = [scene_mission.AreaView(area.name, area.center, area.radius_m) for area in mission.areas]
+        areas = [msg.Area(name=a.name, center=Point(*a.center, 0.0), radius_m=a.radius_m) for a in mission.areas]
         self._draw_areas(areas)
-        self._draw_victims([scene_mission.VictimView(victim.name, victim.position) for victim in mission.victims])
+        waiting = [msg.Victim(victim.name, Point(*victim.position, 0.0), "waiting") for victim in mission.victims]
+        self._draw_victims(waiting)
         for layer in ("voice", "trails", "links", "robots", "headline", *SENSORS):
             self._canvas[layer].draw([])
 
-    def _draw_areas(self, areas: list[scene_mission.AreaView]) -> None:
-        self._numbers_m = [area.center_m for area in areas]
+    def _draw_areas(self, areas: Sequence[msg.Area]) -> None:
+        self._numbers_m = [(area.center.x, area.center.y) for area in areas]
         self._canvas["areas"].draw(scene_mission.area_markers(areas))
 
-    def _draw_victims(self, victims: list[scene_mission.VictimView]) -> None:
+    def _draw_victims(self, victims: Sequence[msg.Victim]) -> None:
         distance_m = self._scenario.mission.save_distance_m
         self._names_m = [scene_mission.name_spot_m(victim, distance_m) for victim in victims]
         self._canvas["victims"].draw(scene_mission.victim_markers(victims, distance_m))
@@ -162,7 +144,7 @@ class Scene:
         if now_s >= self._resend_due_s:
             self._resend_due_s = now_s + RESEND_PERIOD_S
             for canvas in self._canvas.values():
-                canvas.draw_again()
+                canvas.draw(canvas.markers)
         self._draw_mission()
         self._draw_voice()
         self._draw_team(now_s)
@@ -195,15 +177,9 @@ class Scene:
     def _draw_mission(self) -> None:
         areas, victims = self._areas.newest(), self._victims.newest()
         if areas is not None:
-            views = [
-                scene_mission.AreaView(a.name, (a.center.x, a.center.y), a.radius_m, a.explored, a.target)
-                for a in areas.areas
-            ]
-            self._draw_areas(views)
+            self._draw_areas(areas.areas)
         if victims is not None:
-            self._draw_victims(
-                [scene_mission.VictimView(v.name, (v.position.x, v.position.y), v.state) for v in victims.victims]
-            )
+            self._draw_victims(victims.victims)
         changes = dict(filter(None, map(scene_plan.door_change, self._events.take())))
         doors = self._doors.newest()
         if doors is not None:
@@ -218,21 +194,10 @@ class Scene:
         self._mission = status = self._status.newest() or self._mission
         if status is None:
             return
-        headline = scene_mission.Headline(
-            scenario=status.scenario,
-            state=status.state,
-            end=status.end,
-            time_s=status.time_s,
-            areas_explored=sum(map(bool, status.explored)),
-            num_areas=len(status.explored),
-            victims_saved=status.victims.count("saved"),
-            num_victims=len(status.victims),
-            noise_db=status.noise_db,
-            num_endangered=self._num_endangered,
-        )
-        if headline != self._headline:
-            self._headline = headline
-            self._canvas["headline"].draw([scene_mission.headline_marker(headline, self._scenario.plan.bounds)])
+        words = scene_mission.headline_words(status, self._num_endangered)
+        if words != self._headline:
+            self._headline = words
+            self._canvas["headline"].draw([scene_mission.headline_marker(words, self._scenario.plan.bounds)])
 
     def _draw_voice(self) -> None:
         voice = self._voice.newest()
@@ -276,7 +241,7 @@ class Scene:
             return False
         for robot_id in self._absent - absent:
             if robot_id in self._robots:
-                self._robots[robot_id].begin_trail()
+                self._robots[robot_id].trail = scene_team.Trail()
         self._absent = absent
         self._scans = {key: scan for key, scan in self._scans.items() if key[0] not in absent}
         return True
@@ -293,7 +258,7 @@ class Scene:
             ("sonars", scene_sensors.sonar_markers(sonars)),
             ("gps", scene_sensors.fix_markers(fixes)),
         ):
-            if markers or self._canvas[layer].shows:
+            if markers or self._canvas[layer].markers:
                 self._canvas[layer].draw(markers)
 
     def _draw_laser(self) -> None:

@@ -1,7 +1,5 @@
 """Where the world gets the robots' commands from: in lockstep, or as they come."""
 
-from __future__ import annotations
-
 import logging
 import time
 from collections.abc import Callable, Sequence
@@ -56,15 +54,13 @@ class _Team:
                 self._commands.stop(robot_id)
         self._present = present
 
-    def _receive(self, sim_time_ns: int, timeout_s: float) -> bool:
-        """Take in what has come, and wait for the first of it [s, wall]; return whether anything has."""
-        messages = self._queue.take(timeout_s)
-        for index, stamp_ns, data in messages:
+    def _receive(self, sim_time_ns: int, timeout_s: float) -> None:
+        """Take in what has come, and wait for the first of it [s, wall]."""
+        for index, stamp_ns, data in self._queue.take(timeout_s):
             if index < len(self._driven):
                 self._take_command(self._driven[index], sim_time_ns, data)
             else:
                 self._take_answer(index - len(self._driven), stamp_ns)
-        return bool(messages)
 
     def _take_command(self, robot_id: int, sim_time_ns: int, data: bytes) -> None:
         try:

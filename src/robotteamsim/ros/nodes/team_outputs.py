@@ -1,7 +1,5 @@
 """What the world publishes of its robots in each step."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """The node `teleop`: drives one robot by the keyboard."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

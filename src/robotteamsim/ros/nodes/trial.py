@@ -1,7 +1,5 @@
 """One mission in ROS, from its first step to its end. Knows no ROS."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -76,16 +74,13 @@ class Trial:
             for recorder in self._recorders:
                 recorder.step(record)
             if record.mission.state == "ended":
-                self._end(self._tally.result())
+                self.result = self._tally.result()
+                while self._recorders:
+                    self._recorders[0].end(self.result)
+                    del self._recorders[0]
         return events
 
     def abandon(self) -> None:
         """End the recorders of a mission that broke off, unless it has ended."""
         while self._recorders:
             self._recorders.pop().abandon()
-
-    def _end(self, result: Result) -> None:
-        self.result = result
-        while self._recorders:
-            self._recorders[0].end(result)
-            del self._recorders[0]

@@ -1,7 +1,5 @@
 """Topics as the 3D scene reads them: kept as bytes, decoded only when they are drawn."""
 
-from __future__ import annotations
-
 import logging
 import re
 from collections.abc import Iterable, Sequence

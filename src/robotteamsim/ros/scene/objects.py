@@ -1,7 +1,5 @@
 """Boxes and barrels in the 3D scene."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 from collections.abc import Sequence
@@ -40,14 +38,8 @@ def object_markers(objects: Sequence[MovableObject], poses: Sequence[Pose], *, r
 
 
 def _marker(marker_id: int, obj: MovableObject, pose: Pose) -> Marker:
-    result = marker(
-        "objects",
-        marker_id,
-        Marker.TRIANGLE_LIST,
-        WHITE,
-        position=(pose.x_m, pose.y_m, 0.0),
-        yaw_rad=pose.yaw_rad,
-    )
+    at = (pose.x_m, pose.y_m, 0.0)
+    result = marker("objects", marker_id, Marker.TRIANGLE_LIST, WHITE, position=at, yaw_rad=pose.yaw_rad)
     drawn = _drawn(obj.size_m, obj.reach_m, obj.height_m)
     result.points, result.colors = drawn.points, drawn.colors
     return result

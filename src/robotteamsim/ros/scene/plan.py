@@ -1,7 +1,5 @@
 """The building in the 3D scene: floor, walls, pillars and doors."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Mapping

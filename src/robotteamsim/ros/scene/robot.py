@@ -1,11 +1,8 @@
 """What the node `scene` receives of one robot."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterable
 
-import numpy as np
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan, NavSatFix, Range
 
@@ -70,10 +67,6 @@ class RobotFeed:
         if contact is not None:
             self._contact_angles_rad = tuple(contact.angles_rad)
         return bool(truths) or status is not None
-
-    def begin_trail(self) -> None:
-        """Start a new trail: the robot has arrived (again)."""
-        self.trail = scene_team.Trail()
 
     def view(self) -> scene_team.RobotView | None:
         """Return what to draw of it; None before its first pose."""
@@ -140,16 +133,7 @@ class RobotFeed:
 
     def _scan_view(self, laser: Laser, scan: LaserScan) -> ScanView:
         base = self._recent.get(msg_conversion.stamp_ns(scan), self._newest_pose)
-        return ScanView(
-            robot_id=self._id,
-            laser=base @ _mount(laser),
-            height_m=laser.height_m,
-            angle_min_rad=scan.angle_min,
-            angle_step_rad=scan.angle_increment,
-            range_min_m=scan.range_min,
-            range_max_m=scan.range_max,
-            ranges_m=np.asarray(scan.ranges),
-        )
+        return ScanView(self._id, base @ _mount(laser), laser.height_m, scan)
 
 
 class _Wanted:

@@ -1,7 +1,5 @@
 """Sonars and satellite navigation in the 3D scene."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence
@@ -83,14 +81,8 @@ def _rim(view: SonarView) -> list[Position]:
     count = max(2, math.ceil(view.opening_rad / CONE_STEP_RAD))
     low_rad = view.sonar.yaw_rad - 0.5 * view.opening_rad
     angles_rad = [low_rad + view.opening_rad * i / count for i in range(count + 1)]
-    return [
-        (
-            view.sonar.x_m + view.range_m * math.cos(angle_rad),
-            view.sonar.y_m + view.range_m * math.sin(angle_rad),
-            view.height_m,
-        )
-        for angle_rad in angles_rad
-    ]
+    x_m, y_m, reach_m = view.sonar.x_m, view.sonar.y_m, view.range_m
+    return [(x_m + reach_m * math.cos(a), y_m + reach_m * math.sin(a), view.height_m) for a in angles_rad]
 
 
 def fix_markers(views: Mapping[int, Sequence[FixView]]) -> list[Marker]:

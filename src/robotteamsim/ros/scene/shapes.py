@@ -1,7 +1,5 @@
 """Building blocks of the 3D scene: colours, markers, triangle meshes, and what has to be deleted."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterable, Sequence

@@ -1,7 +1,5 @@
 """The team in the 3D scene: robots, their trails and the radio links between them."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import deque
@@ -86,14 +84,9 @@ class RobotView:
     """Its swarm, where there are several; None: there is but one."""
 
 
-def robot_colour(robot_id: int) -> Colour:
-    """Return the robot's colour; they repeat after the palette's length."""
-    return ROBOT_COLOURS[robot_id % len(ROBOT_COLOURS)]
-
-
-def swarm_colour(swarm: int) -> Colour:
-    """Return the colour of a swarm's rings; they repeat after the palette's length."""
-    return ROBOT_COLOURS[swarm % len(ROBOT_COLOURS)]
+def robot_colour(number: int) -> Colour:
+    """Return the colour of a robot, or of a swarm's rings, by its number; they repeat after the palette's length."""
+    return ROBOT_COLOURS[number % len(ROBOT_COLOURS)]
 
 
 def label_offset(position_m: tuple[float, float], others_m: Iterable[tuple[float, float]]) -> tuple[float, float]:
@@ -127,11 +120,10 @@ def robot_markers(
     """Return body, deck, heading wedge, lasers, number, and a ring with an arrow to find the robot from far away.
 
     An excluded robot has a grey ring, arrow and number, one of several swarms has them in the colour of the swarm; its
-    deck keeps its own. Where it touches something, its rim
-    is red, and a red arc lies before its ring.
+    deck keeps its own. Where it touches something, its rim is red, and a red arc lies before its ring.
     """
     tint = robot_colour(view.robot_id)
-    sign = EXCLUDED if view.excluded else tint if view.swarm is None else swarm_colour(view.swarm)
+    sign = EXCLUDED if view.excluded else tint if view.swarm is None else robot_colour(view.swarm)
     pose, radius_m, height_m = view.pose, view.radius_m, view.height_m
     x, y = pose.x_m, pose.y_m
     ring_m = radius_m + RING_MARGIN_M

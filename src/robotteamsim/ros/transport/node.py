@@ -1,7 +1,5 @@
 """How a node starts, logs, reads parameters and ends. A process is one node, and roscpp its only ROS client."""
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import signal
@@ -43,11 +41,11 @@ class _Shutdown:
                 self._to_close.popleft()()
 
     def wait(self, timeout_s: float) -> bool:
-        """Wait until it begins, but not longer than a time [s, wall]; return whether it has."""
+        """Wait until the node is asked to stop, but not longer than a time [s, wall]; return whether it was."""
         return self._begun.wait(timeout_s)
 
     def call(self, close: Callable[[], None]) -> None:
-        """Have something closed, now if it has begun."""
+        """Have something called when the node is asked to stop; it must not block, as a signal handler may call it."""
         self._to_close.append(close)
         if self._begun.is_set():
             self.begin()
@@ -88,14 +86,8 @@ def is_running() -> bool:
     return not _shutdown.wait(0.0)
 
 
-def on_shutdown(close: Callable[[], None]) -> None:
-    """Have something called when the node is asked to stop; it must not block, as a signal handler may call it."""
-    _shutdown.call(close)
-
-
-def wait_for_shutdown(timeout_s: float) -> bool:
-    """Wait until the node is asked to stop, but not longer than a time [s, wall]; return whether it was."""
-    return _shutdown.wait(timeout_s)
+on_shutdown = _shutdown.call
+wait_for_shutdown = _shutdown.wait
 
 
 def node_name() -> str:

@@ -1,7 +1,5 @@
 """Which robots are present, as the world reports it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robotteamsim.msg import Robots

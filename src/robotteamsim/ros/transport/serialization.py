@@ -1,7 +1,5 @@
 """Messages and services of genpy's classes as bytes."""
 
-from __future__ import annotations
-
 from io import BytesIO
 from typing import Any
 

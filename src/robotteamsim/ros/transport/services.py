@@ -1,12 +1,12 @@
 """The services that a node offers and calls."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 from robotteamsim import _ros_transport as roscpp
+from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.ros.transport.serialization import deserialized, serialized, service_type
 
 logger = logging.getLogger(__name__)
@@ -28,6 +28,26 @@ class Service:
         except Exception:  # The caller gets the message; the node goes on.
             logger.exception("%s failed", self._name)
             raise
+
+
+def command(
+    name: str, service_class: Any, do: Callable[[Any], str | None], lock: AbstractContextManager[Any] | None = None
+) -> Service:
+    """Offer a service whose response has `success` and `message`.
+
+    do: carries a request out and returns the message, None for none; ValueError and a user's mistake become a failure.
+    lock: held meanwhile.
+    """
+    response = service_class._response_class
+
+    def serve(request: Any) -> Any:
+        try:
+            with lock or nullcontext():
+                return response(success=True, message=do(request) or "")
+        except (ValueError, RobotTeamSimError) as error:
+            return response(success=False, message=str(error))
+
+    return Service(name, service_class, serve)
 
 
 def call_service(name: str, service_class: Any, request: Any, timeout_s: float) -> Any | None:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from pydantic import ValidationError
-
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.ros.transport.node import ParameterError, node_name, parameter, wait_for_shutdown
 from robotteamsim.scenario import Scenario, load
-from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.sections import Run, Team
 
 PARAMETERS = "/robotteamsim"
@@ -47,10 +45,7 @@ class Settings:
 
     def with_seed(self, seed: int | str) -> Settings:
         """Return the same settings with another seed. Raises: ParameterError."""
-        try:
-            run = Run.model_validate(self.scenario.run.model_dump() | {"seed": seed})
-        except ValidationError as error:
-            raise ParameterError(str(problems(error, Run)[0])) from None
+        run = checked(Run, self.scenario.run.model_dump() | {"seed": seed}, ParameterError)
         return replace(self, scenario=self.scenario.model_copy(update={"run": run}))
 
     def drives(self, robot_id: int) -> bool:
@@ -60,13 +55,12 @@ class Settings:
     @property
     def step_ns(self) -> int:
         """Length of a step [ns]."""
-        return round(self.scenario.run.step_s * 1e9)
+        return self.scenario.run.step_ns
 
     @property
     def num_robots(self) -> int:
         """Number of robots."""
-        robots = self.scenario.robots
-        return robots.count if isinstance(robots, Team) else len(robots)
+        return self.scenario.num_robots
 
 
 def read_settings() -> Settings:
@@ -101,10 +95,13 @@ def _read_settings() -> Settings:
     num_robots = parameter(f"{PARAMETERS}/robots", NOT_SET)
     if num_robots != NOT_SET and isinstance(scenario.robots, Team) and scenario.robots.count != num_robots:
         scenario = load(name, [*overrides, f"robots.count={num_robots}"])
+    hosted = parameter(f"{PARAMETERS}/controllers", "per_robot")
+    if hosted.lower() not in HOSTED:
+        raise ParameterError(f"{PARAMETERS}/controllers: {hosted}; expected {', '.join(HOSTED)}")
     settings = Settings(
         scenario,
         lockstep=parameter(f"{PARAMETERS}/lockstep", False),
-        controllers=_has_controllers(),
+        controllers=hosted.lower() != NO_CONTROLLERS,
         teleop=parameter(f"{PARAMETERS}/teleop", NOT_SET),
         silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
         mission=parameter(f"{PARAMETERS}/mission", True),
@@ -119,11 +116,3 @@ def _read_settings() -> Settings:
     if settings.teleop not in range(NOT_SET, settings.num_robots):
         raise ParameterError(f"{PARAMETERS}/teleop: {settings.teleop}; expected 0 to {settings.num_robots - 1}")
     return read_seed(settings)
-
-
-def _has_controllers() -> bool:
-    """Return whether there are controllers, in whichever processes. Raises: ParameterError."""
-    hosted = parameter(f"{PARAMETERS}/controllers", "per_robot")
-    if hosted.lower() not in HOSTED:
-        raise ParameterError(f"{PARAMETERS}/controllers: {hosted}; expected {', '.join(HOSTED)}")
-    return bool(hosted.lower() != NO_CONTROLLERS)

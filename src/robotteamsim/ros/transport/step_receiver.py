@@ -1,7 +1,5 @@
 """Waits for the messages of the next step. Knows no ROS."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
@@ -66,12 +64,8 @@ class StepReceiver:
             try:
                 message = decode(data)
             except ValueError as error:
-                self._warn_unreadable(name, error)
+                if name not in self._unreadable:
+                    self._unreadable.add(name)
+                    self._warn(f"{name}: ignoring messages that cannot be read: {error}")
             else:
                 self._synchronizer.add(name, stamp_ns, message)
-
-    def _warn_unreadable(self, name: str, error: ValueError) -> None:
-        """Warn once per channel."""
-        if name not in self._unreadable:
-            self._unreadable.add(name)
-            self._warn(f"{name}: ignoring messages that cannot be read: {error}")

@@ -1,7 +1,5 @@
 """Puts the stamped messages of several channels together to steps. Knows neither ROS nor threads."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -47,8 +45,8 @@ class Step:
     messages: Mapping[str, Sequence[Any]]
 
     def latest(self, channel: str) -> Any:
-        """Return the newest message of a channel, or None."""
-        messages = self.messages[channel]
+        """Return the newest message of a channel; None: nothing came, or the node has no such channel."""
+        messages = self.messages.get(channel)
         return messages[-1] if messages else None
 
 

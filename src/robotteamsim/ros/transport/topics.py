@@ -1,7 +1,5 @@
 """The topics that a node subscribes to and publishes."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
