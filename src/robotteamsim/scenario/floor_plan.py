@@ -17,10 +17,10 @@ MAX_COORDINATE_M = 999_000.0
 """The exact sums of propagation are valid up to 1000 km; walls and cells extend a little beyond the bounds."""
 
 MIN_AREA_M2 = 1e-6
-"""Of a block: a square millimetre."""
+"""Smallest area of a block: a square millimetre."""
 
 MIN_SWING_RAD = 0.1
-"""A leaf that swings by less than this closes nothing."""
+"""A leaf that swings by less than this would not open the gap."""
 
 
 class Bounds(Model):
@@ -50,7 +50,7 @@ class Bounds(Model):
 
 
 class Wall(Model):
-    """A straight wall of rectangular footprint around its centre line; its ends are cut square at `from` and `to`."""
+    """A straight wall with a rectangular footprint around its centre line from `from` to `to`."""
 
     name: str = Field(description="a name, unique among the plan's elements")
     start: Point = Field(
@@ -92,7 +92,7 @@ class Block(Model):
 
 
 class Door(Model):
-    """A door leaf: one segment across a gap between walls; loading checks that, see `door_places`."""
+    """A door leaf: one segment across a gap between walls; `door_places` checks the gap."""
 
     name: str = Field(description="a name, unique among the plan's elements")
     start: Point = Field(

@@ -40,7 +40,7 @@ class MovableObject(Model):
 
     @property
     def corners_m(self) -> Corners:
-        """The corners of a box around its middle, counter-clockwise [m]; empty for a barrel."""
+        """The corners of a box around its centre, counter-clockwise [m]; empty for a barrel."""
         if self.size_m is None:
             return ()
         x, y = 0.5 * self.size_m[0], 0.5 * self.size_m[1]
@@ -48,7 +48,7 @@ class MovableObject(Model):
 
     @property
     def reach_m(self) -> float:
-        """Radius of the smallest disc around its middle that contains it [m]."""
+        """Radius of the smallest disc around its centre that contains it [m]."""
         return self.radius_m or max(math.hypot(x, y) for x, y in self.corners_m)
 
     def body_at(self, pose: PlanarPose) -> Body:

@@ -20,7 +20,7 @@ Number = TypeVar("Number", int, float)
 
 
 class PatrolVertex(Model):
-    """A place to visit again and again."""
+    """A place that is visited repeatedly."""
 
     position: Point = Field(description="[x, y] in the map frame [m]")
     neighbours: Many[int] = Field(default=(), description="indices of the vertices that it has edges to")
@@ -57,7 +57,7 @@ class PatrolGraph(Model):
 
 
 class Patrol(Model):
-    """How a graph is patrolled by SEBS [portugal2013]."""
+    """Parameters of SEBS, which patrols a graph [portugal2013]."""
 
     graph: PatrolGraph | None = Field(
         default=None, description="a .graph file of patrolling_sim; without one, a lattice of places over the plan"
@@ -93,7 +93,7 @@ def read_patrol_graph(path: Path, place: str) -> dict[str, object]:
     The file has one number per line: the number of vertices, width and height of the map [px], its resolution [m] and
     offset [m, m]; for each vertex id, x, y [px, y up], degree, and for each edge neighbour, direction, cost [px].
 
-    Args: place: what messages call the file.
+    Args: place: the name of the file in messages.
     Raises: ScenarioError: one line with the line of the file, the value and what was expected.
     """
     try:

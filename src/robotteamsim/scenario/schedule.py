@@ -41,7 +41,7 @@ def in_order(schedule: Sequence[ScheduledEvent]) -> list[tuple[int, ScheduledEve
 
 
 def problem_of(schedule: Sequence[ScheduledEvent], present: Sequence[bool]) -> tuple[str, str] | None:
-    """Return the key and what is wrong with it if the schedule contradicts itself; `present`: at the start."""
+    """Return a key and its mistake if the schedule contradicts itself. Args: present: at the start, per robot."""
     there = list(present)
     for index, event in in_order(schedule):
         robot_id, arrives = event.robot_id, event.spawn is not None

@@ -41,7 +41,7 @@ class Radio(Model):
 
 
 class Voice(Model):
-    """A victim's call for help [dissertation, eq. 7]: -l_c - 10*gamma*log10(d) - sum of walls."""
+    """A victim's voice [dissertation, eq. 7]: level = -l_c - 10*gamma*log10(d) - sum of walls."""
 
     noise_db: float = Field(default=10.0, ge=0.0, le=80.0, description="background noise; below it the level is 0 [dB]")
     constant_db: Interval = Field(default=(-78.0, -72.0), description="l_c is drawn from this range per victim [dB]")
@@ -72,7 +72,7 @@ class Voice(Model):
 
 
 class Odometry(Model):
-    """Drift of the odometry relative to the true motion; zero alphas make it exact."""
+    """Drift of the odometry relative to the true motion; with zero alphas it is exact."""
 
     alpha1: float = Field(default=0.01, ge=0.0, le=10.0, description="turn noise per turn [rad^2/rad^2]")
     alpha2: float = Field(default=0.001, ge=0.0, le=10.0, description="turn noise per distance [rad^2/m^2]")
@@ -81,7 +81,7 @@ class Odometry(Model):
 
 
 class Robot(Model):
-    """What every robot has."""
+    """The body, drive and sensors of a robot."""
 
     radius_m: float = Field(default=0.2, gt=0.02, le=5.0, description="of a round body; unused with footprint_m [m]")
     footprint_m: Many[Point] = Field(
@@ -104,7 +104,7 @@ class Robot(Model):
 
     @property
     def mounts(self) -> tuple[Mount, ...]:
-        """The additional sensors, which have their own frames."""
+        """The additional sensors, which have frames of their own."""
         return (*self.lasers, *self.sonars)
 
     @model_validator(mode="after")
@@ -252,40 +252,40 @@ class Control(Model):
     c4: float = Field(default=0.4, ge=0.0, le=2.0, description="communication weight; acts where a link is endangered")
     kept_link: Literal["nearest", "tree"] = Field(
         default="nearest",
-        description="what the communication term keeps: the link to the nearest teammate, or the weakest of the "
-        "robot's own in the strongest tree over the team",
+        description="link that the communication term keeps: that to the nearest teammate, or the weakest of the "
+        "robot's own links in the strongest spanning tree of the team",
     )
     max_step_speed_mps: float = Field(default=0.58, gt=0.0, le=10.0, description="limit of the swarm velocity [m/s]")
     speed_factor: float = Field(
         default=1.25,
         ge=1.0,
         le=10.0,
-        description="robots drive this much faster than the swarm velocity, to be there when the next iteration begins",
+        description="robots drive faster than the swarm velocity by this factor, to arrive before the next iteration",
     )
     update_timeout_share: float = Field(
         default=0.5,
         ge=0.0,
         le=1.0,
-        description="part of an iteration that a robot waits for the updates of those that it heard in the last one",
+        description="fraction of an iteration for which a robot waits for updates of robots heard in the last one",
     )
     member_timeout_s: float = Field(
         default=30.0,
         gt=0.0,
         le=1e6,
-        description="a member unheard for longer no longer attracts others to its place [s]",
+        description="a member that was not heard for longer no longer attracts others [s]",
     )
     longest_detour_m: float = Field(
         default=60.0,
         gt=0.0,
         le=10_000.0,
-        description="best places farther away along the path attract in a straight line [m]",
+        description="bests with a longer path attract in a straight line [m]",
     )
     sensing_radius_m: float = Field(default=1.0, gt=0.0, le=50.0, description="r_s of the obstacle term [m]")
     navigation: Literal["path", "straight"] = Field(
-        default="path", description="distances and waypoints along free paths of the known map, or in a straight line"
+        default="path", description="distances and directions along free paths of the known map, or in a straight line"
     )
     localisation: Literal["ground_truth", "odometry"] = Field(
-        default="ground_truth", description="what the robot uses as its pose"
+        default="ground_truth", description="source of the robot's pose"
     )
     exclusion: SocialExclusion = SocialExclusion()
     swarms: Swarms = Swarms()

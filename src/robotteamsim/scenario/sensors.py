@@ -52,7 +52,7 @@ class Mount(Protocol):
 
 
 def check_names(sensors: Mapping[str, Sequence[Mount]]) -> None:
-    """Raise an error when two sensors of a robot have the same name; sensors are given by key."""
+    """Raise an error if two sensors of a robot have the same name. Args: sensors: by key."""
     seen: set[str] = set()
     for key, items in sensors.items():
         for index, item in enumerate(items):
@@ -118,7 +118,7 @@ class Sonar(Model):
 
 
 class Gps(Model):
-    """A satellite navigation receiver; the x axis of `map` points east, y north, and its origin is at the datum."""
+    """A GPS receiver; the x axis of `map` points east, y north, and its origin is at the datum."""
 
     datum_lat_deg: float = Field(ge=-89.9, le=89.9, description="latitude of the origin of `map` on WGS84 [deg]")
     datum_lon_deg: float = Field(ge=-180.0, le=180.0, description="longitude of the origin of `map` on WGS84 [deg]")
