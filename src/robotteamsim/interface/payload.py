@@ -1,4 +1,4 @@
-"""Payloads of messages: typed JSON, written and read by msgspec. Floats keep every bit."""
+"""Payloads of messages: typed JSON, written and read by msgspec. Floats are exact."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Index = Annotated[int, msgspec.Meta(ge=0, le=2**31 - 1)]
 """An id, a count or a number of iterations."""
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
-"""A coordinate in `map` [m]; no plan reaches farther than 1000 km."""
+"""A coordinate in `map` [m]; plans reach at most 1000 km."""
 
 Point = tuple[Coordinate, Coordinate]
 """x and y in `map` [m]."""
@@ -26,8 +26,8 @@ def to_payload(content: Any) -> str:
 
 
 def read_payload(decoder: msgspec.json.Decoder[Content], payload: str) -> Content | None:
-    """Return what a payload says; None where it is no JSON or says something else. Its numbers are finite."""
+    """Return the record in a payload; None if the payload is not JSON of this type. All numbers are finite."""
     try:
         return decoder.decode(payload)
-    except (ValueError, RecursionError):  # nested too deep
+    except (ValueError, RecursionError):  # nested too deeply
         return None

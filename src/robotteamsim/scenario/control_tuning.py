@@ -116,7 +116,7 @@ class CoverTuning(Model):
         default=6.0,
         ge=0.0,
         le=1000.0,
-        description="a robot avoids places within this distance of a nearer teammate's goal [m]",
+        description="a robot avoids places within this distance of a teammate's goal [m]",
     )
     connected_s: float = Field(
         default=3.5, gt=0.0, le=600.0, description="a teammate counts as connected for this time after an update [s]"

@@ -269,7 +269,7 @@ def test_scenario_check_takes_overrides(capsys):
 @pytest.mark.parametrize(
     ("algorithm", "message"),
     [
-        ("nope", "control.algorithm: 'nope' is not known; wanted one of: rdpso, "),
+        ("nope", "control.algorithm: 'nope' is not known; expected one of: rdpso, "),
         ("fractions:Fraction", "control.algorithm: fractions:Fraction: TypeError: both arguments should be "),
     ],
 )

@@ -1,4 +1,4 @@
-"""What robots that cover a floor send each other, once per iteration."""
+"""The message of robots that cover a floor, sent once per iteration."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from robotteamsim.interface.payload import Index, Point, read_payload, to_payloa
 
 
 class CoverUpdate(msgspec.Struct, frozen=True, gc=False, tag="cover"):
-    """Where a robot is and goes, in `map` [m], what it knows to be covered, and all victims that it knows of.
+    """Position and goal of a robot, in `map` [m], the cells that it knows to be covered, and its known victims.
 
     discoveries: of victims, without names; `time_s` is simulated time. The mission reads them, too.
     """
@@ -23,7 +23,7 @@ class CoverUpdate(msgspec.Struct, frozen=True, gc=False, tag="cover"):
     discoveries: tuple[Discovery, ...]
 
     def to_json(self) -> str:
-        """Return the update as one line of JSON; numbers keep every bit."""
+        """Return the update as one line of JSON; numbers are exact."""
         return to_payload(self)
 
 
@@ -33,5 +33,5 @@ _decoder = msgspec.json.Decoder(CoverUpdate)
 # The robots of one process receive the same payloads.
 @functools.lru_cache(maxsize=1024)
 def parse_cover_update(payload: str) -> CoverUpdate | None:
-    """Return the update that a message carries; None where it carries something else."""
+    """Return the update in a message; None if it is another message."""
     return read_payload(_decoder, payload)

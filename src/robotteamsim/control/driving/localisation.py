@@ -1,4 +1,4 @@
-"""Where a robot believes itself to be."""
+"""The pose that a robot uses as its own."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Localiser:
 
 
 def body_of(robot_id: int, scenario: Scenario) -> Robot:
-    """Return what one robot is. Raises: ScenarioError: the scenario has no such robot."""
+    """Return one robot of the scenario. Raises: ScenarioError: no such robot."""
     count = scenario.robots.count if isinstance(scenario.robots, Team) else len(scenario.robots)
     if not 0 <= robot_id < count:
         raise ScenarioError(f"{scenario.name}: there is no robot {robot_id}, only 0 to {count - 1}")
