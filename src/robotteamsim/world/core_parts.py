@@ -24,7 +24,7 @@ def still_solids(plan: FloorPlan) -> tuple[tuple[Solid, ...], shapely.STRtree]:
 
 @functools.lru_cache(maxsize=16)
 def core_solids(plan: FloorPlan) -> tuple[list[_core.world.Solid], list[_core.world.Door]]:
-    """Return the solids and the doors of a plan; worlds of the same plan share the lists, so they must not change."""
+    """Return the solids and the doors of a plan; worlds of the same plan share the lists, so do not change them."""
     still, _ = still_solids(plan)
     pieces = [_core.world.Solid(solid.corners, convex_pieces(solid.corners)) for solid in still]
     return pieces, [core_door(door) for door in plan.doors]

@@ -1,4 +1,4 @@
-"""Convex pieces of polygons: Box2D takes no others."""
+"""Convex pieces of polygons, as Box2D requires."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import shapely
 from robotteamsim.scenario.plan import Corners
 
 MAX_CORNERS = 8
-"""Of a polygon in Box2D."""
+"""Box2D's limit for polygons."""
 
 _MIN_AREA_M2 = 1e-9
 """Smaller triangles are rounding errors between collinear corners."""
 
 
 def convex_pieces(corners: Corners) -> tuple[Corners, ...]:
-    """Return convex polygons of at most eight corners that together are the inside of a simple polygon.
+    """Return convex polygons of at most eight corners whose union is a simple polygon.
 
     A convex polygon with few corners is returned as it is; any other is cut into the triangles of its constrained
     Delaunay triangulation. All corners are counter-clockwise [m].
