@@ -18,7 +18,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
 
 _FIRST_STEPS = 20
-"""After this many steps, robots have chosen their first goals."""
+"""After this number of steps, robots have chosen their first goals."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,14 +62,14 @@ class Outcome:
 
 
 def get_ready(scenario: Scenario) -> None:
-    """Import what trials of a scenario need, and compute what they share: formation, faces, distance maps."""
-    with contextlib.suppress(Exception):  # The first trial reports it.
+    """Import modules and compute shared data for trials of a scenario: formation, faces, distance maps."""
+    with contextlib.suppress(Exception):  # The first trial reports the error.
         simulation = Simulation(scenario)
         simulation.mission.start()
         for _ in range(_FIRST_STEPS):
             simulation.step()
     gc.collect()
-    gc.freeze()  # These objects live until the end: later collections need not examine them.
+    gc.freeze()  # These objects live until the end, so later garbage collections need not examine them.
 
 
 def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:

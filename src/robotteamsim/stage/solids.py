@@ -22,13 +22,13 @@ from robotteamsim.stage.values import Notes, Pose2, Values, compose, tidy
 from robotteamsim.stage.world_file import Entity
 
 DEFAULT_SIZE_M = (0.4, 0.4, 1.0)
-"""Of a model without `size` (Stage 4)."""
+"""Default of `size` (Stage 4)."""
 
 BOUNDARY_M = 0.01
 """Thickness of the walls of `boundary 1`."""
 
 MIN_PIXEL_M, MAX_PIXEL_M = 0.001, 10.0
-"""Of a bitmap."""
+"""Sizes of a bitmap's pixels."""
 
 _FREE_ABOVE = 127
 """A lighter pixel of a bitmap is free."""
@@ -97,7 +97,7 @@ class SolidReader:
         """Add the body of a model and of its children.
 
         Args:   parent: the frame that the model's pose is given in, and its z.
-                tallest_m: of the robots; bodies above it are left out.
+                tallest_m: of the robots; bodies above it are omitted.
         Raises: ScenarioError: one line with file, line and key.
         """
         values = self._values
@@ -125,7 +125,7 @@ class SolidReader:
             raise entity.place_of("obstacle_return" if seen else key).error(
                 f"{'obstacle_return' if seen else key}: '{entity.called}' would be "
                 f"{'seen by lasers but no obstacle' if seen else 'an obstacle that lasers do not see'}; "
-                "here what blocks is seen, and the other way round"
+                "expected both or neither"
             )
         return obstacle
 
@@ -172,7 +172,7 @@ class SolidReader:
     def _add_body(self, entity: Entity, pose: Pose2, z_m: float, tallest_m: float, name: str) -> None:
         body = body_of(entity, self._values)
         if body.outlines and z_m + body.bottom_m >= tallest_m:
-            text = f"'{name}' left out: it is at {z_m + body.bottom_m:g} m, above all robots"
+            text = f"'{name}' omitted: it is at {z_m + body.bottom_m:g} m, above all robots"
             self._notes.say(entity.place_of("pose"), text)
             return
         height = _height(body.top_m - body.bottom_m)
