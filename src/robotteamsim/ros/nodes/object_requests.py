@@ -1,4 +1,4 @@
-"""Objects that are put down by service."""
+"""Requests to add or move objects."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from robotteamsim.world import World
 
 
 def set_object(world: World, request: SetObjectRequest) -> None:
-    """Add an object to a world, or put one elsewhere.
+    """Add an object to a world, or move one.
 
-    Raises: PlacementError: it cannot stand there. ValueError: no such object, its name is taken, or it cannot be.
+    Raises: PlacementError: there is no room. ValueError: no such object, its name is taken, or values are invalid.
     """
     pose = Pose(request.pose.x, request.pose.y, request.pose.theta)
     if request.kind:

@@ -1,4 +1,4 @@
-"""Where boxes and barrels are, for subscribers of now and later."""
+"""The poses of boxes and barrels, for current and later subscribers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from robotteamsim.world import World
 
 
 class ObjectsOutput:
-    """The topic `/world/objects`; latched, so what stands still is published once."""
+    """The topic `/world/objects`; it is latched, so objects at rest are published once."""
 
     def __init__(self) -> None:
         self._output = Output("/world/objects", MarkerArray, latched=True)
@@ -22,7 +22,7 @@ class ObjectsOutput:
         self._poses: Sequence[Pose] = ()
 
     def show(self, world: World) -> None:
-        """Publish all objects, unless nothing has changed. Nobody may change the world meanwhile."""
+        """Publish all objects, unless nothing has changed. The world must not be changed meanwhile."""
         objects, poses = world.object_models(), tuple(world.objects().values())
         if (objects, poses) == (self._objects, self._poses):
             return

@@ -1,4 +1,4 @@
-"""From ROS messages to our values. Our values become messages in `recording.ros_messages`, for bags as well."""
+"""Converts ROS messages to our values. `recording.ros_messages` does the reverse, also for bags."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class RosTypes:
 
 
 def _plain(values: np.ndarray) -> Any:
-    """uint8[] is bytes in genpy; other arrays are written fastest from lists."""
+    """Return an array for genpy: uint8[] is bytes there, and other arrays are serialized fastest from lists."""
     return values.tobytes() if values.dtype == np.uint8 else values.tolist()
 
 
@@ -64,7 +64,7 @@ def stamp_ns(message: Any) -> int:
 
 
 def pose_reading(message: geometry_msgs.msg.Pose) -> PoseReading:
-    """Return a pose in the plane; height, roll and pitch are dropped."""
+    """Return a pose in the plane; height, roll and pitch are ignored."""
     return PoseReading(message.position.x, message.position.y, message.orientation.z, message.orientation.w)
 
 
@@ -105,17 +105,17 @@ def read_twist_stamped(data: bytes) -> Twist:
 
 
 def sonar_m(message: sensor_msgs.msg.Range) -> float:
-    """Return the range that a sonar measured, a float32 [m]."""
+    """Return the range of a sonar, a float32 [m]."""
     return float(message.range)
 
 
 def fix(message: sensor_msgs.msg.NavSatFix) -> Fix:
-    """Return what a GPS receiver measured."""
+    """Return a GPS fix."""
     return Fix(message.latitude, message.longitude, message.altitude, message.position_covariance[0])
 
 
 def voice_reading(message: robotteamsim.msg.Voice) -> VoiceReading:
-    """Return what a robot hears."""
+    """Return a voice reading."""
     return VoiceReading(message.level_db, message.heard, _point(message.local_best), message.local_best_level_db)
 
 
@@ -153,7 +153,7 @@ def network_state(message: robotteamsim.msg.NetworkState) -> NetworkState:
 
 
 def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
-    """Return what is published of a decision; its twist and outbox travel on topics of their own."""
+    """Return the published part of a decision; twist and outbox have topics of their own."""
     return Decision(
         excluded=message.excluded,
         swarm=message.swarm,
@@ -165,7 +165,7 @@ def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
 
 
 def mission_status(message: robotteamsim.msg.MissionStatus) -> MissionStatus:
-    """Return the mission and the task it sets."""
+    """Return the status of the mission and the task."""
     return MissionStatus(
         state=cast("MissionState", message.state),
         end=cast("MissionEnd", message.end),
@@ -180,7 +180,7 @@ def mission_status(message: robotteamsim.msg.MissionStatus) -> MissionStatus:
 
 
 def task(message: robotteamsim.msg.MissionStatus) -> Task:
-    """Return what the mission asks of the team."""
+    """Return the task of the team."""
     return Task(
         running=message.running,
         epoch=message.epoch,
@@ -194,7 +194,7 @@ def task(message: robotteamsim.msg.MissionStatus) -> Task:
 
 
 def delivered(message: robotteamsim.msg.MissionStatus) -> DeliveredDiscoveries | None:
-    """Return what the base has received; None: there is no base."""
+    """Return the totals of deliveries to the base; None if there is no base."""
     if not message.has_base:
         return None
     return DeliveredDiscoveries(
@@ -207,7 +207,7 @@ def _point(message: geometry_msgs.msg.Point) -> tuple[float, float]:
 
 
 def door_states(message: robotteamsim.msg.Doors) -> DoorStates:
-    """Return the state of all doors of the world; the version is the message's stamp, so it grows with each change."""
+    """Return the states of the world's doors; the version is the message's stamp, so it increases with each change."""
     states = {door.name: DoorState(bool(door.closed), door.opening, door.motion) for door in message.doors}
     # 0 is the version at the start, before any message.
     return DoorStates(states, version=stamp_ns(message) + 1)
