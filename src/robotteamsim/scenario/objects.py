@@ -22,7 +22,7 @@ class MovableObject(Model):
     size_m: Point | None = Field(default=None, description="length and width of a box [m]")
     radius_m: SizeM | None = Field(default=None, description="of a barrel [m]")
     height_m: float = Field(default=0.5, gt=0.0, le=5.0, description="for 3D views [m]")
-    pose: PlanarPose = Field(description="[x, y, yaw] of its middle in the map frame [m, m, rad]")
+    pose: PlanarPose = Field(description="[x, y, yaw] of its centre in the map frame [m, m, rad]")
     mass_kg: float = Field(default=2.0, gt=0.0, le=10_000.0, description="mass [kg]")
     friction: float = Field(default=0.5, gt=0.0, le=10.0, description="of the ground, as a share of the weight")
 

@@ -164,7 +164,7 @@ def _evaluate(population: Population, objective: Objective) -> set[int]:
 def _is_stopped_by(callback: Callback, record: _Record, objective: Objective, population: Population) -> bool:
     places = {"positions": population.positions.copy(), "swarm_ids": population.swarm_ids.copy()}
     try:
-        return bool(callback(record.result(objective, True, "under way", **places)))
+        return bool(callback(record.result(objective, True, "running", **places)))
     except StopIteration:
         return True
 
