@@ -26,7 +26,7 @@ class Outcome:
     """The stored results of a trial. A failed one has an error, its traceback, and None for all values.
 
     discoveries_delivered, mean_delivery_delay_s, max_delivery_delay_s: as in `Result`; None without a base.
-    details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null where that
+    details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null if that
              never happened) and `robots` (distance_m, contact_s, excluded_s, longest_stay_s of each).
     paths:   of the robots, for `decode_paths`.
     wall_s:  computing time, the only value that differs between equal trials.

@@ -57,9 +57,9 @@ class Wall(Model):
         validation_alias="from", serialization_alias="from", description="one end of the centre line [m]"
     )
     end: Point = Field(validation_alias="to", serialization_alias="to", description="other end of the centre line [m]")
-    thickness_m: float = Field(default=0.2, gt=0.0, le=0.8, description="decides the loss class (Table 3) [m]")
+    thickness_m: float = Field(default=0.2, gt=0.0, le=0.8, description="determines the loss class (Table 3) [m]")
     height_m: float = Field(default=2.6, gt=0.0, le=20.0, description="for 3D views [m]")
-    material: str | None = Field(default=None, description="key into radio.materials; none: by thickness")
+    material: str | None = Field(default=None, description="key in radio.materials; default: loss by thickness")
 
     @model_validator(mode="after")
     def _check(self) -> Wall:
@@ -71,13 +71,18 @@ class Block(Model):
     """A solid polygon: a stair core, a pillar."""
 
     name: str = Field(description="a name, unique among the plan's elements")
-    kind: Literal["block", "pillar"] = Field(default="block", description="a plan may switch pillars off for radio")
+    kind: Literal["block", "pillar"] = Field(
+        default="block", description="radio.pillars may exclude pillars from the radio model"
+    )
     polygon: Many[Point] = Field(min_length=3, description="corners in order, not self-crossing [m]")
     thickness_m: float | None = Field(
-        default=None, gt=0.0, le=MAX_SIDE_M, description="decides the loss class (Table 3); none: the smaller width [m]"
+        default=None,
+        gt=0.0,
+        le=MAX_SIDE_M,
+        description="determines the loss class (Table 3); default: the smaller width [m]",
     )
     height_m: float = Field(default=2.6, gt=0.0, le=20.0, description="for 3D views [m]")
-    material: str | None = Field(default=None, description="key into radio.materials; none: by the smaller width")
+    material: str | None = Field(default=None, description="key in radio.materials; default: loss by the smaller width")
 
     @model_validator(mode="after")
     def _check(self) -> Block:
@@ -110,13 +115,13 @@ class Door(Model):
         description="instant: opens or closes instantly, an open leaf does not exist; swing or slide: the leaf moves",
     )
     time_s: float | None = Field(
-        default=None, ge=0.1, le=600.0, description="of a swing or slide, from closed to open; none: 2 s [s]"
+        default=None, ge=0.1, le=600.0, description="duration of a swing or slide from closed to open; default 2 s [s]"
     )
     angle_rad: float | None = Field(
         default=None,
         ge=-math.pi,
         le=math.pi,
-        description="of a swing: turn of the open leaf about `from`, counter-clockwise; none: pi / 2 [rad]",
+        description="of a swing: angle of the open leaf about `from`, counter-clockwise; default pi / 2 [rad]",
     )
 
     @model_validator(mode="after")

@@ -65,7 +65,9 @@ class Patrol(Model):
     spacing_m: float = Field(default=6.0, ge=1.0, le=100.0, description="of the lattice [m]")
     g1: float = Field(default=0.1, gt=0.0, lt=1.0, description="G1: probability of a vertex without gain")
     g2: float = Field(default=100.0, gt=0.0, le=1e6, description="G2: gain at which the probability reaches 1 [s/m]")
-    edge_min_m: float = Field(default=1.0, gt=0.0, le=100.0, description="shorter edges count as this [m]")
+    edge_min_m: float = Field(
+        default=1.0, gt=0.0, le=100.0, description="lower limit of the lengths of edges in the gain [m]"
+    )
     longest_edge: float = Field(
         default=1.5,
         ge=1.0,
@@ -82,9 +84,9 @@ class Patrol(Model):
         default=4.0,
         ge=1.0,
         le=100.0,
-        description="a robot chooses again after so many times its travel time",
+        description="a robot chooses again after this multiple of its travel time",
     )
-    timeout_s: float = Field(default=10.0, ge=0.0, le=1e6, description="on top of timeout_factor [s]")
+    timeout_s: float = Field(default=10.0, ge=0.0, le=1e6, description="added to that time [s]")
 
 
 def read_patrol_graph(path: Path, place: str) -> dict[str, object]:

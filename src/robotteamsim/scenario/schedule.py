@@ -18,7 +18,7 @@ class ScheduledEvent(Model):
         default=None, ge=0, le=2999, description="id of the robot to spawn, as soon as its place is free"
     )
     pose: PlanarPose | None = Field(
-        default=None, description="[x, y, yaw] of the spawned robot; none: its start pose [m, m, rad, map]"
+        default=None, description="[x, y, yaw] of the spawned robot; default: its start pose [m, m, rad, map]"
     )
 
     @model_validator(mode="after")

@@ -58,7 +58,7 @@ class Voice(Model):
     min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="shorter distances count as this [m]")
     map_resolution_m: float = Field(default=0.25, ge=0.05, le=2.0, description="cell of the voice map [m]")
     local_best_radius_m: float = Field(
-        default=1.5, gt=0.0, le=20.0, description="how far around it a robot perceives the map [m]"
+        default=1.5, gt=0.0, le=20.0, description="radius within which a robot perceives the voice map [m]"
     )
 
     @model_validator(mode="after")
@@ -171,10 +171,15 @@ class Network(Model):
         default=-80.0, ge=-200.0, le=20.0, description="a weaker link is endangered [dBm]"
     )
     lost_below_dbm: float = Field(default=-94.0, ge=-200.0, le=20.0, description="a weaker link does not exist [dBm]")
-    link: Literal["signal", "distance"] = Field(default="signal", description="what makes a link (eq. 16)")
+    link: Literal["signal", "distance"] = Field(
+        default="signal", description="whether links depend on signal or distance (eq. 16)"
+    )
     max_distance_m: float = Field(default=25.0, gt=0.0, le=10_000.0, description="d_max, for links by distance [m]")
     hop_delay_s: float = Field(
-        default=0.0, ge=0.0, le=60.0, description="time per hop; at least a step passes in any case [s]"
+        default=0.0,
+        ge=0.0,
+        le=60.0,
+        description="time per hop; a message always arrives in a later step than the one it was sent in [s]",
     )
     loss: Literal["none", "signal"] = Field(
         default="none",
@@ -204,7 +209,10 @@ class SocialExclusion(Model):
     enabled: bool = Field(default=True, description="whether robots are excluded at all")
     search_counter_max: int = Field(default=15, ge=1, le=10_000, description="SC_max: iterations without improvement")
     min_robots: int = Field(
-        default=0, ge=0, le=3000, description="a punished swarm of this size or smaller is dissolved instead"
+        default=0,
+        ge=0,
+        le=3000,
+        description="a swarm of this size or smaller is dissolved at SC_max",
     )
     max_robots: int = Field(default=15, ge=1, le=3000, description="a swarm of this size includes no more robots")
 
@@ -249,7 +257,9 @@ class Control(Model):
     c1: float = Field(default=0.08, ge=0.0, le=2.0, description="cognitive weight")
     c2: float = Field(default=0.11, ge=0.0, le=2.0, description="social weight")
     c3: float = Field(default=0.29, ge=0.0, le=2.0, description="obstacle weight")
-    c4: float = Field(default=0.4, ge=0.0, le=2.0, description="communication weight; acts where a link is endangered")
+    c4: float = Field(
+        default=0.4, ge=0.0, le=2.0, description="communication weight; acts only if a link is endangered"
+    )
     kept_link: Literal["nearest", "tree"] = Field(
         default="nearest",
         description="link that the communication term keeps: that to the nearest teammate, or the weakest of the "

@@ -72,7 +72,7 @@ class Laser(Model):
     forward_m: float = Field(default=0.1, ge=-5.0, le=5.0, description="ahead of base_link [m]")
     height_m: float = Field(default=0.25, ge=0.0, le=2.0, description="above base_link, for tf [m]")
     no_return: Literal["range_max", "inf"] = Field(
-        default="range_max", description="range where nothing is hit: range_max as in Stage, or inf as in REP-117"
+        default="range_max", description="range without a return: range_max as in Stage, or inf as in REP-117"
     )
     noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
 
@@ -107,7 +107,7 @@ class Sonar(Model):
         default=15, ge=2, le=1000, description="number of rays, spread evenly over the cone, edges included"
     )
     range_min_m: float = Field(default=0.02, ge=0.0, le=10.0, description="reading for anything nearer [m]")
-    range_max_m: float = Field(default=3.0, gt=0.0, le=200.0, description="reading where nothing is hit [m]")
+    range_max_m: float = Field(default=3.0, gt=0.0, le=200.0, description="reading without a return [m]")
     noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
 
     @model_validator(mode="after")

@@ -110,7 +110,7 @@ def _read_settings() -> Settings:
         mission=parameter(f"{PARAMETERS}/mission", True),
     )
     if settings.lockstep and not settings.mission:
-        raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False where there is no mission")
+        raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False without a mission")
     if num_robots not in (NOT_SET, settings.num_robots):
         raise ParameterError(
             f"{PARAMETERS}/robots: {num_robots}; expected {settings.num_robots}, the length of the robots' list in"
