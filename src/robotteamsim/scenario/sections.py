@@ -91,11 +91,13 @@ class Robot(Model):
     mass_kg: float = Field(default=5.0, gt=0.0, le=10_000.0, description="for pushing [kg]")
     drive: AnyDrive = Field(default=Drive(), description="differential, omni or car")
     laser: Laser = Laser()
-    lasers: Many[MountedLaser] = Field(default=(), max_length=16, description="further lasers, each on its own topic")
+    lasers: Many[MountedLaser] = Field(
+        default=(), max_length=16, description="additional lasers, each on its own topic"
+    )
     sonars: Many[Sonar] = Field(default=(), max_length=64, description="a ring of sonars, each on its own topic")
-    gps: Gps | None = Field(default=None, description="satellite navigation, on the topic `fix`")
+    gps: Gps | None = Field(default=None, description="GPS, on the topic `fix`")
     odometry: Odometry = Odometry()
-    cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="how long the last command is kept [s]")
+    cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="time for which the last command holds [s]")
 
     @model_validator(mode="after")
     def _check_sensors(self) -> Robot:
