@@ -87,7 +87,7 @@ def make_design(
     """Return the design of all combinations of the factors' values, each with every group; all cells are checked.
 
     Args:   scenario_name: a file or a shipped name.
-            overrides: of one value each, for all cells; of equal keys the last one counts.
+            overrides: with one value each, for all cells; the last one of a key counts.
             groups: selected combinations, each of factors with one value.
     Raises: CampaignError, ScenarioError: one line with place, key and value.
     """
@@ -124,7 +124,7 @@ def make_design(
 def _checked_keys(
     overrides: Sequence[Factor], factors: Sequence[Factor], groups: Sequence[Sequence[Factor]]
 ) -> tuple[str, ...]:
-    """Return all keys that vary, in order. Raises: CampaignError: a key is given twice, or is the seed."""
+    """Return all varied keys, in order. Raises: CampaignError: a key is given twice, or is the seed."""
     varied: dict[str, str] = {}
     for group in groups:
         for factor in group:
@@ -161,7 +161,7 @@ def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
 
 
 def _check_algorithm(of: Scenario, settings: Sequence[Factor]) -> None:
-    """Raise CampaignError unless the controller exists: otherwise every trial would fail."""
+    """Raise CampaignError if the controller does not exist, because every trial would fail."""
     try:
         make_controller(0, of)
     except RobotTeamSimError as error:
@@ -173,7 +173,7 @@ def _check_algorithm(of: Scenario, settings: Sequence[Factor]) -> None:
 
 
 def _value_at(data: Any, key: str, default: Any) -> Any:
-    """Return the value at a dotted key; of `plan` the default, which is a name: shorter than the contents."""
+    """Return the value at a dotted key; for `plan` its name instead of its contents."""
     if key == "plan":
         return default
     for part in key.split("."):
@@ -191,7 +191,7 @@ def _without_seed(of: Scenario) -> dict[str, Any]:
 
 
 def settings_difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str | None:
-    """Return the first difference of two `Design.settings` as "key = old, not new"; None: they are equal."""
+    """Return the first difference of two `Design.settings` as "key = old, not new"; None if they are equal."""
     flat_old, flat_new = dict(_flat(old)), dict(_flat(new))
     keys = [key for key in (*flat_new, *flat_old) if flat_old.get(key) != flat_new.get(key)]
     if not keys:

@@ -46,7 +46,7 @@ def parse_sweep(text: str) -> Factor:
     key, equals, values = (part.strip() for part in text.partition("="))
     if not (key and equals and values):
         raise CampaignError(f"--sweep: '{text}' is not of the form KEY=A,B,C, such as control.alpha=0.3,0.5,0.7")
-    # Read as a list, so that commas within brackets and quotes do not separate values.
+    # Read as a YAML list, so that commas within brackets and quotes do not separate values.
     return Factor(key, tuple(parse(f"[{values}]", f"--sweep: {key}")), "--sweep")
 
 

@@ -11,7 +11,7 @@ from robotteamsim.simulation import Result, StepRecord
 from robotteamsim.world.placement import placed_robots
 
 PERIOD_S = 1.0
-"""Between two positions that are stored; rounded to a whole number of steps, at least one."""
+"""Time between two stored positions; rounded to a whole number of steps, at least one."""
 
 _UNIT_M = 0.01
 _HEADER = struct.Struct("<II")
@@ -53,7 +53,7 @@ class PathLog:
 
 
 def encode_paths(positions_m: np.ndarray) -> bytes:
-    """Return paths as bytes, equal for equal paths: about 2 per robot and second.
+    """Return paths as bytes, the same for equal paths; about 2 bytes per robot and second.
 
     Two little-endian uint32, samples and robots; then, deflated, the differences from sample to sample as little-endian
     int32 [cm], starting from (0, 0). Args: positions_m: shape (samples, robots, 2), in `map` [m].

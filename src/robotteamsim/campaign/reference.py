@@ -8,7 +8,7 @@ from importlib import resources
 
 @dataclass(frozen=True, slots=True)
 class MissionValues:
-    """The values of a mission in the dissertation. time_s: 600 where the time limit was reached."""
+    """The values of a mission in the dissertation. time_s: 600 if the time limit was reached."""
 
     victims_saved: int
     time_s: float

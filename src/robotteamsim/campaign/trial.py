@@ -17,7 +17,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
 
 _FIRST_STEPS = 20
-"""After this many steps, robots have chosen their first goals."""
+"""After this number of steps, robots have chosen their first goals."""
 
 _OF_RESULT = (
     *("end", "time_s", "areas_explored", "num_areas", "victims_saved", "num_victims", "endangered_links"),
@@ -31,7 +31,7 @@ class Outcome:
     """The stored results of a trial. A failed one has an error, its traceback, and None for all values.
 
     discoveries_delivered, mean_delivery_delay_s, max_delivery_delay_s: as in `Result`; None without a base.
-    details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null where that
+    details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null if that
              never happened) and `robots` (distance_m, contact_s, excluded_s, longest_stay_s of each).
     paths:   of the robots, for `decode_paths`.
     wall_s:  computing time, the only value that differs between equal trials.
@@ -67,14 +67,14 @@ class Outcome:
 
 
 def get_ready(scenario: Scenario) -> None:
-    """Import what trials of a scenario need, and compute what they share: formation, faces, distance maps."""
-    with contextlib.suppress(Exception):  # The first trial reports it.
+    """Import modules and compute shared data for trials of a scenario: formation, faces, distance maps."""
+    with contextlib.suppress(Exception):  # The first trial reports the error.
         simulation = Simulation(scenario)
         simulation.mission.start()
         for _ in range(_FIRST_STEPS):
             simulation.step()
     gc.collect()
-    gc.freeze()  # These objects live until the end: later collections need not examine them.
+    gc.freeze()  # These objects live until the end, so later garbage collections need not examine them.
 
 
 def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:

@@ -32,12 +32,12 @@ _MP4_WIDTH_PX, _MP4_FRAMES_PER_S = 1280, 25
 _DESCRIPTION = """\
 Summarise bags: the course of the mission, the distances driven, the state of the network. Bags may
 come from ROS runs, headless runs, real robots or another simulator with the same topics, compressed
-or not. Whatever cannot be computed from a bag is omitted, and listed with the missing topic."""
+or not. Values that cannot be computed from a bag are omitted, and listed with the missing topic."""
 
 _EPILOG = """\
-Topics: /mission/status, events, victims, areas; /network/state; of each robot odom or
+Topics: /mission/status, events, victims, areas; /network/state; for each robot odom or
 base_pose_ground_truth, contact, controller/status; /map, /tf. Paths are drawn from the true poses
-if the bag has them, else from odometry, transformed to map by /tf.
+if the bag has them, else from odometry, transformed to map with /tf.
 
 examples:
   robotteamsim analyse mission.bag
@@ -61,8 +61,8 @@ def add_to(commands: Any) -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write totals and events; - prints them instead")
     parser.add_argument("--csv", type=Path, metavar="DIR", help="write totals, events and time series as tables")
     parser.add_argument("--png", type=Path, metavar="FILE", help=f"draw paths and curves of up to {MAX_DRAWN} bags")
-    parser.add_argument("--gif", type=Path, metavar="FILE", help="make a small film, for web pages")
-    parser.add_argument("--mp4", type=Path, metavar="FILE", help="make a large film, for talks; needs ffmpeg")
+    parser.add_argument("--gif", type=Path, metavar="FILE", help="make a small film for web pages")
+    parser.add_argument("--mp4", type=Path, metavar="FILE", help="make a large film for talks; needs ffmpeg")
     parser.add_argument(
         "--seconds", type=positive_number, default=20.0, metavar="S", help="length of the film; default 20"
     )

@@ -18,8 +18,8 @@ from robotteamsim.recording.table import print_result
 from robotteamsim.simulation import Observer, Simulation
 
 _DESCRIPTION = """\
-Run one mission and print what happened. The same scenario and seed give the same
-trajectories to the bit, headless and in ROS with lockstep:=true."""
+Run one mission and print its events and totals. The same scenario and seed give
+bit-identical trajectories, headless and in ROS with lockstep:=true."""
 
 _EPILOG = """\
 --out writes mission.json (result, all events, all settings, versions) and

@@ -1,4 +1,4 @@
-"""Who hears whom: links, hops, connectivity, delivery of messages."""
+"""The radio network of a team: links, hops, connectivity, delivery of messages."""
 
 from robotteamsim.network.delivery import loss_probability
 from robotteamsim.network.graph import break_matrix, fiedler_value, hop_count, next_hop

@@ -24,17 +24,17 @@ class FieldMap(Grid):
         return bool(0 <= row < self.values.shape[0] and 0 <= column < self.values.shape[1])
 
     def value_at(self, x_m: float, y_m: float) -> float:
-        """Return the value of the cell that holds a point. Raises: ValueError: the point lies outside the map."""
+        """Return the value of the cell that contains a point. Raises: ValueError: the point is outside the map."""
         if not self.contains(x_m, y_m):
             raise ValueError(f"point ({x_m:g}, {y_m:g}) lies outside the map")
         return float(self.values[self.cell_at(x_m, y_m)])
 
 
 def map_array(shape: tuple[int, ...], out: np.ndarray | None, dtype: type = np.float32) -> np.ndarray:
-    """Return the array that a map is written into: `out`, or a new one.
+    """Return the array for a map: `out`, or a new one.
 
-    Args:   out: of that type and shape, C-contiguous, writeable; nothing is copied.
-    Raises: ValueError: it is not.
+    Args:   out: of that type and shape, C-contiguous, writeable; it is not copied.
+    Raises: ValueError: `out` does not have these properties.
     """
     if out is None:
         return np.empty(shape, dtype=dtype)

@@ -1,4 +1,4 @@
-"""Topics and messages of a robot's further sensors, for bags written without ROS and for the nodes."""
+"""Topics and messages of a robot's additional sensors, for bags written without ROS and for the nodes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class SensorTopic:
 
 
 def sensor_topics(robot: Robot) -> tuple[SensorTopic, ...]:
-    """Return the topics of a robot's further sensors."""
+    """Return the topics of a robot's additional sensors."""
     lasers = (
         SensorTopic(laser.name, "sensor_msgs/LaserScan", partial(_scan, index, laser))
         for index, laser in enumerate(robot.lasers)

@@ -23,8 +23,8 @@ class Drive(Model):
 class OmniDrive(Model):
     """An omnidirectional drive: it moves in any direction and turns at the same time.
 
-    Its limits apply to the length of the velocity in the plane and of its change, not to each axis: a command beyond
-    them keeps its direction.
+    Its limits apply to the lengths of the planar velocity and acceleration, not to each axis: a command beyond them
+    keeps its direction.
     """
 
     kind: Literal["omni"] = Field(description="omni")
@@ -37,8 +37,8 @@ class OmniDrive(Model):
 class CarDrive(Model):
     """A car-like drive, as a bicycle: base_link is the middle of the rear axle, the front wheel steers.
 
-    The turn of a command is the desired yaw rate: the car steers for it at its present speed, so it never turns on
-    the spot.
+    The turn of a command is the desired yaw rate: the car chooses the steering angle for its current speed, so it never
+    turns on the spot.
     """
 
     kind: Literal["car"] = Field(description="car")

@@ -64,7 +64,7 @@ def leaf_corners(door: Door, opening: float) -> Corners:
 def solids(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> tuple[Solid, ...]:
     """Return everything that a robot can hit: walls, blocks, pillars and leaves of doors, in the plan's order.
 
-    The leaf of a closed door covers its gap; that of an open one is where it swings or slides to, or does not exist.
+    The leaf of a closed door covers its gap; that of an open one is at its open position, or does not exist.
 
     Args:   closed: door states by name that replace the plan's own.
     Raises: ScenarioError: `closed` names a door that the plan does not have.
@@ -86,7 +86,7 @@ def _leaves(plan: FloorPlan, states: Mapping[str, bool]) -> Iterator[Solid]:
 
 
 def bay_lines(plan: FloorPlan) -> tuple[tuple[Point, Point], ...]:
-    """Return the painted lines between parking bays as segments [m]; the open and far sides of a row have no line."""
+    """Return the painted lines between parking bays as segments [m]; the front and back of a row have no line."""
     lines = []
     for row in plan.bays:
         start, end = np.array(row.start), np.array(row.end)
@@ -164,7 +164,7 @@ def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bo
     """Return the occupancy grid of a plan over its bounds.
 
     Conservative: a cell is occupied when a solid covers any part of its area; a shared border does not count, so
-    axis-aligned walls on cell borders are exact. The leaves of doors are solid, open ones where they stand.
+    axis-aligned walls on cell borders are exact. The leaves of doors are solid, also in their open position.
 
     Args:   resolution_m: edge of a cell; the last row and column may reach beyond the bounds.
             closed: door states by name that replace the plan's own.

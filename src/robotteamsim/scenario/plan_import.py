@@ -20,7 +20,7 @@ from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown
 
 
 class MapFile(Model):
-    """The yaml of a map_server image; keys that map_server does not know are ignored, as it ignores them."""
+    """The yaml of a map_server image; unknown keys are ignored, as by map_server."""
 
     model_config = ConfigDict(extra="ignore")
 
@@ -44,8 +44,8 @@ class MapFile(Model):
 def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     """Return the floor plan of a map_server image.
 
-    Which cells are solid is decided by `map_import.cells.solid_cells`, which walls and blocks they become by
-    `map_import.pieces.solid_pieces`.
+    `map_import.cells.solid_cells` decides which cells are solid, and `map_import.pieces.solid_pieces` converts them to
+    walls and blocks.
 
     Raises: ScenarioError: one line with file, key, value and what was expected.
     """

@@ -24,7 +24,7 @@ class RobotSensors:
     """
 
     def __init__(self, world: World, robots: Sequence[PlacedRobot], seed: int) -> None:
-        """Args: robots: those that the world was built with, in id order."""
+        """Args: robots: those of the world, in id order."""
         self._world = world
         self._robots = tuple(robots)
         self._seed = seed

@@ -1,4 +1,4 @@
-"""From a scenario to a Stage world file and its bitmap."""
+"""Exports a scenario as a Stage world file and its bitmap."""
 
 import math
 from collections.abc import Sequence
@@ -19,10 +19,10 @@ from robotteamsim.scenario.sensors import Laser
 from robotteamsim.world.placement import check_places, placed_robots
 
 MAX_PIXELS = 100_000_000
-"""Of a bitmap: Stage, which examines every pixel, loads this many in minutes."""
+"""Largest bitmap: Stage examines every pixel and needs minutes for this many."""
 
 _RAYTRACE_M = 0.02
-"""Cell size of Stage's ray tracing: its default."""
+"""Cell size of Stage's ray tracing, its default."""
 
 _DISC_CORNERS = 16
 _COLORS = ("red", "blue", "green", "orange", "purple", "cyan", "magenta", "gold")
@@ -40,9 +40,9 @@ class StageExport:
 def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTION_M) -> StageExport:
     """Return a scenario in the form that Stage 4 and stage_ros read.
 
-    Walls and closed doors become a bitmap, cropped to the solid cells as Stage itself crops it, so that every cell
-    keeps its place. Every robot becomes a position model, in id order: stage_ros calls them robot_0, ... Its rangers
-    are its laser, its additional lasers and its sonars. Objects become models that do not move.
+    Walls and closed doors become a bitmap, cropped to the solid cells as in Stage, so that no cell moves. Every robot
+    becomes a position model, in id order, so stage_ros calls them robot_0, ... Its rangers are its laser, additional
+    lasers and sonars. Objects become models that do not move.
 
     Args:   bitmap: the name of the PNG, relative to the world file. resolution_m: edge of a pixel.
     Raises: ScenarioError: the plan has no solid, or a robot is a car. PlacementError: a robot or object has no room.
@@ -122,7 +122,7 @@ def _notes(scenario: Scenario, robots: Sequence[PlacedRobot]) -> tuple[str, ...]
     if any(robot.mounts for robot in robots):
         notes.append("lasers, sonars: stage_ros numbers the scans of such a robot; the first laser's is base_scan_0")
     if any(robot.gps for robot in robots):
-        notes.append("gps: left out: Stage has no satellite navigation")
+        notes.append("gps: omitted: Stage has no satellite navigation")
     if len(robots) == 1:
         notes.append("robots: stage_ros omits robot_0/ in the names of topics if there is only one robot")
     return tuple(notes)
@@ -276,8 +276,8 @@ def _laser(laser: Laser, name: str, mount: tuple[float, float, float], interval_
 
 def _ranger(beams: _Beams, robot_m: float, lowest_m: float) -> list[str]:
     """Args: robot_m, lowest_m: heights of the robot and of the lowest robot."""
-    # stage_ros derives tf from the ranger's pose, while rays start at the sensor's: the first has the true height, the
-    # second is low enough to detect robots.
+    # stage_ros derives tf from the pose of the ranger, but rays start at that of its sensor: the ranger has the true
+    # height, and the sensor is low enough to detect robots.
     ray_m = beams.height_m if beams.height_m < 0.9 * lowest_m else 0.5 * lowest_m
     sensor = _item(
         "sensor",

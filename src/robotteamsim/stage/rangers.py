@@ -14,10 +14,10 @@ from robotteamsim.stage.world_file import Entity
 M = TypeVar("M", bound=Model)
 
 _DEFAULT_FOV_RAD = 0.1
-"""Of a sensor without `fov` (Stage 4)."""
+"""Default of `fov` (Stage 4)."""
 
 _LASER_DEFAULTS = (0.0, 8.0, math.pi, 180)
-"""range_min, range_max, fov and samples of the `laser` model (Stage 3)."""
+"""Defaults of range_min, range_max, fov and samples of the `laser` model (Stage 3)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +125,7 @@ class RangerReader:
             raise ranger.place.error(f"{ranger.called}: expected a sensor( ... ) in a ranger")
         for other in sensors[1:]:
             self._notes.say(
-                other.place, f"{other.called}: left out: stage_ros publishes only the first sensor of a ranger"
+                other.place, f"{other.called}: omitted: stage_ros publishes only the first sensor of a ranger"
             )
         values, sensor = self._values, sensors[0]
         low, high = values.numbers(sensor, "range", "ll", (0.0, 5.0))

@@ -51,11 +51,11 @@ class RobotReader:
         return checked(PlacedRobot, keys, {key: (entity, name) for key, name in sources.items()})
 
     def _check_parts(self, entity: Entity) -> None:
-        """Reject parts that would change how the robot moves, and note the devices that are left out."""
+        """Reject parts that would change how the robot moves, and note the devices that are omitted."""
         known = {"ranger", "laser", "block"}
         for child in entity.children:
             if child.kind in DEVICES:
-                self._notes.say(child.place, f"{child.called}: left out: robots have no {child.kind} here")
+                self._notes.say(child.place, f"{child.called}: omitted: robots have no {child.kind} here")
             elif child.kind not in known:
                 raise child.place.error(f"{child.called}: a robot with a '{child.kind}' on it is not simulated")
         values = self._values
@@ -114,7 +114,7 @@ class RobotReader:
         error = values.numbers(entity, "odom_error", "llla", (0.03, 0.03, 0.0, 0.05))
         if entity.get("localization_origin") is not None:
             values.numbers(entity, "localization_origin", "llla", ())
-            self._notes.of(entity, "localization_origin", "left out: odometry starts at 0 here")
+            self._notes.of(entity, "localization_origin", "omitted: odometry starts at 0 here")
         if values.choice(entity, "localization", ("gps", "odom"), "gps") == "gps":
             return Odometry(alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0)
         text = "a fixed share of every motion in Stage, noise of that magnitude here: alpha1 and alpha3"

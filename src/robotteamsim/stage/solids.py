@@ -20,13 +20,13 @@ from robotteamsim.stage.values import Notes, Pose2, Values, compose, tidy
 from robotteamsim.stage.world_file import Entity
 
 DEFAULT_SIZE_M = (0.4, 0.4, 1.0)
-"""Of a model without `size` (Stage 4)."""
+"""Default of `size` (Stage 4)."""
 
 BOUNDARY_M = 0.01
 """Thickness of the walls of `boundary 1`."""
 
 MIN_PIXEL_M, MAX_PIXEL_M = 0.001, 10.0
-"""Of a bitmap."""
+"""Sizes of a bitmap's pixels."""
 
 _FREE_ABOVE = 127
 """A lighter pixel of a bitmap is free."""
@@ -95,7 +95,7 @@ class SolidReader:
         """Add the body of a model and of its children.
 
         Args:   parent: the frame that the model's pose is given in, and its z.
-                tallest_m: of the robots; bodies above it are left out.
+                tallest_m: of the robots; bodies above it are omitted.
         Raises: ScenarioError: one line with file, line and key.
         """
         values = self._values
@@ -121,7 +121,7 @@ class SolidReader:
         if obstacle != seen:
             of_sensor = "ranger_return" if entity.get("ranger_return") else "laser_return"
             what = "seen by lasers but no obstacle" if seen else "an obstacle that lasers do not see"
-            text = f"'{entity.called}' would be {what}; here what blocks is seen, and the other way round"
+            text = f"'{entity.called}' would be {what}; expected both or neither"
             raise entity.error("obstacle_return" if seen else of_sensor, text)
         return obstacle
 
@@ -168,7 +168,7 @@ class SolidReader:
     def _add_body(self, entity: Entity, pose: Pose2, z_m: float, tallest_m: float, name: str) -> None:
         body = body_of(entity, self._values)
         if body.outlines and z_m + body.bottom_m >= tallest_m:
-            text = f"'{name}' left out: it is at {z_m + body.bottom_m:g} m, above all robots"
+            text = f"'{name}' omitted: it is at {z_m + body.bottom_m:g} m, above all robots"
             self._notes.say(entity.place_of("pose"), text)
             return
         height = _height(body.top_m - body.bottom_m)

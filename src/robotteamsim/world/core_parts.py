@@ -1,4 +1,4 @@
-"""Parts of the C++ world from models of the scenario, with polygons in convex pieces: Box2D takes no others."""
+"""Parts of the C++ world from models of the scenario, with polygons in convex pieces, as Box2D requires."""
 
 import functools
 
@@ -12,7 +12,7 @@ from robotteamsim.scenario.plan import Corners, Solid, door_corners, solids
 from robotteamsim.scenario.sections import PlacedRobot
 
 MAX_CORNERS = 8
-"""Of a polygon in Box2D."""
+"""Box2D's limit for polygons."""
 
 _MIN_AREA_M2 = 1e-9
 """Smaller triangles are rounding errors between collinear corners."""
@@ -27,7 +27,7 @@ def still_solids(plan: FloorPlan) -> tuple[tuple[Solid, ...], shapely.STRtree]:
 
 @functools.lru_cache(maxsize=16)
 def core_solids(plan: FloorPlan) -> tuple[list[_core.world.Solid], list[_core.world.Door]]:
-    """Return the solids and the doors of a plan; worlds of the same plan share the lists, so they must not change."""
+    """Return the solids and the doors of a plan; worlds of the same plan share the lists, so do not change them."""
     still, _ = still_solids(plan)
     pieces = [_core.world.Solid(solid.corners, convex_pieces(solid.corners)) for solid in still]
     return pieces, [core_door(door) for door in plan.doors]
@@ -70,7 +70,7 @@ def core_object(obj: MovableObject) -> _core.world.MovableObject:
 
 
 def convex_pieces(corners: Corners) -> tuple[Corners, ...]:
-    """Return convex polygons of at most eight corners that together are the inside of a simple polygon.
+    """Return convex polygons of at most eight corners whose union is a simple polygon.
 
     A convex polygon with few corners is returned as it is; any other is cut into the triangles of its constrained
     Delaunay triangulation. All corners are counter-clockwise [m].

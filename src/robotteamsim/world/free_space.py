@@ -1,4 +1,4 @@
-"""Checks whether a robot or an object has room at a pose in a world as it is now."""
+"""Checks whether a robot or an object has room at a pose in the current state of a world."""
 
 import math
 from collections.abc import Sequence
@@ -31,9 +31,9 @@ class Occupants(NamedTuple):
 
 
 class FreeSpace:
-    """The plan of a world and its team, for checks of poses against what is there now.
+    """The plan of a world and its team, for checks of poses against the current state.
 
-    All checks raise PlacementError, which names what is in the way, or ValueError: the pose is not finite.
+    All checks raise PlacementError, which names the obstacle, or ValueError if the pose is not finite.
     """
 
     def __init__(self, plan: FloorPlan, robots: Sequence[PlacedRobot]) -> None:
@@ -52,7 +52,7 @@ class FreeSpace:
                 placed[robot_id] = pose.x_m, pose.y_m, pose.yaw_rad
 
     def check_robot(self, robot_id: int, pose: Pose, others: Occupants, what: str = "pose") -> None:
-        """Check a pose for a robot, wherever it is now; `what` is what messages call the pose."""
+        """Check a pose for a robot, regardless of its current one; `what` is the name of the pose in messages."""
         robot, name = self._robots[robot_id], f"robot_{robot_id}: {what}"
         clearance = "" if robot.footprint_m else f"; expected {robot.radius_m:g} m of clearance"
         body = self._body_at(robot, name, pose, others.doors, clearance)
@@ -60,7 +60,7 @@ class FreeSpace:
         _check_objects(body, _place(name, pose), others.objects)
 
     def check_object(self, obj: MovableObject, pose: Pose, others: Occupants) -> None:
-        """Check a pose for an object, wherever it is now."""
+        """Check a pose for an object, regardless of its current one."""
         name = f"{obj.kind} '{obj.name}': pose"
         body = self._body_at(obj, name, pose, others.doors)
         _check_objects(body, _place(name, pose), [(o, at) for o, at in others.objects if o.name != obj.name])
@@ -100,7 +100,7 @@ class FreeSpace:
             raise PlacementError(f"{place} is inside robot_{other_id} at ({x_m:.2f}, {y_m:.2f}){distance}")
 
     def _solid_in(self, body: Body, doors: DoorStates) -> Solid | None:
-        """Return a solid that a body overlaps, or a leaf where it is now; None: there is none."""
+        """Return a solid, or a leaf at its current position, that a body overlaps; None if there is none."""
         near = self._shapes.query(body.core, predicate="dwithin", distance=body.margin_m - TOUCH_M)
         if len(near):
             return self._solids[int(min(near))]

@@ -33,7 +33,7 @@ def placed_robots(scenario: Scenario) -> tuple[PlacedRobot, ...]:
 def check_places(scenario: Scenario) -> None:
     """Check that all robots, objects, areas and victims of a scenario have room in its plan.
 
-    Raises: PlacementError: one line with file or --set, key, value and what is in the way.
+    Raises: PlacementError: one line with file or --set, key, value and the obstacle.
     """
     with _blamed(scenario):
         _check(scenario.plan, scenario.robots, scenario.mission, scenario.objects, scenario.schedule)
@@ -74,14 +74,14 @@ def check_objects(plan: FloorPlan, objects: Sequence[MovableObject], robots: Seq
 
 @contextmanager
 def _blamed(scenario: Scenario) -> Iterator[None]:
-    """Name the file or the --set in the errors of a key."""
+    """Add the file or the --set to errors about a key."""
     try:
         yield
     except PlacementError as error:
         raise PlacementError(scenario.origin.line(str(error), error.key), error.key) from None
 
 
-# Trials that differ in their seed alone, and the parts of each, ask for the same formation: it takes 40 ms in a garage.
+# Cached, because all trials of a cell need the same formation, which takes 40 ms in the garage.
 @functools.lru_cache(maxsize=16)
 def _placed(plan: FloorPlan, robots: Robots) -> tuple[PlacedRobot, ...]:
     if isinstance(robots, tuple):
@@ -97,7 +97,7 @@ def _placed(plan: FloorPlan, robots: Robots) -> tuple[PlacedRobot, ...]:
     return tuple(PlacedRobot(**shared, start_pose=pose, present=i < at_start) for i, pose in enumerate(poses))
 
 
-# Each trial of a campaign asks again.
+# Cached for the trials of a campaign.
 @functools.lru_cache(maxsize=16)
 def _check(
     plan: FloorPlan,
@@ -113,7 +113,7 @@ def _check(
 
 
 def _check_schedule(plan: FloorPlan, schedule: Sequence[ScheduledEvent], robots: Sequence[PlacedRobot]) -> None:
-    """Check that no robot would come in a wall or outside; doors, objects and robots come and go."""
+    """Check that no robot is spawned in a wall or outside; doors, objects and robots may move until then."""
     still = Solids(plan, doors=False)
     for index, event in enumerate(schedule):
         if event.pose is None:
@@ -144,7 +144,7 @@ def _check_poses(plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robo
 
 
 def _overlap(robot: Robot, pose: PlanarPose, other: Robot, other_pose: PlanarPose) -> bool:
-    """Whether two robots overlap whose discs do."""
+    """Whether two robots whose discs overlap do so themselves."""
     if not robot.footprint_m and not other.footprint_m:
         return True
     return robot.body_at(pose).overlaps(other.body_at(other_pose), 0.0)

@@ -4,7 +4,7 @@ import numpy as np
 
 
 def connectivity_matrix(adjacency: np.ndarray) -> np.ndarray:
-    """Return C of a graph, int32, shape (n, n); 0 on the diagonal and where no path exists."""
+    """Return C of a graph, int32, shape (n, n); 0 on the diagonal and if no path exists."""
     a = np.asarray(adjacency, dtype=np.int32)
     n = len(a)
     c = a.copy()

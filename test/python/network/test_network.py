@@ -153,10 +153,10 @@ def test_single_robot_is_a_network():
     ("positions_m", "outboxes", "message"),
     [
         (_IN_A_ROW[:2], _SILENT, r"^positions_m must have shape \(3, 2\), got \(2, 2\)$"),
-        (_IN_A_ROW, [(), ()], r"^outboxes must hold one sequence per robot: 3, got 2$"),
+        (_IN_A_ROW, [(), ()], r"^outboxes must have one sequence per robot: 3, got 2$"),
         (_IN_A_ROW * math.nan, _SILENT, r"^position of robot 0 must be finite"),
-        (_IN_A_ROW, [(Message(1, 2, ""),), (), ()], r"^outbox of robot 0 holds a message from sender 1$"),
-        (_IN_A_ROW, [(Message(0, 3, ""),), (), ()], r"^outbox of robot 0: receiver 3 does not exist; wanted 0..2"),
+        (_IN_A_ROW, [(Message(1, 2, ""),), (), ()], r"^outbox of robot 0 contains a message from sender 1$"),
+        (_IN_A_ROW, [(Message(0, 3, ""),), (), ()], r"^outbox of robot 0: receiver 3 does not exist; expected 0..2"),
     ],
 )
 def test_wrong_input_is_refused(positions_m, outboxes, message):

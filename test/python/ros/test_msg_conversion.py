@@ -122,14 +122,14 @@ def test_bytes_that_are_too_few_are_refused():
     for message, read in messages:
         data = serialized(message)
         for length in (0, 3, 10, 20, len(data) - 8):
-            with pytest.raises(ValueError, match="is cut short"):
+            with pytest.raises(ValueError, match="is truncated"):
                 read(data[:length])
 
 
 def test_scan_that_promises_more_ranges_than_it_has_is_refused_before_memory_is_taken():
     data = bytearray(serialized(LaserScan()))
     data[-8:-4] = b"\xff\xff\xff\xff"
-    with pytest.raises(ValueError, match="cut short"):
+    with pytest.raises(ValueError, match="is truncated"):
         conversion.read_ranges_m(bytes(data))
 
 

@@ -1,4 +1,4 @@
-"""The graph that a robot patrols: that of the scenario, or one made from the map that it carries."""
+"""The graph that a robot patrols: that of the scenario, or one made from its known map."""
 
 import functools
 import math
@@ -15,13 +15,13 @@ from robotteamsim.swarm import Vector
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """Places in `map` [m], and for each the others that it is linked to with the length of the way [m]."""
+    """Places in `map` [m], and for each its neighbours with the lengths of the paths to them [m]."""
 
     places: tuple[Vector, ...]
     edges: tuple[tuple[tuple[int, float], ...], ...]
 
     def nearest(self, position: Vector) -> int:
-        """Return the vertex nearest to a position as the crow flies, the first of equals."""
+        """Return the vertex with the smallest straight distance to a position; the first one of ties."""
         return min(range(len(self.places)), key=lambda vertex: math.dist(self.places[vertex], position))
 
 
@@ -44,7 +44,7 @@ def patrol_graph(scenario: Scenario, robot_radius_m: float) -> Graph:
 def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float, longest_edge: float) -> Graph:
     """Return the free places next to the points of a square lattice, linked to their four neighbours by free paths.
 
-    Only the largest part that hangs together is kept.
+    Only the largest connected part is kept.
     """
     known = known_map(plan, robot_radius_m)
     places = _places(plan, known, spacing_m)
@@ -55,7 +55,7 @@ def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float, longest_e
                 continue
             _, length_m = known.grid.first_stretch(places[column, row], places[other], longest_edge * spacing_m)
             free = known.grid.is_line_free(places[column, row], places[other])
-            # Without a path of that length the straight distance comes back, through the wall.
+            # Without a path of that length, `distance_m` would return a straight distance through the wall.
             if free or math.dist(places[column, row], places[other]) + 1e-6 < length_m <= longest_edge * spacing_m:
                 ways[column, row].append((other, length_m))
                 ways[other].append(((column, row), length_m))
@@ -77,7 +77,7 @@ def _places(plan: FloorPlan, known: KnownMap, spacing_m: float) -> dict[tuple[in
 
 
 def _largest_part(ways: dict[tuple[int, int], list[tuple[tuple[int, int], float]]]) -> list[tuple[int, int]]:
-    """Return the nodes of the largest connected part, sorted; none where no two nodes are linked."""
+    """Return the nodes of the largest connected part, sorted; empty if no two nodes are linked."""
     largest: set[tuple[int, int]] = set()
     seen: set[tuple[int, int]] = set()
     for first in ways:

@@ -5,8 +5,8 @@ from robotteamsim.interface import Decision
 
 
 class RandomWalkController(PathController):
-    """Random straight legs over the known map; it hears and says nothing."""
+    """Random straight legs over the known map, without any communication."""
 
     def decide(self) -> Decision:
-        """Return the command towards the end of the present leg."""
+        """Return the command towards the end of the current leg."""
         return self.drive(self.pose(), None) if self.is_running else Decision()

@@ -1,11 +1,11 @@
-"""What robots that cover a floor send each other, once per iteration."""
+"""The message of robots that cover a floor, sent once per iteration."""
 
 from robotteamsim.interface.discovery import Discovery
 from robotteamsim.interface.payload import Index, Point, Update, update_reader
 
 
 class CoverUpdate(Update, frozen=True, gc=False, tag="cover"):
-    """Where a robot is and goes, in `map` [m], what it knows to be covered, and all victims that it knows of.
+    """Position and goal of a robot, in `map` [m], the cells that it knows to be covered, and its known victims.
 
     discoveries: of victims, without names; `time_s` is simulated time. The mission reads them, too.
     """
@@ -18,4 +18,4 @@ class CoverUpdate(Update, frozen=True, gc=False, tag="cover"):
 
 
 parse_cover_update = update_reader(CoverUpdate, kept=1024)
-"""Return the update that a message carries; None where it carries something else."""
+"""Return the update in a message; None if it is another message."""

@@ -1,4 +1,4 @@
-"""What is around a robot, as its laser sees it: the obstacle term of eq. (22)."""
+"""The obstacle term of eq. (22), from a robot's laser."""
 
 import numpy as np
 
@@ -7,17 +7,17 @@ from robotteamsim.control.driving.navigation import laser_layout
 from robotteamsim.scenario.sections import Laser
 
 _BEAMS = 60
-"""At least this many beams are read: at r_s, with a field of view of 270 degrees, one every 4.5 degrees."""
+"""At least this many beams are used: with a field of view of 270 degrees, one every 4.5 degrees."""
 
 _HEADINGS = 13
-"""Directions in which places are compared: 12 equal sectors of the field of view."""
+"""Number of equal sectors of the field of view whose borders are the compared directions."""
 
 
 class Surroundings(_core.control.Surroundings):
-    """Finds x_OB: the place of best clearance within the sensing radius r_s that the laser sees to be free.
+    """Finds x_OB: the place with the best clearance within the sensing radius r_s that the laser sees as free.
 
-    `clearest_place` returns the `obstacle_attractor` of the places along 13 headings, at half the radius and at all of
-    it, in `map` [m]; None where nothing is within the sensing radius (then c3 = 0).
+    `clearest_place` returns the `obstacle_attractor` of the places along 13 headings, at half the radius and at the
+    full radius, in `map` [m]; None if no obstacle is within the sensing radius (then c3 = 0).
     """
 
     def __init__(self, laser: Laser, sensing_radius_m: float) -> None:

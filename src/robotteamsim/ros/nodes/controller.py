@@ -1,6 +1,6 @@
-"""The nodes `controller` and `controllers`: drive one robot, or the whole team, in simulation or real.
+"""The nodes `controller` and `controllers`: drive one robot or the whole team, simulated or real.
 
-The first runs in its robot's namespace; the second, in the namespace of all, hosts the same class for each robot.
+The first runs in its robot's namespace; the second, in the global namespace, hosts the same class for each robot.
 """
 
 from collections.abc import Sequence
@@ -68,7 +68,7 @@ class ControllerSlot:
         self._contact, self._voice, self._received = (f"{prefix}{name}" for name in ("contact", "voice", "network/rx"))
         self._further = FurtherInputs(body_of(robot_id, settings.scenario), prefix, settings.step_ns, robot_id)
         self._arrival = 1
-        """How often the robot has arrived, its start included."""
+        """Number of the robot's arrivals, including the start."""
         self.build(settings)
         latched = settings.lockstep
         self._answer = Output(f"{prefix}cmd_vel_stamped", TwistStamped, latched=True)
@@ -78,7 +78,7 @@ class ControllerSlot:
 
     @property
     def inputs(self) -> list[Input]:
-        """The topics that it needs."""
+        """The topics that the controller needs."""
         of_robot = partial(Channel, robot_id=self._robot_id)
         return [
             Input(of_robot(self._odom, needed=True), Odometry, conversion.read_odometry),
@@ -91,24 +91,24 @@ class ControllerSlot:
         ]
 
     def build(self, settings: Settings) -> None:
-        """Make the controller, or make it again."""
+        """Create the controller, or create it again."""
         self._further.restart()
         make = partial(make_controller, self._robot_id, settings.scenario, self._arrival)
         self._controller = Guard(self._robot_id, settings.num_robots, make)
 
     def is_occupied(self, presence: Presence, settings: Settings) -> bool:
-        """Return whether the robot is present; where it has arrived (again), its controller starts again."""
+        """Return whether the robot is present; if it has arrived (again), its controller is created again."""
         if presence.arrivals is not None and presence.arrivals[self._robot_id] != self._arrival:
             self._arrival = presence.arrivals[self._robot_id]
             self.build(settings)
         return presence.is_present(self._robot_id)
 
     def announce(self) -> None:
-        """Publish that the controller has started, before its answer to any step."""
+        """Publish that the controller has started, before it answers any step."""
         self._answer.publish(ros_messages.twist_stamped(self._make, 0, self._robot_id, Decision().twist))
 
     def step(self, step: Step, task: Task) -> None:
-        """Let the controller perceive and decide, and publish what it decided."""
+        """Pass the inputs to the controller, and publish its decision."""
         inbox = conversion.network_messages(step.messages[self._received])
         decision = self._controller.step(self._observation(step), inbox, task)
         self._publish(step.stamp_ns, decision)
@@ -141,7 +141,7 @@ class ControllerSlot:
 
 
 class ControllerNode:
-    """Steps the controllers of its slots by what the robots sense and what reaches them over the network."""
+    """Steps the controllers of its slots with the robots' readings and messages."""
 
     def __init__(self, settings: Settings, slots: Sequence[ControllerSlot]) -> None:
         self._settings = settings

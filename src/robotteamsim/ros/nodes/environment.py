@@ -1,4 +1,4 @@
-"""The node `environment`: carries voices and messages between the robots."""
+"""The node `environment`: simulates voices and the radio network."""
 
 import logging
 import threading
@@ -36,10 +36,10 @@ STATUS = "/mission/status"
 DOORS = "/world/doors"
 RADIO_MAP_RESOLUTION_M = 0.25
 FINEST_M, COARSEST_M = 0.05, 10.0
-"""Range of the resolution of a map made on demand: a finer one would be a message of many megabytes."""
+"""Range of the resolution of requested maps; a finer map would be a message of many megabytes."""
 RADIO_MAP_PERIOD_NS = 10**9
 NODE_TIMEOUT_S = 2.0
-"""A change waits this long for another node's service [s, wall]."""
+"""Timeout of another node's service [s, wall]."""
 
 
 def main() -> None:
@@ -48,7 +48,7 @@ def main() -> None:
 
 
 class RadioMaps:
-    """The signal of one robot over the floor: expensive, so only for subscribers, once a second and when they come."""
+    """The signal of one robot over the floor; expensive, so only for subscribers, on subscription and once a second."""
 
     def __init__(self, robot_name: str, make: RosTypes, now: Callable[[], tuple[int, FieldMap] | None]) -> None:
         """Advertise the maps. now: returns stamp [ns] and map of the last step, for late subscribers; None: no map."""
@@ -63,7 +63,7 @@ class RadioMaps:
         self._due_ns = 0
 
     def publish(self, time_ns: int, position_m: tuple[float, float], environment: Environment) -> None:
-        """Publish the maps, if they are due and somebody subscribes."""
+        """Publish the maps, if they are due and have subscribers."""
         if time_ns < self._due_ns or not any(output.wanted for output, _ in self._outputs):
             return
         self._due_ns = time_ns + RADIO_MAP_PERIOD_NS
@@ -72,7 +72,7 @@ class RadioMaps:
             output.publish(message_of(time_ns, radio_map))
 
     def restart(self) -> None:
-        """Begin again with the first step."""
+        """Restart with the first step."""
         self._due_ns = 0
 
     def _greeting(self, message_of: Callable[[int, FieldMap], Any]) -> Any:
@@ -81,7 +81,7 @@ class RadioMaps:
 
 
 class EnvironmentNode:
-    """Steps voices and network by the robots' true places; takes changes of doors, noise and victims."""
+    """Steps voices and network with the robots' true positions; serves changes of doors, noise and victims."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
@@ -193,7 +193,7 @@ class EnvironmentNode:
         self._voice_map.publish(ros_messages.field_map(self._make, time_ns, voice_map, "voice_level", "dB"))
 
     def _radio_map_now(self, robot_id: int) -> tuple[int, FieldMap] | None:
-        """Return stamp [ns] and radio map of a robot's last step; None: there was none, or it is not present."""
+        """Return stamp [ns] and radio map of a robot in the last step; None if there is no step or no robot."""
         with self._environment_lock:
             if self._last_step is None or not self._presence.is_present(robot_id):
                 return None
@@ -212,17 +212,17 @@ class EnvironmentNode:
         return srv.GetRadioMapResponse(success=True, map=message)
 
     def _problem_of(self, robot_id: int, resolution_m: float) -> str:
-        """Return why there is no such radio map; empty: there is one."""
+        """Return why there is no such radio map; empty if there is one."""
         if not 0 <= robot_id < self._settings.num_robots:
             return f"robot_id: {robot_id}; expected 0 to {self._settings.num_robots - 1}"
         if not FINEST_M <= resolution_m <= COARSEST_M:
             return f"resolution_m: {resolution_m:g}; expected {FINEST_M:g} to {COARSEST_M:g}, or 0"
         if not self._presence.is_present(robot_id):
-            return f"robot_id: {robot_id}; that robot is not present"
-        return "" if self._last_step else "no step has been taken so far"
+            return f"robot_id: {robot_id}; the robot is not present"
+        return "" if self._last_step else "no step has been taken yet"
 
     def _set_door(self, request: srv.SetDoorRequest) -> None:
-        """Have the world set a door and publish it; in a world without doors, set it here and in the mission."""
+        """Let the world set a door and publish it; if the world has no doors, set it here and in the mission."""
         answer = _passed_on("/world/set_door", srv.SetDoor, request)
         if answer is None:
             with self._environment_lock:
@@ -232,7 +232,7 @@ class EnvironmentNode:
             raise ValueError(answer.message)
 
     def _set_noise(self, request: srv.SetNoiseRequest) -> None:
-        # The scenario's own model knows the range.
+        # The scenario's model has the range.
         checked(VoiceSection, {"noise_db": request.noise_db}, ValueError)
         with self._environment_lock:
             self._environment.set_noise_db(request.noise_db)
@@ -253,7 +253,7 @@ class EnvironmentNode:
 
 
 def _passed_on(service: str, service_class: Any, request: Any) -> Any | None:
-    """Pass a change on to another node and return its answer; None: it does not answer."""
+    """Forward a change to another node and return its answer; None if it does not answer."""
     answer = call_service(service, service_class, request, NODE_TIMEOUT_S)
     if answer is None:
         logger.warning("%s does not answer", service)

@@ -1,4 +1,4 @@
-"""The node `mission`: judges the mission, reports it, and ends the launch with it."""
+"""The node `mission`: judges the mission, publishes its status, and ends the launch when it ends."""
 
 import logging
 import threading
@@ -31,7 +31,7 @@ from robotteamsim.simulation import Observer
 logger = logging.getLogger(__name__)
 
 FAREWELL_S = 0.5
-"""The last messages get this long to reach recorders before the node, and with it the launch, ends [s, wall]."""
+"""Time for the last messages to reach recorders before the node, and with it the launch, ends [s, wall]."""
 NETWORK = "/network/state"
 DOORS = "/world/doors"
 
@@ -67,19 +67,19 @@ class RobotInputs:
         return inputs
 
     def reading(self, step: Step) -> RobotReading:
-        """Return what the mission knows of the robot's senses: no odometry of its own, and no ranges."""
+        """Return the readings of the robot for the mission, without odometry and ranges."""
         truth = step.latest(self.ground_truth)
         contact = step.latest(self.contact)
         return RobotReading.of(truth.pose, truth.twist, truth, _NO_RANGES, contact is not None and contact.in_contact)
 
     def decision(self, step: Step) -> Decision:
-        """Return what is published of the robot's decision."""
+        """Return the published part of the robot's decision."""
         status = step.latest(self.status)
         return Decision() if status is None else conversion.decision(status)
 
 
 class MissionNode:
-    """Steps the mission by what the other nodes publish; recorders observe it."""
+    """Steps the mission with the messages of the other nodes; recorders observe it."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
@@ -105,7 +105,7 @@ class MissionNode:
         self._offer_services()
 
     def serve(self) -> None:
-        """Step until the mission has ended (or on, if it is to stay), or the node is shut down."""
+        """Step until the mission has ended (or longer, with `~stays`), or the node is shut down."""
         try:
             while (step := self._steps.take()) is not None:
                 if step.restarted:
@@ -135,7 +135,7 @@ class MissionNode:
     def _begin_trial(self) -> Trial:
         recorders: list[Observer] = []
         if self._folder is not None:
-            # mission.json comes last: where it is, the rest is complete.
+            # mission.json is written last: if it exists, the rest is complete.
             recorders = [TumWriter(self._folder / "trajectories"), ResultWriter(self._folder)]
         return Trial(self._settings.scenario, recorders)
 
@@ -159,7 +159,7 @@ class MissionNode:
 
     def _publish(self, time_ns: int, events: Sequence[Event]) -> None:
         make, scenario = self._make, self._settings.scenario
-        # One moment of the mission: services change it meanwhile.
+        # A consistent snapshot, because services may change the mission meanwhile.
         with self._trial_lock:
             mission = self._trial.mission
             status, victims, noise_db = mission.status, mission.victims, mission.noise_db

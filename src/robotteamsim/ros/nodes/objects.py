@@ -1,4 +1,4 @@
-"""Boxes and barrels: where they are, for subscribers of now and later, and those that are put down by service."""
+"""Boxes and barrels: their poses, for current and later subscribers, and requests to add or move them."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -15,7 +15,7 @@ from robotteamsim.world import World
 
 
 class ObjectsOutput:
-    """The topic `/world/objects`; latched, so what stands still is published once."""
+    """The topic `/world/objects`; it is latched, so objects at rest are published once."""
 
     def __init__(self) -> None:
         self._output = Output("/world/objects", MarkerArray, latched=True)
@@ -23,7 +23,7 @@ class ObjectsOutput:
         self._poses: Sequence[Pose] = ()
 
     def show(self, world: World) -> None:
-        """Publish all objects, unless nothing has changed. Nobody may change the world meanwhile."""
+        """Publish all objects, unless nothing has changed. The world must not be changed meanwhile."""
         objects, poses = world.object_models(), tuple(world.objects().values())
         if (objects, poses) == (self._objects, self._poses):
             return
@@ -32,9 +32,9 @@ class ObjectsOutput:
 
 
 def set_object(world: World, request: SetObjectRequest) -> None:
-    """Add an object to a world, or put one elsewhere.
+    """Add an object to a world, or move one.
 
-    Raises: PlacementError: it cannot stand there. ValueError: no such object, its name is taken, or it cannot be.
+    Raises: PlacementError: there is no room. ValueError: no such object, its name is taken, or values are invalid.
     """
     pose = Pose(request.pose.x, request.pose.y, request.pose.theta)
     if request.kind:

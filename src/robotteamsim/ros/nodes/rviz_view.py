@@ -1,4 +1,4 @@
-"""Starts rviz with a view in which the building of the run just fits."""
+"""Starts rviz with a view that just fits the building of the run."""
 
 import os
 import sys
@@ -14,11 +14,11 @@ from robotteamsim.ros.transport.settings import PARAMETERS
 from robotteamsim.scenario import Bounds, load
 
 FITTED = 60.0, 40.0
-"""Width and depth of the building [m] for which the distances in rviz/robotteamsim.rviz are made."""
+"""Width and depth of the building [m] for which rviz/robotteamsim.rviz was made."""
 
 
 def main() -> None:
-    """Become rviz, with the arguments of this program; a folder for logs keeps the view that was made."""
+    """Replace this process by rviz, with the same arguments; the view is written to the folder of logs."""
     packages = rospkg.RosPack()
     config = Path(packages.get_path("robotteamsim"), "rviz", "robotteamsim.rviz")
     try:
@@ -27,13 +27,13 @@ def main() -> None:
         folder.mkdir(parents=True, exist_ok=True)
         config = folder / f"robotteamsim-{os.getpid()}.rviz"
         config.write_text(yaml.safe_dump(settings), encoding="utf-8")
-    except (RobotTeamSimError, OSError) as error:  # The world reports mistakes; rviz shows what there is.
+    except (RobotTeamSimError, OSError) as error:  # The world reports mistakes; rviz shows what it can.
         sys.stderr.write(f"rviz_view: the view is not fitted to the building: {error}\n")
     os.execvp("rviz", ["rviz", "-d", str(config), *sys.argv[1:]])
 
 
 def fitted(config: Path, bounds: Bounds) -> dict[str, Any]:
-    """Return rviz's settings with views from so far that the building just fits."""
+    """Return rviz's settings with views at distances at which the building just fits."""
     settings: dict[str, Any] = yaml.safe_load(config.read_text(encoding="utf-8"))
     sides_m = (high - low for low, high in zip(bounds.min, bounds.max, strict=True))
     scale = max(side_m / fitted_m for side_m, fitted_m in zip(sides_m, FITTED, strict=True))

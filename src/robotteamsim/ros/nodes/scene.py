@@ -1,4 +1,4 @@
-"""The node `scene`: turns the topics of a run, or of a bag, into what rviz shows."""
+"""The node `scene`: converts the topics of a run, or of a bag, to markers for rviz."""
 
 import time
 from collections.abc import Iterable, Sequence
@@ -32,21 +32,21 @@ DRAW_PERIOD_S = 0.1
 TRAIL_PERIOD_S = 0.5
 DISCOVERY_PERIOD_S = 0.5
 IDLE_SHARE = 4.0
-"""After each drawing the node rests this many times as long, up to a limit: many robots are drawn less often."""
+"""After each update the node waits for this multiple of its duration, up to a limit: more robots, fewer updates."""
 MAX_IDLE_S = 0.5
 RESEND_PERIOD_S = 5.0
-"""rviz forgets all markers when time jumps backwards, and by its Reset button."""
+"""rviz deletes all markers when time jumps backwards, and with its Reset button."""
 RESEND_DELAY_S = 1.0
-"""After time has jumped backwards, rviz gets this long to notice."""
+"""Time for rviz to notice that time has jumped backwards [s, wall]."""
 TRAIL_POINTS = 6_000
 """Of all robots together."""
 WALL_HEIGHT_M = 1.1
 SENSORS = ("sonars", "gps")
-"""Layers of sensors that not every robot has."""
+"""Layers of additional sensors."""
 
 
 def main() -> None:
-    """Run the node. Its own parameter is ~wall_height_m: walls are cut there to let one look in from above."""
+    """Run the node. Its parameter ~wall_height_m is the height at which walls are cut, to look in from above."""
     run("scene", _serve)
 
 
@@ -60,27 +60,27 @@ def _serve() -> None:
 
 
 class Canvas:
-    """One latched topic of markers, and what of it is on display."""
+    """One latched topic of markers, and its current contents."""
 
     def __init__(self, topic: str) -> None:
         self._output = Output(topic, MarkerArray, latched=True)
         self._shown = Shown()
         self.markers: list[Marker] = []
-        """What the topic shows."""
+        """The contents of the topic."""
 
     def draw(self, markers: Iterable[Marker]) -> None:
-        """Replace what the topic shows."""
+        """Replace the contents of the topic."""
         self.markers = list(markers)
         self._output.publish(MarkerArray(self._shown.update(self.markers)))
 
     @property
     def watched(self) -> bool:
-        """Whether somebody subscribes right now."""
+        """Whether the topic has a subscriber now."""
         return self._output.num_subscribers > 0
 
 
 class Scene:
-    """Draws when something has changed."""
+    """Publishes markers when something has changed."""
 
     def __init__(self, scenario: Scenario, wall_height_m: float) -> None:
         self._scenario = scenario
@@ -137,7 +137,7 @@ class Scene:
         self._canvas["doors"].draw(scene_plan.door_markers(self._scenario.plan, openings, self._wall_height_m))
 
     def step(self, now_s: float) -> None:
-        """Take in what came and draw it; now_s is wall time, as rviz draws on the wall clock, too."""
+        """Process new messages and draw them; now_s is wall time, as in rviz."""
         if now_s >= self._discovery_due_s:
             self._discovery_due_s = now_s + DISCOVERY_PERIOD_S
             self._discover()
@@ -152,7 +152,7 @@ class Scene:
         self._draw_laser()
 
     def _note_time(self, now_s: float) -> None:
-        """Start again when the world does: doors are as in the plan again."""
+        """Restart when the world does: doors are as in the plan again."""
         stamp_ns = max((robot.stamp_ns for robot in self._robots.values()), default=0)
         if stamp_ns < self._stamp_ns:
             self._resend_due_s = now_s + RESEND_DELAY_S
@@ -160,12 +160,12 @@ class Scene:
         self._stamp_ns = stamp_ns
 
     def _discover(self) -> None:
-        """Follow the robots that are published; the last ones stay when a run or a bag has ended."""
+        """Follow the published robots; the last ones stay on display when a run or a bag has ended."""
         found = robot_topics(published_topics())
         if not found:
             return
         gone = self._robots.keys() - found.keys()
-        for robot_id in gone & self._missing:  # seen missing twice: a run that ends takes back its topics one by one
+        for robot_id in gone & self._missing:  # twice in a row: an ending run unregisters its topics one by one
             self._robots.pop(robot_id).close()
             self._scans = {key: scan for key, scan in self._scans.items() if key[0] != robot_id}
         self._missing = gone
@@ -184,7 +184,7 @@ class Scene:
         doors = self._doors.newest()
         if doors is not None:
             self._has_doors, changes = True, {door.name: door.opening for door in doors.doors}
-        elif self._has_doors:  # only in a world of another kind events are all there is
+        elif self._has_doors:  # another kind of world may only have events
             changes = {}
         openings = self._openings | {name: changes[name] for name in self._openings if name in changes}
         if openings != self._openings:
@@ -234,7 +234,7 @@ class Scene:
             )
 
     def _follow_presence(self) -> bool:
-        """Return whether robots have left or arrived; of those that left the trail stays."""
+        """Return whether robots have left or arrived; the trails of robots that left stay."""
         message = self._presence.newest()
         absent = self._absent if message is None else frozenset(i for i, here in enumerate(message.present) if not here)
         if absent == self._absent:
@@ -273,9 +273,9 @@ class Scene:
 
 
 def _publish_frame(bounds: Bounds) -> Output:
-    """Publish the frame `building` in the middle of the plan: rviz's camera looks there, whatever the plan.
+    """Publish the frame `building` at the centre of the plan, at which rviz's camera looks.
 
-    It also makes `map` known, which the world may not publish; rviz warns of a fixed frame that does not exist.
+    This also defines `map`, which the world may not publish; rviz warns if its fixed frame does not exist.
     """
     transform = TransformStamped(child_frame_id="building")
     transform.header.frame_id = FRAME

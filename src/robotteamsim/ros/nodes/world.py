@@ -1,4 +1,4 @@
-"""The node `world`: moves the robots, senses for them, and keeps the time."""
+"""The node `world`: moves the robots, simulates their sensors, and publishes the clock."""
 
 import logging
 import threading
@@ -36,15 +36,15 @@ logger = logging.getLogger(__name__)
 
 MAP_RESOLUTION_M = 0.05
 SERVICE_TIMEOUT_S = 5.0
-"""A service waits this long for the step under way [s, wall]."""
+"""A service waits this long for the current step [s, wall]."""
 START_NS = 1_000_000
-"""What the clock shows before the first step; in ROS, 0 means that there is no time yet."""
+"""Time on the clock before the first step; in ROS, 0 means that there is no time yet."""
 QUIET_S = 1.0
-"""The world starts when no subscriber has come for this long [s, wall]."""
+"""The world starts when there was no new subscriber for this time [s, wall]."""
 NAP_S = 0.1
-"""A world that waits for its time looks this often whether the speed has changed [s, wall]."""
+"""While waiting, the world checks at this interval whether the speed has changed [s, wall]."""
 FIRST_STEPS = 2
-"""A reset comes after these: only then do all nodes see stamps jump backwards."""
+"""Steps before a reset, so that all nodes see stamps jump backwards."""
 
 
 def main() -> None:
@@ -53,7 +53,7 @@ def main() -> None:
 
 
 class WorldNode:
-    """Steps the world by the team's commands and publishes what the robots sense."""
+    """Steps the world with the team's commands and publishes the robots' readings."""
 
     def __init__(self, settings: Settings) -> None:
         scenario = settings.scenario
@@ -77,10 +77,10 @@ class WorldNode:
         )
         self._objects = ObjectsOutput()
         self._show_objects()
-        # Environment and mission take from it alone whether a door is closed, in lockstep step by step.
+        # The only source of door states for environment and mission.
         self._doors = Output("/world/doors", Doors, latched=True)
         self._presence = Output(ROBOTS, Robots, latched=True)
-        # In lockstep a late subscriber must still get the step that everybody waits for.
+        # In lockstep a late subscriber must still get the step that all nodes wait for.
         self._outputs = TeamOutputs(self._robots, latched=settings.lockstep, localized=localization == "ground_truth")
         self._offer_map()
         self._offer_services()
@@ -104,7 +104,7 @@ class WorldNode:
                 continue
             with self._world_lock:
                 for robot_id in self._arrived:
-                    twists[robot_id] = STOP  # what its controller decided before it left
+                    twists[robot_id] = STOP  # its controller's last decision before the robot left
                 self._arrived.clear()
                 self._world.step(twists)
                 readings, doors = self._sensors.read(), self._world.door_states()
@@ -113,7 +113,7 @@ class WorldNode:
             self._gate.passed()
 
     def _wait_for_subscribers(self) -> None:
-        """Wait until no new subscriber comes: a recorder must get the first step, too."""
+        """Wait until there are no new subscribers, because a recorder must get the first step, too."""
         connected = -1
         while connected != (now_connected := self._outputs.num_subscribers):
             connected = now_connected
@@ -135,10 +135,10 @@ class WorldNode:
             self._build()
             self._objects.show(self._world)
         self._publish_clock(START_NS)
-        logger.info("the world starts again")
+        logger.info("the world is reset")
 
     def _tick(self) -> None:
-        """Let the clock run up to the next step, whose own tick comes after its data."""
+        """Publish the ticks of the clock up to the next step; the tick of a step follows its data."""
         ticks = self._scenario.run.physics_substeps
         for tick in range(1, ticks + 1):
             time_ns = self._world.sim_time_ns + tick * self._step_ns // ticks
@@ -226,7 +226,7 @@ class WorldNode:
 
     def _set_object(self, request: srv.SetObjectRequest) -> None:
         set_object(self._world, request)
-        self._objects.show(self._world)  # a paused world makes no step that would
+        self._objects.show(self._world)  # a paused world makes no step, which would publish it
 
     def _remove_object(self, request: srv.RemoveObjectRequest) -> None:
         self._world.remove_object(request.name)

@@ -17,9 +17,9 @@ _POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4")])
 
 @dataclass(frozen=True, slots=True)
 class ScanView:
-    """One scan, and where the laser stood in the map frame when it was taken.
+    """One scan, and the pose of the laser in the map frame at that time.
 
-    Ranges at or beyond range_max, below range_min or not finite are no returns.
+    Ranges >= range_max, below range_min or not finite mean no return.
     """
 
     robot_id: int
@@ -31,7 +31,7 @@ class ScanView:
 def scan_points_m(view: ScanView) -> np.ndarray:
     """Return the points that a scan hit, float64, shape (hits, 2), in the map frame [m].
 
-    They lie a little in front of what was hit, or it would cover half of each.
+    They are slightly in front of the obstacle, which would otherwise cover half of each point.
     """
     scan, laser = view.scan, view.laser
     ranges_m = np.asarray(scan.ranges, dtype=float)
@@ -43,7 +43,7 @@ def scan_points_m(view: ScanView) -> np.ndarray:
 
 
 def cloud(scans: Sequence[ScanView]) -> PointCloud2:
-    """Return the returns of all scans in their robots' colours; stamp 0, as every part of the scene."""
+    """Return the returns of all scans in their robots' colours; the stamp is 0, as in all parts of the scene."""
     parts = []
     for scan in scans:
         points_m = scan_points_m(scan)

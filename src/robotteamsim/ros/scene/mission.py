@@ -1,4 +1,4 @@
-"""The mission in the 3D scene: victims, areas, the voice layer and the line of text above the building."""
+"""The mission in the 3D scene: victims, areas, the voice layer and the headline above the building."""
 
 import itertools
 import math
@@ -36,7 +36,7 @@ SKIN = colour("#f1d3b8")
 NAME_M = 1.1
 """Height of a capital letter of a victim's name."""
 NAME_Z_M = 1.7
-"""A name stands above walls that are cut at the usual height, so that none hides a part of it."""
+"""Height of names: above walls that are cut at the default height, so that walls do not hide them."""
 
 OPEN_AREA = colour("#c3ccd6")
 TARGET_AREA = colour("#ffffff")
@@ -53,27 +53,27 @@ VOICE_COLOURS = (
 )
 """Colour by voice level [dB]."""
 VOICE_FADE_DB = 8.0
-"""The film's edge, where a voice sinks into the noise, fades over this range instead of showing the cells."""
+"""The voice layer fades out over this range above the noise, so that its edge does not show the cells."""
 VOICE_CONTOUR_DB = 10.0
 VOICE_CONTOUR = colour("#ffd0e4", 0.25)
 MAX_VOICE_CELLS = 12_000
-"""A finer map is thinned to this many: a marker is a list of points, not an image."""
+"""Largest number of cells; a finer map is thinned, because a marker is a list of points and not an image."""
 
 
 def victim_markers(victims: Sequence[msg.Victim], save_distance_m: float) -> list[Marker]:
-    """Return a lying figure for each victim, within a ring where a robot saves her; coloured by state."""
+    """Return a lying figure for each victim, and a ring within which a robot saves the victim; coloured by state."""
     return [part for i, victim in enumerate(victims) for part in _victim_parts(i, victim, save_distance_m)]
 
 
 def name_spot_m(victim: msg.Victim, save_distance_m: float) -> tuple[float, float]:
-    """Return where a victim's name stands, south of her ring [m]."""
+    """Return the position of a victim's name, south of the ring [m]."""
     return (victim.position.x, victim.position.y - save_distance_m - 1.1)
 
 
 def _victim_parts(index: int, victim: msg.Victim, save_distance_m: float) -> Iterable[Marker]:
     tint = VICTIM_COLOURS[victim.state]
     x, y = victim.position.x, victim.position.y
-    yaw_rad = 0.6 + 1.9 * index  # no two lie alike
+    yaw_rad = 0.6 + 1.9 * index  # each in another direction
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
     body = (  # along the body, across it, height, size; a figure of 1.75 m, of spheres
         ("head", 0.72, 0.0, 0.13, (0.26, 0.24, 0.26)),
@@ -96,7 +96,7 @@ def _victim_parts(index: int, victim: msg.Victim, save_distance_m: float) -> Ite
 
 
 def area_markers(areas: Sequence[msg.Area]) -> list[Marker]:
-    """Return a disc for each area: an outline while open, bright as the target, green when explored; numbered."""
+    """Return a numbered disc for each area: an outline if unexplored, bright if it is the target, green if explored."""
     return [part for i, area in enumerate(areas) for part in _area_parts(i, area)]
 
 
@@ -114,13 +114,13 @@ def _area_parts(index: int, area: msg.Area) -> Iterable[Marker]:
 def voice_markers(
     origin_m: tuple[float, float], resolution_m: float, levels_db: np.ndarray, solid: np.ndarray | None = None
 ) -> list[Marker]:
-    """Return the voice map as a coloured film over the floor with a contour every 10 dB; nothing where all is silent.
+    """Return the voice map as a coloured layer over the floor with a contour every 10 dB; nothing without voices.
 
     Args:
         origin_m: lower left corner of the lower left cell [m].
         levels_db: shape (rows, cols), row 0 at the lowest y; 0 where silent.
-        solid: bool, of the same shape: cells in walls, which are silent in the map; here they take the level beside
-            them, or every pillar would tear a hole into the film and draw contours around itself.
+        solid: bool, of the same shape: cells in walls, which are silent in the map. Here they take the level of their
+            neighbours; otherwise every pillar would be a hole in the layer, with contours around it.
     """
     levels_db = np.asarray(levels_db, dtype=float)
     if solid is not None and not solid.all():
@@ -158,7 +158,7 @@ def _voice_film(x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray) -> Mesh
 
 
 def _contours(x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray) -> Iterator[tuple[Position, Position, Colour]]:
-    """Yield the edge of what can be heard, and a contour at every multiple of 10 dB within."""
+    """Yield the contour at the noise level, and one at every multiple of 10 dB above it."""
     generator = contourpy.contour_generator(x_m, y_m, levels_db)
     faintest_db = levels_db[levels_db > 0.0].min()
     first = math.floor(faintest_db / VOICE_CONTOUR_DB) + 1
@@ -172,7 +172,7 @@ def _contours(x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray) -> Iterat
 
 
 def headline_words(status: msg.MissionStatus, num_endangered: int) -> str:
-    """Return a line such as "garage_sar   251.3 s   areas 3/5   victims 2/4   noise 10 dB   running"."""
+    """Return the headline, such as "garage_sar   251.3 s   areas 3/5   victims 2/4   noise 10 dB   running"."""
     parts = [status.scenario, f"{status.time_s:.1f} s"]
     if status.explored:
         parts.append(f"areas {sum(map(bool, status.explored))}/{len(status.explored)}")
@@ -186,7 +186,7 @@ def headline_words(status: msg.MissionStatus, num_endangered: int) -> str:
 
 
 def headline_marker(words: str, bounds: Bounds) -> Marker:
-    """Return the line as a text behind the upper edge of the plan, as large as the plan is wide."""
+    """Return the headline as a text beyond the upper edge of the plan; its size fits the width of the plan."""
     width_m = bounds.max[0] - bounds.min[0]
     height_m = width_m / 33.0
     at = ((bounds.min[0] + bounds.max[0]) / 2.0, bounds.max[1] + 1.4 * height_m, height_m)

@@ -1,4 +1,4 @@
-"""Sonars and satellite navigation in the 3D scene."""
+"""Sonars and GPS in the 3D scene."""
 
 import itertools
 import math
@@ -34,7 +34,7 @@ MIN_DISC_M = 0.15
 
 @dataclass(frozen=True, slots=True)
 class SonarView:
-    """What one sonar measured, and its pose in the map frame: its x axis is the middle of the cone."""
+    """The range of one sonar, and its pose in the map frame; its x axis is the axis of the cone."""
 
     sonar: Pose
     height_m: float
@@ -44,7 +44,7 @@ class SonarView:
 
     @property
     def returned(self) -> bool:
-        """Whether something is within its reach."""
+        """Whether there is a return."""
         return self.range_m < self.range_max_m
 
 
@@ -57,7 +57,7 @@ class FixView:
 
 
 def sonar_markers(views: Mapping[int, Sequence[SonarView]]) -> list[Marker]:
-    """Return the cones of each robot's sonars, by its id: up to what returns, with an arc; faint where nothing does."""
+    """Return the cones of each robot's sonars, by id: up to the return, which is an arc; faint without a return."""
     result = []
     for robot_id, sonars in views.items():
         tint = robot_colour(robot_id)
@@ -106,7 +106,7 @@ def fix_markers(views: Mapping[int, Sequence[FixView]]) -> list[Marker]:
 
 
 def _dots(robot_id: int, fixes: Sequence[FixView], tint: Colour) -> Marker:
-    """Return older fixes, the oldest the faintest."""
+    """Return older fixes, which fade with age."""
     dots = marker("old_fixes", robot_id, Marker.SPHERE_LIST, faded(tint, 0.99), scale=(DOT_M,) * 3)
     for i, fix in enumerate(fixes):
         dots.points.append(Point(*fix.place_m, AREA_Z_M))

@@ -1,4 +1,4 @@
-"""From ROS messages to our values. Our values become messages in `recording.ros_messages`, for bags as well."""
+"""Converts ROS messages to our values. `recording.ros_messages` does the reverse, also for bags."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -35,7 +35,7 @@ class RosTypes:
         # All fields are given, so the defaults that __init__ would fill in first are not needed.
         message = message_class.__new__(message_class)
         for name, value in fields.items():
-            if type(value) is np.ndarray:  # uint8[] is bytes in genpy; other arrays are written fastest from lists.
+            if type(value) is np.ndarray:  # uint8[] is bytes in genpy; other arrays are serialized fastest from lists.
                 value = value.tobytes() if value.dtype == np.uint8 else value.tolist()
             setattr(message, name, value)
         return message
@@ -58,7 +58,7 @@ def stamp_ns(message: Any) -> int:
 
 
 def odometry_reading(message: nav_msgs.msg.Odometry) -> OdometryReading:
-    """Return pose and twist in the plane of `odom` or `base_pose_ground_truth`; height, roll and pitch are dropped."""
+    """Return pose and twist in the plane of `odom` or `base_pose_ground_truth`; height, roll and pitch are ignored."""
     pose, twist = message.pose.pose, message.twist.twist
     of_pose, of_twist = message.pose.covariance, message.twist.covariance
     return OdometryReading(
@@ -91,12 +91,12 @@ def read_twist_stamped(data: bytes) -> Twist:
 
 
 def fix(message: sensor_msgs.msg.NavSatFix) -> Fix:
-    """Return what a GPS receiver measured."""
+    """Return a GPS fix."""
     return Fix(message.latitude, message.longitude, message.altitude, message.position_covariance[0])
 
 
 def voice_reading(message: robotteamsim.msg.Voice) -> VoiceReading:
-    """Return what a robot hears."""
+    """Return a voice reading."""
     return VoiceReading(message.level_db, message.heard, _point(message.local_best), message.local_best_level_db)
 
 
@@ -134,7 +134,7 @@ def network_state(message: robotteamsim.msg.NetworkState) -> NetworkState:
 
 
 def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
-    """Return what is published of a decision; its twist and outbox travel on topics of their own."""
+    """Return the published part of a decision; twist and outbox have topics of their own."""
     return Decision(
         excluded=message.excluded,
         swarm=message.swarm,
@@ -146,7 +146,7 @@ def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
 
 
 def task(message: robotteamsim.msg.MissionStatus) -> Task:
-    """Return what the mission asks of the team."""
+    """Return the task of the team."""
     return Task(
         running=message.running,
         epoch=message.epoch,
@@ -164,7 +164,7 @@ def _point(message: geometry_msgs.msg.Point) -> tuple[float, float]:
 
 
 def door_states(message: robotteamsim.msg.Doors) -> DoorStates:
-    """Return the state of all doors of the world; the version is the message's stamp, so it grows with each change."""
+    """Return the states of the world's doors; the version is the message's stamp, so it increases with each change."""
     states = {door.name: DoorState(bool(door.closed), door.opening, door.motion) for door in message.doors}
     # 0 is the version at the start, before any message.
     return DoorStates(states, version=stamp_ns(message) + 1)

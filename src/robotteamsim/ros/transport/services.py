@@ -13,7 +13,7 @@ logger = logging.getLogger(__name__)
 
 
 class Service:
-    """A service that a node offers; each request is served in a thread of its own."""
+    """A service of a node; each request is served in a new thread."""
 
     def __init__(self, name: str, service_class: Any, serve: Callable[[Any], Any]) -> None:
         """Advertise. serve: returns the response to a request, messages of the class."""
@@ -25,7 +25,7 @@ class Service:
     def _respond(self, data: bytes) -> bytes:
         try:
             return serialized(self._serve(deserialized(self._request_class, data)))
-        except Exception:  # The caller gets the message; the node goes on.
+        except Exception:  # The caller receives the error; the node continues.
             logger.exception("%s failed", self._name)
             raise
 
@@ -51,6 +51,6 @@ def command(
 
 
 def call_service(name: str, service_class: Any, request: Any, timeout_s: float) -> Any | None:
-    """Call a service; None: it is not there in time [s, wall], or has failed."""
+    """Call a service; None if it is not available in time [s, wall] or has failed."""
     response = roscpp.call_service(name, service_type(service_class), serialized(request), timeout_s)
     return None if response is None else deserialized(service_class._response_class, response)

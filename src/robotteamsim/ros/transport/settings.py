@@ -1,4 +1,4 @@
-"""What all nodes of a launch must agree on, from the parameter server."""
+"""Common settings of all nodes of a launch, from the parameter server."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ PARAMETERS = "/robotteamsim"
 """Namespace of the parameters that all nodes read."""
 
 SEED = f"{PARAMETERS}/seed"
-"""The parameter by which a seed reaches all nodes; a string, as XML-RPC has integers of 32 bits only."""
+"""The parameter of the seed for all nodes; a string, because XML-RPC has only 32-bit integers."""
 
 WORLD_REPORTS_S = 5.0
-"""How long other nodes leave it to the world to report a mistake in the settings [s, wall]."""
+"""Delay before nodes other than the world report a mistake in the settings [s, wall]."""
 NOT_SET = -1
-"""Number of robots, or id of the one driven by hand, where none is given."""
+"""Default for the number of robots and for the id of the one driven by hand: not given."""
 
 NO_CONTROLLERS = "false"
 HOSTED = ("per_robot", "team", NO_CONTROLLERS)
@@ -28,7 +28,7 @@ HOSTED = ("per_robot", "team", NO_CONTROLLERS)
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What all nodes must agree on; see docs/ros_api.md for the parameters."""
+    """Common settings of all nodes; docs/ros_api.md describes the parameters."""
 
     scenario: Scenario
     lockstep: bool
@@ -49,7 +49,7 @@ class Settings:
         return replace(self, scenario=self.scenario.model_copy(update={"run": run}))
 
     def drives(self, robot_id: int) -> bool:
-        """Whether the robot's own controller drives it, and not somebody by hand."""
+        """Whether the robot is driven by its own controller and not by hand."""
         return robot_id in self.controlled and robot_id != self.teleop
 
     @property
@@ -107,7 +107,7 @@ def _read_settings() -> Settings:
         mission=parameter(f"{PARAMETERS}/mission", True),
     )
     if settings.lockstep and not settings.mission:
-        raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False where there is no mission")
+        raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False without a mission")
     if num_robots not in (NOT_SET, settings.num_robots):
         raise ParameterError(
             f"{PARAMETERS}/robots: {num_robots}; expected {settings.num_robots}, the length of the robots' list in"
