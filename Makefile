@@ -15,7 +15,7 @@ FUZZ_SECONDS ?= 60
 # Whole missions are excluded: with the sanitizers they take many minutes, and no C++ is used only by them.
 SANITIZED := $(addprefix test/python/,propagation network sensing world swarm control)
 ARGS ?=
-# The environment of the build for ROS and Python, independent of the user's shell.
+# The environment for ROS and Python, independent of the user's shell.
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
@@ -29,7 +29,7 @@ setup: $(VENV)/.ready ## install missing packages: Debian packages, PyPI package
 
 $(VENV)/.debian: setup/debian-packages.txt setup/install-debian-packages.sh
 	@setup/install-debian-packages.sh setup/debian-packages.txt
-	@# Debian's own interpreter has rospy; another python3 may come first on PATH.
+	@# Debian's Python has the ROS packages; another python3 may come first on PATH.
 	@test -x $(PYTHON) || { echo "-- making $(VENV)"; /usr/bin/python3 -m venv --system-site-packages $(VENV); }
 	@touch $@
 
@@ -79,7 +79,7 @@ tidy: build ## clang-tidy over the C++ code; about four minutes on two cores
 		|| { grep -A3 "error:" $(BUILD)/tidy.log; exit 1; }
 	@echo "-- clang-tidy: clean"
 
-bench: build ## measure the speed of each part as a ratio, into bench/results/speed.csv
+bench: build ## measure the speed of each part relative to a straightforward one, into bench/results/
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_bench > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/run.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_bench --csv bench/results/speed.csv $(ARGS)
 	@$(ENV) $(PYTHON) bench/mission_bench.py --csv bench/results/missions.csv
@@ -89,7 +89,7 @@ bench_ros: build ## measure the speed of worlds and missions in ROS, with a clie
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_ros_listener > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/ros_bench.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_ros_listener $(ARGS)
 
-exactness: build ## compare maps with one ray per cell on 50 million cells, and links with their reverse
+exactness: build ## compare 50 million cells of maps with one ray each, and links with their reverse
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_exactness > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@set -o pipefail; $(BUILD)/devel/lib/robotteamsim/robotteamsim_exactness $(ARGS) | tee bench/results/exactness.txt
 
@@ -108,7 +108,7 @@ fuzz: build_fuzz ## fuzz propagation, network and import under ASan and UBSan, F
 		$(PYTHON) test/fuzz/import_fuzz.py --seconds $(FUZZ_SECONDS) --core $(FUZZ)/_core*.so 2> $(FUZZ)/import.log \
 		|| { tail -60 $(FUZZ)/import.log; exit 1; }
 
-sanitize: build_fuzz ## run the tests of C++ parts under ASan and UBSan; ARGS="test/python/world -k door" for some
+sanitize: build_fuzz ## run the tests of the C++ parts under ASan and UBSan; ARGS="test/python/world -k door" selects some
 	@$(ENV) ROBOTTEAMSIM_CORE=$$(ls $(CURDIR)/$(FUZZ)/_core*.so) PYTHONPATH=test/fuzz:$$PYTHONPATH \
 		ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD=$$(cat $(FUZZ)/preloaded) $(PYTHON) -m pytest -q -s -p no:cacheprovider -p sanitized_core \
 		$(or $(ARGS),$(SANITIZED))
@@ -119,7 +119,7 @@ wheel: $(VENV)/.ready ## build dist/*.whl, which includes Box2D and needs no com
 	@PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PYTHON) -m auditwheel repair --wheel-dir dist dist/raw/*.whl
 	@rm -rf dist/raw && ls dist/*.whl
 
-pictures: build ## make the pictures of README and docs again
+pictures: build ## regenerate the pictures of README and docs
 	@$(ENV) $(PYTHON) docs/draw_cases.py
 	@$(ENV) $(PYTHON) docs/draw_swarm.py
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field radio garage_sar --at 4,5 --at 30,36 --at 50,18 --png docs/images/field.png

@@ -1,4 +1,4 @@
-// Floor 0: lengths and nearest points.
+// _core.base: lengths and nearest points.
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/vector.h>
 

@@ -1,4 +1,4 @@
-// Floor 6: how a robot drives, and what it remembers.
+// _core.control: driving, and the memory of a robot.
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>

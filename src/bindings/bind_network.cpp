@@ -1,4 +1,4 @@
-// Floor 3: who hears whom.
+// _core.network: links between robots.
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/shared_ptr.h>
 

@@ -1,4 +1,4 @@
-// Floor 1: path planning on the known map.
+// _core.plan: path planning on the known map.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/vector.h>

@@ -1,4 +1,4 @@
-// Floor 2: how radio and voice fade.
+// _core.propagation: fading of radio and voice.
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/vector.h>

@@ -1,4 +1,4 @@
-// Floor 3: what robots perceive.
+// _core.sensing: lasers, odometry and hearing.
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>

@@ -1,4 +1,4 @@
-// Floor 7: totals over a trial.
+// _core.simulation: totals over a trial.
 #include <nanobind/stl/vector.h>
 
 #include <stdexcept>

@@ -1,4 +1,4 @@
-// Floor 4: how the robots of a swarm move.
+// _core.swarm: velocities of a robotic swarm.
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/vector.h>
 

@@ -1,4 +1,4 @@
-// Floor 2: robots, walls, doors and objects.
+// _core.world: robots, walls, doors and objects.
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>

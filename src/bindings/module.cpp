@@ -17,7 +17,7 @@ constexpr Floor kFloors[] = {
     {"sensing", "Lasers, odometry and hearing.", &robotteamsim::bindings::BindSensing},
     {"network", "Links between robots.", &robotteamsim::bindings::BindNetwork},
     {"swarm", "Velocities of a robotic swarm.", &robotteamsim::bindings::BindSwarm},
-    {"control", "Driving, and what a robot remembers.", &robotteamsim::bindings::BindControl},
+    {"control", "Driving, and the memory of a robot.", &robotteamsim::bindings::BindControl},
     {"simulation", "Totals over a trial.", &robotteamsim::bindings::BindSimulation},
 };
 

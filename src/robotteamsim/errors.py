@@ -1,8 +1,8 @@
-"""What a user can get wrong. Each message is one line that names the place, the value and what was expected."""
+"""Errors caused by users. Each message is one line that names the place, the value and what was expected."""
 
 
 class RobotTeamSimError(Exception):
-    """Base class of everything that the shells report in one line, without a traceback."""
+    """Base class of all errors that the shells report in one line, without a traceback."""
 
 
 class ScenarioError(RobotTeamSimError):
@@ -10,7 +10,7 @@ class ScenarioError(RobotTeamSimError):
 
 
 class PlacementError(ScenarioError):
-    """A robot, object, area, victim or door is where it cannot be; `key` is the scenario's key that says so, if any."""
+    """A robot, object, area, victim or door has an impossible position; `key` is its key in the scenario, if any."""
 
     def __init__(self, message: str, key: str = "") -> None:
         super().__init__(message)
@@ -22,4 +22,4 @@ class RecordingError(RobotTeamSimError):
 
 
 class CampaignError(RobotTeamSimError):
-    """A campaign cannot be run, stored or continued."""
+    """A campaign cannot be run, stored or resumed."""

@@ -46,9 +46,9 @@ def pose_of(x_m: float, y_m: float, qz: float, qw: float) -> Pose:
 
 
 class PoseReading(msgspec.Struct, frozen=True, gc=False):
-    """A pose as ROS messages carry it: position and the unit quaternion (0, 0, qz, qw).
+    """A pose in the form of ROS messages: position and the unit quaternion (0, 0, qz, qw).
 
-    Controllers and recorders read all poses in this form, so that headless runs and ROS runs see the same bits:
+    Controllers and recorders read all poses in this form, so that headless runs and ROS runs have identical values:
     yaw -> quaternion -> yaw is not exact in floating point.
     """
 

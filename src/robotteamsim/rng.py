@@ -1,7 +1,5 @@
 """Named random streams: one seed, one independent generator per purpose."""
 
-from __future__ import annotations
-
 import hashlib
 
 import numpy as np
@@ -10,8 +8,8 @@ import numpy as np
 def stream(seed: int, *name: str | int) -> np.random.Generator:
     """Return the generator of the stream `name`, such as ("odometry", robot_id).
 
-    A stream depends on the seed and its own name alone, so a new consumer of randomness never shifts another's
-    numbers. The name goes through SHA-256 into the seed sequence; the generator is PCG64.
+    A stream depends only on the seed and its own name, so a new consumer of random numbers never shifts the numbers of
+    another. The SHA-256 of the name enters the seed sequence; the generator is PCG64.
 
     Raises: ValueError: the seed is negative.
     """

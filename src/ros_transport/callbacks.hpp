@@ -1,4 +1,4 @@
-// Where roscpp's callbacks run: at once, or each in a thread of its own.
+// Queues for roscpp's callbacks: run at once, or each in a new thread.
 #pragma once
 
 #include <ros/callback_queue_interface.h>
@@ -8,19 +8,19 @@
 
 namespace robotteamsim::ros_transport {
 
-// Calls back from roscpp's own thread, so the callbacks must not wait for anything.
+// Runs callbacks in roscpp's own thread, so they must not block.
 class ImmediateCalls : public ros::CallbackQueueInterface {
  public:
   void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t) override { callback->call(); }
   void removeByID(std::uint64_t) override {}
 };
 
-// Calls back from a new thread each time: services may wait for a step, and must not wait for each other.
+// Runs each callback in a new thread: services may wait for a step, and must not wait for each other.
 class ThreadedCalls : public ros::CallbackQueueInterface {
  public:
   void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t) override;
   void removeByID(std::uint64_t) override {}
-  // Starts no more threads, and waits for those that run, but not longer than a time.
+  // Starts no more threads, and waits for running ones, at most for a given time.
   void Close(double timeout_s);
 
  private:
@@ -30,7 +30,7 @@ class ThreadedCalls : public ros::CallbackQueueInterface {
   bool closed_ = false;
 };
 
-// Both live as long as the process: roscpp keeps plain pointers to them.
+// Both live as long as the process, because roscpp keeps plain pointers to them.
 ImmediateCalls& Immediate();
 ThreadedCalls& Threaded();
 

@@ -10,7 +10,7 @@
 namespace robotteamsim::ros_transport {
 namespace {
 
-// A header begins with its number and the two halves of its stamp.
+// A header starts with its sequence number and the two parts of its stamp.
 std::int64_t StampNs(const std::string& bytes) {
   std::uint32_t sequence_s_ns[3];
   if (bytes.size() < sizeof sequence_s_ns) return 0;
@@ -60,7 +60,7 @@ std::size_t MessageQueue::Subscribe(const std::string& topic, const MessageType&
   options.md5sum = type.md5sum;
   options.datatype = type.name;
   options.callback_queue = &Immediate();
-  // Or a message would be dropped that comes while another one of the topic is being put in.
+  // Otherwise a message that arrives while another one of the topic is being added would be dropped.
   options.allow_concurrent_callbacks = true;
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   subscribers_.push_back(StartedNode().subscribe(options));

@@ -1,4 +1,4 @@
-// Collects what comes on several topics until somebody takes it.
+// Collects the messages of several topics until they are taken.
 #pragma once
 
 #include <ros/subscriber.h>
@@ -17,11 +17,11 @@ namespace robotteamsim::ros_transport {
 
 struct Received {
   std::size_t topic;      // index, in the order of subscribing
-  std::int64_t stamp_ns;  // of its header; 0 where the type has none
+  std::int64_t stamp_ns;  // of its header; 0 if the type has none
   boost::shared_ptr<const RawMessage> message;
 };
 
-// roscpp's thread puts messages in, any other takes them out; none of the two waits for the other.
+// roscpp's thread adds messages, any other thread takes them; neither blocks the other.
 class MessageQueue {
  public:
   MessageQueue();
@@ -29,13 +29,13 @@ class MessageQueue {
   MessageQueue(const MessageQueue&) = delete;
   MessageQueue& operator=(const MessageQueue&) = delete;
 
-  // Returns the topic's index. keep: of more untaken messages of this topic the oldest are dropped; 0: none is.
+  // Returns the topic's index. keep: largest number of untaken messages; older ones are dropped; 0: no limit.
   std::size_t Subscribe(const std::string& topic, const MessageType& type, std::size_t keep);
-  // Waits until something is there, but not longer than a time; returns all of it, in the order of arrival.
+  // Waits for messages, at most for a given time, and returns all of them in the order of arrival.
   std::deque<Received> Take(double timeout_s);
-  // Lets nobody wait any more.
+  // Ends all waits.
   void Close();
-  // Closes it and takes it back from the master that this node subscribes.
+  // Closes the queue and unregisters its subscriptions.
   void Unsubscribe();
   bool is_closed() const;
   std::size_t num_publishers(std::size_t topic) const;

@@ -62,7 +62,7 @@ Publisher::Greeting Greeting(std::optional<nb::callable> greeting) {
       if (message.is_none()) return std::nullopt;
       return Raw(nb::cast<nb::bytes>(message));
     } catch (nb::python_error& error) {
-      error.discard_as_unraisable("a new subscriber was not greeted");
+      error.discard_as_unraisable("the first message for a new subscriber could not be made");
       return std::nullopt;
     }
   };
@@ -189,10 +189,10 @@ std::vector<float> RangesOf(std::string_view scan) {
   constexpr std::size_t kNumLimits = 7;  // from angle_min to range_max
   const std::size_t begin = after_header + kNumLimits * sizeof(float);
   std::uint32_t count = 0;
-  if (scan.size() < begin + sizeof count) throw std::invalid_argument("sensor_msgs/LaserScan is cut short");
+  if (scan.size() < begin + sizeof count) throw std::invalid_argument("sensor_msgs/LaserScan is truncated");
   std::memcpy(&count, scan.data() + begin, sizeof count);
   const std::string_view data = scan.substr(begin + sizeof count);
-  if (data.size() / sizeof(float) < count) throw std::invalid_argument("sensor_msgs/LaserScan is cut short");
+  if (data.size() / sizeof(float) < count) throw std::invalid_argument("sensor_msgs/LaserScan is truncated");
   std::vector<float> ranges(count);
   if (count > 0) std::memcpy(ranges.data(), data.data(), count * sizeof(float));
   return ranges;
@@ -209,7 +209,7 @@ nb::tuple Planar(const geometry_msgs::Twist& twist) {
 }
 
 void BindNode(nb::module_& m) {
-  nb::enum_<Level>(m, "Level", "How grave a line of the log is.")
+  nb::enum_<Level>(m, "Level", "Severity of a log line.")
       .value("DEBUG", Level::kDebug)
       .value("INFO", Level::kInfo)
       .value("WARNING", Level::kWarning)
@@ -217,18 +217,18 @@ void BindNode(nb::module_& m) {
       .value("FATAL", Level::kFatal);
   m.def("start_node", &StartNode, "name"_a, "arguments"_a, WithoutGil(),
         "Register this process as a node; arguments such as \"__name:=world\" rename it and its topics.");
-  m.def("is_ok", &IsOk, "Return whether the node has started, and is not shutting down.");
-  m.def("shut_down", &ShutDown, WithoutGil(), "Take topics and services back; waits 5 s at most for services.");
+  m.def("is_ok", &IsOk, "Return whether the node has started and is not shutting down.");
+  m.def("shut_down", &ShutDown, WithoutGil(), "Unregister topics and services; waits at most 5 s for services.");
   m.def("node_name", &NodeName, "Return the full name of this node.");
   m.def("resolved_name", &ResolvedName, "name"_a, "Return the full name of a topic, service or parameter.");
   m.def("log", &Log, "level"_a, "line"_a, WithoutGil(), "Write a line to the console and to /rosout.");
 }
 
 void BindTopics(nb::module_& m) {
-  nb::class_<MessageType>(m, "MessageType", "What a topic carries.")
+  nb::class_<MessageType>(m, "MessageType", "The type of a topic.")
       .def(nb::init<std::string, std::string, std::string, bool>(), "name"_a, "md5sum"_a, "definition"_a,
            "has_header"_a);
-  nb::class_<Publisher>(m, "Publisher", "Publishes serialized messages on one topic; no queue is limited.")
+  nb::class_<Publisher>(m, "Publisher", "Publishes serialized messages on one topic, with unlimited queues.")
       .def(
           "__init__",
           [](Publisher* self, const std::string& topic, const MessageType& type, bool latched,
@@ -240,7 +240,7 @@ void BindTopics(nb::module_& m) {
           "topic"_a, "type"_a, nb::kw_only(), "latched"_a, "greeting"_a.none() = nb::none(),
           nb::sig("def __init__(self, topic: str, type: MessageType, *, latched: bool,"
                   " greeting: collections.abc.Callable[[], bytes | None] | None = None) -> None"),
-          "greeting: makes what a new subscriber gets at once, in a thread of its own; None: nothing.")
+          "greeting: makes the first message for a new subscriber, in a new thread; None for no message.")
       .def(
           "publish",
           [](const Publisher& self, const nb::bytes& message) {
@@ -249,24 +249,24 @@ void BindTopics(nb::module_& m) {
             self.Publish(raw);
           },
           "message"_a, "Send a serialized message; returns at once.")
-      .def_prop_ro("is_wanted", &Publisher::IsWanted, "Whether somebody gets the next message, now or (latched) later.")
-      .def_prop_ro("num_subscribers", &Publisher::num_subscribers, "How many nodes are connected.");
-  nb::class_<MessageQueue>(m, "MessageQueue", "Collects what comes on several topics until it is taken.")
+      .def_prop_ro("is_wanted", &Publisher::IsWanted, "Whether there is a receiver for the next message, now or later.")
+      .def_prop_ro("num_subscribers", &Publisher::num_subscribers, "Number of connected nodes.");
+  nb::class_<MessageQueue>(m, "MessageQueue", "Collects the messages of several topics until they are taken.")
       .def(nb::init<>())
       .def("subscribe", &MessageQueue::Subscribe, "topic"_a, "type"_a, "keep"_a = 0, WithoutGil(),
-           "Return the topic's index. keep: of more untaken messages the oldest are dropped; 0: none is.")
+           "Return the topic's index. keep: largest number of untaken messages; older ones are dropped; 0: no limit.")
       .def("take", &Take, "timeout_s"_a, nb::sig("def take(self, timeout_s: float) -> list[tuple[int, int, bytes]]"),
            "Return topic index, stamp [ns] and bytes of all messages in order of arrival; waits for the first one.")
-      .def("close", &MessageQueue::Close, "Let nobody wait any more.")
-      .def("unsubscribe", &MessageQueue::Unsubscribe, WithoutGil(), "Close it, and take its topics back.")
+      .def("close", &MessageQueue::Close, "End all waits.")
+      .def("unsubscribe", &MessageQueue::Unsubscribe, WithoutGil(), "Close the queue and unregister its subscriptions.")
       .def_prop_ro("is_closed", &MessageQueue::is_closed, "Whether it is closed.")
-      .def("num_publishers", &MessageQueue::num_publishers, "topic"_a, "Return how many nodes publish a topic.");
+      .def("num_publishers", &MessageQueue::num_publishers, "topic"_a, "Return the number of publishers of a topic.");
 }
 
 void BindServices(nb::module_& m) {
-  nb::class_<ServiceType>(m, "ServiceType", "What a service takes and returns.")
+  nb::class_<ServiceType>(m, "ServiceType", "The type of a service.")
       .def(nb::init<std::string, std::string>(), "name"_a, "md5sum"_a);
-  nb::class_<ServiceServer>(m, "ServiceServer", "Serves requests by their bytes, each in a thread of its own.")
+  nb::class_<ServiceServer>(m, "ServiceServer", "Serves serialized requests, each in a new thread.")
       .def(
           "__init__",
           [](ServiceServer* self, const std::string& service, const ServiceType& type, nb::callable handler) {
@@ -277,7 +277,7 @@ void BindServices(nb::module_& m) {
           "service"_a, "type"_a, "handler"_a,
           nb::sig("def __init__(self, service: str, type: ServiceType, handler: collections.abc.Callable[[bytes], "
                   "bytes]) -> None"),
-          "handler: what it raises becomes the error that the client gets.");
+          "handler: its exceptions become the client's error.");
   m.def(
       "call_service",
       [](const std::string& service, const ServiceType& type, const nb::bytes& request,
@@ -291,7 +291,7 @@ void BindServices(nb::module_& m) {
         return response ? std::optional(Bytes(*response)) : std::nullopt;
       },
       "service"_a, "type"_a, "request"_a, "timeout_s"_a,
-      "Return a service's response; None: it is not there in time [s, wall], or has failed.");
+      "Return a service's response; None if it is not available in time [s, wall] or has failed.");
 }
 
 // Topic: one of the TeamTopics.
@@ -307,9 +307,9 @@ nb::class_<Topic> BindTeamTopic(nb::module_& m, const char* name, const char* do
             new (self) Topic(topics, messages, latched);
           },
           "topics"_a, "examples"_a, nb::kw_only(), "latched"_a,
-          "examples: a serialized message per robot, with all that does not change.")
-      .def_prop_ro("is_wanted", &Topic::IsWanted, "Whether somebody gets the next message of some robot.")
-      .def_prop_ro("num_subscribers", &Topic::num_subscribers, "How many connections all robots' topics have.");
+          "examples: a serialized message per robot, with all constant parts.")
+      .def_prop_ro("is_wanted", &Topic::IsWanted, "Whether there is a receiver for the next message of any robot.")
+      .def_prop_ro("num_subscribers", &Topic::num_subscribers, "Number of connections of all robots' topics.");
 }
 
 void BindTeams(nb::module_& m) {
@@ -333,8 +333,8 @@ void BindTeams(nb::module_& m) {
             new (self) FramesTopic(topic, frames, of_origins);
           },
           "topic"_a, "examples"_a, "origins"_a,
-          "examples: a TFMessage per robot whose first frame moves; origins: none, or another one for each robot.")
-      .def_prop_ro("is_wanted", &FramesTopic::IsWanted, "Whether somebody gets the next message.")
+          "examples: a TFMessage per robot whose first frame moves; origins: none, or one more per robot.")
+      .def_prop_ro("is_wanted", &FramesTopic::IsWanted, "Whether there is a receiver for the next message.")
       .def("publish", &PublishFrames, "time_ns"_a, "poses"_a, "origins"_a.none() = nb::none(),
            "present"_a.none() = nb::none(), "Publish a step: poses and origins (n, 4) x, y, qz, qw; present (n,).");
 }
@@ -345,7 +345,7 @@ void BindReading(nb::module_& m) {
                 " tuple[float, float, float], tuple[float, float, float, float, float, float],"
                 " tuple[float, float, float]]"),
         "Return x, y, qz, qw; forward, left, counter-clockwise; xx, xy, xa, yy, ya, aa of the pose's covariance; the"
-        " variances of the twist. Raises ValueError: the message is cut short.");
+        " variances of the twist. Raises ValueError: the message is truncated.");
   m.def("read_ranges", &ReadRanges, "message"_a,
         "Return the ranges of a sensor_msgs/LaserScan as float32, shape (beams,) [m]. Raises ValueError.");
   m.def(
@@ -360,7 +360,7 @@ void BindReading(nb::module_& m) {
 }
 
 NB_MODULE(_ros_transport, m) {
-  m.doc() = "Nodes in Python whose topics and services are roscpp's.";
+  m.doc() = "Python nodes with topics and services of roscpp.";
   // A node ends while services and publishers are still held by it.
   nb::set_leak_warnings(false);
   BindNode(m);

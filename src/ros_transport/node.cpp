@@ -18,13 +18,13 @@ namespace robotteamsim::ros_transport {
 namespace {
 
 constexpr double kServiceTimeoutS = 5.0;
-// A parameter that says whether the time comes from /clock, where a node looks for it instead of at /use_sim_time.
+// Makes roscpp read another parameter instead of /use_sim_time, so that the node does not use /clock.
 constexpr const char* kOwnUseSimTime = "/use_sim_time:=/robotteamsim/use_sim_time";
 
-// So many connections may wait at once to be accepted.
+// Number of connections that may wait to be accepted.
 constexpr int kMaxWaiting = 4096;
 
-// How often roscpp's thread has begun to queue the messages published so far; in between it writes them.
+// Number of rounds of roscpp's thread, which queues the messages published so far and then writes them.
 std::atomic<std::uint64_t> num_rounds{0};
 
 bool ListensOn(int socket, std::uint32_t port) {
@@ -33,12 +33,12 @@ bool ListensOn(int socket, std::uint32_t port) {
   if (getsockopt(socket, SOL_SOCKET, SO_ACCEPTCONN, &listens, &size) != 0 || listens == 0) return false;
   sockaddr_in address{};
   size = sizeof address;
-  // The port lies at the same place in addresses of IPv6.
+  // The port has the same offset in IPv6 addresses.
   return getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0 && ntohs(address.sin_port) == port;
 }
 
-// roscpp lets 5 callers wait, and 100 subscribers. When hundreds come at once, the kernel resets the connections of
-// others, and not all clients try again.
+// roscpp's backlog is 5 callers and 100 subscribers. If hundreds connect at once, the kernel resets the connections of
+// others, and not all clients retry.
 void AcceptHundredsAtOnce() {
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
     const int file = std::stoi(entry.path().filename());
@@ -52,7 +52,7 @@ void AcceptHundredsAtOnce() {
 }  // namespace
 
 void StartNode(const std::string& name, std::vector<std::string> arguments) {
-  // Lines must reach roslaunch when they are written.
+  // Lines must reach roslaunch immediately.
   setenv("ROSCONSOLE_STDOUT_LINE_BUFFERED", "1", /*overwrite=*/0);
   arguments.emplace_back(kOwnUseSimTime);
   std::vector<char*> argv;
@@ -65,7 +65,7 @@ void StartNode(const std::string& name, std::vector<std::string> arguments) {
 }
 
 ros::NodeHandle StartedNode() {
-  // roscpp would end the process.
+  // Otherwise roscpp would end the process.
   if (!ros::isInitialized()) throw std::logic_error("the node is not started");
   return {};
 }
@@ -78,7 +78,7 @@ void ShutDown() {
 }
 
 void WaitUntilSent() {
-  // The round that has begun may have missed the last messages; the next one queues and writes them.
+  // The current round may have missed the last messages; the next one queues and writes them.
   constexpr int kRounds = 2, kMaxTries = 100;
   const std::uint64_t begin = num_rounds;
   for (int tries = 0; tries < kMaxTries && num_rounds < begin + kRounds; ++tries) {

@@ -11,14 +11,14 @@ namespace robotteamsim::ros_transport {
 // Registers the process as a node; arguments such as "__name:=world" and "odom:=odometry" rename it and its topics.
 // The node does not listen to /clock: it takes the time from the stamps of its messages.
 void StartNode(const std::string& name, std::vector<std::string> arguments);
-// For what needs a started node. Throws std::logic_error: it is not started.
+// Throws std::logic_error if the node is not started.
 ros::NodeHandle StartedNode();
 // False as soon as the node is shutting down.
 bool IsOk();
-// Waits for services that are being served, at most 5 s, and takes everything back from the master.
+// Waits for running service calls, at most 5 s, and unregisters everything from the master.
 void ShutDown();
 
-// Waits until all messages published so far are on their way, as far as sockets take them; at most 0.1 s.
+// Waits until all messages published so far are written to the sockets, at most 0.1 s.
 void WaitUntilSent();
 
 std::string NodeName();

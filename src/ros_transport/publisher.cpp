@@ -12,7 +12,7 @@
 
 namespace robotteamsim::ros_transport {
 
-// What roscpp's thread reads and changes when somebody comes or goes.
+// State that roscpp's thread uses when subscribers connect or disconnect.
 struct Publisher::Shared {
   const bool latched;
   const Greeting greeting;
@@ -34,7 +34,7 @@ struct Publisher::Shared {
     }
   }
 
-  // None where the last message still waits in roscpp's queue, which the new subscriber gets, too.
+  // None if the last message is still in roscpp's queue, which the new subscriber also receives.
   std::optional<RawMessage> LastMessage() {
     const std::lock_guard lock(mutex);
     if (!publication || !last.buf || publication->getSequence() != num_published) return std::nullopt;

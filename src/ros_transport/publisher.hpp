@@ -15,19 +15,19 @@ namespace robotteamsim::ros_transport {
 
 class Publisher {
  public:
-  // Makes what a new subscriber gets at once; called from a thread of its own.
+  // Makes the first message for a new subscriber; called in a new thread.
   using Greeting = std::function<std::optional<RawMessage>()>;
 
-  // Nothing is dropped, however slow a subscriber is. latched: a new subscriber gets the last message, instead of a
+  // No message is dropped, even for slow subscribers. latched: a new subscriber gets the last message instead of a
   // greeting.
   Publisher(const std::string& topic, const MessageType& type, bool latched, Greeting greeting = {});
 
-  // Returns at once; messages reach a subscriber in order. Does nothing where nobody gets the message.
+  // Returns at once; messages reach a subscriber in order. Does nothing if there is no subscriber and no latch.
   void Publish(const RawMessage& message) const;
-  // As Publish, but roscpp may wait with the message until SendEnqueued: for the many messages of one step.
+  // As Publish, but roscpp may delay the message until SendEnqueued: for the many messages of one step.
   void Enqueue(const RawMessage& message) const;
   static void SendEnqueued();
-  // Whether somebody gets the next message, now or (latched) later.
+  // Whether there is a receiver for the next message, now or (latched) later.
   bool IsWanted() const;
   int num_subscribers() const;
 

@@ -15,7 +15,7 @@ struct RawMessage {
   std::string bytes;
 };
 
-// What a topic carries, as in a connection header.
+// The type of a topic, as in a connection header.
 struct MessageType {
   std::string name;  // such as "nav_msgs/Odometry"
   std::string md5sum;
@@ -38,13 +38,13 @@ RawMessage Serialized(const Message& message) {
 template <class Message>
 Message Deserialized(std::string_view bytes) {
   Message message;
-  // roscpp reads from what it calls a mutable stream.
+  // roscpp's IStream requires a mutable pointer, but only reads.
   ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(const_cast<char*>(bytes.data())),
                                      static_cast<std::uint32_t>(bytes.size()));
   try {
     ros::serialization::deserialize(stream, message);
   } catch (const ros::serialization::StreamOverrunException&) {
-    throw std::invalid_argument(std::string(ros::message_traits::datatype<Message>()) + " is cut short");
+    throw std::invalid_argument(std::string(ros::message_traits::datatype<Message>()) + " is truncated");
   }
   return message;
 }

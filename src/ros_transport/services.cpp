@@ -11,7 +11,7 @@ ServiceServer::ServiceServer(const std::string& service, const ServiceType& type
   using Spec = ros::ServiceSpec<RawMessage, RawMessage>;
   const Spec::CallbackType call = [handler = std::move(handler)](RawMessage& request, RawMessage& response) {
     response = handler(request);
-    // A client expects what it has changed on the topics; the response would overtake it.
+    // The client expects its change on the topics, so the response must not overtake those messages.
     WaitUntilSent();
     return true;
   };

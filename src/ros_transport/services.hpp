@@ -18,7 +18,7 @@ struct ServiceType {
 
 class ServiceServer {
  public:
-  // Called from a thread of its own for each request. The message of a std::exception is what the client gets.
+  // Called in a new thread for each request. The client receives the message of a std::exception as the error.
   using Handler = std::function<RawMessage(const RawMessage& request)>;
 
   ServiceServer(const std::string& service, const ServiceType& type, Handler handler);
@@ -27,7 +27,7 @@ class ServiceServer {
   ros::ServiceServer server_;
 };
 
-// Returns the response; none: the service is not there in time [s, wall], or has failed.
+// Returns the response; none if the service is not available in time [s, wall] or has failed.
 std::optional<RawMessage> CallService(const std::string& service, const ServiceType& type, const RawMessage& request,
                                       double timeout_s);
 

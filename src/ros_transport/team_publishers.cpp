@@ -35,7 +35,7 @@ void SetPlace(const double* pose, Vector& place, geometry_msgs::Quaternion& rota
 template <class Message>
 TeamTopic<Message>::TeamTopic(const std::vector<std::string>& topics, const std::vector<std::string>& examples,
                               bool latched) {
-  if (topics.size() != examples.size()) throw std::invalid_argument("topics and examples must be equally many");
+  if (topics.size() != examples.size()) throw std::invalid_argument("topics and examples must have the same length");
   for (std::size_t i = 0; i < topics.size(); ++i) {
     messages_.push_back(Deserialized<Message>(examples[i]));
     publishers_.emplace_back(topics[i], TypeOf<Message>(), latched);
@@ -116,7 +116,7 @@ FramesTopic::FramesTopic(const std::string& topic, const std::vector<std::string
   robots_ = frames(examples);
   origins_ = frames(origins);
   if (!origins_.empty() && origins_.size() != robots_.size()) {
-    throw std::invalid_argument("origins and examples must be equally many");
+    throw std::invalid_argument("origins and examples must have the same length");
   }
 }
 

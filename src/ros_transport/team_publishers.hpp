@@ -1,7 +1,7 @@
-// Publishes what a world knows of all robots, one step at a time, from arrays with one row per robot.
+// Publishes the readings of all robots, one step at a time, from arrays with one row per robot.
 //
-// Each class begins with an example message per robot, as serialized bytes: frames, limits and all else that does not
-// change. Where a robot is not present nothing is published of it; a present without elements has all of them.
+// Each class is created with an example message per robot, as serialized bytes, which has the frames, limits and all
+// other constant parts. Nothing is published for absent robots; an empty `present` means that all are present.
 #pragma once
 
 #include <geometry_msgs/TransformStamped.h>
@@ -18,7 +18,7 @@
 
 namespace robotteamsim::ros_transport {
 
-// The rows of a matrix, whatever lies between them.
+// The rows of a matrix, with any distance between them.
 struct Rows {
   const double* data;
   std::int64_t stride;  // in numbers
@@ -32,7 +32,7 @@ using Present = std::vector<bool>;
 template <class Message>
 class TeamTopic {
  public:
-  // Throws std::invalid_argument: an example is not such a message.
+  // Throws std::invalid_argument if an example is not such a message.
   TeamTopic(const std::vector<std::string>& topics, const std::vector<std::string>& examples, bool latched);
 
   std::size_t size() const { return messages_.size(); }
@@ -78,7 +78,7 @@ class ContactTopic : public TeamTopic<robotteamsim::Contact> {
 class FramesTopic {
  public:
   // examples: a TFMessage per robot, whose first frame moves.
-  // origins: where not empty, a TFMessage per robot with a frame that comes after those of all robots, and moves, too.
+  // origins: empty, or a TFMessage per robot with one more moving frame, published after those of all robots.
   FramesTopic(const std::string& topic, const std::vector<std::string>& examples,
               const std::vector<std::string>& origins);
 

@@ -124,7 +124,7 @@ class InterfaceTest(unittest.TestCase):
         self.assertAlmostEqual(there.x_m, place_m(truth)[0], places=9)
         self.assertAlmostEqual(there.y_m, place_m(truth)[1], places=9)
 
-    def test_world_tells_of_every_step_once_with_one_stamp(self) -> None:
+    def test_world_publishes_every_step_once_with_one_stamp(self) -> None:
         for topic in (*self.odom.values(), *self.scan.values(), *self.truth.values()):
             self.assert_every_step_once(stamps_ns(topic.messages))
 

@@ -106,7 +106,13 @@ class LeavingTest(unittest.TestCase):
         events = [(event["time_s"], event["kind"], event["detail"]) for event in self.result["events"]]
         self.assertEqual(events, self.expected.events)
         told = [detail for _, kind, detail in events if kind in ("robot_removed", "robot_spawned")]
-        for line in ("robot 1 is gone", "robot 3 has come", "robot 1 has come", "robot 0 is gone", "robot 0 has come"):
+        for line in (
+            "robot 1 is removed",
+            "robot 3 is spawned",
+            "robot 1 is spawned",
+            "robot 0 is removed",
+            "robot 0 is spawned",
+        ):
             self.assertIn(line, told)
         self.assertEqual(self.result["result"]["trajectory_hash"], self.expected_result.trajectory_hash)
 
@@ -130,7 +136,7 @@ class LeavingTest(unittest.TestCase):
             "robot_1 is already present; it cannot be spawned",
             "robot_3: pose (10.00, 0.20) is inside wall 'south'; expected 0.2 m of clearance",
             "robot_3: pose must be finite",
-            "robot_id: 3; that robot is not there",
+            "robot_id: 3; the robot is not present",
         ]
         for refused, reason in zip(self.refused, reasons, strict=True):
             self.assertFalse(refused.success)

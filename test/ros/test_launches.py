@@ -202,7 +202,7 @@ def test_launch_ends_and_names_the_node_that_died(tmp_path: Path) -> None:
     ("argument", "line"),
     [
         ("set:=voice.noise_db=99", "--set: voice.noise_db: 99 is above 80"),
-        ("scenario:=garage_sra", "garage_sra: there is no shipped scenario of this name; did you mean 'garage_sar'?"),
+        ("scenario:=garage_sra", "garage_sra: no shipped scenario of this name; did you mean 'garage_sar'?"),
     ],
 )
 def test_wrong_argument_ends_the_launch_with_one_line_and_status_2(argument: str, line: str, tmp_path: Path) -> None:

@@ -361,7 +361,7 @@ def test_arrays_of_the_wrong_shape_are_refused():
         topic.publish(0, np.zeros((1, 4)), np.zeros((1, 2)))
     with pytest.raises(ValueError, match="present must have an element for each of 1 robots"):
         topic.publish(0, np.zeros((1, 4)), np.zeros((1, 3)), present=np.ones(2, bool))
-    with pytest.raises(ValueError, match="nav_msgs/Odometry is cut short"):
+    with pytest.raises(ValueError, match="nav_msgs/Odometry is truncated"):
         roscpp.OdometryTopic(["/shape/odom"], [b"short"], latched=True)
 
 

@@ -112,7 +112,7 @@ void MovableObjects::FinishStep() {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (!bodies_[i]->IsAwake()) continue;
     const base::Pose pose = PoseNow(static_cast<int>(i));
-    // An object that nobody has pushed yet stays where it was placed, in double precision.
+    // An object that was not pushed yet stays exactly where it was placed, in double precision.
     const base::Pose moved = base::RelativePose(poses_[i], pose);
     if (std::hypot(moved.x, moved.y) < kUnmoved && std::abs(moved.yaw) < kUnmoved) continue;
     poses_[i] = pose;

@@ -38,7 +38,7 @@ bool IsTouching(const b2Body* body) {
   return false;
 }
 
-// The pose of a robot that is not there.
+// The pose of an absent robot.
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr base::Pose kNowhere{kNaN, kNaN, kNaN};
 

@@ -1,7 +1,5 @@
 """Draws a floor plan, and the areas, victims, objects and robots of a scenario."""
 
-from __future__ import annotations
-
 import math
 import os
 
@@ -11,7 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Patch, Polygon
 
 from robotteamsim.scenario import Door, FloorPlan, Scenario, solids
+from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.body import corners_at
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import bay_lines
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.world.placement import placed_robots
@@ -58,14 +58,9 @@ def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
     axes.spines[:].set_visible(False)
-    axes.set_title(_title(plan, scenario), fontsize=11)
-    return figure
-
-
-def _title(plan: FloorPlan, scenario: Scenario | None) -> str:
-    (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
     name = plan.name if scenario is None or scenario.name == plan.name else f"{scenario.name} in {plan.name}"
-    return f"{name}, {max_x - min_x:g} x {max_y - min_y:g} m"
+    axes.set_title(f"{name}, {width_m:g} x {height_m:g} m", fontsize=11)
+    return figure
 
 
 def draw_solids(axes: Axes, plan: FloorPlan) -> None:
@@ -121,7 +116,7 @@ def _draw_mission(axes: Axes, scenario: Scenario, unit_m: float) -> None:
 
 def _draw_robots(axes: Axes, scenario: Scenario) -> None:
     robots = placed_robots(scenario)
-    bodies = [_outline(robot) for robot in robots]
+    bodies = [_outline(robot, robot.start_pose) for robot in robots]
     axes.add_collection(PatchCollection(bodies, facecolor=ROBOT, edgecolor="white", linewidth=0.4, zorder=6))
     headings = []
     for robot in robots:
@@ -135,16 +130,11 @@ def _draw_robots(axes: Axes, scenario: Scenario) -> None:
 
 def _draw_objects(axes: Axes, scenario: Scenario) -> None:
     """Draw objects to scale where they stand at the start."""
-    shapes: list[Patch] = [
-        Circle(obj.pose[:2], obj.radius_m) if obj.radius_m else Polygon(corners_at(obj.corners_m, obj.pose))
-        for obj in scenario.objects
-    ]
+    shapes = [_outline(obj, obj.pose) for obj in scenario.objects]
     if shapes:
         axes.add_collection(PatchCollection(shapes, facecolor=_OBJECT, edgecolor="white", linewidth=0.4, zorder=5))
         axes.plot([], [], "s", color=_OBJECT, markersize=6, label="object that robots push")
 
 
-def _outline(robot: PlacedRobot) -> Patch:
-    if robot.footprint_m:
-        return Polygon(corners_at(robot.corners_m, robot.start_pose))
-    return Circle(robot.start_pose[:2], robot.radius_m)
+def _outline(thing: PlacedRobot | MovableObject, pose: PlanarPose) -> Patch:
+    return Polygon(corners_at(thing.corners_m, pose)) if thing.corners_m else Circle(pose[:2], thing.reach_m)

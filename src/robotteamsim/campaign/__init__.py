@@ -1,4 +1,4 @@
-"""Many trials of a scenario: their design, their run on many processes, their store, their tables."""
+"""Many trials of a scenario: their design, execution on many processes, store and tables."""
 
 from robotteamsim.campaign.design import Cell, Design, Trial, make_design
 from robotteamsim.campaign.paths import decode_paths

@@ -1,7 +1,5 @@
 """The design of a campaign: cells, which are settings of a scenario, and the trials of each, with their seeds."""
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import json
@@ -89,7 +87,7 @@ def make_design(
     """Return the design of all combinations of the factors' values, each with every group; all cells are checked.
 
     Args:   scenario_name: a file or a shipped name.
-            overrides: of one value each, for all cells; of equal keys the last one counts.
+            overrides: with one value each, for all cells; the last one of a key counts.
             groups: selected combinations, each of factors with one value.
     Raises: CampaignError, ScenarioError: one line with place, key and value.
     """
@@ -108,14 +106,17 @@ def make_design(
         for values in itertools.product(*(factor.values for factor in factors)):
             chosen = [Factor(factor.key, (value,), factor.place) for factor, value in zip(factors, values, strict=True)]
             settings = [*overrides, *group, *chosen]
-            cell = _cell(scenario_name, settings, keys)
+            loaded = _load(scenario_name, settings)
+            data, given = loaded.model_dump(mode="json", by_alias=True), {s.key: s.values[0] for s in settings}
+            cell = Cell(tuple(_value_at(data, key, given.get(key)) for key in keys), loaded)
             if cell.scenario.control.algorithm not in checked:
                 _check_algorithm(cell.scenario, settings)
                 checked.add(cell.scenario.control.algorithm)
             name = json.dumps(cell.values)
             if name in cells:
                 place = (chosen or group)[-1].place
-                raise CampaignError(f"{place}: duplicate cell: {_settings_text(keys, cell.values)}")
+                said = ", ".join(f"{key}={shown(value)}" for key, value in zip(keys, cell.values, strict=True))
+                raise CampaignError(f"{place}: duplicate cell: {said or 'no settings'}")
             cells[name] = cell
     return Design(base, seed, trials, keys, tuple(cells.values()))
 
@@ -123,7 +124,7 @@ def make_design(
 def _checked_keys(
     overrides: Sequence[Factor], factors: Sequence[Factor], groups: Sequence[Sequence[Factor]]
 ) -> tuple[str, ...]:
-    """Return all keys that vary, in order. Raises: CampaignError: a key is given twice, or is the seed."""
+    """Return all varied keys, in order. Raises: CampaignError: a key is given twice, or is the seed."""
     varied: dict[str, str] = {}
     for group in groups:
         for factor in group:
@@ -143,12 +144,6 @@ def _checked_keys(
     return tuple(varied)
 
 
-def _cell(scenario_name: str, settings: Sequence[Factor], keys: Sequence[str]) -> Cell:
-    loaded = _load(scenario_name, settings)
-    data, said = loaded.model_dump(mode="json", by_alias=True), {factor.key: factor.values[0] for factor in settings}
-    return Cell(tuple(_value_at(data, key, said.get(key)) for key in keys), loaded)
-
-
 def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
     try:
         loaded = scenario.load(scenario_name, [f"{s.key}={json.dumps(s.values[0])}" for s in settings])
@@ -166,7 +161,7 @@ def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
 
 
 def _check_algorithm(of: Scenario, settings: Sequence[Factor]) -> None:
-    """Raise CampaignError unless the controller exists: otherwise every trial would fail."""
+    """Raise CampaignError if the controller does not exist, because every trial would fail."""
     try:
         make_controller(0, of)
     except RobotTeamSimError as error:
@@ -178,7 +173,7 @@ def _check_algorithm(of: Scenario, settings: Sequence[Factor]) -> None:
 
 
 def _value_at(data: Any, key: str, default: Any) -> Any:
-    """Return the value at a dotted key; of `plan` the default, which is a name: shorter than the contents."""
+    """Return the value at a dotted key; for `plan` its name instead of its contents."""
     if key == "plan":
         return default
     for part in key.split("."):
@@ -195,12 +190,8 @@ def _without_seed(of: Scenario) -> dict[str, Any]:
     return data
 
 
-def _settings_text(keys: Sequence[str], values: Sequence[Any]) -> str:
-    return ", ".join(f"{key}={shown(value)}" for key, value in zip(keys, values, strict=True)) or "no settings"
-
-
 def settings_difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str | None:
-    """Return the first difference of two `Design.settings` as "key = old, not new"; None: they are equal."""
+    """Return the first difference of two `Design.settings` as "key = old, not new"; None if they are equal."""
     flat_old, flat_new = dict(_flat(old)), dict(_flat(new))
     keys = [key for key in (*flat_new, *flat_old) if flat_old.get(key) != flat_new.get(key)]
     if not keys:

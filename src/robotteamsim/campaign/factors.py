@@ -1,16 +1,14 @@
 """The factors of a campaign, from the command line or a YAML file."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from robotteamsim.errors import CampaignError
 from robotteamsim.scenario.base import Many, Model
-from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.yaml_text import parse, read_mapping
 
 MAX_TRIALS = 1_000_000
@@ -40,10 +38,7 @@ class DesignFile(Model):
 def read_design_file(path: Path) -> DesignFile:
     """Return the design of a YAML file. Raises: ScenarioError, CampaignError: one line with file, key and value."""
     data = read_mapping(path, str(path), "a design")
-    try:
-        return DesignFile.model_validate(data)
-    except ValidationError as error:
-        raise CampaignError(f"{path}: {problems(error, DesignFile, data)[0]}") from None
+    return checked(DesignFile, data, CampaignError, f"{path}: ")
 
 
 def parse_sweep(text: str) -> Factor:
@@ -51,7 +46,7 @@ def parse_sweep(text: str) -> Factor:
     key, equals, values = (part.strip() for part in text.partition("="))
     if not (key and equals and values):
         raise CampaignError(f"--sweep: '{text}' is not of the form KEY=A,B,C, such as control.alpha=0.3,0.5,0.7")
-    # Read as a list, so that commas within brackets and quotes do not separate values.
+    # Read as a YAML list, so that commas within brackets and quotes do not separate values.
     return Factor(key, tuple(parse(f"[{values}]", f"--sweep: {key}")), "--sweep")
 
 

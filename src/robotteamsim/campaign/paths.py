@@ -1,7 +1,5 @@
 """The paths of a trial's robots, in a compact form."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 
@@ -13,7 +11,7 @@ from robotteamsim.simulation import Result, StepRecord
 from robotteamsim.world.placement import placed_robots
 
 PERIOD_S = 1.0
-"""Between two positions that are stored; rounded to a whole number of steps, at least one."""
+"""Time between two stored positions; rounded to a whole number of steps, at least one."""
 
 _UNIT_M = 0.01
 _HEADER = struct.Struct("<II")
@@ -27,7 +25,7 @@ class PathLog:
 
     def begin(self, scenario: Scenario) -> None:
         """Clear the log."""
-        self._every = steps_between(scenario)
+        self._every = max(round(PERIOD_S / scenario.run.step_s), 1)
         self._starts_m = [robot.start_pose[:2] for robot in placed_robots(scenario)]
         self._positions_m: list[list[tuple[float, float]]] = []
 
@@ -54,13 +52,8 @@ class PathLog:
         return encode_paths(np.array(self._positions_m, dtype=np.float64))
 
 
-def steps_between(scenario: Scenario) -> int:
-    """Return the number of steps between two stored positions."""
-    return max(round(PERIOD_S / scenario.run.step_s), 1)
-
-
 def encode_paths(positions_m: np.ndarray) -> bytes:
-    """Return paths as bytes, equal for equal paths: about 2 per robot and second.
+    """Return paths as bytes, the same for equal paths; about 2 bytes per robot and second.
 
     Two little-endian uint32, samples and robots; then, deflated, the differences from sample to sample as little-endian
     int32 [cm], starting from (0, 0). Args: positions_m: shape (samples, robots, 2), in `map` [m].

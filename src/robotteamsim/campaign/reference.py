@@ -1,7 +1,5 @@
 """The missions of the dissertation, from its Tables 6 and 7."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,7 +8,7 @@ from importlib import resources
 
 @dataclass(frozen=True, slots=True)
 class MissionValues:
-    """The values of a mission in the dissertation. time_s: 600 where the time limit was reached."""
+    """The values of a mission in the dissertation. time_s: 600 if the time limit was reached."""
 
     victims_saved: int
     time_s: float

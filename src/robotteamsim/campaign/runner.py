@@ -29,7 +29,7 @@ _MIN_IN_FLIGHT = 100
 _START_ATTEMPTS = 5
 _REPLACE_EVERY_MS = 2000
 
-# A trial whose worker dies moves to another one. After this many deaths it is given up.
+# A trial whose worker dies moves to another worker. After this many deaths it is given up.
 _ALLOWED_DEATHS = 20
 
 _LOCAL_SETTINGS = {
@@ -37,7 +37,7 @@ _LOCAL_SETTINGS = {
     "distributed.worker.profile.enabled": False,
     "distributed.diagnostics.nvml": False,
     "distributed.admin.tick.limit": "1h",  # Silence lag warnings; load is expected.
-    # Dask's self-monitoring, many times a second in every process, would take time from the trials.
+    # Dask's self-monitoring, many times a second in every process, would slow down the trials.
     "distributed.admin.tick.interval": "2s",
     "distributed.admin.system-monitor.interval": "5s",
     "distributed.admin.system-monitor.gil.enabled": False,
@@ -64,12 +64,12 @@ def local_workers(count: int | None = None) -> Iterator[Client]:
 
 
 def prepare(client: Client, design: Design) -> None:
-    """Let workers import and compute what all trials share before the first trial; optional."""
-    client.run(get_ready, design.cells[0].scenario, on_error="ignore")  # A worker that dies is replaced, as in trials.
+    """Let workers import modules and compute shared data before the first trial; optional."""
+    client.run(get_ready, design.cells[0].scenario, on_error="ignore")  # A worker that dies is replaced.
 
 
 def _start_cluster(count: int) -> LocalCluster:
-    """Return a cluster of this machine. Raises: CampaignError: its workers died repeatedly at their start."""
+    """Return a cluster on this machine. Raises: CampaignError: its workers died repeatedly while starting."""
     from distributed import LocalCluster
 
     for attempt in range(_START_ATTEMPTS):
@@ -112,14 +112,14 @@ def _dead_workers_replaced(cluster: LocalCluster, count: int) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _interrupts_kept_from_children() -> Iterator[None]:
-    """Block Ctrl-C in threads and processes that are started here, and their children: this thread handles it.
+    """Block Ctrl-C in threads and processes that are started here, and in their children; this thread handles it.
 
-    A terminal sends it to all processes; workers would print tracebacks.
+    A terminal sends it to all processes, and workers would print tracebacks.
     """
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
-    resource_tracker.ensure_running()  # Otherwise it starts later, and unblocks the signal then.
+    resource_tracker.ensure_running()  # Otherwise it would start later and unblock the signal.
     former = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -129,9 +129,9 @@ def _interrupts_kept_from_children() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _core_first_on_path() -> Iterator[None]:
-    """Let new processes, which inherit sys.path, find the package in the folder of its C++ part.
+    """Let new processes, which inherit sys.path, find the package in the folder of its C++ module.
 
-    In a catkin devel space, importing the package puts the source folder first, which has no C++ part.
+    In a catkin devel space, importing the package puts the source folder first, which has no C++ module.
     """
     place = str(Path(_core.__file__).parents[1])
     sys.path.insert(0, place)
@@ -149,13 +149,13 @@ def scheduler_at(address: str) -> Iterator[Client]:
     """
     from distributed import Client
 
-    # It logs a lost scheduler, which we report ourselves.
+    # It logs the loss of a scheduler, which we report ourselves.
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     try:
-        # Client itself waits forever for a server that accepts the connection and does not answer.
+        # Client would wait forever for a server that accepts the connection but does not answer.
         asyncio.run(asyncio.wait_for(_shake_hands(address), CONNECT_TIMEOUT_S))
         client = Client(address, timeout=CONNECT_TIMEOUT_S)
-    except Exception as error:  # Another kind of server may answer anything.
+    except Exception as error:  # Another kind of server may cause any exception.
         raise CampaignError(f"{address}: no scheduler answers: {_line(error)}") from None
     with client:
         yield client
@@ -181,17 +181,17 @@ def run_trials(
     waiting = iter(trials)
     running: dict[Future[Outcome], Trial] = {}
     given_up: list[Trial] = []
-    pending = as_completed(loop=client.loop)  # The default is that of the newest client.
+    pending = as_completed(loop=client.loop)  # The default client would be the newest one.
 
     def submit(count: int) -> None:
         for trial in itertools.islice(waiting, count):
             scenario = design.cells[trial.cell].scenario
-            # Impure: a key of its own, so that a cluster does not reuse the result of an older program.
+            # Impure: with a new key, so that a cluster does not reuse results of an older version.
             future = client.submit(run_trial, scenario, trial, robotteamsim.__version__, pure=False)
             running[future] = trial
             pending.add(future)
 
-    # Enough that no worker waits; not all, since each is sent with its scenario.
+    # Enough that no worker waits, but not all, because each is sent with its scenario.
     submit(max(_MIN_IN_FLIGHT, 4 * sum(client.ncores().values())))
     try:
         for future in pending:
@@ -212,7 +212,7 @@ def _outcome(future: Future[Outcome]) -> Outcome | None:
     from distributed import KilledWorker
 
     try:
-        # Waits again where a worker died before it handed over the result.
+        # Waits again if a worker died before it returned the result.
         outcome: Outcome = future.result()
         return outcome
     except KilledWorker:
@@ -220,9 +220,9 @@ def _outcome(future: Future[Outcome]) -> Outcome | None:
     except CampaignError:
         raise
     except (CancelledError, OSError):
-        raise CampaignError("the connection to the scheduler was lost; run the same command to continue") from None
+        raise CampaignError("the connection to the scheduler was lost; run the same command to resume") from None
     except Exception as error:
-        # Exceptions of a trial are in its outcome: this one is the worker's, without the package for example.
+        # Exceptions in a trial are in its outcome; this one is from the worker, for example if the package is missing.
         raise CampaignError(f"a worker cannot run trials: {type(error).__name__}: {_line(error)}") from error
 
 

@@ -1,7 +1,5 @@
 """The store of a campaign: one SQLite file, written by one process, row by row as trials end."""
 
-from __future__ import annotations
-
 import contextlib
 import csv
 import dataclasses
@@ -44,7 +42,7 @@ CREATE TABLE trial (
   PRIMARY KEY (cell, number)
 );
 """
-# By position: stores of earlier versions name the columns about discoveries differently.
+# By position, because earlier versions named the columns about discoveries differently.
 _SELECT = "SELECT * FROM trial ORDER BY cell, number"
 _INSERT = f"INSERT INTO trial VALUES ({', '.join('?' * len(_COLUMNS))})"
 
@@ -77,7 +75,7 @@ class Store:
             return _outcomes(self._database)
 
     def missing(self) -> list[Trial]:
-        """Return the trials that are still to be done, in order. Raises: CampaignError."""
+        """Return the missing trials, in order. Raises: CampaignError."""
         done = {(outcome.cell, outcome.number) for outcome in self.outcomes()}
         return [trial for trial in self._design.all_trials() if (trial.cell, trial.number) not in done]
 
@@ -186,7 +184,7 @@ def _check_same(folder: Path, stored: StoredCampaign, design: Design) -> None:
     old, new = stored.versions["robotteamsim"], robotteamsim.__version__
     if old != new:
         raise CampaignError(f"{folder}: contains a campaign of version {old}, not {new}; choose another folder")
-    # As in JSON, where tuples are lists.
+    # Compare as JSON, where tuples are lists.
     wanted = json.loads(json.dumps(design.settings()))
     known = stored.settings
     if known["trials"] <= design.trials:
@@ -202,7 +200,7 @@ def _outcomes(database: sqlite3.Connection) -> tuple[Outcome, ...]:
 
 @contextlib.contextmanager
 def _locked(folder: Path) -> Iterator[None]:
-    """Lock the folder against other campaigns. The system releases the lock when the process ends, however it does."""
+    """Lock the folder against other campaigns. The system releases the lock when the process ends."""
     try:
         with FileLock(folder / _LOCK_NAME, blocking=False):
             yield

@@ -1,11 +1,9 @@
 """Mean, spread and interval of the results of each cell's trials."""
 
-from __future__ import annotations
-
 import math
 import statistics
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from robotteamsim.campaign.design import Design
@@ -45,10 +43,6 @@ class CellSummary:
     failed: int
     timed_out: int
     statistics: dict[str, Spread]
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the summary as plain values."""
-        return asdict(self)
 
 
 def summarise(design: Design, outcomes: Sequence[Outcome]) -> tuple[CellSummary, ...]:

@@ -1,6 +1,4 @@
-"""Tables as text: Tables 6 to 9 of the dissertation beside ours, and one line per cell for any other campaign."""
-
-from __future__ import annotations
+"""Tables as text: Tables 6 to 9 with our values and the dissertation's, and one line per cell of other campaigns."""
 
 import dataclasses
 import json
@@ -12,9 +10,10 @@ from robotteamsim.campaign.design import Design
 from robotteamsim.campaign.reference import MissionValues, dissertation_missions
 from robotteamsim.campaign.summary import DELIVERY_QUANTITIES, CellSummary, Spread
 from robotteamsim.campaign.trial import Outcome
+from robotteamsim.wording import counted
 
 Missions = Mapping[float, Sequence[MissionValues | None]]
-"""By background noise [dB], the missions in order; None: it failed, or was not run."""
+"""Missions by background noise [dB], in order; None for one that failed or was not run."""
 
 _NOISE_KEY = "voice.noise_db"
 _SHOWN_TRIALS = 30
@@ -26,12 +25,12 @@ _ENDANGERED: _Column = ("endangered", 6, lambda values: values.endangered_links,
 _STATISTICS: dict[str, Callable[[list[float]], float]] = {
     "Mean": statistics.fmean,
     "Median": statistics.median,
-    "Mode": lambda values: min(statistics.multimode(values)),  # Of ties the smallest, as in Table 8: 348 s, not 350 s.
+    "Mode": lambda values: min(statistics.multimode(values)),  # of ties the smallest, as in Table 8: 348 s, not 350 s
 }
 
 
 def is_the_dissertations(design: Design) -> bool:
-    """Whether Tables 6 to 9 suit a campaign: the garage, and only the noise varies."""
+    """Whether Tables 6 to 9 apply to a campaign: the garage, and only the noise varies."""
     return design.scenario.name == "garage_sar" and design.keys == (_NOISE_KEY,)
 
 
@@ -42,12 +41,13 @@ def missions_by_noise(design: Design, outcomes: Sequence[Outcome]) -> Missions:
     }
     for outcome in outcomes:
         if not outcome.failed:
-            missions[design.cells[outcome.cell].values[0]][outcome.number - 1] = _values(outcome)
+            values = MissionValues(*(getattr(outcome, field.name) for field in dataclasses.fields(MissionValues)))
+            missions[design.cells[outcome.cell].values[0]][outcome.number - 1] = values
     return missions
 
 
 def dissertation_tables(ours: Missions) -> str:
-    """Return Tables 6 to 9 for our noise levels, each value beside the dissertation's, where it has that level.
+    """Return Tables 6 to 9 for our noise levels, each value next to the dissertation's if it has that level.
 
     Times are whole seconds, as in the dissertation.
     """
@@ -82,20 +82,19 @@ def summary_table(design: Design, summaries: Sequence[CellSummary]) -> str:
 
 
 def exclusion_note(outcomes: Sequence[Outcome]) -> str:
-    """Return a note for readers of mean times on missions that ended because all robots were excluded; "": none did."""
+    """Return a note about missions that ended because all robots were excluded; "" if there are none."""
     times_s = [outcome.time_s for outcome in outcomes if outcome.end == "all_excluded" and outcome.time_s is not None]
     if not times_s:
         return ""
-    what = "mission" if len(times_s) == 1 else "missions"
     when = f"{min(times_s):.0f}" if len(times_s) == 1 else f"{min(times_s):.0f} to {max(times_s):.0f}"
     return (
-        f"{len(times_s)} {what} of ours ended at {when} s because all robots were excluded; that is the time here, "
-        "while a report uses the time limit"
+        f"{counted(len(times_s), 'mission')} of ours ended at {when} s because all robots were excluded; that is the "
+        "time here, while a report uses the time limit"
     )
 
 
 def _raw_table(title: str, ours: Missions, theirs: Missions, *columns: _Column) -> str:
-    """Each mission on a line."""
+    """One line per mission."""
     num_ours = max(len(missions) for missions in ours.values())
     num_lines = min(_SHOWN_TRIALS, max(num_ours, _SHOWN_TRIALS if set(ours) & set(theirs) else 0))
     lines = []
@@ -112,7 +111,7 @@ def _raw_table(title: str, ours: Missions, theirs: Missions, *columns: _Column) 
 
 
 def _statistics_table(title: str, ours: Missions, theirs: Missions, *columns: _Column) -> str:
-    """Mean, median and mode on a line each."""
+    """One line each for mean, median and mode."""
     lines = []
     for name, statistic in _STATISTICS.items():
         cells = [name]
@@ -120,7 +119,7 @@ def _statistics_table(title: str, ours: Missions, theirs: Missions, *columns: _C
             for _, _, value, digits in columns:
                 for source in (ours, theirs):
                     values = [float(value(mission)) for mission in source.get(noise_db, ()) if mission is not None]
-                    cells.append(_trimmed(statistic(values), digits) if values else "-")
+                    cells.append(f"{statistic(values):.{digits}f}".rstrip("0").rstrip(".") if values else "-")
         lines.append(cells)
     return _block(title, "", sorted(ours), columns, lines)
 
@@ -128,7 +127,7 @@ def _statistics_table(title: str, ours: Missions, theirs: Missions, *columns: _C
 def _block(
     title: str, corner: str, noises_db: Sequence[float], columns: Sequence[_Column], lines: Sequence[Sequence[str]]
 ) -> str:
-    """Lay out a table with, under each noise, each column twice: ours, and the dissertation's as "diss."."""
+    """Format a table with each column twice under each noise: ours, and the dissertation's as "diss."."""
     widths = [width for _, width, _, _ in columns for _ in ("ours", "diss.")]
     heads = [
         [f"{noise_db:g} dB".center(sum(widths)) for noise_db in noises_db],
@@ -154,10 +153,6 @@ def _aligned(lines: Sequence[Sequence[str]]) -> str:
     return "\n".join(line.rstrip() for line in padded)
 
 
-def _values(outcome: Outcome) -> MissionValues:
-    return MissionValues(*(getattr(outcome, field.name) for field in dataclasses.fields(MissionValues)))
-
-
 def _item(missions: Sequence[MissionValues | None], index: int) -> MissionValues | None:
     return missions[index] if index < len(missions) else None
 
@@ -173,8 +168,3 @@ def _spread(spread: Spread | None) -> str:
     if spread.sd is None:
         return f"{spread.mean:.2f}"
     return f"{spread.mean:.2f} ± {spread.sd:.2f} [{spread.low:.2f}, {spread.high:.2f}]"
-
-
-def _trimmed(value: float, digits: int) -> str:
-    text = f"{value:.{digits}f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text

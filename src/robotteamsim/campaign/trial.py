@@ -1,7 +1,5 @@
 """One trial of a campaign, as a worker runs it."""
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import json
@@ -9,16 +7,23 @@ import time
 import traceback
 from dataclasses import dataclass, field
 
+import msgspec
+
 import robotteamsim
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.paths import PathLog
 from robotteamsim.errors import CampaignError
-from robotteamsim.mission.status import Event
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
 
 _FIRST_STEPS = 20
-"""After this many steps, robots have chosen their first goals."""
+"""After this number of steps, robots have chosen their first goals."""
+
+_OF_RESULT = (
+    *("end", "time_s", "areas_explored", "num_areas", "victims_saved", "num_victims", "endangered_links"),
+    *("discoveries_delivered", "mean_delivery_delay_s", "max_delivery_delay_s", "steps", "trajectory_hash"),
+)
+"""Values of a `Result` that are stored as they are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +31,7 @@ class Outcome:
     """The stored results of a trial. A failed one has an error, its traceback, and None for all values.
 
     discoveries_delivered, mean_delivery_delay_s, max_delivery_delay_s: as in `Result`; None without a base.
-    details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null where that
+    details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null if that
              never happened) and `robots` (distance_m, contact_s, excluded_s, longest_stay_s of each).
     paths:   of the robots, for `decode_paths`.
     wall_s:  computing time, the only value that differs between equal trials.
@@ -62,14 +67,14 @@ class Outcome:
 
 
 def get_ready(scenario: Scenario) -> None:
-    """Import what trials of a scenario need, and compute what they share: formation, faces, distance maps."""
-    with contextlib.suppress(Exception):  # The first trial reports it.
+    """Import modules and compute shared data for trials of a scenario: formation, faces, distance maps."""
+    with contextlib.suppress(Exception):  # The first trial reports the error.
         simulation = Simulation(scenario)
         simulation.mission.start()
         for _ in range(_FIRST_STEPS):
             simulation.step()
     gc.collect()
-    gc.freeze()  # These objects live until the end: later collections need not examine them.
+    gc.freeze()  # These objects live until the end, so later garbage collections need not examine them.
 
 
 def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
@@ -91,7 +96,18 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
         line = " ".join(f"{type(error).__name__}: {error}".split())
         trace = traceback.format_exc()
         return Outcome(trial.cell, trial.number, trial.seed, error=line, traceback=trace, wall_s=wall_s)
-    return _outcome(trial, result, times.details(result), paths.encoded(), time.perf_counter() - start_s)
+    values = msgspec.structs.asdict(result)
+    return Outcome(
+        trial.cell,
+        trial.number,
+        trial.seed,
+        **{name: values[name] for name in _OF_RESULT},
+        distance_m=sum(robot.distance_m for robot in result.robots),
+        contact_s=sum(robot.contact_s for robot in result.robots),
+        details=times.details(result),
+        paths=paths.encoded(),
+        wall_s=time.perf_counter() - start_s,
+    )
 
 
 class _EventTimes:
@@ -105,16 +121,13 @@ class _EventTimes:
 
     def step(self, record: StepRecord) -> None:
         for event in record.events:
-            self._note(event)
-
-    def _note(self, event: Event) -> None:
-        if event.kind == "area_explored":
-            self._areas[event.subject] = event.time_s
-        elif event.kind in ("victim_heard", "victim_saved"):
-            times = self._victims[event.subject]
-            key = event.kind.removeprefix("victim_") + "_s"
-            if times[key] is None:
-                times[key] = event.time_s
+            if event.kind == "area_explored":
+                self._areas[event.subject] = event.time_s
+            elif event.kind in ("victim_heard", "victim_saved"):
+                times = self._victims[event.subject]
+                key = event.kind.removeprefix("victim_") + "_s"
+                if times[key] is None:
+                    times[key] = event.time_s
 
     def end(self, result: Result) -> None:
         """Do nothing."""
@@ -124,38 +137,5 @@ class _EventTimes:
 
     def details(self, result: Result) -> str:
         """Return the `details` of an outcome."""
-        robots = [
-            {
-                "distance_m": robot.distance_m,
-                "contact_s": robot.contact_s,
-                "excluded_s": robot.excluded_s,
-                "longest_stay_s": robot.longest_stay_s,
-            }
-            for robot in result.robots
-        ]
+        robots = [msgspec.structs.asdict(robot) for robot in result.robots]
         return json.dumps({"areas": self._areas, "victims": self._victims, "robots": robots}, ensure_ascii=False)
-
-
-def _outcome(trial: Trial, result: Result, details: str, paths: bytes, wall_s: float) -> Outcome:
-    return Outcome(
-        cell=trial.cell,
-        number=trial.number,
-        seed=trial.seed,
-        end=result.end,
-        time_s=result.time_s,
-        areas_explored=result.areas_explored,
-        num_areas=result.num_areas,
-        victims_saved=result.victims_saved,
-        num_victims=result.num_victims,
-        endangered_links=result.endangered_links,
-        discoveries_delivered=result.discoveries_delivered,
-        mean_delivery_delay_s=result.mean_delivery_delay_s,
-        max_delivery_delay_s=result.max_delivery_delay_s,
-        distance_m=sum(robot.distance_m for robot in result.robots),
-        contact_s=sum(robot.contact_s for robot in result.robots),
-        steps=result.steps,
-        trajectory_hash=result.trajectory_hash,
-        details=details,
-        paths=paths,
-        wall_s=wall_s,
-    )

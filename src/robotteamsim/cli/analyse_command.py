@@ -32,12 +32,12 @@ _MP4_WIDTH_PX, _MP4_FRAMES_PER_S = 1280, 25
 _DESCRIPTION = """\
 Summarise bags: the course of the mission, the distances driven, the state of the network. Bags may
 come from ROS runs, headless runs, real robots or another simulator with the same topics, compressed
-or not. Whatever cannot be computed from a bag is omitted, and listed with the missing topic."""
+or not. Values that cannot be computed from a bag are omitted, and listed with the missing topic."""
 
 _EPILOG = """\
-Topics: /mission/status, events, victims, areas; /network/state; of each robot odom or
+Topics: /mission/status, events, victims, areas; /network/state; for each robot odom or
 base_pose_ground_truth, contact, controller/status; /map, /tf. Paths are drawn from the true poses
-if the bag has them, else from odometry, transformed to map by /tf.
+if the bag has them, else from odometry, transformed to map with /tf.
 
 examples:
   robotteamsim analyse mission.bag
@@ -61,8 +61,8 @@ def add_to(commands: Any) -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write totals and events; - prints them instead")
     parser.add_argument("--csv", type=Path, metavar="DIR", help="write totals, events and time series as tables")
     parser.add_argument("--png", type=Path, metavar="FILE", help=f"draw paths and curves of up to {MAX_DRAWN} bags")
-    parser.add_argument("--gif", type=Path, metavar="FILE", help="make a small film, for web pages")
-    parser.add_argument("--mp4", type=Path, metavar="FILE", help="make a large film, for talks; needs ffmpeg")
+    parser.add_argument("--gif", type=Path, metavar="FILE", help="make a small film for web pages")
+    parser.add_argument("--mp4", type=Path, metavar="FILE", help="make a large film for talks; needs ffmpeg")
     parser.add_argument(
         "--seconds", type=positive_number, default=20.0, metavar="S", help="length of the film; default 20"
     )
@@ -91,7 +91,12 @@ def analyse(options: argparse.Namespace) -> None:
         written.append(options.png)
     written += _film(options, runs[0], all_totals[0], plan)
     if options.json != Path("-"):
-        _print(runs, all_totals)
+        from robotteamsim.analysis.runs.tables import print_run, print_runs
+
+        if len(runs) == 1:
+            print_run(Console(), runs[0], all_totals[0])
+        else:
+            print_runs(Console(), all_totals)
         for path in written:
             print(path)
 
@@ -102,7 +107,8 @@ def _check(options: argparse.Namespace) -> None:
     twice = next((bag for bag, name in zip(options.bags, names, strict=True) if names.count(name) > 1), None)
     if twice:
         raise UsageError(f"{twice} is given twice")
-    for path in _files(options):
+    files = [path for path in (options.json, options.png, options.gif, options.mp4) if path and path != Path("-")]
+    for path in files:
         check_replaceable(path)
         if not path.parent.is_dir():
             raise UsageError(f"{path}: cannot be written: {path.parent} is not a folder")
@@ -121,11 +127,6 @@ def _check_film(options: argparse.Namespace) -> None:
         raise UsageError(f"--seconds {options.seconds:g} is outside {_MIN_FILM_S:g} to {_MAX_FILM_S:g} s")
     if options.mp4:
         find_ffmpeg()
-
-
-def _files(options: argparse.Namespace) -> list[Path]:
-    """Return the files to be written."""
-    return [path for path in (options.json, options.png, options.gif, options.mp4) if path and path != Path("-")]
 
 
 def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> list[Path]:
@@ -163,12 +164,3 @@ def _with_progress(frames: Iterator[np.ndarray], count: int) -> Iterator[np.ndar
     """Yield the frames and show a progress bar on a terminal."""
     console = Console(stderr=True)
     return iter(track(frames, "film", count, console=console, disable=not console.is_terminal, transient=True))
-
-
-def _print(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> None:
-    from robotteamsim.analysis.runs.tables import print_run, print_runs
-
-    if len(runs) == 1:
-        print_run(Console(), runs[0], all_totals[0])
-    else:
-        print_runs(Console(), all_totals)

@@ -1,29 +1,21 @@
 """`robotteamsim campaign`: run many missions on many processes and print tables of their results."""
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import json
 import sys
 import textwrap
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
-from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_design, open_store
+from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_design, open_store, tables
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, parse_sweep, read_design_file
 from robotteamsim.campaign.runner import local_workers, prepare, run_trials, scheduler_at
 from robotteamsim.campaign.summary import summarise
-from robotteamsim.campaign.tables import (
-    dissertation_tables,
-    exclusion_note,
-    is_the_dissertations,
-    missions_by_noise,
-    summary_table,
-)
 from robotteamsim.cli.campaign_progress import CampaignProgress
 from robotteamsim.cli.parser import number, positive_whole_number, whole_number
 from robotteamsim.cli.run_command import add_set_option
@@ -97,7 +89,17 @@ def run(options: argparse.Namespace) -> int:
         outcomes, csv_path = store.outcomes(), store.export()
     failed = [outcome for outcome in outcomes if outcome.failed]
     if options.json:
-        print(json.dumps(_document(options, design, outcomes, given_up, csv_path)))
+        document = {
+            "scenario": design.scenario.name,
+            "seed": design.seed,
+            "trials": design.trials,
+            "cells": [asdict(summary) for summary in summarise(design, outcomes)],
+            "failed": [{"cell": o.cell, "trial": o.number, "seed": o.seed, "error": o.error} for o in failed],
+            "given_up": [{"cell": trial.cell, "trial": trial.number, "seed": trial.seed} for trial in given_up],
+            "folder": str(options.out),
+            "csv": str(csv_path),
+        }
+        print(json.dumps(document))
     elif not options.quiet:
         _print_tables(design, outcomes)
         print(f"\nwritten {csv_path}")
@@ -163,31 +165,12 @@ def _run_missing(options: argparse.Namespace, design: Design, store: Store, clie
 
 
 def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
-    if is_the_dissertations(design):
-        print(dissertation_tables(missions_by_noise(design, outcomes)))
+    if tables.is_the_dissertations(design):
+        print(tables.dissertation_tables(tables.missions_by_noise(design, outcomes)))
     else:
-        print(summary_table(design, summarise(design, outcomes)))
-    if note := exclusion_note(outcomes):
+        print(tables.summary_table(design, summarise(design, outcomes)))
+    if note := tables.exclusion_note(outcomes):
         print(f"\n{note}")
-
-
-def _document(
-    options: argparse.Namespace,
-    design: Design,
-    outcomes: tuple[Outcome, ...],
-    given_up: tuple[Trial, ...],
-    csv_path: Path,
-) -> dict[str, Any]:
-    return {
-        "scenario": design.scenario.name,
-        "seed": design.seed,
-        "trials": design.trials,
-        "cells": [summary.as_json() for summary in summarise(design, outcomes)],
-        "failed": [{"cell": o.cell, "trial": o.number, "seed": o.seed, "error": o.error} for o in outcomes if o.failed],
-        "given_up": [{"cell": trial.cell, "trial": trial.number, "seed": trial.seed} for trial in given_up],
-        "folder": str(options.out),
-        "csv": str(csv_path),
-    }
 
 
 def _first(*values: int | None) -> int:

@@ -1,7 +1,5 @@
 """Ctrl-C during a run."""
 
-from __future__ import annotations
-
 import signal
 from types import FrameType
 
@@ -10,7 +8,7 @@ from robotteamsim.simulation import Result, StepRecord
 
 
 class InterruptBetweenSteps:
-    """Ends a run on Ctrl-C after the current step, when all recorders have it; a second Ctrl-C ends it at once."""
+    """Ends a run on Ctrl-C after the current step has been recorded; a second Ctrl-C ends it at once."""
 
     def begin(self, scenario: Scenario) -> None:
         """Install the handler."""

@@ -26,7 +26,7 @@ EXIT_BROKEN_PIPE = 141
 
 _EXAMPLES = """\
 examples:
-  robotteamsim run garage_sar                        one mission, with a table of what happened
+  robotteamsim run garage_sar                        one mission, with a table of its events
   robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
   robotteamsim run my.yaml --set control.alpha=0.5 --json
   robotteamsim campaign garage_sar --noise 10 --noise 20 --trials 30 --out DIR
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("robotteamsim: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except BrokenPipeError:
-        # The reader has closed the pipe. Without this, Python would print an error when it flushes stdout at exit.
+        # The reader has closed the pipe. Otherwise Python would print an error when it flushes stdout at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_BROKEN_PIPE
     return status or 0

@@ -1,7 +1,5 @@
 """The argument parser of all commands, and argument types shared by several commands."""
 
-from __future__ import annotations
-
 import argparse
 import difflib
 import math
@@ -12,7 +10,7 @@ from robotteamsim.errors import RobotTeamSimError
 
 
 class UsageError(RobotTeamSimError):
-    """The command line itself is wrong."""
+    """The command line is invalid."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -20,7 +18,7 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **settings: object) -> None:
         super().__init__(allow_abbrev=False, formatter_class=argparse.RawDescriptionHelpFormatter, **settings)  # type: ignore[arg-type]
-        # argparse recognises -1 as a number, but takes -1,5 for an option. No option here starts with a digit.
+        # argparse recognises -1 as a number, but treats -1,5 as an option. No option here starts with a digit.
         self._negative_number_matcher = re.compile(r"-[\d.]")
 
     def error(self, message: str) -> NoReturn:

@@ -1,7 +1,5 @@
 """`robotteamsim plan`: import floor plans from map_server images and Stage worlds, export them, draw them."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any
@@ -14,7 +12,7 @@ from robotteamsim.recording.files import atomically
 
 _IMPORT_TEXT = """\
 Convert an occupancy image, as written by map_server or slam_gmapping, into a floor plan of
-walls and blocks. A scenario can also name the image's yaml as its plan directly."""
+walls and blocks. A scenario can also use the image's yaml directly as its plan."""
 
 
 def add_to(commands: Any) -> None:

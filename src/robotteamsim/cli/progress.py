@@ -1,7 +1,5 @@
 """The progress bar of a running mission."""
 
-from __future__ import annotations
-
 import time
 
 from rich.console import Console

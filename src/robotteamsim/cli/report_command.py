@@ -1,7 +1,5 @@
 """`robotteamsim report`: make one page with figures, tables and verdicts from the store of a campaign."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from dataclasses import asdict

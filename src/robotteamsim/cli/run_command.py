@@ -1,7 +1,5 @@
 """`robotteamsim run`: run one mission as fast as possible."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from pathlib import Path
@@ -15,12 +13,13 @@ from robotteamsim.cli.parser import number, whole_number
 from robotteamsim.cli.progress import ProgressBar
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording import BagWriter, ResultWriter, TumWriter, result_summary
-from robotteamsim.recording.table import EventList, print_result
+from robotteamsim.recording.results import EventList
+from robotteamsim.recording.table import print_result
 from robotteamsim.simulation import Observer, Simulation
 
 _DESCRIPTION = """\
-Run one mission and print what happened. The same scenario and seed give the same
-trajectories to the bit, headless and in ROS with lockstep:=true."""
+Run one mission and print its events and totals. The same scenario and seed give
+bit-identical trajectories, headless and in ROS with lockstep:=true."""
 
 _EPILOG = """\
 --out writes mission.json (result, all events, all settings, versions) and
@@ -73,7 +72,7 @@ def run(options: argparse.Namespace) -> None:
     if options.json:
         print(json.dumps(result_summary(result)))
     elif not options.quiet:
-        print_result(Console(), loaded, result, events.events, [options.out, options.bag])
+        print_result(Console(), result, events.events, [options.out, options.bag])
 
 
 def _load(options: argparse.Namespace) -> scenario.Scenario:

@@ -1,7 +1,5 @@
 """`robotteamsim scenario`: check, show, draw and list scenarios; print the JSON Schema for editors."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys
@@ -65,7 +63,8 @@ def run_check(options: argparse.Namespace) -> None:
         if mistake := _mistake_in_setting_up(loaded):
             mistakes.append(f"{name}: {mistake}")
             continue
-        mission, (width_m, height_m) = loaded.mission, _size_m(loaded)
+        mission, bounds = loaded.mission, loaded.plan.bounds
+        width_m, height_m = (high - low for low, high in zip(bounds.min, bounds.max, strict=True))
         print(
             f"{name}: valid: {counted(loaded.num_robots, 'robot')}, {counted(len(mission.areas), 'area')}, "
             f"{counted(len(mission.victims), 'victim')} in {loaded.plan.name} of {width_m:g} x {height_m:g} m"
@@ -106,11 +105,6 @@ def run_schema(options: argparse.Namespace) -> None:
         write_atomically(options.file, text + "\n")
     else:
         print(text)
-
-
-def _size_m(loaded: scenario.Scenario) -> tuple[float, float]:
-    (min_x, min_y), (max_x, max_y) = loaded.plan.bounds.min, loaded.plan.bounds.max
-    return max_x - min_x, max_y - min_y
 
 
 def run_list(options: argparse.Namespace) -> None:

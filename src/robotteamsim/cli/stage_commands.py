@@ -1,7 +1,5 @@
 """`robotteamsim plan import-stage` and `plan export-stage`: convert worlds of the Stage simulator."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence
@@ -10,6 +8,7 @@ from typing import Any
 
 from robotteamsim import scenario
 from robotteamsim.cli.parser import UsageError, positive_number
+from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.recording.files import atomically, prepare_folder
 from robotteamsim.scenario.plan_export import RESOLUTION_M
 from robotteamsim.scenario.yaml_text import write
@@ -55,9 +54,7 @@ def add_to(actions: Any) -> None:
     export_parser.add_argument(
         "scenario", metavar="SCENARIO", help="a file, or the name of a shipped scenario: garage_sar"
     )
-    export_parser.add_argument(
-        "--set", dest="settings", action="append", default=[], metavar="KEY=VALUE", help="change a value"
-    )
+    add_set_option(export_parser)
     export_parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="where to write the world and its bitmap"
     )
@@ -101,7 +98,7 @@ def export_stage(options: argparse.Namespace) -> None:
     """Export a scenario to Stage."""
     from robotteamsim.stage import export_world
 
-    model = scenario.load(options.scenario, options.settings)
+    model = scenario.load(options.scenario, options.overrides)
     # The scenario's own name may not be a valid file name.
     name = Path(options.scenario).stem
     export = export_world(model, f"{name}.png", options.resolution)

@@ -1,4 +1,4 @@
-"""Controllers: one robot's observation and messages in, twist and messages out."""
+"""Controllers: from one robot's observation and inbox to its twist and outbox."""
 
 from robotteamsim.control.runtime.guard import Guard
 from robotteamsim.control.runtime.registry import ALGORITHMS, algorithm_names, make_controller

@@ -1,4 +1,4 @@
-"""What a controller perceives and decides, and what the mission asks of it."""
+"""The inputs and outputs of a controller: observation, messages, task, decision."""
 
 from robotteamsim.interface.controller import Controller
 from robotteamsim.interface.decision import OUTSIDE, Decision

@@ -1,7 +1,5 @@
 """The protocol of every controller: observation and messages in, decision out."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Protocol
 
@@ -12,10 +10,10 @@ from robotteamsim.network.messages import Message
 
 
 class Controller(Protocol):
-    """One robot's controller: built at the start of a trial and whenever the robot returns, stepped once per step."""
+    """One robot's controller: created at the start of a trial and when the robot comes back, called in each step."""
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Take in what the robot perceives, the messages that arrived, and the mission's task."""
+        """Process the observation, the messages that arrived, and the mission's task."""
 
     def decide(self) -> Decision:
-        """Return command and messages for this step."""
+        """Return the command and the messages of this step."""

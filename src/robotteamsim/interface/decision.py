@@ -1,6 +1,4 @@
-"""What a controller returns in each step."""
-
-from __future__ import annotations
+"""The output of a controller in each step."""
 
 import msgspec
 
@@ -12,16 +10,16 @@ OUTSIDE = -1
 
 
 class Decision(msgspec.Struct, frozen=True, gc=False):
-    """All that one controller returns in one step.
+    """The complete output of one controller in one step.
 
     twist:        velocity command in `base_link`.
-    outbox:       messages to send, delivered in the next step where a path of links exists.
+    outbox:       messages to send, delivered in the next step if a path of links exists.
     excluded:     whether the robot is socially excluded.
-    goal_m:       where it drives to, in `map` [m]; None when it has no goal.
+    goal_m:       position it drives to, in `map` [m]; None if it has no goal.
     local_best:   value of its local best (larger is better), for display.
     search_counter: SC of its swarm, for display.
-    swarm:        number of its swarm; OUTSIDE when excluded, 0 where there are no swarms.
-    fault:        why its controller was stopped, in one line; "" while it works. A stopped robot stands still.
+    swarm:        number of its swarm; OUTSIDE if excluded, 0 if there are no swarms.
+    fault:        one line: why its controller was stopped; "" if it is running. A stopped robot stands still.
     """
 
     twist: Twist = Twist()

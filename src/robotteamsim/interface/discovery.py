@@ -1,7 +1,5 @@
 """Discoveries, and the messages by which robots announce them and the base acknowledges them."""
 
-from __future__ import annotations
-
 import functools
 import math
 from typing import Literal
@@ -14,11 +12,11 @@ Kind = Literal["area", "victim"]
 
 
 class Discovery(msgspec.Struct, frozen=True, gc=False):
-    """An area explored or a victim reached.
+    """An explored area or a reached victim.
 
-    name:       of the area or victim; "" where a robot does not know it.
+    name:       of the area or victim; "" if the robot does not know it.
     position_m: of the victim, or of the area's centre, in `map` [m].
-    time_s:     when, on the mission's clock [s].
+    time_s:     time of the discovery, from the start of the mission [s].
     """
 
     kind: Kind
@@ -29,9 +27,9 @@ class Discovery(msgspec.Struct, frozen=True, gc=False):
 
 
 class Announced(msgspec.Struct, frozen=True, gc=False, omit_defaults=True):
-    """What a message says of a discovery: its kind and its name; of a victim without a name at least the position.
+    """A discovery in a message: kind and name, or kind and position of a victim without a name.
 
-    Others of the attributes of `Discovery` may be there or not.
+    The other attributes of `Discovery` are optional.
     """
 
     kind: Kind
@@ -41,9 +39,9 @@ class Announced(msgspec.Struct, frozen=True, gc=False, omit_defaults=True):
     time_s: float | None = None
 
     def means(self, discovery: Discovery, within_m: float) -> bool:
-        """Whether it means a discovery: by kind and name, or, of a victim without a name, by its position.
+        """Whether it refers to a discovery: same kind and name, or a victim without a name close to its position.
 
-        Args: within_m: how far the position of a victim without a name may be from hers [m].
+        Args: within_m: largest distance between the two positions for a victim without a name [m].
         """
         if self.kind == "victim" and not self.name and self.position_m is not None:
             return discovery.kind == "victim" and math.dist(self.position_m, discovery.position_m) <= within_m
@@ -51,7 +49,7 @@ class Announced(msgspec.Struct, frozen=True, gc=False, omit_defaults=True):
 
 
 class Announcement(msgspec.Struct, frozen=True, gc=False):
-    """A message that announces discoveries. Messages of controllers may carry this key beside their own."""
+    """A message that announces discoveries. Messages of controllers may have this key in addition to their own."""
 
     discoveries: tuple[Announced, ...]
 
@@ -70,14 +68,14 @@ _acknowledgements = msgspec.json.Decoder(_Acknowledgement)
 
 
 def announcement(discovery: Discovery) -> str:
-    """Return the payload by which a robot announces a discovery."""
+    """Return the payload that announces a discovery."""
     return to_payload({"discoveries": [discovery]})
 
 
-# The same payload is sent again until the base has acknowledged it.
+# The same payload is sent repeatedly until the base has acknowledged it.
 @functools.lru_cache(maxsize=64)
 def announced_in(payload: str) -> tuple[Announced, ...]:
-    """Return the discoveries that a message announces; () where it announces none."""
+    """Return the discoveries that a message announces; () if it announces none."""
     if '"discoveries"' not in payload:
         return ()
     found = read_payload(_announcements, payload)
@@ -85,12 +83,12 @@ def announced_in(payload: str) -> tuple[Announced, ...]:
 
 
 def acknowledgement(kind: Kind, name: str) -> str:
-    """Return the payload by which the base acknowledges that a discovery has been delivered to it."""
+    """Return the payload with which the base acknowledges the delivery of a discovery."""
     return to_payload(_Acknowledgement(_Name(kind, name)))
 
 
 def acknowledged_in(payload: str) -> tuple[Kind, str] | None:
-    """Return kind and name of the discovery that a message acknowledges; None where it is something else."""
+    """Return kind and name of the discovery that a message acknowledges; None if it is another message."""
     if '"delivered"' not in payload:
         return None
     found = read_payload(_acknowledgements, payload)

@@ -1,6 +1,4 @@
-"""What one robot perceives in one step."""
-
-from __future__ import annotations
+"""The input of one controller from its robot's sensors in one step."""
 
 import msgspec
 
@@ -8,7 +6,7 @@ from robotteamsim.sensing.readings import RobotReading, VoiceReading
 
 
 class Observation(msgspec.Struct, frozen=True, gc=False, eq=False):
-    """All that one controller perceives in one step; sim_time_ns is the stamp of every part."""
+    """Everything that one controller perceives in one step; sim_time_ns is the stamp of all parts."""
 
     robot_id: int
     sim_time_ns: int

@@ -1,7 +1,7 @@
-"""Payloads of messages: typed JSON, written and read by msgspec. Floats keep every bit."""
+"""Payloads of messages: typed JSON, written and read by msgspec. Floats are exact."""
 
-from __future__ import annotations
-
+import functools
+from collections.abc import Callable
 from typing import Annotated, Any, TypeVar
 
 import msgspec
@@ -12,7 +12,7 @@ Index = Annotated[int, msgspec.Meta(ge=0, le=2**31 - 1)]
 """An id, a count or a number of iterations."""
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
-"""A coordinate in `map` [m]; no plan reaches farther than 1000 km."""
+"""A coordinate in `map` [m]; plans reach at most 1000 km."""
 
 Point = tuple[Coordinate, Coordinate]
 """x and y in `map` [m]."""
@@ -26,8 +26,25 @@ def to_payload(content: Any) -> str:
 
 
 def read_payload(decoder: msgspec.json.Decoder[Content], payload: str) -> Content | None:
-    """Return what a payload says; None where it is no JSON or says something else. Its numbers are finite."""
+    """Return the record in a payload; None if the payload is not JSON of this type. All numbers are finite."""
     try:
         return decoder.decode(payload)
-    except (ValueError, RecursionError):  # nested too deep
+    except (ValueError, RecursionError):  # nested too deeply
         return None
+
+
+class Update(msgspec.Struct, frozen=True, gc=False):
+    """The message of a robot to its team."""
+
+    def to_json(self) -> str:
+        """Return it as one line of JSON; numbers are exact."""
+        return to_payload(self)
+
+
+def update_reader(kind: type[Content], kept: int) -> Callable[[str], Content | None]:
+    """Return `read_payload` for one kind of update.
+
+    Args: kept: number of payloads whose results are cached, because the robots of one process receive the same ones.
+    """
+    decoder = msgspec.json.Decoder(kind)
+    return functools.lru_cache(maxsize=kept)(lambda payload: read_payload(decoder, payload))

@@ -1,6 +1,4 @@
-"""What the mission asks of the team."""
-
-from __future__ import annotations
+"""The task that the mission gives the team."""
 
 import msgspec
 
@@ -8,14 +6,14 @@ from robotteamsim.interface.discovery import Discovery
 
 
 class Task(msgspec.Struct, frozen=True, gc=False):
-    """What the mission asks of the team, as of the end of the last step.
+    """The task of the team, as of the end of the last step.
 
     running:       False while the mission waits, is paused or has ended: robots stand still.
-    epoch:         grows whenever the voice map or the target area changes; bests are reset then [5.3].
+    epoch:         increases when the voice map or the target area changes; bests are then reset [5.3].
     area_center_m: the area to explore, in `map` [m]; None if no area is left.
     area_radius_m: its radius [m].
     undelivered:   discoveries that have not been delivered to the base, `mission.base`; empty without a base. A robot
-                   learns here what it has discovered itself, and from the base's messages what was delivered.
+                   learns of its own discoveries here, and of deliveries from the base's messages.
     """
 
     running: bool = False

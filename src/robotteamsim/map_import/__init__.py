@@ -1,1 +1,1 @@
-"""From the image of a building to straight walls and polygons: cells, outlines, pieces."""
+"""Converts the image of a building to straight walls and polygons: cells, outlines, pieces."""

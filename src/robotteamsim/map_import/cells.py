@@ -1,6 +1,4 @@
-"""From an image to cells: which are occupied, which are free, which count as solid."""
-
-from __future__ import annotations
+"""Converts an image to cells: occupied, free and solid ones."""
 
 from pathlib import Path
 
@@ -8,17 +6,17 @@ import cv2
 import numpy as np
 
 WIDE_UNKNOWN_M = 1.0
-"""An unknown region this wide in both directions counts as a void behind a wall, not as a wall."""
+"""An unknown region at least this wide in both directions is a void behind a wall, not a wall."""
 
 SPECK_CELLS = 3
 """Smaller groups of occupied cells are noise of the image."""
 
 POCKET_M2 = 0.1
-"""Smaller areas enclosed by solid cells are filled: no robot fits in."""
+"""Smaller areas enclosed by solid cells are filled, because no robot fits in."""
 
 
 def read_image(path: Path) -> np.ndarray | None:
-    """Return the pixels of an image; None: it cannot be read. OpenCV's own messages about that are suppressed."""
+    """Return the pixels of an image; None if it cannot be read. OpenCV's own messages are suppressed."""
     level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
         return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
@@ -42,12 +40,12 @@ def darkness(image: np.ndarray, negate: bool) -> np.ndarray:
 
 
 def solid_cells(occupied: np.ndarray, free: np.ndarray, resolution_m: float) -> np.ndarray:
-    """Return which cells are solid; no two touch by a corner alone.
+    """Return which cells are solid; no two solid cells touch only at a corner.
 
-    - Occupied cells are solid; groups of fewer than three cells are dropped as noise, and enclosed pockets below
-      0.1 m^2 filled.
-    - Unknown cells are solid where their region is narrower than 1 m; a wider one is a void behind a wall one cell
-      thick wherever it meets free cells.
+    - Occupied cells are solid; groups of fewer than three cells are removed as noise, and enclosed areas below 0.1 m^2
+      are filled.
+    - Unknown cells are solid if their region is narrower than 1 m; a wider region is a void with a wall of one cell
+      where it touches free cells.
     - The outermost cells are solid, so that no robot leaves the map.
 
     Args: occupied, free: bool, shape (rows, cols); a cell that is neither is unknown.
@@ -66,7 +64,7 @@ def solid_cells(occupied: np.ndarray, free: np.ndarray, resolution_m: float) -> 
 
 
 def without_corner_contacts(solid: np.ndarray) -> np.ndarray:
-    """Return the cells with one more wherever two touch by a corner alone, which would be a gap in a thin wall."""
+    """Return the cells with one more where two touch only at a corner, which would be a gap in a thin wall."""
     solid = solid.copy()
     while True:
         a, b, c, d = solid[:-1, :-1], solid[:-1, 1:], solid[1:, :-1], solid[1:, 1:]

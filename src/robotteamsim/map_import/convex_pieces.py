@@ -1,7 +1,5 @@
 """Cutting a polygon with holes into convex pieces."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 
 import numpy as np
@@ -12,10 +10,10 @@ Ring = list[Corner]
 
 
 def convex_pieces(polygon: shapely.Polygon) -> list[np.ndarray]:
-    """Return convex pieces that together are a polygon with holes; corners counter-clockwise, float64, shape (n, 2).
+    """Return convex pieces whose union is a polygon with holes; corners counter-clockwise, float64, shape (n, 2).
 
-    Triangles of the constrained Delaunay triangulation, merged across their longest common edges first while the
-    result stays convex (Hertel and Mehlhorn 1983): a straight stretch of wall becomes one piece.
+    Triangles of the constrained Delaunay triangulation are merged across their longest common edges first while the
+    result stays convex (Hertel and Mehlhorn 1983), so that a straight section of wall becomes one piece.
     """
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
     pieces = {i: [(x, y) for x, y in shapely.get_coordinates(t)[:3]] for i, t in enumerate(triangles)}
@@ -38,7 +36,7 @@ def convex_pieces(polygon: shapely.Polygon) -> list[np.ndarray]:
 
 
 def _turn(a: Corner, b: Corner, c: Corner) -> float:
-    """Return twice the area of a triangle, positive when a, b, c turn left."""
+    """Return twice the area of a triangle, positive if a, b, c turn left."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 

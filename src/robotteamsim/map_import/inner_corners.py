@@ -1,6 +1,4 @@
-"""Cutting a polygon of walls where walls meet: from each inner corner straight to the nearest opposite side."""
-
-from __future__ import annotations
+"""Cuts a polygon of walls where walls meet: from each inner corner straight to the nearest opposite side."""
 
 import itertools
 import math
@@ -16,7 +14,7 @@ _SLACK = 0.05
 """Sine by which a cut may deviate from the directions that leave no inner corner on either side of it."""
 
 _SAME_POINT = 0.5
-"""A cut that would end this near to a corner ends at the corner; no cut is shorter."""
+"""A cut that would end within this distance of a corner ends at the corner; no cut is shorter."""
 
 
 def cut_at_inner_corners(polygon: shapely.Polygon, longest: float) -> list[shapely.Polygon]:

@@ -1,4 +1,4 @@
-"""From cells to vectors: the outlines of solid cells, with straight lines where cells make staircases."""
+"""Converts solid cells to outlines, with straight lines where cells form staircases."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ SMALL_RING_CELLS = 16.0
 """A ring up to this length keeps all its edges."""
 
 _LINE_PRICE = 3.0
-"""What one more straight line must save in squared distances along the border [cells^3]; more where steps are long, as
-a step of n cells has n / 12, and less in short chains, so that small details keep their sides."""
+"""Penalty of one more straight line in squared distances along the border [cells^3]. It is larger for long steps,
+because a step of n cells has n / 12, and smaller in short chains, so that small details keep their sides."""
 
 _CHAMFER_CELLS = 3.0
-"""A side up to this length is left out where its neighbours meet."""
+"""A side up to this length is removed if its neighbours meet."""
 
 _MAX_DISTANCE_CELLS = 1.25
-"""No corner of the cells' border may be farther from the line of its side; those of a staircase are within 0.71."""
+"""Largest distance of a corner of the cells' border from the line of its side; in a staircase it is below 0.71."""
 
 _KINK_CELLS = 0.25
-"""Corners this near to the line through their neighbours are left out."""
+"""Corners within this distance of the line through their neighbours are removed."""
 
 _THICK_CELLS = 4.0
 """A wall at least this thick allows any staircase to be moved inwards as far as needed."""
 
 _CROSSING_CELLS = 2.0
-"""Where sides cross, the cells' borders are restored within this distance, doubled while that is not enough."""
+"""Where sides cross, the cells' borders are restored within this distance, which is doubled until no sides cross."""
 
 _MEETING_CELLS = 1.0
-"""Two sides meet where their lines do if that point is this near to the cells' border."""
+"""Two sides meet at the intersection of their lines if it is within this distance of the cells' border."""
 
 
 def outlines(solid: np.ndarray) -> list[shapely.Polygon]:
@@ -47,7 +47,7 @@ def outlines(solid: np.ndarray) -> list[shapely.Polygon]:
     touches, is that staircase: the best line through the steps, moved inwards by half the band that they fill. It is
     moved less where the wall would become thinner than a cell.
 
-    Args: solid: bool, shape (rows, cols), row 0 at the lowest y; no two cells touch by a corner alone.
+    Args: solid: bool, shape (rows, cols), row 0 at the lowest y; no two cells touch only at a corner.
     """
     edges = np.diff(np.pad(solid, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     rows, first = np.nonzero(edges == 1)
@@ -78,11 +78,11 @@ def _without_crossings(rings: Sequence[_Ring]) -> shapely.Polygon:
         places = _crossings(rings)
         restored = [ring.restore(at, near) for ring, at in zip(rings, places, strict=True)]
         near = _CROSSING_CELLS if any(restored) else 2.0 * near
-        assert near < 1e9, "the borders of cells that touch by a corner alone make no polygon"
+        assert near < 1e9, "the borders of cells that touch only at a corner do not form a polygon"
 
 
 def _crossings(rings: Sequence[_Ring]) -> list[list[np.ndarray]]:
-    """Return per ring the places where edges touch others than their neighbours, or run back along a neighbour."""
+    """Return per ring the places where edges touch edges that are not neighbours, or run back along a neighbour."""
     sizes = [len(ring.points) for ring in rings]
     starts = np.concatenate([ring.points for ring in rings])
     ends = np.concatenate([np.roll(ring.points, -1, axis=0) for ring in rings])
@@ -108,7 +108,7 @@ class _Ring:
     def __init__(self, corners: np.ndarray) -> None:
         edges = np.roll(corners, -1, axis=0) - corners
         faces = np.flatnonzero(_are_faces(edges))
-        # A ring starts with a face, or else with a corner: the point furthest out is one.
+        # A ring starts with a face, or else with a corner, such as the outermost point.
         far = np.hypot(*(corners - corners.mean(axis=0)).T).round(6)
         first = int(faces[0]) if len(faces) else int(np.argmax(far))
         self._corners, edges = np.roll(corners, -first, axis=0), np.roll(edges, -first, axis=0)
@@ -122,7 +122,7 @@ class _Ring:
         self._trace()
 
     def restore(self, places: Sequence[np.ndarray], near: float) -> bool:
-        """Put the cells' borders back near some places; False: they were there already."""
+        """Restore the cells' borders near some places. Returns: False if they were already restored."""
         before = np.count_nonzero(self._as_cells)
         for place in places:
             self._as_cells |= shapely.distance(self._edges, shapely.Point(place)) <= near
@@ -130,7 +130,7 @@ class _Ring:
         return bool(np.count_nonzero(self._as_cells) > before)
 
     def move_in(self, thickness: np.ndarray) -> None:
-        """Move slanted sides inwards to the line that was drawn, leaving one cell of thickness.
+        """Move slanted sides inwards to the line that was drawn, but keep a thickness of one cell.
 
         Args: thickness: of the wall behind each edge, float64, shape (len(points),).
         """
@@ -160,7 +160,7 @@ class _Ring:
         self.points, self._side_of_edge = ring[apart], np.array(sides)[apart]
 
     def _stretches(self) -> list[tuple[int, int, int]]:
-        """Return side, first edge and last + 1 of each stretch that is all line, or all border of cells."""
+        """Return side, first edge and last + 1 of each section that is only a line, or only borders of cells."""
         changes = np.flatnonzero(self._as_cells[1:] != self._as_cells[:-1]) + 1
         stretches = []
         for side, (start, end) in enumerate(self._runs):
@@ -169,7 +169,7 @@ class _Ring:
         return stretches
 
     def _joint(self, before: tuple[int, int, int], this: tuple[int, int, int]) -> list[np.ndarray]:
-        """Return the points where one stretch ends and the next starts: one where they meet, else two."""
+        """Return the points where one section ends and the next starts: one if they meet, else two."""
         corner = self._corners[this[1]]
         one, other = (None if self._as_cells[start] else side for side, start, _ in (before, this))
         if one is None or other is None:
@@ -179,7 +179,7 @@ class _Ring:
         return [foot(corner, self._lines[one]), foot(corner, self._lines[other])] if meeting is None else [meeting]
 
     def _leave_out_chamfers(self) -> None:
-        """Give the edges of short sides to the side before where the sides before and after meet near them."""
+        """Merge short sides into the previous side if the previous and the next side meet nearby."""
         side = 1
         while side < len(self._runs) and len(self._runs) > 3:
             before, after = side - 1, (side + 1) % len(self._runs)
@@ -191,7 +191,7 @@ class _Ring:
                 side += 1
 
     def _meeting(self, one: int, other: int, corner: np.ndarray) -> np.ndarray | None:
-        """Return where two sides meet, if that is near a corner of the border, and near the border itself."""
+        """Return the intersection of two sides if it is close to a corner of the border and to the border itself."""
         meeting = meeting_point(self._lines[one], self._lines[other])
         reach = max(3.0, 0.5 * min(self._length(one), self._length(other)))
         if meeting is None or np.hypot(*(meeting - corner)) > reach:
@@ -204,7 +204,7 @@ class _Ring:
 
 
 def _sides(corners: np.ndarray, edges: np.ndarray, faces: list[int]) -> list[tuple[int, int]]:
-    """Return the runs of edges, first and last + 1, that make one side each; a face is a side of its own."""
+    """Return the runs of edges, first and last + 1, that form one side each; a face is a side of its own."""
     lengths = np.abs(edges).sum(axis=1)
     if lengths.sum() <= SMALL_RING_CELLS:
         return [(edge, edge + 1) for edge in range(len(edges))]
@@ -219,7 +219,7 @@ def _sides(corners: np.ndarray, edges: np.ndarray, faces: list[int]) -> list[tup
 
 
 def _within_distance(corners: np.ndarray, edges: np.ndarray, start: int, end: int) -> list[tuple[int, int]]:
-    """Part a run of edges in its furthest corners until none is too far from the line."""
+    """Split a run of edges at its farthest corners until none is too far from the line."""
     point, (x, y) = fitted_line(corners[start:end], edges[start:end])
     reached = np.vstack([corners[start:end], corners[end - 1] + edges[end - 1]]) - point
     distances = np.abs(reached[:, 0] * y - reached[:, 1] * x)
@@ -230,9 +230,9 @@ def _within_distance(corners: np.ndarray, edges: np.ndarray, start: int, end: in
 
 
 def _are_faces(edges: np.ndarray) -> np.ndarray:
-    """Return which edges are long, and no part of a line of small slope.
+    """Return which edges are long and not part of a line with a small slope.
 
-    Such a line has steps of one cell, all up or all down, between runs of about equal length.
+    Such a line has steps of one cell, all up or all down, between runs of similar length.
     """
     lengths, before = np.abs(edges).sum(axis=1), np.roll(edges, 1, axis=0)
     turns = np.sign(before[:, 0] * edges[:, 1] - before[:, 1] * edges[:, 0])

@@ -1,6 +1,4 @@
-"""From solid cells to pieces: straight walls where a piece is a thin upright rectangle, polygons elsewhere."""
-
-from __future__ import annotations
+"""Converts solid cells to pieces: thin axis-aligned rectangles become straight walls, other pieces polygons."""
 
 import math
 from dataclasses import dataclass
@@ -14,20 +12,20 @@ from robotteamsim.map_import.outlines import outlines
 from robotteamsim.map_import.thickness import piece_thickness
 
 MAX_WALL_THICKNESS_M = 0.8
-"""The loss table ends here: a thicker rectangle is a polygon."""
+"""Last limit of the loss table: a thicker rectangle is a polygon."""
 
 THICKEST_M = 1.0
-"""Whatever is thicker counts as this: the loss table makes no difference."""
+"""Thicker walls count as this: the loss table does not distinguish them."""
 
 MIN_PIECE_M2 = 1e-6
-"""Smaller pieces are left out."""
+"""Smaller pieces are omitted."""
 
 PointM = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class StraightPiece:
-    """An upright rectangle as a wall along the middle of its longer side [m]."""
+    """An axis-aligned rectangle as a wall along its longer centre line [m]."""
 
     start: PointM
     end: PointM
@@ -38,7 +36,7 @@ class StraightPiece:
 class PolygonPiece:
     """A convex polygon [m].
 
-    thickness_m: of the wall that it is part of, which decides the loss; None: it has no outer face to measure it at.
+    thickness_m: of the wall that it is part of, which determines the loss; None if it has no outer face.
     """
 
     corners: tuple[PointM, ...]
@@ -49,14 +47,14 @@ Piece = StraightPiece | PolygonPiece
 
 
 def solid_pieces(solid: np.ndarray, low_m: PointM, cell_m: PointM) -> list[Piece]:
-    """Return pieces that together are the solid cells.
+    """Return pieces whose union is the solid cells.
 
-    Edges along the axes stay on the cells' borders; staircases become the straight lines that would be drawn so. The
-    solid area is cut where walls meet, then into convex pieces: upright rectangles up to 0.8 m thick are straight
-    pieces, all others polygons. The loss of a piece is decided by the thickness of the wall that it is part of, in
-    whole cells.
+    Edges along the axes stay on the cells' borders; staircases become the straight lines that produce them. The solid
+    area is cut where walls meet, then into convex pieces: axis-aligned rectangles up to 0.8 m thick are straight
+    pieces, all others polygons. The loss of a piece follows from the thickness of the wall that it is part of, in whole
+    cells.
 
-    Args:   solid: bool, shape (rows, cols), row 0 at the lowest y; no two cells touch by a corner alone.
+    Args:   solid: bool, shape (rows, cols), row 0 at the lowest y; no two cells touch only at a corner.
             low_m: lower left corner of cell (0, 0). cell_m: width and height of a cell, about equal.
     """
     edge_m = math.sqrt(cell_m[0] * cell_m[1])
@@ -76,19 +74,19 @@ def solid_pieces(solid: np.ndarray, low_m: PointM, cell_m: PointM) -> list[Piece
 
 
 def in_metres(low_m: PointM, cell_m: PointM, cells: np.ndarray) -> np.ndarray:
-    """Return points in cells as points in `map` [m], in whole micrometres: no digits from rounding in the plan file."""
+    """Convert points from cells to `map` [m], in whole micrometres to keep rounding errors out of the plan file."""
     points_m: np.ndarray = np.round(np.array(low_m) + cells * np.array(cell_m), 6)
     return points_m
 
 
 def _is_sound(corners: tuple[PointM, ...]) -> bool:
-    """Whether a piece is more than a sliver that rounding has left."""
+    """Whether a piece is more than a sliver from rounding."""
     polygon = shapely.Polygon(corners)
     return bool(polygon.is_valid and polygon.area > MIN_PIECE_M2)
 
 
 def _as_straight(corners: tuple[PointM, ...]) -> StraightPiece | None:
-    """Return an upright rectangle of wall thickness as a straight piece; none: the polygon is not one."""
+    """Return a thin axis-aligned rectangle as a straight piece; None if the polygon is not one."""
     (min_x, min_y), (max_x, max_y) = np.min(corners, axis=0).tolist(), np.max(corners, axis=0).tolist()
     width, depth = max_x - min_x, max_y - min_y
     thickness = round(min(width, depth), 6)

@@ -1,6 +1,4 @@
-"""Straight lines through chains of edges: where one ends and the next begins, and the line that fits each best."""
-
-from __future__ import annotations
+"""Straight lines through chains of edges: optimal segmentation and best-fit lines."""
 
 import math
 
@@ -14,12 +12,12 @@ _MIN_SINE = 0.02
 
 
 def best_runs(starts: np.ndarray, edges: np.ndarray, price: float) -> list[tuple[int, int]]:
-    """Cut a chain of edges into runs along one straight line each, optimally; returns (first, last + 1) of each run.
+    """Split a chain of edges optimally into runs along one straight line each; returns (first, last + 1) of each run.
 
-    Minimises the sum of all edge points' squared distances from the lines, plus a price per line, by dynamic
-    programming that drops starts of runs as soon as they cannot be optimal [killick2012].
+    Minimises the sum of all edge points' squared distances from the lines, plus a penalty per line, by dynamic
+    programming that discards starts of runs as soon as they cannot be optimal [killick2012].
 
-    Args: starts, edges: where each edge starts and where it leads from there, float64, shape (n, 2).
+    Args: starts, edges: start of each edge, and vector from its start to its end, float64, shape (n, 2).
     """
     total = np.vstack([np.zeros(6), np.cumsum(_moments(starts - starts[0], edges), axis=0)])
     cost, cut = np.zeros(len(total)), np.zeros(len(total), dtype=int)
@@ -53,7 +51,7 @@ def fitted_line(starts: np.ndarray, edges: np.ndarray) -> Line:
 
 
 def meeting_point(one: Line, other: Line) -> np.ndarray | None:
-    """Return where two lines meet; None: they are nearly parallel."""
+    """Return the intersection of two lines; None if they are nearly parallel."""
     (p, d), (q, e) = one, other
     sine = d[0] * e[1] - d[1] * e[0]
     if abs(sine) < _MIN_SINE:
@@ -63,7 +61,7 @@ def meeting_point(one: Line, other: Line) -> np.ndarray | None:
 
 
 def foot(point: np.ndarray, line: Line) -> np.ndarray:
-    """Return the point of a line that is nearest to another point."""
+    """Return the point on a line that is nearest to another point."""
     middle, direction = line
     nearest: np.ndarray = middle + ((point - middle) @ direction) * direction
     return nearest

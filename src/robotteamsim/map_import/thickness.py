@@ -1,6 +1,4 @@
-"""The thickness of the walls that outlines enclose."""
-
-from __future__ import annotations
+"""The thickness of walls, from their outlines."""
 
 from collections.abc import Sequence
 
@@ -13,7 +11,7 @@ _MAX_SAMPLES = 200
 
 
 def piece_thickness(polygon: shapely.Polygon, pieces: Sequence[np.ndarray], most: float) -> np.ndarray:
-    """Return the thickness of the wall that each piece of a polygon is part of; NaN where a piece has no outer face.
+    """Return the thickness of the wall that each piece of a polygon is part of; NaN if a piece has no outer face.
 
     It is the median along the piece's part of the outline.
 
@@ -34,10 +32,10 @@ def edge_thickness(polygon: shapely.Polygon, most: float) -> np.ndarray:
 
 
 class _Samples:
-    """Points spread evenly along the outline of a polygon, and how thick the wall behind each is.
+    """Points spread evenly along the outline of a polygon, and the thickness of the wall behind each.
 
-    The thickness at a point of a face is the shorter of two lengths through the solid: straight in, to the far side,
-    and across that line at its middle. So the end of a wall gives the thickness of the wall, as its long faces do.
+    The thickness at a point of a face is the shorter of two lengths through the solid: straight to the far side, and
+    across that line at its middle. The end of a wall therefore gives the same thickness as its long faces.
     """
 
     def __init__(self, polygon: shapely.Polygon, most: float) -> None:
@@ -60,7 +58,7 @@ class _Samples:
 
 
 class _Rays:
-    """Straight lines from points to the next edge."""
+    """Straight lines from points to the nearest edge."""
 
     def __init__(self, starts: np.ndarray, ends: np.ndarray, most: float) -> None:
         self._starts, self._edges, self._most = starts, ends - starts, most

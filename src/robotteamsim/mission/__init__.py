@@ -1,4 +1,4 @@
-"""What the team has to do, what happened, and when it ends."""
+"""The mission: areas, victims, events, end conditions."""
 
 from robotteamsim.mission.mission import Mission
 from robotteamsim.mission.status import Event, MissionStatus

@@ -1,6 +1,4 @@
-"""Which discoveries have been delivered to the base, judged from the messages that reach it."""
-
-from __future__ import annotations
+"""The discoveries delivered to the base, according to the messages that reach it."""
 
 from collections.abc import Sequence
 
@@ -11,25 +9,25 @@ from robotteamsim.scenario.scenario import Scenario
 
 
 class BaseStation:
-    """Keeps discoveries until a message that announces them reaches the base; without a base it keeps nothing."""
+    """Stores discoveries until a message that announces them reaches the base; does nothing without a base."""
 
     def __init__(self, scenario: Scenario) -> None:
         self.base = scenario.mission.base
         self.undelivered: tuple[Discovery, ...] = ()
-        """What has not been delivered to the base, in the order of discovery."""
+        """The discoveries not delivered to the base, in the order of discovery."""
         self.delivered = None if self.base is None else DeliveredDiscoveries()
-        # A robot that covers the floor knows where a victim is up to a cell of the voice map.
+        # A robot that covers the floor knows the position of a victim only to a cell of the voice map.
         self._within_m = scenario.mission.save_distance_m + scenario.voice.map_resolution_m
 
     def add(self, discovery: Discovery) -> None:
-        """Take note of a discovery; it replaces an undelivered one of the same kind and name."""
+        """Add a discovery; it replaces an undelivered one of the same kind and name."""
         if self.base is not None:
             key = discovery.kind, discovery.name
             others = (known for known in self.undelivered if (known.kind, known.name) != key)
             self.undelivered = (*others, discovery)
 
     def deliver(self, inbox: Sequence[Message], time_s: float) -> list[Discovery]:
-        """Return what is delivered now: what the base's inbox announces, and what the base discovered itself.
+        """Return the newly delivered discoveries: those announced in the base's inbox, and the base's own.
 
         Args: time_s: of the mission's clock [s].
         """

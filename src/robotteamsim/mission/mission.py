@@ -1,4 +1,4 @@
-"""The judge of a mission: areas explored in order, victims heard and saved, events, and when it ends [5.3]."""
+"""The rules of a mission: areas explored in order, victims heard and saved, events, and its end [5.3]."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ from robotteamsim.world.doors import DoorStates, LeafMotion
 NOBODY = -1
 """robot_id of an event that no robot caused."""
 
-_MOTION: dict[LeafMotion, str] = {"still": "stands", "opens": "opens", "closes": "closes", "held": "is held up"}
+_MOTION: dict[LeafMotion, str] = {"still": "stops", "opens": "opens", "closes": "closes", "held": "is blocked"}
 
 
 class Mission:
-    """Judges one mission, step by step, from the arguments of `step` alone; it never looks at the world itself.
+    """Judges one mission, step by step, only from the arguments of `step`; it has no access to the world.
 
-    The mission's clock counts the steps in which the team was asked to run: it stands still before the start, while
-    paused and after the end. A victim counts as heard when a robot hears a voice and they are the unsaved victim
-    nearest to the loudest place which that robot perceives. Where there is a base, `scenario.mission.base`, a mission
-    whose areas are all explored continues until all discoveries have been delivered to the base.
+    The mission's clock counts the steps while the mission is running, not those before the start, while paused or after
+    the end. When a robot hears a voice, the unsaved victim nearest to the loudest place that the robot perceives counts
+    as heard. If there is a base, `scenario.mission.base`, a mission whose areas are all explored continues until all
+    discoveries have been delivered to the base.
     """
 
     def __init__(self, scenario: Scenario) -> None:
         self._areas = scenario.mission.areas
         self.victims = scenario.mission.victims
-        """The victims in the order of `status.victims`, at their present places."""
+        """The victims in the order of `status.victims`, at their current positions."""
         self._save_distance_m = scenario.mission.save_distance_m
         self._time_limit_ns = round(scenario.mission.time_limit_s * 1e9)
         self._autostart = scenario.mission.autostart
         self.noise_db = scenario.voice.noise_db
-        """Background noise as last set [dB]."""
+        """Background noise [dB]."""
 
         self._doors = DoorStates.at_start(scenario.plan)
 
@@ -58,7 +58,7 @@ class Mission:
         self._note_who_is_saved()
         self._places = self._all_places()
         self._heard_places_m: set[tuple[float, float]] = set()
-        """Loudest places that have been judged since the last change of the victims."""
+        """Loudest places that have been processed since the victims last changed."""
         self._epoch = 0
         self._endangered_links = 0
         self._endangered: np.ndarray | None = None
@@ -66,17 +66,17 @@ class Mission:
         present = np.array(scenario.present_at_start, dtype=bool)
         self._num_robots = len(present)
         self._present = None if present.all() else present
-        """Whether each robot was there in the last step; None: all were."""
+        """Whether each robot was present in the last step; None if all were."""
         self._base = BaseStation(scenario)
         self._refusals: set[Refusal] = set()
         self._events: list[Event] = []
         self.task = Task()
-        """What is asked of the team now."""
+        """The current task of the team."""
         self.status = self._make_status()
-        """The mission as of now."""
+        """The current status of the mission."""
 
     def start(self) -> None:
-        """Start a waiting mission; do nothing in any other state."""
+        """Start a waiting mission; no effect in any other state."""
         if self._state == "waiting":
             self._state = "running"
             areas, victims = counted(len(self._areas), "area"), counted(len(self.victims), "victim")
@@ -85,17 +85,17 @@ class Mission:
             self.status = self._make_status()
 
     def pause(self) -> None:
-        """Stop robots and clock of a running mission; do nothing in any other state."""
+        """Stop robots and clock of a running mission; no effect in any other state."""
         if self._state == "running":
             self._state = "paused"
             self._add_event("pause", "", NOBODY, "mission is paused")
             self.status = self._make_status()
 
     def resume(self) -> None:
-        """Resume a paused mission; do nothing in any other state."""
+        """Resume a paused mission; no effect in any other state."""
         if self._state == "paused":
             self._state = "running"
-            self._add_event("resume", "", NOBODY, "mission goes on")
+            self._add_event("resume", "", NOBODY, "mission is resumed")
             self.status = self._make_status()
 
     def abort(self) -> None:
@@ -105,16 +105,16 @@ class Mission:
             self.status = self._make_status()
 
     def note(self, kind: str, subject: str, detail: str) -> None:
-        """Add something that happened outside the mission to its events."""
+        """Add an event from outside the mission."""
         self._add_event(kind, subject, NOBODY, detail)
 
     def set_door(self, name: str, closed: bool) -> None:
-        """Note that a door was opened or closed, which changes the voice map."""
+        """Record that a door was opened or closed, which changes the voice map."""
         self._add_event("door", name, NOBODY, f"door {name} is {'closed' if closed else 'opened'}")
         self._change_task()
 
     def follow_doors(self, doors: DoorStates) -> None:
-        """Note what the doors of the world do now; one that was opened or closed changes the voice map."""
+        """Record the current states of the world's doors; opening or closing one changes the voice map."""
         for name, before, now in doors.changes_since(self._doors):
             if now.closed != before.closed:
                 self.set_door(name, now.closed)
@@ -124,13 +124,13 @@ class Mission:
         self._doors = doors
 
     def set_noise_db(self, noise_db: float) -> None:
-        """Note another background noise, which changes the voice map."""
+        """Record a new background noise, which changes the voice map."""
         self.noise_db = noise_db
         self._add_event("noise", "", NOBODY, f"background noise is {noise_db:g} dB")
         self._change_task()
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
-        """Add a victim, or move the one of that name, who then waits (again) to be heard and saved."""
+        """Add a victim, or move an existing one; they then wait (again) to be heard and saved."""
         victim = Victim(name=name, position=position_m)
         names = [known.name for known in self.victims]
         index = names.index(name) if name in names else len(names)
@@ -158,8 +158,8 @@ class Mission:
             sim_time_ns: stamp of the step [ns].
             positions_m: true positions of the robots in `map`, shape (n, 2) [m].
             voices, decisions: one per robot, in id order.
-            base_inbox: what the base receives in this step, if there is one.
-            present:    whether each robot is there, bool, shape (n,); None: all are. Absent robots do not count.
+            base_inbox: messages that the base receives in this step, if there is a base.
+            present:    whether each robot is present, bool, shape (n,); None if all are. Absent robots do not count.
         """
         if self._autostart and self._state == "waiting":
             self.start()
@@ -218,7 +218,7 @@ class Mission:
     def _note_who_is_saved(self) -> None:
         is_saved = [state == "saved" for state in self._victim_states]
         self.saved_victims = tuple([victim.name for victim, saved in zip(self.victims, is_saved, strict=True) if saved])
-        """Names of the victims who are saved, and therefore silent; the same object until another one is."""
+        """Names of the saved victims, who are silent; the same object until another victim is saved."""
         self._unsaved = [index for index, saved in enumerate(is_saved) if not saved]
         self._unsaved_m = [self.victims[index].position for index in self._unsaved]
 
@@ -243,7 +243,7 @@ class Mission:
         for found in self._base.deliver(base_inbox, time_s):
             delay = f"{time_s - found.time_s:.1f} s after its discovery by robot {found.robot_id}"
             self._add_event(
-                "discovery_delivered", found.name, found.robot_id, f"the base learns of {found.name}, {delay}"
+                "discovery_delivered", found.name, found.robot_id, f"{found.name} is delivered to the base, {delay}"
             )
 
     def _judge_links(self, network: NetworkState) -> None:
@@ -268,9 +268,9 @@ class Mission:
         now = np.ones(self._num_robots, dtype=bool) if present is None else present
         then = np.ones(self._num_robots, dtype=bool) if before is None else before
         for robot_id in np.flatnonzero(then & ~now).tolist():
-            self._add_event("robot_removed", "", robot_id, f"robot {robot_id} is gone")
+            self._add_event("robot_removed", "", robot_id, f"robot {robot_id} is removed")
         for robot_id in np.flatnonzero(now & ~then).tolist():
-            self._add_event("robot_spawned", "", robot_id, f"robot {robot_id} has come")
+            self._add_event("robot_spawned", "", robot_id, f"robot {robot_id} is spawned")
 
     def _judge_end(self) -> None:
         if self._areas and self._num_explored == len(self._areas) and not self._base.undelivered:
@@ -289,7 +289,7 @@ class Mission:
         self._add_event("end", "", NOBODY, f"mission ends: {END_TEXTS[end]}; {count}")
 
     def _all_places(self) -> _core.base.Places:
-        """Return the places of victims, then of areas, with the reach of each."""
+        """Return the positions of victims, then of areas, with the radius of each."""
         places = [victim.position for victim in self.victims] + [area.center for area in self._areas]
         reaches = [self._save_distance_m] * len(self.victims) + [area.radius_m for area in self._areas]
         return _core.base.Places(places, reaches)
@@ -316,7 +316,7 @@ class Mission:
         )
 
     def _make_task(self) -> Task:
-        """Return what is asked of the team, and keep it."""
+        """Return the task of the team, and store it."""
         area = self._areas[self._num_explored] if self._num_explored < len(self._areas) else None
         self.task = Task(
             running=self._state == "running",

@@ -24,16 +24,16 @@ END_TEXTS: Mapping[str, str] = {
 
 
 class Event(msgspec.Struct, frozen=True, gc=False):
-    """Something that happened.
+    """An event of a mission.
 
     kind:     start, pause, resume, end, area_explored, victim_heard, victim_saved, link_endangered, robot_excluded,
               robot_included, robot_removed, robot_spawned, swarm_founded, swarm_dissolved, controller_failed,
               message_too_large,
               discovery_delivered (the discovery of an area or victim by robot_id was delivered to the base),
-              door (opened or closed), door_moves (its leaf sets off, is held up or arrives), noise, ...
-    subject:  name of the area, victim, door, link ("0-2") or swarm ("swarm 1") it happened to; "" for the mission.
-    robot_id: who did it; -1 for nobody.
-    detail:   one readable line.
+              door (opened or closed), door_moves (its leaf starts, is blocked or stops), noise, ...
+    subject:  name of the area, victim, door, link ("0-2") or swarm ("swarm 1"); "" for the mission itself.
+    robot_id: id of the robot that caused it; -1 if none did.
+    detail:   a description in one line.
     """
 
     time_s: float
@@ -44,10 +44,10 @@ class Event(msgspec.Struct, frozen=True, gc=False):
 
 
 class DeliveredDiscoveries(msgspec.Struct, frozen=True, gc=False):
-    """The discoveries that have been delivered to the base.
+    """Totals of the discoveries delivered to the base.
 
-    count: areas explored and victims reached.
-    mean_delay_s, max_delay_s: from discovery to delivery [s]; 0 while there are none.
+    count: explored areas and reached victims.
+    mean_delay_s, max_delay_s: from discovery to delivery [s]; 0 if there are none.
     """
 
     count: int = 0
@@ -55,7 +55,7 @@ class DeliveredDiscoveries(msgspec.Struct, frozen=True, gc=False):
     max_delay_s: float = 0.0
 
     def with_delay(self, delay_s: float) -> DeliveredDiscoveries:
-        """Return the same with one more discovery, whose delivery took so long [s]."""
+        """Return the totals with one more discovery. Args: delay_s: from discovery to delivery [s]."""
         count = self.count + 1
         mean_s = self.mean_delay_s + (delay_s - self.mean_delay_s) / count
         return DeliveredDiscoveries(count, mean_s, max(self.max_delay_s, delay_s))
@@ -65,9 +65,9 @@ class MissionStatus(msgspec.Struct, frozen=True, gc=False):
     """The mission after a step; time_s counts from its start.
 
     victims: state of each, in the scenario's order.  explored: whether each area is, in the scenario's order.
-    target_area: index of the area to explore; -1 when none is left.
-    endangered_links: times a link became endangered so far.
-    delivered: the discoveries delivered to the base; None: there is no base.
+    target_area: index of the area to explore; -1 if none is left.
+    endangered_links: how often a link became endangered so far.
+    delivered: the discoveries delivered to the base; None if there is no base.
     """
 
     state: MissionState

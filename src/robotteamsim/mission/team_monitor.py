@@ -1,7 +1,5 @@
 """Events of the team's swarms and controllers, derived from the robots' decisions."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from operator import attrgetter
 
@@ -11,7 +9,7 @@ import numpy as np
 from robotteamsim.interface import OUTSIDE, Decision
 
 _ABSENT = -2
-"""In place of its swarm: the robot is not there."""
+"""Replaces the swarm of an absent robot."""
 
 
 class Change(msgspec.Struct, frozen=True, gc=False):
@@ -27,27 +25,27 @@ _STATUS = attrgetter("excluded", "swarm", "fault")
 
 
 class TeamMonitor:
-    """Compares each step's decisions with those of the step before.
+    """Compares the decisions of each step with those of the previous one.
 
-    A swarm consists of the robots whose decisions name it. Each robot decides for itself, so those who leave, join or
+    A swarm consists of the robots whose decisions name it. Each robot decides for itself, so robots that leave, join or
     found a swarm together may do so in different steps. The base and absent robots belong to no swarm.
     """
 
     def __init__(self, base: int | None = None) -> None:
-        """Args: base: the robot that is the base; None: none is."""
+        """Args: base: id of the base; None if there is none."""
         self._base = base
         self._statuses: list[tuple[bool, int, str]] = []
         """Excluded, swarm and fault of each robot in the last step."""
         self._present: np.ndarray | None = None
         self.all_excluded = False
-        """Whether no robot that is there belongs to a swarm."""
+        """Whether no present robot belongs to a swarm."""
         self._swarms: list[int] = []
         self._faults: list[str] = []
 
     def changes(self, decisions: Sequence[Decision], present: np.ndarray | None = None) -> list[Change]:
-        """Return what has changed since the last step, in id order; a swarm's end follows after who left it.
+        """Return the changes since the last step, in id order; the end of a swarm follows the robots that left it.
 
-        Args: present: whether each robot is there, bool, shape (n,); None: all are.
+        Args: present: whether each robot is present, bool, shape (n,); None if all are.
         """
         statuses = list(map(_STATUS, decisions))
         if statuses == self._statuses and present is self._present:
@@ -66,7 +64,7 @@ class TeamMonitor:
         return found
 
     def _at_first(self, swarms: list[int]) -> list[int]:
-        """Return the swarms before the first step: a robot that is excluded in it has been in swarm 0."""
+        """Return the swarms before the first step; a robot that is excluded in it was in swarm 0."""
         return [0 if swarm == OUTSIDE and i != self._base else swarm for i, swarm in enumerate(swarms)]
 
 
@@ -74,11 +72,11 @@ def _changes_of_swarms(before: list[int], now: list[int]) -> Iterator[Change]:
     there, left = set(before) - {OUTSIDE, _ABSENT}, set(now) - {OUTSIDE, _ABSENT}
     for robot_id, (old, new) in enumerate(zip(before, now, strict=True)):
         if _ABSENT in (old, new):
-            continue  # Robots that leave or come have events of their own.
+            continue  # Robots that are removed or spawned have events of their own.
         if old != new and old != OUTSIDE:
             yield Change("robot_excluded", _name(old), robot_id, f"robot {robot_id} is excluded from {_name(old)}")
         if old != new and new in there:
-            yield Change("robot_included", _name(new), robot_id, f"robot {robot_id} is taken into {_name(new)}")
+            yield Change("robot_included", _name(new), robot_id, f"robot {robot_id} is included in {_name(new)}")
     for swarm in sorted(left - there):
         founders = [str(robot_id) for robot_id, new in enumerate(now) if new == swarm]
         who = f"robot{'s' if len(founders) > 1 else ''} {', '.join(founders)}"

@@ -1,7 +1,7 @@
-"""Who hears whom: links, hops, connectivity, delivery of messages."""
+"""The radio network of a team: links, hops, connectivity, delivery of messages."""
 
 from robotteamsim.network.delivery import loss_probability
-from robotteamsim.network.graph import break_matrix, connectivity_matrix, fiedler_value, hop_count, next_hop
+from robotteamsim.network.graph import break_matrix, fiedler_value, hop_count, next_hop
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState, Refusal, Traffic
 from robotteamsim.network.network import Network
 
@@ -13,7 +13,6 @@ __all__ = [
     "Refusal",
     "Traffic",
     "break_matrix",
-    "connectivity_matrix",
     "fiedler_value",
     "hop_count",
     "loss_probability",

@@ -1,6 +1,4 @@
-"""Figures of an undirected graph of robots and links."""
-
-from __future__ import annotations
+"""Quantities of the undirected graph of robots and links."""
 
 import numpy as np
 
@@ -10,34 +8,18 @@ from robotteamsim import _core
 def hop_count(adjacency: np.ndarray) -> np.ndarray:
     """Return the smallest number of hops between all pairs of robots.
 
-    The same numbers as C of eq. (18-20) [dissertation], by breadth-first search.
+    The values of C of eq. (18-20) [dissertation], by breadth-first search.
     Args:    adjacency: bool, shape (n, n), symmetric, zero diagonal: A of eq. (17).
-    Returns: int32, shape (n, n); 0 on the diagonal, -1 where no path exists.
+    Returns: int32, shape (n, n); 0 on the diagonal, -1 if no path exists.
     Raises:  ValueError: not square, not symmetric, or not zero on the diagonal.
     """
     return _core.network.hop_count(_matrix(adjacency))
 
 
-def connectivity_matrix(adjacency: np.ndarray) -> np.ndarray:
-    """Return C of eq. (18-20) by the dissertation's own recurrence; `hop_count` is the fast way to the same numbers.
-
-    Args:    adjacency: bool, shape (n, n), symmetric, zero diagonal: A of eq. (17).
-    Returns: int32, shape (n, n); 0 on the diagonal and where no path exists.
-    """
-    a = np.asarray(adjacency, dtype=np.int32)
-    n = len(a)
-    c = a.copy()
-    for k in range(2, n):
-        b = np.where((c == 0) & (c @ a > 0), k, 0).astype(np.int32)  # (19)
-        np.fill_diagonal(b, 0)
-        c += b  # (20)
-    return c
-
-
 def next_hop(hops: np.ndarray, rssi_dbm: np.ndarray, holder: int, receiver: int) -> int:
-    """Return to whom a robot passes a message on, so that it takes a shortest path; -1 where no path exists.
+    """Return the next hop of a message on a shortest path; -1 if no path exists.
 
-    Of equally short ways the one with the strongest link, then the lowest id.
+    Among equally short paths, the one over the strongest link, then over the lowest id.
     Args: hops: int32, shape (n, n), from `hop_count`.  rssi_dbm: float64, shape (n, n).
     """
     if hops[holder, receiver] < 1:
@@ -47,7 +29,7 @@ def next_hop(hops: np.ndarray, rssi_dbm: np.ndarray, holder: int, receiver: int)
 
 
 def break_matrix(link: np.ndarray, hops: np.ndarray) -> np.ndarray:
-    """Return the link matrix where no path exists and 0 elsewhere: C_break after eq. (21) [dissertation].
+    """Return the link matrix for pairs without a path and 0 for all others: C_break after eq. (21) [dissertation].
 
     Args: link: float64, shape (n, n), zero diagonal: L of eq. (16). hops: int32, shape (n, n), from `hop_count`.
     """
@@ -58,11 +40,11 @@ def fiedler_value(adjacency: np.ndarray) -> float:
     """Return the algebraic connectivity (Fiedler value) of an undirected graph.
 
     Second-smallest eigenvalue of the Laplacian Lp = D - A [dissertation, eq. 33; fiedler1973], with a relative error
-    below 1e-9 (1e-7 where the next eigenvalue is within 1e-5 of it); the same links give the same bits.
+    below 1e-9 (1e-7 if the next eigenvalue is within 1e-5 of it); the same links give a bit-identical value.
     Args:    adjacency: bool, shape (n, n), symmetric, zero diagonal.
-    Returns: > 0 where the team is connected, 0 exactly where it is split; 1 for a single robot, as the value of a
+    Returns: > 0 if the team is connected, exactly 0 if it is split; 1 for a single robot, because the value of a
              complete graph is its number of robots.
-    Raises:  ValueError: not square, not symmetric, not zero on the diagonal, or no robot.
+    Raises:  ValueError: not square, not symmetric, not zero on the diagonal, or no robots.
     """
     return _core.network.fiedler_value(_matrix(adjacency))
 

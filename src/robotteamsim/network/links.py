@@ -1,7 +1,5 @@
 """The links of a team from step to step."""
 
-from __future__ import annotations
-
 from typing import TypeVar
 
 import numpy as np
@@ -15,7 +13,7 @@ Array = TypeVar("Array", bound=np.ndarray)
 
 
 class TeamLinks:
-    """Finds the links of a team; hop counts and the Fiedler value are computed only when a link comes or goes."""
+    """Finds the links of a team; hop counts and the Fiedler value are computed only after links have changed."""
 
     def __init__(self, radio_field: RadioField, network: NetworkSection) -> None:
         self._by_distance = network.link == "distance"
@@ -27,14 +25,14 @@ class TeamLinks:
             max_distance_m=network.max_distance_m,
             endangered_below_dbm=network.endangered_below_dbm,
         )
-        # Of the last step.
+        # The arrays of the last step.
         self._adjacency = self._endangered = np.zeros((0, 0), dtype=np.bool_)
         self._hop_count = np.zeros((0, 0), dtype=np.int32)
         self._no_break = np.zeros((0, 0))
         self._fiedler_value = 0.0
 
     def step(self, positions_m: np.ndarray) -> NetworkState:
-        """Return the network without its traffic; arrays that did not change are those of the last step, read-only.
+        """Return the network without its traffic. Unchanged arrays are those of the last step, and read-only.
 
         Args:   positions_m: float64, shape (n, 2), in `map` [m].
         Raises: ValueError: a position is not finite.

@@ -1,7 +1,5 @@
 """Messages between robots, and the state of the network in one step."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import overload
 
@@ -9,7 +7,7 @@ import msgspec
 import numpy as np
 
 EVERYBODY = -1
-"""Receiver of a message for all robots that a path of links leads to."""
+"""Receiver of a broadcast, to all robots to which a path of links exists."""
 
 
 class Message(msgspec.Struct, frozen=True, gc=False):
@@ -32,9 +30,9 @@ class Batch(msgspec.Struct, frozen=True, gc=False, cache_hash=True):
 
 
 class Inbox(Sequence[Message]):
-    """What one robot receives in one step: a batch without the messages that it sent itself.
+    """The messages that one robot receives in one step: a batch without its own messages.
 
-    Robots that hear each other share the batch, so what follows from it needs to be computed only once.
+    Connected robots share the batch, so that results derived from it need to be computed only once.
     """
 
     __slots__ = ("_begin", "_end", "batch")
@@ -71,12 +69,12 @@ class Inbox(Sequence[Message]):
 
 
 def batch_of(inbox: Sequence[Message]) -> Batch:
-    """Return the batch that an inbox is part of; the inbox itself where it is none of the network's."""
+    """Return the batch of an inbox; the inbox itself if it was not made by the network."""
     return inbox.batch if isinstance(inbox, Inbox) else Batch(tuple(inbox))
 
 
 class Refusal(msgspec.Struct, frozen=True, gc=False):
-    """A message that was not sent because it is larger than `network.max_message_bytes`, the limit."""
+    """A message that was not sent because it is larger than the limit, `network.max_message_bytes`."""
 
     sender: int
     num_bytes: int
@@ -84,12 +82,12 @@ class Refusal(msgspec.Struct, frozen=True, gc=False):
 
 
 class Traffic(msgspec.Struct, frozen=True, gc=False):
-    """What became of messages in one step, counted per receiver.
+    """Numbers of messages in one step, counted per receiver.
 
     delivered:    arrived in this step.
-    lost:         lost on weak links, or on a path that broke while they were on their way.
+    lost:         lost on weak links, or because their path broke during the transfer.
     cut_off:      given up because no path of links led to the receiver.
-    mean_delay_s: of those delivered, from the step of sending to this one [s]; 0 where nothing arrived.
+    mean_delay_s: of those delivered, from the step of sending to this one [s]; 0 if nothing arrived.
     refused:      too large to be sent.
     """
 
@@ -104,19 +102,19 @@ NO_TRAFFIC = Traffic()
 
 
 class NetworkState(msgspec.Struct, frozen=True, gc=False, eq=False):
-    """The network of n robots in one step. Arrays may be those of the step before, and must not be written to.
+    """The network of n robots in one step. Arrays may be shared with earlier steps, so do not write to them.
 
     rssi_dbm:            float64, shape (n, n), symmetric; 0 on the diagonal.
     link:                float64, shape (n, n), L of eq. (16): distance [m] or rssi [dBm]; 0 on the diagonal.
     adjacency:           bool, shape (n, n), A of eq. (17).
     hop_count:           int32, shape (n, n), C of eq. (18-20); 0 on the diagonal, -1 unreachable.
-    break_matrix:        float64, shape (n, n), `link` where no path exists, else 0.
+    break_matrix:        float64, shape (n, n), `link` for pairs without a path, else 0.
     fiedler_value:       algebraic connectivity, eq. (33); 0 exactly when the team is split.
     endangered:          bool, shape (n, n): links that exist but are below the endangered threshold.
-    traffic:             what became of messages.
+    traffic:             numbers of messages delivered, lost, cut off and refused.
 
-    A robot that is not there has no link, is on no path and does not count; its rows and columns are 0, but -inf
-    in `rssi_dbm` and -1 in `hop_count`, the diagonal included.
+    An absent robot has no links, is on no path and does not count; its rows and columns are 0, but -inf in `rssi_dbm`
+    and -1 in `hop_count`, including the diagonal.
     """
 
     rssi_dbm: np.ndarray
@@ -135,5 +133,5 @@ class NetworkState(msgspec.Struct, frozen=True, gc=False, eq=False):
 
     @property
     def swarm_connectivity(self) -> float:
-        """C_s of eq. (34): Fiedler value over the number of robots that are there."""
+        """C_s of eq. (34): Fiedler value over the number of robots present."""
         return self.fiedler_value / max(int(np.count_nonzero(np.diagonal(self.hop_count) == 0)), 1)

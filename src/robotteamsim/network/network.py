@@ -1,6 +1,4 @@
-"""The ad hoc network of a team: who has a link to whom, and which messages arrive."""
-
-from __future__ import annotations
+"""The ad hoc network of a team: its links, and the messages that arrive."""
 
 import math
 from collections.abc import Sequence
@@ -19,7 +17,7 @@ _EMPTY = NetworkState(_NONE, _NONE, _NONE, _NONE, _NONE, 0.0, _NONE)
 
 
 def _among_all(network: NetworkState, present: np.ndarray) -> NetworkState:
-    """Return the network of the robots that are there with rows and columns for all; present: bool, shape (n,)."""
+    """Return the network of the present robots with rows and columns for all; present: bool, shape (n,)."""
     there, shape = np.ix_(present, present), (len(present), len(present))
 
     def spread(matrix: np.ndarray, nothing: float, kind: type) -> np.ndarray:
@@ -41,9 +39,9 @@ def _among_all(network: NetworkState, present: np.ndarray) -> NetworkState:
 class Network:
     """The undirected radio network of `num_robots` robots [dissertation, 5.2.2].
 
-    A link exists where the signal is at least `lost_below_dbm`, or, for links by distance, where the distance is at
-    most `max_distance_m`. It is endangered where its signal is below `endangered_below_dbm`. `Delivery`
-    describes how messages travel over links.
+    A link exists if the signal is at least `lost_below_dbm` or, for links by distance, the distance is at most
+    `max_distance_m`. It is endangered if its signal is below `endangered_below_dbm`. `Delivery` describes how messages
+    travel over links.
     """
 
     def __init__(
@@ -55,7 +53,7 @@ class Network:
         seed: int = 0,
         step_ns: int = 100_000_000,
     ) -> None:
-        """Make a network without any message under way; `seed` is that of the losses, `step_ns` a step [ns]."""
+        """Make a network without messages. Args: seed: of message losses.  step_ns: length of a step [ns]."""
         self._radio_field = radio_field
         self._section = network
         self._num_robots = num_robots
@@ -66,21 +64,22 @@ class Network:
     def step(
         self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]], present: np.ndarray | None = None
     ) -> tuple[NetworkState, Sequence[Sequence[Message]]]:
-        """Return the network at these positions, and what each robot receives over it.
+        """Return the network at these positions, and the messages that each robot receives.
 
         Args:
             positions_m: shape (n, 2), in `map` [m].
-            outboxes:    messages sent in the step before, one sequence per robot in id order.
-            present:     whether each robot is there, bool, shape (n,); None: all are.
-        Returns: the state, and one inbox per robot in id order: what arrives in this step, sorted by sender, then in
-                 the order of sending. No robot receives its own messages; one that is too large is refused.
-        Raises: ValueError: wrong number of robots; a position is not finite; a message with a sender that is not the
-                owner of the outbox, or a receiver that does not exist.
+            outboxes:    messages sent in the previous step, one sequence per robot in id order.
+            present:     whether each robot is present, bool, shape (n,); None if all are.
+        Returns: the state, and one inbox per robot in id order: messages that arrive in this step, sorted by sender,
+                 then in the order of sending. A robot does not receive its own messages. Messages that are too large
+                 are refused.
+        Raises: ValueError: wrong number of robots; a position is not finite; a message whose sender is not the owner
+                of the outbox, or whose receiver does not exist.
         """
         if len(positions_m) != self._num_robots:
             raise ValueError(f"positions_m must have shape ({self._num_robots}, 2), got {np.shape(positions_m)}")
         if len(outboxes) != self._num_robots:
-            raise ValueError(f"outboxes must hold one sequence per robot: {self._num_robots}, got {len(outboxes)}")
+            raise ValueError(f"outboxes must have one sequence per robot: {self._num_robots}, got {len(outboxes)}")
         refused: tuple[Refusal, ...] = ()
         if not any(outboxes):
             outboxes = ()
@@ -90,7 +89,7 @@ class Network:
             limit = self._section.max_message_bytes
             outboxes = [[message for message in outbox if message.num_bytes <= limit] for outbox in outboxes]
         if present is not self._present:
-            # The links that are kept from step to step are those of the same robots.
+            # Links can be reused in the next step only for the same robots.
             self._links, self._present = TeamLinks(self._radio_field, self._section), present
         if present is None:
             state = self._links.step(positions_m)
@@ -100,7 +99,7 @@ class Network:
         return state if traffic is NO_TRAFFIC else msgspec.structs.replace(state, traffic=traffic), inboxes
 
     def reset(self) -> None:
-        """Forget the last links and messages under way, as a new network."""
+        """Return to the state of a new network, without links and messages."""
         self._links = TeamLinks(self._radio_field, self._section)
         self._delivery.reset()
 
@@ -110,13 +109,13 @@ class Network:
         for robot_id, outbox in enumerate(outboxes):
             for message in outbox:
                 if message.sender != robot_id:
-                    raise ValueError(f"outbox of robot {robot_id} holds a message from sender {message.sender}")
+                    raise ValueError(f"outbox of robot {robot_id} contains a message from sender {message.sender}")
                 if message.receiver != EVERYBODY and not 0 <= message.receiver < self._num_robots:
                     raise ValueError(
                         f"outbox of robot {robot_id}: receiver {message.receiver} does not exist; "
-                        f"wanted 0..{self._num_robots - 1}, or {EVERYBODY} for everybody"
+                        f"expected 0..{self._num_robots - 1}, or {EVERYBODY} for everybody"
                     )
-                # A character takes 4 bytes at most, so most messages need not be counted.
+                # A character has at most 4 bytes, so the size of most messages need not be counted.
                 if 4 * len(message.payload) > limit and message.num_bytes > limit:
                     refused.append(Refusal(robot_id, message.num_bytes, limit))
         return tuple(refused)

@@ -1,4 +1,4 @@
-"""How radio and voice fade on their way through a building."""
+"""Propagation of radio and voice in a building."""
 
 from robotteamsim.propagation.field_map import FieldMap
 from robotteamsim.propagation.radio_field import RadioField

@@ -1,6 +1,4 @@
-"""The faces of a floor plan: what a ray pays for passing through the outlines of walls, blocks and doors."""
-
-from __future__ import annotations
+"""The faces of a floor plan: the losses of rays at the outlines of walls, blocks and doors."""
 
 import functools
 from collections.abc import Sequence
@@ -17,24 +15,24 @@ from robotteamsim.scenario.sections import Radio
 
 MM_PER_M = 1000.0
 _UNITS_PER_DB = 20
-"""Radio faces weigh in units of 0.05 dB; losses are multiples of 0.1 dB, so half of one is a whole number of them."""
+"""Radio weights are in units of 0.05 dB: losses are multiples of 0.1 dB, so half a loss is a whole number of units."""
 
 _CLASS_LIMITS_MM = (200, 400, 600)
-"""Thickest wall of the first three classes of Table 3; all others are of the fourth, ]60,80] cm."""
+"""Thickest wall of each of the first three classes of Table 3; all thicker walls are in the fourth, ]60,80] cm."""
 
 _NO_FACE = -1
-"""Weight of a solid that fades nothing."""
+"""Weight of a solid that does not attenuate."""
 
 _SAME_OUTLINE_MM = 5.0
-"""Outlines this close together count as one. Rounding in the union moves a face by 0.7 mm, several times at worst."""
+"""Outlines within this distance count as one. Rounding in the union moves a face by 0.7 mm, possibly several times."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Faces:
-    """Segments that weigh on whatever passes through them; the last ones are the doors, in the plan's order.
+    """Segments that attenuate rays crossing them; the last ones are the doors, in the plan's order.
 
     ends_mm: int64, shape (n, 4): x1, y1, x2, y2 in `map` [mm].
-    weights: int32, shape (n,), >= 0: of a wall's face half of what the wall weighs, of a closed door all of it.
+    weights: int32, shape (n,), >= 0: half of the wall's weight for a face of a wall, all of it for a closed door.
     doors:   whether each door is closed at the start, by name.
     """
 
@@ -43,7 +41,7 @@ class Faces:
     doors: dict[str, bool]
 
     def core(self) -> _core.propagation.FaceSet:
-        """Return these faces for the C++ core, with the doors as they are at the start."""
+        """Return these faces for the C++ core, with the doors in their initial states."""
         face_set = _core.propagation.FaceSet(self.ends_mm.tolist(), self.weights.tolist())
         for name, closed in self.doors.items():
             face_set.set_active(self.door_face(name), closed)
@@ -58,31 +56,32 @@ class Faces:
 
 
 def radio_faces(plan: FloorPlan, radio: Radio) -> Faces:
-    """Return the faces that fade the radio, in units of 0.05 dB [dissertation, eq. 4 and Table 3].
+    """Return the faces that attenuate radio, in units of 0.05 dB [dissertation, eq. 4 and Table 3].
 
-    A wall costs what its class says, whatever the angle: half on the way in, half on the way out. The class comes from
-    the thickness of a wall, or the smaller width of a block or pillar that states none, in whole mm; over 80 cm it is
-    ]60,80]. A material takes the place of the class. What lies inside the union of all solids is no face. Where the
+    A wall costs the loss of its class at any angle, half where a ray enters and half where it leaves. The class follows
+    from the thickness of a wall, or from the smaller width of a block or pillar without a thickness, in whole mm; over
+    80 cm it is ]60,80]. A material replaces the class. Outlines inside the union of all solids are not faces. Where the
     outlines of several solids coincide, or run within 5 mm of each other, the highest loss counts.
 
-    Raises: ScenarioError: a material that `radio.materials` does not have.
+    Raises: ScenarioError: a material is not in `radio.materials`.
     """
     half_losses = tuple(
         _wall_units(plan, radio, solid.element) // 2 if radio.pillars or solid.kind != "pillar" else _NO_FACE
         for solid in _static_solids(plan)
     )
-    return _faces(plan, half_losses, tuple(_door_units(radio, door) for door in plan.doors))
+    door_loss_db = {"normal": radio.door_loss_db, "fireproof": radio.fireproof_door_loss_db}
+    return _faces(plan, half_losses, tuple(_units(door_loss_db[door.kind]) for door in plan.doors))
 
 
 def voice_faces(plan: FloorPlan) -> Faces:
-    """Return the faces that fade a voice, in halves of K in eq. (7): 1 per face of any solid, 2 per closed door."""
+    """Return the faces that attenuate voices, in halves of K in eq. (7): 1 per face of a solid, 2 per closed door."""
     return _faces(plan, (1,) * len(_static_solids(plan)), (2,) * len(plan.doors))
 
 
 def thickness_faces(plan: FloorPlan) -> Faces:
-    """Return the faces that fade a voice by the thickness d of what it passes [dissertation, eq. 5], in halves of a mm.
+    """Return the faces that attenuate voices by thickness d [dissertation, eq. 5], in halves of a mm.
 
-    The thickness is that which decides the class for radio, whatever the angle; of a closed door, that of its leaf.
+    d is the thickness that determines the class for radio, at any angle; for a closed door that of its leaf.
     """
     return _faces(
         plan,
@@ -95,10 +94,10 @@ def _static_solids(plan: FloorPlan) -> list[Solid]:
     return [solid for solid in solids(plan) if solid.kind != "door"]
 
 
-# Trials on one plan share its faces: the union of the garage's solids takes 10 ms.
+# Shared by all trials on one plan: the union of the garage's solids takes 10 ms.
 @functools.lru_cache(maxsize=16)
 def _faces(plan: FloorPlan, weights: tuple[int, ...], door_weights: tuple[int, ...]) -> Faces:
-    """Return the faces of a plan. Args: weights: of its static solids, or _NO_FACE. door_weights: of its doors."""
+    """Return the faces of a plan. Args: weights: of its static solids, or _NO_FACE.  door_weights: of its doors."""
     fading = [(solid, weight) for solid, weight in zip(_static_solids(plan), weights, strict=True) if weight >= 0]
     ends_mm, face_weights = _union_faces([solid.polygon for solid, _ in fading], [weight for _, weight in fading])
     door_ends_mm = np.array([(*door.start, *door.end) for door in plan.doors]).reshape(-1, 4) * MM_PER_M
@@ -123,7 +122,7 @@ def _union_faces(polygons: Sequence[shapely.Polygon], weights: Sequence[int]) ->
 
 
 def _edges(geometry: shapely.Geometry | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the edges of polygons (int64, shape (n, 4) [mm]) and the index of the geometry that each belongs to."""
+    """Return the edges of polygons (int64, shape (n, 4) [mm]) and the index of the geometry of each edge."""
     rings, geometry_of_ring = shapely.get_parts(shapely.boundary(geometry), return_index=True)
     points, ring = shapely.get_coordinates(rings, return_index=True)
     points_mm = np.rint(points).astype(np.int64)
@@ -132,7 +131,7 @@ def _edges(geometry: shapely.Geometry | np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def _pairs_near(points_mm: np.ndarray, edges_mm: np.ndarray) -> set[tuple[int, int]]:
-    """Return the indices (point, edge) of all pairs that are close enough to be of the same outline."""
+    """Return the indices (point, edge) of all pairs that are close enough to belong to the same outline."""
     tree = shapely.STRtree(shapely.linestrings(edges_mm.reshape(-1, 2, 2)))
     pairs = tree.query(shapely.points(points_mm), predicate="dwithin", distance=_SAME_OUTLINE_MM)
     return set(zip(*pairs.tolist(), strict=True))
@@ -160,17 +159,11 @@ def _thickness_mm(element: Wall | Block | Door) -> int:
     return round(thickness_m * MM_PER_M)
 
 
-def _door_units(radio: Radio, door: Door) -> int:
-    if door.kind == "fireproof":
-        return _units(radio.fireproof_door_loss_db)
-    return _units(radio.door_loss_db)
-
-
 def _units(loss_db: float) -> int:
     return round(loss_db * _UNITS_PER_DB)
 
 
-# Kept for the next trial: of all pillars of the garage it takes 2 ms.
+# Cached for the next trial: the pillars of the garage take 2 ms.
 @functools.lru_cache(maxsize=4096)
 def _smaller_width_m(polygon: tuple[tuple[float, float], ...]) -> float:
     rectangle = shapely.minimum_rotated_rectangle(shapely.Polygon(polygon))

@@ -1,8 +1,8 @@
-"""How radio fades between robots: the one-slope model and multi-wall losses."""
+"""Radio propagation between robots: the one-slope model and multi-wall losses."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -16,33 +16,19 @@ from robotteamsim.scenario.sections import Radio
 Point = tuple[float, float]
 
 
-class KeptRadioMap:
-    """The signal of one transmitter whose walls are kept from call to call; made by `RadioField.keep_map`."""
-
-    def __init__(self, write: Callable[[int, np.ndarray | None], FieldMap]) -> None:
-        self._write = write
-
-    def rssi_map_dbm(self, *, floors_crossed: int = 0, out: np.ndarray | None = None) -> FieldMap:
-        """Return what RadioField.rssi_map_dbm returns, to the bit, with the doors as they are now.
-
-        Raises: ValueError: `out` of another shape or type, or floors_crossed negative.
-        """
-        return self._write(floors_crossed, out)
-
-
 class RadioField:
-    """Path loss and signal strength on one floor [dissertation, eq. 2-4]; docs/propagation.md has the definition.
+    """Path loss and signal strength on one floor [dissertation, eq. 2-4]; docs/propagation.md defines them.
 
-    L(d) = l0 + l_c + 10 gamma log10(d) + losses of walls and closed doors on the straight way; rssi = tx power - L.
-    Positions are rounded to whole millimetres, so that L(a, b) and L(b, a) are the same to the bit.
-    Raises: ScenarioError: the plan or the radio section does not make faces, see `radio_faces`.
+    L(d) = l0 + l_c + 10 gamma log10(d) + losses of walls and closed doors on the straight line; rssi = tx power - L.
+    Positions are rounded to whole millimetres, so that L(a, b) and L(b, a) are bit-identical.
+    Raises: ScenarioError: as `radio_faces`.
     """
 
     def __init__(self, plan: FloorPlan, radio: Radio) -> None:
         self._plan = plan
         self._faces = radio_faces(plan, radio)
         self.core_faces = self._faces.core()
-        """The faces and the model in C++, for the network that looks at them."""
+        """The faces and the model in C++, for the network."""
         self.core_model = _core.propagation.RadioModel(
             tx_power_dbm=radio.tx_power_dbm,
             constant_loss_db=radio.constant_loss_db,
@@ -55,8 +41,8 @@ class RadioField:
     def path_loss_db(self, a_m: Point, b_m: Point, floors_crossed: int = 0) -> float:
         """Return L of eq. (3) between two points in `map` [dB].
 
-        Args:   floors_crossed: k_f of eq. (4), the ceilings on the way; the walls are always those of this plan.
-        Raises: ValueError: a coordinate is not finite, or floors_crossed negative.
+        Args:   floors_crossed: k_f of eq. (4), the ceilings in between; the walls are always those of this plan.
+        Raises: ValueError: a coordinate is not finite, or floors_crossed is negative.
         """
         return _core.propagation.path_loss_db(self.core_faces, self.core_model, a_m, b_m, floors_crossed)
 
@@ -64,9 +50,9 @@ class RadioField:
         """Return the signal strength between all pairs of robots [dBm].
 
         Args:    positions_m: shape (n, 2), in `map` [m].
-                 out: float64, shape (n, n), C-contiguous: the matrix is written here, and no memory is taken.
-        Returns: float64, shape (n, n), symmetric to the bit; 0 on the diagonal.
-        Raises:  ValueError: another shape; a coordinate is not finite (the message names the robot); `out` of another
+                 out: float64, shape (n, n), C-contiguous: the matrix is written here, without allocating memory.
+        Returns: float64, shape (n, n), exactly symmetric; 0 on the diagonal.
+        Raises:  ValueError: another shape; a coordinate is not finite (the message names the robot); `out` has another
                  shape or type.
         """
         positions_m = np.asarray(positions_m, dtype=np.float64)
@@ -87,14 +73,14 @@ class RadioField:
         out: np.ndarray | None = None,
         threads: int = 1,
     ) -> FieldMap:
-        """Return what a receiver at the centre of each cell gets from a transmitter [dBm], cells in walls included.
+        """Return the signal strength of a transmitter at the centre of each cell [dBm], including cells in walls.
 
-        The walls are counted exactly; the logarithm keeps a value within 4e-5 dB of `path_loss_db`. A resolution of
-        whole millimetres is much the fastest.
-        Args:   out: float32, shape (rows, cols), C-contiguous: the map is written here, and no memory is taken.
-                threads: that share the work, 0 for one per core; they do not change a value.
-        Raises: ValueError: the transmitter's position is not finite, the resolution not above 0, `out` of another
-                shape or type.
+        The walls are counted exactly; the logarithm is accurate to 4e-5 dB, compared with `path_loss_db`. Resolutions
+        of whole millimetres are by far the fastest.
+        Args:   out: float32, shape (rows, cols), C-contiguous: the map is written here, without allocating memory.
+                threads: number of threads, 0 for one per core; it does not change the values.
+        Raises: ValueError: the transmitter's position is not finite, the resolution is not above 0, or `out` has
+                another shape or type.
         """
         return self.best_rssi_map_dbm([tx_m], resolution_m, floors_crossed=floors_crossed, out=out, threads=threads)
 
@@ -109,7 +95,7 @@ class RadioField:
     ) -> FieldMap:
         """Return, per cell, the strongest signal of several transmitters [dBm]; otherwise as `rssi_map_dbm`.
 
-        Raises: ValueError: as there; no transmitter.
+        Raises: ValueError: as there, or no transmitters.
         """
         values = map_array(grid_shape(self._plan, resolution_m), out)
         origin_m = self._plan.bounds.min
@@ -127,10 +113,10 @@ class RadioField:
         out: np.ndarray | None = None,
         threads: int = 1,
     ) -> list[FieldMap]:
-        """Return the map of each transmitter, as `rssi_map_dbm` does; threads take whole maps.
+        """Return the map of each transmitter, as `rssi_map_dbm` does; each thread computes whole maps.
 
         Args:   out: float32, shape (transmitters, rows, cols), C-contiguous; the maps are parts of it.
-        Raises: ValueError: as there; no transmitter.
+        Raises: ValueError: as there, or no transmitters.
         """
         rows, columns = grid_shape(self._plan, resolution_m)
         values = map_array((len(transmitters_m), rows, columns), out)
@@ -148,22 +134,31 @@ class RadioField:
         return [FieldMap(origin_m, resolution_m, part) for part in values]
 
     def keep_map(self, tx_m: Point, resolution_m: float) -> KeptRadioMap:
-        """Return a map of a transmitter that follows the doors of this field, at a few microseconds per door.
+        """Return a map of a transmitter that follows the doors of this field; a change takes microseconds per door.
 
-        Raises: ValueError: the transmitter's position is not finite, or the resolution not above 0.
+        Raises: ValueError: the transmitter's position is not finite, or the resolution is not above 0.
         """
-        shape = grid_shape(self._plan, resolution_m)
-        origin_m = self._plan.bounds.min
-        weights = _core.propagation.WeightMap(self.core_faces, tx_m, origin_m, resolution_m, *shape)
-
-        def write(floors_crossed: int, out: np.ndarray | None) -> FieldMap:
-            values = map_array(shape, out)
-            weights.update(self.core_faces)
-            weights.write_rssi_dbm(self.core_model, floors_crossed, values)
-            return FieldMap(origin_m, resolution_m, values)
-
-        return KeptRadioMap(write)
+        return KeptRadioMap(self, self._plan, tx_m, resolution_m)
 
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door. Raises: ValueError: no such door."""
         self.core_faces.set_active(self._faces.door_face(name), closed)
+
+
+class KeptRadioMap:
+    """The signal of one transmitter, with the losses of the walls stored; made by `RadioField.keep_map`."""
+
+    def __init__(self, field: RadioField, plan: FloorPlan, tx_m: Point, resolution_m: float) -> None:
+        self._field, self._origin_m, self._resolution_m = field, plan.bounds.min, resolution_m
+        self._shape = grid_shape(plan, resolution_m)
+        self._weights = _core.propagation.WeightMap(field.core_faces, tx_m, self._origin_m, resolution_m, *self._shape)
+
+    def rssi_map_dbm(self, *, floors_crossed: int = 0, out: np.ndarray | None = None) -> FieldMap:
+        """Return a map bit-identical to that of RadioField.rssi_map_dbm, with the doors in their current states.
+
+        Raises: ValueError: `out` has another shape or type, or floors_crossed is negative.
+        """
+        values = map_array(self._shape, out)
+        self._weights.update(self._field.core_faces)
+        self._weights.write_rssi_dbm(self._field.core_model, floors_crossed, values)
+        return FieldMap(self._origin_m, self._resolution_m, values)

@@ -1,6 +1,4 @@
-"""How a call for help fades: the voice model and the voice map."""
-
-from __future__ import annotations
+"""Propagation of victims' voices: the voice model and the voice map."""
 
 import functools
 import math
@@ -22,9 +20,9 @@ _HALF_MM_DB = 20.0 * math.log10(math.e) * 0.05
 
 @dataclass(frozen=True, slots=True)
 class VoiceSource:
-    """A calling victim.
+    """The voice of a victim.
 
-    position_m:  where she is, in `map` [m].
+    position_m:  of the victim, in `map` [m].
     constant_db: l_c of eq. (7), negative [dB]: -78 is a shout of 78 dB at 1 m.
     exponent:    gamma of eq. (7), above 0.
     Raises: ValueError: constant_db or exponent is not finite, or exponent is not above 0.
@@ -48,7 +46,7 @@ class VoiceSource:
 @functools.lru_cache(maxsize=16)
 def _grid_and_solid_cells(plan: FloorPlan, resolution_m: float) -> tuple[OccupancyGrid, np.ndarray]:
     """Return the grid of a voice map and its solid cells, bool; trials on one plan share them."""
-    # A door's leaf is thinner than a cell: doors make no cell solid.
+    # A door's leaf is thinner than a cell, so doors do not make cells solid.
     grid = occupancy_grid(plan.model_copy(update={"doors": ()}), resolution_m)
     solid = grid.cells == OCCUPIED
     grid.cells.flags.writeable = solid.flags.writeable = False
@@ -56,10 +54,10 @@ def _grid_and_solid_cells(plan: FloorPlan, resolution_m: float) -> tuple[Occupan
 
 
 class VoiceField:
-    """Voice levels on one floor [dissertation, eq. 7]; docs/propagation.md has the definition.
+    """Voice levels on one floor [dissertation, eq. 7]; docs/propagation.md defines them.
 
     level(d) = -l_c - 10 gamma log10(d) - walls. With `voice.wall_model: count` the walls, blocks, pillars and closed
-    doors on the straight way cost K l_w (6); with `thickness`, 20 log10(e) mu d, d being their thicknesses (5).
+    doors on the straight line cost K l_w (6); with `thickness`, 20 log10(e) mu d, d being their thicknesses (5).
     Positions are rounded to whole millimetres.
     """
 
@@ -73,19 +71,19 @@ class VoiceField:
         self.set_noise_db(voice.noise_db)
 
     def level_db(self, source: VoiceSource, at_m: tuple[float, float]) -> float:
-        """Return the level of eq. (7) at a point in `map`, whatever the noise [dB].
+        """Return the level of eq. (7) at a point in `map`, also below the noise [dB].
 
         Raises: ValueError: a coordinate is not finite.
         """
         return _core.propagation.voice_level_db(self._core_faces, self._model, source.core(), at_m)
 
     def map_db(self, sources: Sequence[VoiceSource], *, out: np.ndarray | None = None, threads: int = 1) -> FieldMap:
-        """Return the highest level of all sources in each cell [dB]; 0 below the noise and in the cells of walls.
+        """Return the highest level of all sources in each cell [dB]; 0 below the noise and in cells that touch a solid.
 
-        Levels are within 5e-5 dB of `level_db`, and the same to the bit on every machine.
-        Args:   out: float32, shape (rows, cols), C-contiguous: the map is written here, and no memory is taken.
-                threads: that share the work, 0 for one per core; they do not change a value.
-        Raises: ValueError: a source's position is not finite, or `out` is of another shape or type.
+        Levels are within 5e-5 dB of `level_db`, and bit-identical on all machines.
+        Args:   out: float32, shape (rows, cols), C-contiguous: the map is written here, without allocating memory.
+                threads: number of threads, 0 for one per core; it does not change the values.
+        Raises: ValueError: a source's position is not finite, or `out` has another shape or type.
         """
         values = map_array(self._solid.shape, out)
         _core.propagation.write_voice_map_db(
@@ -98,14 +96,14 @@ class VoiceField:
             values,
             threads,
         )
-        return FieldMap.over(self._grid, values)
+        return FieldMap(self._grid.origin_m, self._grid.resolution_m, values)
 
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door. Raises: ValueError: no such door."""
         self._core_faces.set_active(self._faces.door_face(name), closed)
 
     def set_noise_db(self, noise_db: float) -> None:
-        """Set the background noise [dB]; weaker voices are not heard. Raises: ValueError: negative or not finite."""
+        """Set the background noise [dB], below which voices are not heard. Raises: ValueError: negative, not finite."""
         if not 0.0 <= noise_db < float("inf"):
             raise ValueError(f"noise_db must be finite and >= 0, got {noise_db}")
         self._model = _core.propagation.VoiceModel(

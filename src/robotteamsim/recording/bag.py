@@ -1,7 +1,5 @@
 """Writes a bag of a headless run, with the topics and types of a ROS run."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import struct
@@ -26,7 +24,7 @@ MAP_RESOLUTION_M = 0.05
 """Cell size of `/map` [m]."""
 
 CHUNK_BYTES = 256 * 1024
-"""Most data that a killed process can lose. Three robots fill a chunk in about 4 s of simulated time."""
+"""Size of a chunk [bytes], the most that a killed process can lose; three robots fill one in about 4 s simulated."""
 
 _MAGIC = b"#ROSBAG V2.0\n"
 _FILE_HEADER_BYTES = 4096

@@ -63,7 +63,7 @@ class BagReader:
         return dict(sorted(types.items()))
 
     def is_known(self, topic: str) -> bool:
-        """Whether the messages of a topic can be read; types other than ROS's are read as the bag defines them."""
+        """Whether the messages of a topic can be read; custom types are read as the bag defines them."""
         return all(
             self._types_of(connection) is not None
             for reader in self._readers

@@ -1,7 +1,5 @@
 """Message classes for bags that are written and read without ROS."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Writes files atomically: an incomplete file never has the name of a result."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import tempfile

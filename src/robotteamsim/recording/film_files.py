@@ -1,12 +1,10 @@
 """Writes films: GIF with Pillow, MP4 with ffmpeg."""
 
-from __future__ import annotations
-
 import itertools
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -43,7 +41,8 @@ def write_gif(path: Path, frames: Iterable[np.ndarray], samples: Iterable[np.nda
 
 def write_mp4(path: Path, frames: Iterable[np.ndarray], frames_per_s: int, ffmpeg: str) -> None:
     """Write frames, uint8, shape (height, width, 3), both even, as H.264. Raises: RecordingError: ffmpeg fails."""
-    first, frames = _peek(frames)
+    rest = iter(frames)
+    first = next(rest)
     height, width, _ = first.shape
     source = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(frames_per_s), "-i", "-")
     coding = ("-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4")
@@ -52,7 +51,7 @@ def write_mp4(path: Path, frames: Iterable[np.ndarray], frames_per_s: int, ffmpe
         with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=log) as process:
             assert process.stdin is not None
             try:
-                for frame in frames:
+                for frame in itertools.chain([first], rest):
                     process.stdin.write(np.ascontiguousarray(frame).tobytes())
                 process.stdin.close()
             except BrokenPipeError:
@@ -64,9 +63,3 @@ def write_mp4(path: Path, frames: Iterable[np.ndarray], frames_per_s: int, ffmpe
             log.seek(0)
             lines = log.read().decode(errors="replace").strip().splitlines() or [f"status {process.returncode}"]
             raise RecordingError(f"{path}: cannot be written: ffmpeg: {lines[-1]}")
-
-
-def _peek(frames: Iterable[np.ndarray]) -> tuple[np.ndarray, Iterator[np.ndarray]]:
-    rest = iter(frames)
-    first = next(rest)
-    return first, itertools.chain([first], rest)

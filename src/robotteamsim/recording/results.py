@@ -1,7 +1,5 @@
 """mission.json: the result of a trial, every event, and everything needed to repeat it."""
 
-from __future__ import annotations
-
 import json
 import platform
 from importlib import metadata
@@ -21,32 +19,44 @@ FILE_NAME = "mission.json"
 _LIBRARIES = ("numpy", "scipy", "shapely", "pydantic", "rosbags")
 
 
-class ResultWriter:
-    """Writes `folder`/mission.json when the mission has ended, completely or not at all."""
+class EventList:
+    """Collects the events of a run."""
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        self._scenario: Scenario | None = None
-        self._events: list[Event] = []
+    def __init__(self) -> None:
+        self.events: list[Event] = []
 
     def begin(self, scenario: Scenario) -> None:
-        """Raises: RecordingError: the folder cannot be written."""
-        self._scenario, self._events = scenario, []
-        prepare_folder(self._folder)
+        """Discard the events of an earlier run."""
+        self.events = []
 
     def step(self, record: StepRecord) -> None:
         """Keep the events of one step."""
-        self._events.extend(record.events)
+        self.events.extend(record.events)
+
+    def end(self, result: Result) -> None:
+        """Do nothing."""
+
+    def abandon(self) -> None:
+        """Do nothing."""
+
+
+class ResultWriter(EventList):
+    """Writes `folder`/mission.json when the mission has ended, completely or not at all."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__()
+        self._folder = folder
+
+    def begin(self, scenario: Scenario) -> None:
+        """Raises: RecordingError: the folder cannot be written."""
+        super().begin(scenario)
+        self._scenario = scenario
+        prepare_folder(self._folder)
 
     def end(self, result: Result) -> None:
         """Write the file. Raises: RecordingError."""
-        assert self._scenario is not None
-        document = mission_document(self._scenario, result, self._events)
+        document = mission_document(self._scenario, result, self.events)
         write_atomically(self._folder / FILE_NAME, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
-
-    def abandon(self) -> None:
-        """Discard the events so far."""
-        self._events = []
 
 
 def result_summary(result: Result) -> dict[str, Any]:

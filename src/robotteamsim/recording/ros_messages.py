@@ -8,6 +8,7 @@ attribute's type; a factory converts them if its classes need something else.
 from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
+import msgspec
 import numpy as np
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
@@ -326,11 +327,7 @@ def mission_event(make: Make, time_ns: int, event: Event) -> Any:
     return make(
         "robotteamsim/MissionEvent",
         header=header(make, time_ns, MAP_FRAME),
-        time_s=event.time_s,
-        kind=event.kind,
-        subject=event.subject,
-        robot_id=event.robot_id,
-        detail=event.detail,
+        **msgspec.structs.asdict(event),
     )
 
 

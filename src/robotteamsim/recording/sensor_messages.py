@@ -1,6 +1,4 @@
-"""Topics and messages of a robot's further sensors, for bags written without ROS and for the nodes."""
-
-from __future__ import annotations
+"""Topics and messages of a robot's additional sensors, for bags written without ROS and for the nodes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -35,7 +33,7 @@ class SensorTopic:
 
 
 def sensor_topics(robot: Robot) -> tuple[SensorTopic, ...]:
-    """Return the topics of a robot's further sensors."""
+    """Return the topics of a robot's additional sensors."""
     lasers = (
         SensorTopic(laser.name, "sensor_msgs/LaserScan", partial(_scan, index, laser))
         for index, laser in enumerate(robot.lasers)
@@ -52,9 +50,8 @@ def _scan(
     index: int, laser: MountedLaser, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings
 ) -> Any | None:
     ranges_m = readings.scans_m[index]
-    return (
-        None if ranges_m is None else ros_messages.scan(make, time_ns, robot_id, laser, ranges_m, f"{laser.name}_link")
-    )
+    frame = f"{laser.name}_link"
+    return None if ranges_m is None else ros_messages.scan(make, time_ns, robot_id, laser, ranges_m, frame)
 
 
 def _range(index: int, sonar: Sonar, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings) -> Any:

@@ -1,8 +1,6 @@
 """Prints the events and the result of a mission."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from rich import box
@@ -11,8 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from robotteamsim.mission.status import END_TEXTS, Event
-from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.simulation import Result, StepRecord
+from robotteamsim.simulation import Result
 from robotteamsim.wording import counted
 
 MAX_EVENTS = 60
@@ -33,35 +30,12 @@ _STYLES = {
 }
 
 
-class EventList:
-    """Collects the events of a run."""
-
-    def __init__(self) -> None:
-        self.events: list[Event] = []
-
-    def begin(self, scenario: Scenario) -> None:
-        """Discard the events of an earlier run."""
-        self.events = []
-
-    def step(self, record: StepRecord) -> None:
-        """Keep the events of one step."""
-        self.events.extend(record.events)
-
-    def end(self, result: Result) -> None:
-        """Do nothing."""
-
-    def abandon(self) -> None:
-        """Do nothing."""
-
-
-def print_result(
-    console: Console, scenario: Scenario, result: Result, events: Sequence[Event], written: Sequence[Path | None]
-) -> None:
+def print_result(console: Console, result: Result, events: Sequence[Event], written: Sequence[Path | None]) -> None:
     """Print the events in order and the totals of a mission."""
     robots = counted(len(result.robots), "robot")
     title = f"{result.scenario}: {robots}, {result.noise_db:g} dB noise, seed {result.seed}"
     console.print(event_table(title, events))
-    console.print(_totals_table(result))
+    console.print(totals_table(_totals(result)))
     console.print(Text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)
     for path in filter(None, written):
         console.print(Text(f"  written      {path}"), soft_wrap=True)
@@ -90,13 +64,20 @@ def delivery_rows(delivered: int | None, mean_s: float | None, max_s: float | No
     return [("reached base", f"{discoveries}{delay}")]
 
 
-def _totals_table(result: Result) -> Table:
+def totals_table(rows: Iterable[tuple[str, str]]) -> Table:
+    """Return names and values in two columns."""
     table = Table(box=None, show_header=False, pad_edge=True)
     table.add_column(style="dim")
     table.add_column()
+    for name, value in rows:
+        table.add_row(name, value)
+    return table
+
+
+def _totals(result: Result) -> list[tuple[str, str]]:
     distances = ", ".join(f"{robot.distance_m:.0f}" for robot in result.robots[:10])
     more = " .." if len(result.robots) > 10 else ""
-    rows = [
+    return [
         ("end", END_TEXTS[result.end]),
         ("areas explored", f"{result.areas_explored} of {result.num_areas}"),
         ("victims saved", f"{result.victims_saved} of {result.num_victims}"),
@@ -106,6 +87,3 @@ def _totals_table(result: Result) -> Table:
         ("driven", f"{distances}{more} m"),
         ("speed", f"{result.speed:.0f} x real time ({result.wall_s:.1f} s)"),
     ]
-    for name, value in rows:
-        table.add_row(name, value)
-    return table

@@ -1,7 +1,5 @@
 """Writes trajectories as text files that evo and most plotting tools can read."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
@@ -48,6 +46,6 @@ class TumWriter:
 
 
 def tum_line(time_ns: int, pose: PoseReading) -> str:
-    """Return one line of a TUM file; its numbers are exact to the bit."""
+    """Return one line of a TUM file; its numbers are exact."""
     seconds, nanoseconds = divmod(time_ns, 10**9)
     return f"{seconds}.{nanoseconds:09d} {pose.x_m!r} {pose.y_m!r} 0 0 0 {pose.qz!r} {pose.qw!r}"

@@ -1,6 +1,4 @@
-"""What a node's script calls: its module is imported here, so that it can be interrupted from the beginning."""
-
-from __future__ import annotations
+"""Starts a node's script; its module is imported here, so that it can be interrupted from the beginning."""
 
 import importlib
 import signal

@@ -1,7 +1,5 @@
 """The base of all scenario models and the types they share."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
@@ -41,7 +39,7 @@ Many = Annotated[tuple[Item, ...], BeforeValidator(_as_tuple)]
 
 
 def wrong(key: str, text: str) -> PydanticCustomError:
-    """Return the error for a model's own check to raise: `key` is relative to the model, `text` says what is wrong."""
+    """Return the error that a model's own check raises: `key` is relative to the model, `text` says what is wrong."""
     return PydanticCustomError("wrong", "{key}: {text}", {"key": key, "text": text})
 
 
@@ -56,7 +54,7 @@ LossDb = Annotated[float, Field(ge=0.0, le=120.0), AfterValidator(_in_tenths)]
 
 
 def first_repeated(names: list[str]) -> tuple[int, str] | None:
-    """Return index and value of the first name that is a duplicate; None: all differ."""
+    """Return index and value of the first duplicate name; None if all differ."""
     seen: set[str] = set()
     for index, name in enumerate(names):
         if name in seen:

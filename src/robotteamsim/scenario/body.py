@@ -11,13 +11,13 @@ from robotteamsim.scenario.base import PlanarPose, wrong
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 
 MAX_CORNERS = 8
-"""Of a polygon in Box2D."""
+"""Box2D's limit for polygons."""
 MAX_REACH_M = 5.0
 MIN_WIDTH_M = 0.02
 """Thinner bodies would need too many physics steps."""
 
 _INSET_M = 1e-3
-"""A polygon is represented as all points within this distance of a smaller one, so that overlap is a distance."""
+"""A polygon is shrunk by this distance and then has it as its margin, so that the overlap of bodies is a distance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,13 +48,13 @@ def polygon_at(corners: Corners, pose: PlanarPose) -> Body:
 
 
 def corners_at(corners: Corners, pose: PlanarPose) -> Corners:
-    """Return corners that are given in the frame of a pose in the map frame [m]."""
+    """Return corners, given in the frame of a pose, in the map frame [m]."""
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
     return tuple((pose[0] + cos * x - sin * y, pose[1] + sin * x + cos * y) for x, y in corners)
 
 
 def check_footprint(key: str, corners: Corners) -> None:
-    """Raise a model's own error unless corners are a convex body around base_link, in either direction."""
+    """Raise a model's error unless corners are a convex body around base_link, clockwise or counter-clockwise."""
     if not 3 <= len(corners) <= MAX_CORNERS:
         raise wrong(key, f"{len(corners)} corners; expected 3 to {MAX_CORNERS}")
     ring = counter_clockwise(corners)

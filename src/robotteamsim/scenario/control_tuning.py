@@ -1,4 +1,4 @@
-"""Sections of `control` with what is tuned of driving, wandering, covering, keeping links and seeing doors.
+"""Sections of `control` with tuning parameters of driving, wandering, coverage, links and door detection.
 
 All defaults are ours: no source gives these numbers.
 """
@@ -11,54 +11,70 @@ from robotteamsim.scenario.base import Model, wrong
 
 
 class NavigatorTuning(Model):
-    """How a robot drives to a point: along the known map, around what its laser sees, and out of jams."""
+    """How a robot drives to a point: along the known map, around obstacles that its laser sees, and out of jams."""
 
-    arrived_m: float = Field(default=0.05, gt=0.0, le=1.0, description="this near, the robot is at the point [m]")
+    arrived_m: float = Field(
+        default=0.05, gt=0.0, le=1.0, description="distance at which the robot has reached the point [m]"
+    )
     laser_margin_m: float = Field(
-        default=0.04, ge=0.0, le=1.0, description="kept between the body and what the laser sees; below the map's [m]"
+        default=0.04,
+        ge=0.0,
+        le=1.0,
+        description="clearance between the body and obstacles seen by the laser; smaller than that of the map [m]",
     )
-    look_ahead_m: float = Field(default=0.5, gt=0.0, le=10.0, description="how far ahead must be free [m]")
-    longest_path_m: float = Field(default=200.0, gt=0.0, le=10_000.0, description="no longer path is searched [m]")
+    look_ahead_m: float = Field(default=0.5, gt=0.0, le=10.0, description="distance ahead that must be free [m]")
+    longest_path_m: float = Field(default=200.0, gt=0.0, le=10_000.0, description="limit of the path search [m]")
     turn_in_place_rad: float = Field(
-        default=0.8, gt=0.0, le=3.1416, description="a heading farther aside than this is turned to on the spot [rad]"
+        default=0.8, gt=0.0, le=3.1416, description="beyond this heading error the robot turns on the spot [rad]"
     )
-    turn_gain_per_s: float = Field(default=3.0, gt=0.0, le=50.0, description="yaw rate per angle to the heading [1/s]")
-    braking_mps2: float = Field(default=1.0, gt=0.0, le=50.0, description="planned before obstacles [m/s^2]")
-    manoeuvring_mps: float = Field(default=0.3, gt=0.0, le=10.0, description="of a car that must turn far [m/s]")
+    turn_gain_per_s: float = Field(default=3.0, gt=0.0, le=50.0, description="yaw rate per heading error [1/s]")
+    braking_mps2: float = Field(
+        default=1.0, gt=0.0, le=50.0, description="planned deceleration before obstacles [m/s^2]"
+    )
+    manoeuvring_mps: float = Field(
+        default=0.3, gt=0.0, le=10.0, description="speed of a car with a large heading error [m/s]"
+    )
     room_to_turn_m: float = Field(
         default=0.4,
         gt=0.0,
         le=10.0,
-        description="with less room ahead, a car that must turn far drives back [m]",
+        description="with less room ahead, a car with a large heading error drives backward [m]",
     )
-    progress_m: float = Field(default=0.2, gt=0.0, le=10.0, description="a robot that moves less is stuck [m]")
-    stuck_timeout_s: float = Field(default=4.0, gt=0.0, le=600.0, description="after so long it escapes [s]")
+    progress_m: float = Field(
+        default=0.2, gt=0.0, le=10.0, description="a robot that moves less within stuck_timeout_s is stuck [m]"
+    )
+    stuck_timeout_s: float = Field(
+        default=4.0, gt=0.0, le=600.0, description="a robot without progress escapes after this time [s]"
+    )
     yield_timeout_s: float = Field(
         default=2.0,
         gt=0.0,
         le=600.0,
-        description="after so long, beside a teammate of lower id: that one goes first [s]",
+        description="the same next to a teammate with a lower id, which has the right of way [s]",
     )
-    escape_m: float = Field(default=0.7, gt=0.0, le=10.0, description="how far an escape leads [m]")
-    escape_time_s: float = Field(default=3.0, gt=0.0, le=600.0, description="an escape ends after this time [s]")
-    escape_headings: int = Field(default=16, ge=1, le=360, description="directions that an escape may take")
+    escape_m: float = Field(default=0.7, gt=0.0, le=10.0, description="length of an escape [m]")
+    escape_time_s: float = Field(default=3.0, gt=0.0, le=600.0, description="longest duration of an escape [s]")
+    escape_headings: int = Field(default=16, ge=1, le=360, description="number of directions tried for an escape")
     near_teammate_m: float = Field(
-        default=1.0, gt=0.0, le=50.0, description="a teammate this near is beside the robot [m]"
+        default=1.0, gt=0.0, le=50.0, description="a teammate within this distance is next to the robot [m]"
     )
     nearest_free_start_m: float = Field(
-        default=1.0, ge=0.0, le=10.0, description="how far from the robot a path may begin, where it has no room [m]"
+        default=1.0,
+        ge=0.0,
+        le=10.0,
+        description="how far from the robot a path may start if the robot is too close to a wall [m]",
     )
     nearest_free_goal_m: float = Field(
-        default=3.0, ge=0.0, le=10.0, description="how far from a blocked goal a straight drive may end [m]"
+        default=3.0, ge=0.0, le=10.0, description="how far from a blocked goal a straight path may end [m]"
     )
     sidestep_left_penalty: float = Field(
-        default=0.25, ge=0.0, le=10.0, description="cost of passing on the left, against ties: all keep right [rad]"
+        default=0.25, ge=0.0, le=10.0, description="cost of passing on the left, so that all robots keep right [rad]"
     )
     sidestep_change_penalty: float = Field(
-        default=0.35, ge=0.0, le=10.0, description="cost of changing the side, against dithering [rad]"
+        default=0.35, ge=0.0, le=10.0, description="cost of changing the side, so that a robot does not dither [rad]"
     )
     sidestep_ahead_rad: float = Field(
-        default=1.6, gt=0.0, le=3.1416, description="obstacles are passed only by goals nearer ahead than this [rad]"
+        default=1.6, gt=0.0, le=3.1416, description="the robot sidesteps only for goals within this angle ahead [rad]"
     )
 
 
@@ -66,14 +82,18 @@ class WanderTuning(Model):
     """Random straight legs over the known map: what excluded robots and `random_walk` do."""
 
     shortest_leg_m: float = Field(
-        default=1.0, gt=0.0, le=100.0, description="no leg is shorter where there is room [m]"
+        default=1.0, gt=0.0, le=100.0, description="shortest leg, unless there is less room [m]"
     )
-    longest_leg_m: float = Field(default=8.0, gt=0.0, le=1000.0, description="no leg is longer [m]")
-    arrived_m: float = Field(default=0.3, gt=0.0, le=10.0, description="a leg ends this near to its end [m]")
+    longest_leg_m: float = Field(default=8.0, gt=0.0, le=1000.0, description="longest leg [m]")
+    arrived_m: float = Field(
+        default=0.3, gt=0.0, le=10.0, description="distance at which the robot has reached the end of a leg [m]"
+    )
     timeout_factor: float = Field(
-        default=2.0, ge=1.0, le=100.0, description="a leg is given up after so many times its time at full speed"
+        default=2.0, ge=1.0, le=100.0, description="a leg is given up after this multiple of its time at full speed"
     )
-    timeout_s: float = Field(default=3.0, ge=0.0, le=600.0, description="time to turn, on top of timeout_factor [s]")
+    timeout_s: float = Field(
+        default=3.0, ge=0.0, le=600.0, description="added to that time, so that the robot can turn [s]"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> WanderTuning:
@@ -83,51 +103,61 @@ class WanderTuning(Model):
 
 
 class CoverTuning(Model):
-    """How `cover` chooses where to go: the place that covers most for the path to it."""
+    """How `cover` chooses a goal: the place that covers the most new floor for its distance."""
 
-    radius_m: float = Field(default=2.5, gt=0.0, le=50.0, description="what a robot covers around it [m]")
+    radius_m: float = Field(default=2.5, gt=0.0, le=50.0, description="a robot covers the floor within this radius [m]")
     nearness_m: float = Field(
         default=4.0,
         gt=0.0,
         le=1000.0,
-        description="a place is worth what it newly covers / (its distance + this) [m]",
+        description="the score of a place is its newly covered floor / (its distance + this value) [m]",
     )
     apart_m: float = Field(
-        default=6.0, ge=0.0, le=1000.0, description="places nearer than this to a teammate's goal are left to it [m]"
+        default=6.0,
+        ge=0.0,
+        le=1000.0,
+        description="a robot avoids places within this distance of a teammate's goal [m]",
     )
     connected_s: float = Field(
-        default=3.5, gt=0.0, le=600.0, description="a teammate is connected this long after its last update [s]"
+        default=3.5, gt=0.0, le=600.0, description="a teammate counts as connected for this time after an update [s]"
     )
     given_up_s: float = Field(
-        default=90.0, gt=0.0, le=1e6, description="a teammate unheard for longer no longer holds the robot back [s]"
+        default=90.0, gt=0.0, le=1e6, description="a teammate that was not heard for longer is ignored [s]"
     )
     progress_m: float = Field(
-        default=1.0, gt=0.0, le=100.0, description="by how much a goal must come nearer within goal_timeout_s [m]"
+        default=1.0, gt=0.0, le=100.0, description="the path must become shorter by this within goal_timeout_s [m]"
     )
-    goal_timeout_s: float = Field(default=12.0, gt=0.0, le=1e6, description="without progress, a goal is avoided [s]")
-    avoided_s: float = Field(default=60.0, ge=0.0, le=1e6, description="how long a goal is avoided [s]")
-    avoided_m: float = Field(default=3.0, ge=0.0, le=100.0, description="so are places this near to it [m]")
-    longest_path_m: float = Field(default=200.0, gt=0.0, le=10_000.0, description="no longer path is searched [m]")
+    goal_timeout_s: float = Field(
+        default=12.0, gt=0.0, le=1e6, description="a goal without progress is given up after this time [s]"
+    )
+    avoided_s: float = Field(
+        default=60.0, ge=0.0, le=1e6, description="a goal that was given up is avoided for this time [s]"
+    )
+    avoided_m: float = Field(default=3.0, ge=0.0, le=100.0, description="so are places within this distance of it [m]")
+    longest_path_m: float = Field(default=200.0, gt=0.0, le=10_000.0, description="limit of the path search [m]")
 
 
 class LinkTuning(Model):
-    """How links are kept, by the communication term of eq. (22)."""
+    """How the communication term of eq. (22) keeps links."""
 
     endangered_fraction: float = Field(
         default=0.8,
         gt=0.0,
         lt=1.0,
-        description="a link by distance that is longer than this part of network.max_distance_m is endangered",
+        description="a link by distance is endangered beyond this fraction of network.max_distance_m",
     )
 
 
 class DoorTuning(Model):
-    """How a robot tells from its laser whether a door is open or closed."""
+    """How a robot detects with its laser whether a door is open or closed."""
 
     leaf_tolerance_m: float = Field(
-        default=0.12, gt=0.0, le=1.0, description="a beam that ends this near to the closed leaf ends at it [m]"
+        default=0.12,
+        gt=0.0,
+        le=1.0,
+        description="a beam that ends within this distance of the closed leaf counts as hitting it [m]",
     )
-    fewest_beams: int = Field(default=5, ge=1, le=10_000, description="beams that must agree on a leaf")
+    fewest_beams: int = Field(default=5, ge=1, le=10_000, description="number of beams that must agree")
     clear_majority: float = Field(
-        default=0.8, gt=0.5, le=1.0, description="part of the beams on a leaf that must agree on it"
+        default=0.8, gt=0.5, le=1.0, description="fraction of the beams towards the leaf that must agree"
     )

@@ -1,7 +1,5 @@
 """Checks that the doors of a plan are in gaps between walls."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,7 +11,7 @@ from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.plan import Solid, solids
 
 REACH_M = 0.1
-"""One end of a leaf must be this near to a solid or to the border of the plan."""
+"""At least one end of a leaf must be within this distance of a solid or of the border of the plan."""
 
 MOST_IN_SOLIDS = 0.5
 """Share of a leaf's length that may be in solids: a door inside a wall neither opens nor closes anything."""
@@ -28,8 +26,8 @@ LEANING_M = 0.01
 def misplaced_doors(plan: FloorPlan) -> list[tuple[int, str]]:
     """Return the index of each door that is not at a wall, is inside one, or swings into one, and what is wrong.
 
-    At least one end of a leaf must be at a wall, block or pillar, and at least half of it in the gap. Each leaf of a
-    double door is at its own side.
+    At least one end of a leaf must be at a wall, block or pillar, and at least half of it in the gap. A double door is
+    two leaves, each at its own side.
     """
     static = [solid for solid in solids(plan) if solid.kind != "door"]
     shapes = np.array([solid.polygon for solid in static], dtype=object)

@@ -1,7 +1,5 @@
 """How robots move: the drives of a scenario."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal
 
@@ -25,8 +23,8 @@ class Drive(Model):
 class OmniDrive(Model):
     """An omnidirectional drive: it moves in any direction and turns at the same time.
 
-    Its limits apply to the length of the velocity in the plane and of its change, not to each axis: a command beyond
-    them keeps its direction.
+    Its limits apply to the lengths of the planar velocity and acceleration, not to each axis: a command beyond them
+    keeps its direction.
     """
 
     kind: Literal["omni"] = Field(description="omni")
@@ -39,8 +37,8 @@ class OmniDrive(Model):
 class CarDrive(Model):
     """A car-like drive, as a bicycle: base_link is the middle of the rear axle, the front wheel steers.
 
-    The turn of a command is the desired yaw rate: the car steers for it at its present speed, so it never turns on
-    the spot.
+    The turn of a command is the desired yaw rate: the car chooses the steering angle for its current speed, so it never
+    turns on the spot.
     """
 
     kind: Literal["car"] = Field(description="car")
@@ -67,8 +65,7 @@ def _kind(value: Any) -> str:
 def _check_kind(value: Any) -> Any:
     kind = value.get("kind", KINDS[0]) if isinstance(value, dict) else KINDS[0]
     if kind not in KINDS:
-        text = f"{shown(kind)} is not one of {', '.join(KINDS)}{suggestion(str(kind), KINDS)}"
-        raise wrong("kind", text)
+        raise wrong("kind", f"{shown(kind)} is not one of {', '.join(KINDS)}{suggestion(str(kind), KINDS)}")
     return value
 
 

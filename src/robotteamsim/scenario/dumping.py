@@ -1,7 +1,5 @@
 """Writing scenarios and floor plans as YAML."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 
@@ -12,11 +10,11 @@ from robotteamsim.scenario.yaml_text import write
 
 
 def dump(scenario: Scenario, *, inline_plan: bool = False) -> str:
-    """Return a scenario as YAML with every key; `load` reads it back as an equal one.
+    """Return a scenario as YAML with every key; `load` reads an equal scenario from it.
 
-    A shipped map is written by its name, another plan file by its absolute path.
+    A shipped map is written as its name, another plan file as its absolute path.
 
-    Args: inline_plan: write the plan itself even where it came from a file, so that the text is self-contained.
+    Args: inline_plan: write the plan itself even if it came from a file, so that the text is self-contained.
     """
     data = scenario.model_dump(by_alias=True, mode="json")
     if scenario.plan_file and not inline_plan:
@@ -25,6 +23,6 @@ def dump(scenario: Scenario, *, inline_plan: bool = False) -> str:
 
 
 def write_floor_plan(plan: FloorPlan, path: str | os.PathLike[str]) -> None:
-    """Write a floor plan as a plan.yaml, leaving out what has its default. Raises: OSError."""
+    """Write a floor plan as a plan.yaml without keys that have their default. Raises: OSError."""
     data = plan.model_dump(by_alias=True, mode="json", exclude_defaults=True)
     Path(path).write_text(write(data), encoding="utf-8")

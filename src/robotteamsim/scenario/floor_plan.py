@@ -17,10 +17,10 @@ MAX_COORDINATE_M = 999_000.0
 """The exact sums of propagation are valid up to 1000 km; walls and cells extend a little beyond the bounds."""
 
 MIN_AREA_M2 = 1e-6
-"""Of a block: a square millimetre."""
+"""Smallest area of a block: a square millimetre."""
 
 MIN_SWING_RAD = 0.1
-"""A leaf that swings by less than this closes nothing."""
+"""A leaf that swings by less than this would not open the gap."""
 
 
 class Bounds(Model):
@@ -50,16 +50,16 @@ class Bounds(Model):
 
 
 class Wall(Model):
-    """A straight wall of rectangular footprint around its centre line; its ends are cut square at `from` and `to`."""
+    """A straight wall with a rectangular footprint around its centre line from `from` to `to`."""
 
     name: str = Field(description="a name, unique among the plan's elements")
     start: Point = Field(
         validation_alias="from", serialization_alias="from", description="one end of the centre line [m]"
     )
     end: Point = Field(validation_alias="to", serialization_alias="to", description="other end of the centre line [m]")
-    thickness_m: float = Field(default=0.2, gt=0.0, le=0.8, description="decides the loss class (Table 3) [m]")
+    thickness_m: float = Field(default=0.2, gt=0.0, le=0.8, description="determines the loss class (Table 3) [m]")
     height_m: float = Field(default=2.6, gt=0.0, le=20.0, description="for 3D views [m]")
-    material: str | None = Field(default=None, description="key into radio.materials; none: by thickness")
+    material: str | None = Field(default=None, description="key in radio.materials; default: loss by thickness")
 
     @model_validator(mode="after")
     def _check(self) -> Wall:
@@ -71,13 +71,18 @@ class Block(Model):
     """A solid polygon: a stair core, a pillar."""
 
     name: str = Field(description="a name, unique among the plan's elements")
-    kind: Literal["block", "pillar"] = Field(default="block", description="a plan may switch pillars off for radio")
+    kind: Literal["block", "pillar"] = Field(
+        default="block", description="radio.pillars may exclude pillars from the radio model"
+    )
     polygon: Many[Point] = Field(min_length=3, description="corners in order, not self-crossing [m]")
     thickness_m: float | None = Field(
-        default=None, gt=0.0, le=MAX_SIDE_M, description="decides the loss class (Table 3); none: the smaller width [m]"
+        default=None,
+        gt=0.0,
+        le=MAX_SIDE_M,
+        description="determines the loss class (Table 3); default: the smaller width [m]",
     )
     height_m: float = Field(default=2.6, gt=0.0, le=20.0, description="for 3D views [m]")
-    material: str | None = Field(default=None, description="key into radio.materials; none: by the smaller width")
+    material: str | None = Field(default=None, description="key in radio.materials; default: loss by the smaller width")
 
     @model_validator(mode="after")
     def _check(self) -> Block:
@@ -92,7 +97,7 @@ class Block(Model):
 
 
 class Door(Model):
-    """A door leaf: one segment across a gap between walls; loading checks that, see `door_places`."""
+    """A door leaf: one segment across a gap between walls; `door_places` checks the gap."""
 
     name: str = Field(description="a name, unique among the plan's elements")
     start: Point = Field(
@@ -110,13 +115,13 @@ class Door(Model):
         description="instant: opens or closes instantly, an open leaf does not exist; swing or slide: the leaf moves",
     )
     time_s: float | None = Field(
-        default=None, ge=0.1, le=600.0, description="of a swing or slide, from closed to open; none: 2 s [s]"
+        default=None, ge=0.1, le=600.0, description="duration of a swing or slide from closed to open; default 2 s [s]"
     )
     angle_rad: float | None = Field(
         default=None,
         ge=-math.pi,
         le=math.pi,
-        description="of a swing: turn of the open leaf about `from`, counter-clockwise; none: pi / 2 [rad]",
+        description="of a swing: angle of the open leaf about `from`, counter-clockwise; default pi / 2 [rad]",
     )
 
     @model_validator(mode="after")

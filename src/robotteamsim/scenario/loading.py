@@ -1,7 +1,5 @@
 """Reading scenarios and floor plans from YAML, with overrides; every mistake is reported in one line."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -27,16 +25,20 @@ M = TypeVar("M", bound=Model)
 def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scenario:
     """Return the scenario of a file or of a shipped name.
 
-    Whether robots, objects, areas and victims have room in the plan is checked by `world.placement.check_places`,
-    which every simulation calls.
+    `world.placement.check_places`, which every simulation calls, checks that robots, objects, areas and victims have
+    room in the plan.
 
     Args:   path_or_name: a file, or a name without folder and suffix, such as "garage_sar".
-            overrides: "key=value" each: the key dotted, list items by index (`mission.victims.0.position=[1, 2]`),
-                the value as in YAML. A `plan` given so is relative to the current folder.
-    Raises: ScenarioError: one line with file (or --set), key, value and what was expected; the exception's notes hold
-                further mistakes of the same file. PlacementError: a door is not in a gap.
+            overrides: "key=value" each, with a dotted key, list items by index (`mission.victims.0.position=[1, 2]`),
+                and the value as in YAML. A `plan` in an override is relative to the current folder.
+    Raises: ScenarioError: one line with file (or --set), key, value and what was expected; the exception's notes
+                contain further mistakes in the same file. PlacementError: a door is not in a gap.
     """
-    path, place = _scenario_file(os.fspath(path_or_name))
+    place = os.fspath(path_or_name)
+    path = Path(place)
+    if is_bare_name(place) and not is_file(path):
+        path = shipped_scenario(place)
+        place = path.name
     data = read_mapping(path, place, "a scenario")
     changes = [Override.of(text) for text in overrides]
     origin = Origin(place, tuple(change.key for change in changes))
@@ -53,11 +55,10 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
         plan_path, plan_place = _plan_file(data["plan"], folder, "--set" if ("plan",) in origin.set_keys else place)
         data["plan"] = _read_plan(plan_path, plan_place)
     _read_patrol_graph(data, path.parent, origin)
-    scenario = _validated(Scenario, data, origin).with_origin(origin)
-    if plan_path is not None:
-        return scenario.with_plan_file(str(plan_path.resolve()))
-    _check_doors(scenario.plan, "plan.", origin)
-    return scenario
+    scenario = _validated(Scenario, data, origin)
+    if plan_path is None:
+        _check_doors(scenario.plan, "plan.", origin)
+    return scenario.read_from(origin, None if plan_path is None else str(plan_path.resolve()))
 
 
 def load_floor_plan(path_or_name: str | os.PathLike[str]) -> FloorPlan:
@@ -69,14 +70,6 @@ def load_floor_plan(path_or_name: str | os.PathLike[str]) -> FloorPlan:
     if is_bare_name(name) and not is_file(Path(name)):
         return _read_plan(shipped_plan(name), f"{name}/plan.yaml")
     return _read_plan(Path(name), name)
-
-
-def _scenario_file(name: str) -> tuple[Path, str]:
-    """Return the file and what messages call it."""
-    if is_bare_name(name) and not is_file(Path(name)):
-        path = shipped_scenario(name)
-        return path, path.name
-    return Path(name), name
 
 
 def _plan_file(name: str, folder: Path, place: str) -> tuple[Path, str]:
@@ -104,7 +97,7 @@ def _read_plan(path: Path, place: str) -> FloorPlan:
 
 
 def _read_patrol_graph(data: Any, folder: Path, origin: Origin) -> None:
-    """Replace the name of a graph file, which is relative to the folder as a plan's is, by the graph."""
+    """Replace the name of a graph file by the graph; like a plan's, the name is relative to the folder."""
     key = ("control", "patrol", "graph")
     section = data
     for part in key[:-1]:
@@ -140,9 +133,9 @@ def _validated(model: type[M], data: Any, origin: Origin) -> M:
 
 
 def _blamed(key: str, data: Any, set_keys: Sequence[Key]) -> list[Key]:
-    """Return the key if the file does not have it, but --set gave another one of its section.
+    """Return the key if the file does not have it, but --set changed another one in its section.
 
-    Its default then conflicts with what was set, so the file is not to blame.
+    Then the default of the key conflicts with the --set, and the message should not blame the file.
     """
     *section, name = key.split(".")
     for part in section:

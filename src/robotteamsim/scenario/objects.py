@@ -22,7 +22,7 @@ class MovableObject(Model):
     size_m: Point | None = Field(default=None, description="length and width of a box [m]")
     radius_m: SizeM | None = Field(default=None, description="of a barrel [m]")
     height_m: float = Field(default=0.5, gt=0.0, le=5.0, description="for 3D views [m]")
-    pose: PlanarPose = Field(description="[x, y, yaw] of its middle in the map frame [m, m, rad]")
+    pose: PlanarPose = Field(description="[x, y, yaw] of its centre in the map frame [m, m, rad]")
     mass_kg: float = Field(default=2.0, gt=0.0, le=10_000.0, description="mass [kg]")
     friction: float = Field(default=0.5, gt=0.0, le=10.0, description="of the ground, as a share of the weight")
 
@@ -40,7 +40,7 @@ class MovableObject(Model):
 
     @property
     def corners_m(self) -> Corners:
-        """The corners of a box around its middle, counter-clockwise [m]; empty for a barrel."""
+        """The corners of a box around its centre, counter-clockwise [m]; empty for a barrel."""
         if self.size_m is None:
             return ()
         x, y = 0.5 * self.size_m[0], 0.5 * self.size_m[1]
@@ -48,7 +48,7 @@ class MovableObject(Model):
 
     @property
     def reach_m(self) -> float:
-        """Radius of the smallest disc around its middle that contains it [m]."""
+        """Radius of the smallest disc around its centre that contains it [m]."""
         return self.radius_m or max(math.hypot(x, y) for x, y in self.corners_m)
 
     def body_at(self, pose: PlanarPose) -> Body:

@@ -1,6 +1,4 @@
-"""Where a scenario was read, so that errors found later still name the file or the --set."""
-
-from __future__ import annotations
+"""The source of a scenario, so that errors found later still name the file or the --set."""
 
 from dataclasses import dataclass, field
 
@@ -12,17 +10,17 @@ Key = tuple[str | int, ...]
 class Origin:
     """The file of a scenario and the keys that overrides set.
 
-    All origins are equal: where a scenario was read does not make it another one.
+    All origins compare equal, so that equal scenarios from different files are equal.
 
-    place:    what messages call the file; empty for a scenario that was made in Python.
-    set_keys: the keys that `--set` gave.
+    place:    the name of the file in messages; empty for a scenario made in Python.
+    set_keys: the keys that were set with `--set`.
     """
 
     place: str = field(default="", compare=False)
     set_keys: tuple[Key, ...] = field(default=(), compare=False)
 
     def line(self, text: str, key: str) -> str:
-        """Return a message about a dotted key with the place that the key came from before it."""
+        """Return a message about a dotted key, preceded by the file or option that set the key."""
         from_set = any(f"{key}.".startswith(f"{'.'.join(map(str, set_key))}.") for set_key in self.set_keys)
         place = "--set" if from_set else self.place
         return f"{place}: {text}" if place else text

@@ -20,7 +20,7 @@ class Override:
 
     @classmethod
     def of(cls, text: str) -> Override:
-        """Return the override of "key=value". Raises: ScenarioError: it is not of that form, or the key was renamed."""
+        """Return the override of "key=value". Raises: ScenarioError: not of that form, or the key was renamed."""
         key, equals, value = text.partition("=")
         parts = [part.strip() for part in key.split(".")]
         if not equals or not all(parts):
@@ -32,7 +32,7 @@ class Override:
         return cls(path, parse(value, f"--set: {key}"))
 
     def apply(self, data: Any) -> None:
-        """Put the value into the YAML data; sections that the file leaves out are created. Raises: ScenarioError."""
+        """Put the value into the YAML data; missing sections are created. Raises: ScenarioError."""
         for position, part in enumerate(self.key):
             here = ".".join(map(str, self.key[:position]))
             key = ".".join(map(str, self.key[: position + 1]))

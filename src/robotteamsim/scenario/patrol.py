@@ -20,7 +20,7 @@ Number = TypeVar("Number", int, float)
 
 
 class PatrolVertex(Model):
-    """A place to visit again and again."""
+    """A place that is visited repeatedly."""
 
     position: Point = Field(description="[x, y] in the map frame [m]")
     neighbours: Many[int] = Field(default=(), description="indices of the vertices that it has edges to")
@@ -57,7 +57,7 @@ class PatrolGraph(Model):
 
 
 class Patrol(Model):
-    """How a graph is patrolled by SEBS [portugal2013]."""
+    """Parameters of SEBS, which patrols a graph [portugal2013]."""
 
     graph: PatrolGraph | None = Field(
         default=None, description="a .graph file of patrolling_sim; without one, a lattice of places over the plan"
@@ -65,12 +65,11 @@ class Patrol(Model):
     spacing_m: float = Field(default=6.0, ge=1.0, le=100.0, description="of the lattice [m]")
     g1: float = Field(default=0.1, gt=0.0, lt=1.0, description="G1: probability of a vertex without gain")
     g2: float = Field(default=100.0, gt=0.0, le=1e6, description="G2: gain at which the probability reaches 1 [s/m]")
-    edge_min_m: float = Field(default=1.0, gt=0.0, le=100.0, description="shorter edges count as this [m]")
+    edge_min_m: float = Field(
+        default=1.0, gt=0.0, le=100.0, description="lower limit of the lengths of edges in the gain [m]"
+    )
     longest_edge: float = Field(
-        default=1.5,
-        ge=1.0,
-        le=10.0,
-        description="longest path between linked places of the lattice, in spacings",
+        default=1.5, ge=1.0, le=10.0, description="longest path between linked places of the lattice, in spacings"
     )
     arrived_m: float = Field(
         default=0.5,
@@ -79,12 +78,9 @@ class Patrol(Model):
         description="a vertex counts as visited within this distance, so that robots can meet there [m]",
     )
     timeout_factor: float = Field(
-        default=4.0,
-        ge=1.0,
-        le=100.0,
-        description="a robot chooses again after so many times its travel time",
+        default=4.0, ge=1.0, le=100.0, description="a robot chooses again after this multiple of its travel time"
     )
-    timeout_s: float = Field(default=10.0, ge=0.0, le=1e6, description="on top of timeout_factor [s]")
+    timeout_s: float = Field(default=10.0, ge=0.0, le=1e6, description="added to that time [s]")
 
 
 def read_patrol_graph(path: Path, place: str) -> dict[str, object]:
@@ -93,7 +89,7 @@ def read_patrol_graph(path: Path, place: str) -> dict[str, object]:
     The file has one number per line: the number of vertices, width and height of the map [px], its resolution [m] and
     offset [m, m]; for each vertex id, x, y [px, y up], degree, and for each edge neighbour, direction, cost [px].
 
-    Args: place: what messages call the file.
+    Args: place: the name of the file in messages.
     Raises: ScenarioError: one line with the line of the file, the value and what was expected.
     """
     try:

@@ -1,7 +1,5 @@
 """The geometry of a floor plan: outlines of its elements and its occupancy grid."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -66,7 +64,7 @@ def leaf_corners(door: Door, opening: float) -> Corners:
 def solids(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> tuple[Solid, ...]:
     """Return everything that a robot can hit: walls, blocks, pillars and leaves of doors, in the plan's order.
 
-    The leaf of a closed door covers its gap; that of an open one is where it swings or slides to, or does not exist.
+    The leaf of a closed door covers its gap; that of an open one is at its open position, or does not exist.
 
     Args:   closed: door states by name that replace the plan's own.
     Raises: ScenarioError: `closed` names a door that the plan does not have.
@@ -88,7 +86,7 @@ def _leaves(plan: FloorPlan, states: Mapping[str, bool]) -> Iterator[Solid]:
 
 
 def bay_lines(plan: FloorPlan) -> tuple[tuple[Point, Point], ...]:
-    """Return the painted lines between parking bays as segments [m]; the open and far sides of a row have no line."""
+    """Return the painted lines between parking bays as segments [m]; the front and back of a row have no line."""
     lines = []
     for row in plan.bays:
         start, end = np.array(row.start), np.array(row.end)
@@ -118,16 +116,11 @@ def obstacles(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> shap
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class OccupancyGrid:
-    """Which cells of a floor plan are free.
-
-    origin_m: lower left corner of cell (0, 0) in the map frame [m].
-    cells:    int8, shape (rows, cols), row 0 at the lowest y: 0 free, 100 occupied, -1 unknown.
-    """
+class Grid:
+    """Square cells over the floor; origin_m: lower left corner of cell (0, 0) in the map frame [m]."""
 
     origin_m: tuple[float, float]
     resolution_m: float
-    cells: np.ndarray
 
     def cell_at(self, x_m: float, y_m: float) -> tuple[int, int]:
         """Return (row, column) of the cell that contains a point; outside the grid if the point is."""
@@ -143,15 +136,15 @@ class OccupancyGrid:
             self.origin_m[1] + (row + 0.5) * self.resolution_m,
         )
 
-    def contains(self, row: int, column: int) -> bool:
-        """Whether a cell lies in the grid."""
-        rows, columns = self.cells.shape
-        return bool(0 <= row < rows and 0 <= column < columns)
 
-    def is_free(self, x_m: float, y_m: float) -> bool:
-        """Whether a point is in a free cell; points outside the grid are not."""
-        row, column = self.cell_at(x_m, y_m)
-        return self.contains(row, column) and int(self.cells[row, column]) == FREE
+@dataclass(frozen=True, slots=True, eq=False)
+class OccupancyGrid(Grid):
+    """Which cells of a floor plan are free.
+
+    cells: int8, shape (rows, cols), row 0 at the lowest y: 0 free, 100 occupied, -1 unknown.
+    """
+
+    cells: np.ndarray
 
 
 def grid_shape(plan: FloorPlan, resolution_m: float) -> tuple[int, int]:
@@ -171,7 +164,7 @@ def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bo
     """Return the occupancy grid of a plan over its bounds.
 
     Conservative: a cell is occupied when a solid covers any part of its area; a shared border does not count, so
-    axis-aligned walls on cell borders are exact. The leaves of doors are solid, open ones where they stand.
+    axis-aligned walls on cell borders are exact. The leaves of doors are solid, also in their open position.
 
     Args:   resolution_m: edge of a cell; the last row and column may reach beyond the bounds.
             closed: door states by name that replace the plan's own.

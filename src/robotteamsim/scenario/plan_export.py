@@ -1,7 +1,5 @@
 """A floor plan as the occupancy image that map_server reads."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

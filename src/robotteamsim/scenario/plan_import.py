@@ -8,19 +8,19 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from pydantic import ConfigDict, Field, ValidationError, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.map_import.cells import darkness, read_image, solid_cells
 from robotteamsim.map_import.pieces import Piece, StraightPiece, in_metres, solid_pieces
 from robotteamsim.scenario.base import Model, PlanarPose, wrong
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
-from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown
 
 
 class MapFile(Model):
-    """The yaml of a map_server image; keys that map_server does not know are ignored, as it ignores them."""
+    """The yaml of a map_server image; unknown keys are ignored, as by map_server."""
 
     model_config = ConfigDict(extra="ignore")
 
@@ -44,17 +44,18 @@ class MapFile(Model):
 def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     """Return the floor plan of a map_server image.
 
-    Which cells are solid is decided by `map_import.cells.solid_cells`, which walls and blocks they become by
-    `map_import.pieces.solid_pieces`.
+    `map_import.cells.solid_cells` decides which cells are solid, and `map_import.pieces.solid_pieces` converts them to
+    walls and blocks.
 
     Raises: ScenarioError: one line with file, key, value and what was expected.
     """
     path = Path(map_yaml)
-    settings = _read_settings(path)
+    settings = checked(MapFile, read_mapping(path, str(path), "the yaml of a map"), place=f"{path}: ")
     occupied, free = _read_cells(path, settings)
-    bounds = _bounds(path, settings, *free.shape)
-    solid = solid_cells(occupied, free, settings.resolution)
     cell_m = (settings.resolution, settings.resolution)
+    low, high = in_metres(settings.origin[:2], cell_m, np.array([(0, 0), free.shape[::-1]])).tolist()
+    bounds = checked(Bounds, {"min": low, "max": high}, place=f"{path}: image: bounds.")
+    solid = solid_cells(occupied, free, settings.resolution)
     walls, blocks = walls_and_blocks(solid_pieces(solid, settings.origin[:2], cell_m))
     return FloorPlan(name=path.stem, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
 
@@ -71,23 +72,6 @@ def walls_and_blocks(pieces: Iterable[Piece]) -> tuple[list[Wall], list[Block]]:
             name = f"block_{len(blocks) + 1}"
             blocks.append(Block(name=name, polygon=piece.corners, thickness_m=piece.thickness_m))
     return walls, blocks
-
-
-def _read_settings(path: Path) -> MapFile:
-    data = read_mapping(path, str(path), "the yaml of a map")
-    try:
-        return MapFile.model_validate(data)
-    except ValidationError as error:
-        raise ScenarioError(f"{path}: {problems(error, MapFile)[0]}") from None
-
-
-def _bounds(path: Path, settings: MapFile, rows: int, columns: int) -> Bounds:
-    cell = (settings.resolution, settings.resolution)
-    low, high = in_metres(settings.origin[:2], cell, np.array([[0, 0], [columns, rows]])).tolist()
-    try:
-        return Bounds(min=tuple(low), max=tuple(high))
-    except ValidationError as error:
-        raise ScenarioError(f"{path}: image: bounds.{problems(error, Bounds)[0]}") from None
 
 
 def _read_cells(path: Path, settings: MapFile) -> tuple[np.ndarray, np.ndarray]:

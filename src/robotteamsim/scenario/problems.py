@@ -1,24 +1,25 @@
 """Pydantic's validation errors as one line that a user understands: key, value, what was expected."""
 
-from __future__ import annotations
-
 import difflib
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, TypeVar, get_args, get_origin
 
 from pydantic import Tag, ValidationError
 from pydantic.fields import FieldInfo
 
+from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.base import Model
 from robotteamsim.scenario.renamed_keys import renaming
 from robotteamsim.scenario.yaml_text import shown
 
+M = TypeVar("M", bound=Model)
+
 _Detail = dict[str, Any]
 
 _LONGEST_LIST = 240
-"""Longest list of known keys in an error [characters]: the message stays one readable line."""
+"""Longest list of known keys in an error [characters], so that the message stays one readable line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,14 +36,22 @@ class Problem:
 def problems(error: ValidationError, root: type[Model], data: Any = None) -> list[Problem]:
     """Return the mistakes of one validation, unknown keys first: they often explain missing ones.
 
-    Args: data: the validated data; list items that have a name are called by it.
+    Args: data: the validated data, for the names of list items in messages.
     """
     details = sorted(map(dict, error.errors(include_url=False)), key=lambda detail: detail["type"] != "extra_forbidden")
     return [_problem(detail, root, data) for detail in details if not _only_lacks_wrong_items(detail, details)]
 
 
+def checked(model: type[M], data: Any, kind: type[Exception] = ScenarioError, place: str = "") -> M:
+    """Return a model of some data. Raises: an error of that kind: the first mistake in one line, after `place`."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise kind(f"{place}{problems(error, model, data)[0]}") from None
+
+
 def _only_lacks_wrong_items(detail: _Detail, details: Sequence[_Detail]) -> bool:
-    """Whether a list is only too short because pydantic does not count its wrong items, which are reported anyway."""
+    """Whether a list is too short only because pydantic does not count invalid items, which have their own messages."""
     place = detail["loc"]
     return detail["type"] == "too_short" and any(
         len(other["loc"]) > len(place) and other["loc"][: len(place)] == place for other in details
@@ -115,7 +124,7 @@ def _wrong_choice(value: Any, expected: str) -> str:
 
 
 def _known_key(name: str, model: type[Model] | None, root: type[Model]) -> str:
-    """Suggest a key: one with a similar name here, one with this name elsewhere, or all that are known here."""
+    """Return a hint: a key with a similar name here, one with this name elsewhere, or all keys known here."""
     if model is None:
         return ""
     known = [_key(key, field) for key, field in model.model_fields.items()]

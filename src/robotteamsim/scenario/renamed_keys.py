@@ -1,14 +1,12 @@
-"""Keys that scenarios used to have, and what replaces them."""
-
-from __future__ import annotations
+"""Former keys of scenarios, and their replacements."""
 
 from collections.abc import Sequence
 
 RENAMED_KEYS = {"things": "objects"}
-"""Old dotted key, list indices as *, and the dotted key that replaces it."""
+"""Old dotted key, with * for list indices, and the dotted key that replaces it."""
 
 
 def renaming(path: Sequence[str | int]) -> str | None:
-    """Return what to tell the user about a key that was renamed; None: the key was not renamed."""
+    """Return the message about a renamed key; None if the key was not renamed."""
     new = RENAMED_KEYS.get(".".join("*" if isinstance(part, int) else part for part in path))
     return None if new is None else f"renamed; use '{new}'"

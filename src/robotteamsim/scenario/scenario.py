@@ -33,7 +33,7 @@ Robots = Annotated[
 
 
 class Scenario(Model):
-    """Everything that one trial depends on. `plan` is a path in YAML and the loaded plan here."""
+    """Everything that one trial depends on. In YAML `plan` is a path, here it is the loaded plan."""
 
     name: str = Field(description="shown in tables and results")
     plan: FloorPlan = Field(description="floor plan file, or map_server yaml, relative to this file")
@@ -91,29 +91,24 @@ class Scenario(Model):
 
     @property
     def present_at_start(self) -> tuple[bool, ...]:
-        """Whether each robot is there at the start, in id order."""
+        """Whether each robot is present at the start, in id order."""
         if not isinstance(self.robots, Team):
             return tuple(robot.present for robot in self.robots)
         return tuple(robot_id < self.robots.count - self.robots.reserve for robot_id in range(self.robots.count))
 
     @property
     def plan_file(self) -> str | None:
-        """The file that `plan` was read from; None if the plan did not come from a file or was changed."""
+        """The file of `plan`; None if the plan did not come from a file or was changed."""
         return self._plan_file[1] if self._plan_file and self._plan_file[0] == self.plan else None
-
-    def with_plan_file(self, file: str) -> Scenario:
-        """Return this scenario with the file that its plan was read from."""
-        scenario = self.model_copy()
-        scenario._plan_file = (self.plan, file)
-        return scenario
 
     @property
     def origin(self) -> Origin:
-        """Where it was read: errors that are found later name it."""
+        """Its source, which errors found later name."""
         return self._origin
 
-    def with_origin(self, origin: Origin) -> Scenario:
-        """Return this scenario with the place that it was read from."""
+    def read_from(self, origin: Origin, plan_file: str | None) -> Scenario:
+        """Return this scenario with its source and the file of its plan; None if it has no such file."""
         scenario = self.model_copy()
         scenario._origin = origin
+        scenario._plan_file = None if plan_file is None else (self.plan, plan_file)
         return scenario

@@ -18,7 +18,7 @@ class ScheduledEvent(Model):
         default=None, ge=0, le=2999, description="id of the robot to spawn, as soon as its place is free"
     )
     pose: PlanarPose | None = Field(
-        default=None, description="[x, y, yaw] of the spawned robot; none: its start pose [m, m, rad, map]"
+        default=None, description="[x, y, yaw] of the spawned robot; default: its start pose [m, m, rad, map]"
     )
 
     @model_validator(mode="after")
@@ -41,7 +41,7 @@ def in_order(schedule: Sequence[ScheduledEvent]) -> list[tuple[int, ScheduledEve
 
 
 def problem_of(schedule: Sequence[ScheduledEvent], present: Sequence[bool]) -> tuple[str, str] | None:
-    """Return the key and what is wrong with it if the schedule contradicts itself; `present`: at the start."""
+    """Return a key and its mistake if the schedule contradicts itself. Args: present: at the start, per robot."""
     there = list(present)
     for index, event in in_order(schedule):
         robot_id, arrives = event.robot_id, event.spawn is not None

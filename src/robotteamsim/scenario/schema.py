@@ -1,14 +1,12 @@
 """JSON Schema of a scenario file, for editors."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from robotteamsim.scenario.scenario import Scenario
 
 
 def json_schema() -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12) of a scenario file: `plan` as a path, or written out in place."""
+    """Return the JSON Schema (draft 2020-12) of a scenario file; `plan` is a path or a floor plan."""
     schema = Scenario.model_json_schema(by_alias=True)
     plan = schema["properties"]["plan"]
     schema["properties"]["plan"] = {

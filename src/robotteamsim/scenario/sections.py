@@ -41,7 +41,7 @@ class Radio(Model):
 
 
 class Voice(Model):
-    """A victim's call for help [dissertation, eq. 7]: -l_c - 10*gamma*log10(d) - sum of walls."""
+    """A victim's voice [dissertation, eq. 7]: level = -l_c - 10*gamma*log10(d) - sum of walls."""
 
     noise_db: float = Field(default=10.0, ge=0.0, le=80.0, description="background noise; below it the level is 0 [dB]")
     constant_db: Interval = Field(default=(-78.0, -72.0), description="l_c is drawn from this range per victim [dB]")
@@ -58,7 +58,7 @@ class Voice(Model):
     min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="shorter distances count as this [m]")
     map_resolution_m: float = Field(default=0.25, ge=0.05, le=2.0, description="cell of the voice map [m]")
     local_best_radius_m: float = Field(
-        default=1.5, gt=0.0, le=20.0, description="how far around it a robot perceives the map [m]"
+        default=1.5, gt=0.0, le=20.0, description="radius within which a robot perceives the voice map [m]"
     )
 
     @model_validator(mode="after")
@@ -72,7 +72,7 @@ class Voice(Model):
 
 
 class Odometry(Model):
-    """Drift of the odometry relative to the true motion; zero alphas make it exact."""
+    """Drift of the odometry relative to the true motion; with zero alphas it is exact."""
 
     alpha1: float = Field(default=0.01, ge=0.0, le=10.0, description="turn noise per turn [rad^2/rad^2]")
     alpha2: float = Field(default=0.001, ge=0.0, le=10.0, description="turn noise per distance [rad^2/m^2]")
@@ -81,7 +81,7 @@ class Odometry(Model):
 
 
 class Robot(Model):
-    """What every robot has."""
+    """The body, drive and sensors of a robot."""
 
     radius_m: float = Field(default=0.2, gt=0.02, le=5.0, description="of a round body; unused with footprint_m [m]")
     footprint_m: Many[Point] = Field(
@@ -91,24 +91,22 @@ class Robot(Model):
     mass_kg: float = Field(default=5.0, gt=0.0, le=10_000.0, description="for pushing [kg]")
     drive: AnyDrive = Field(default=Drive(), description="differential, omni or car")
     laser: Laser = Laser()
-    lasers: Many[MountedLaser] = Field(default=(), max_length=16, description="further lasers, each on its own topic")
+    lasers: Many[MountedLaser] = Field(
+        default=(), max_length=16, description="additional lasers, each on its own topic"
+    )
     sonars: Many[Sonar] = Field(default=(), max_length=64, description="a ring of sonars, each on its own topic")
-    gps: Gps | None = Field(default=None, description="satellite navigation, on the topic `fix`")
+    gps: Gps | None = Field(default=None, description="GPS, on the topic `fix`")
     odometry: Odometry = Odometry()
-    cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="how long the last command is kept [s]")
-
-    @model_validator(mode="after")
-    def _check_sensors(self) -> Robot:
-        check_names({"lasers": self.lasers, "sonars": self.sonars})
-        return self
+    cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="time for which the last command holds [s]")
 
     @property
     def mounts(self) -> tuple[Mount, ...]:
-        """The additional sensors, which have their own frames."""
+        """The additional sensors, which have frames of their own."""
         return (*self.lasers, *self.sonars)
 
     @model_validator(mode="after")
-    def _check_footprint(self) -> Robot:
+    def _check_body(self) -> Robot:
+        check_names({"lasers": self.lasers, "sonars": self.sonars})
         if self.footprint_m:
             check_footprint("footprint_m", self.footprint_m)
         return self
@@ -171,10 +169,15 @@ class Network(Model):
         default=-80.0, ge=-200.0, le=20.0, description="a weaker link is endangered [dBm]"
     )
     lost_below_dbm: float = Field(default=-94.0, ge=-200.0, le=20.0, description="a weaker link does not exist [dBm]")
-    link: Literal["signal", "distance"] = Field(default="signal", description="what makes a link (eq. 16)")
+    link: Literal["signal", "distance"] = Field(
+        default="signal", description="whether links depend on signal or distance (eq. 16)"
+    )
     max_distance_m: float = Field(default=25.0, gt=0.0, le=10_000.0, description="d_max, for links by distance [m]")
     hop_delay_s: float = Field(
-        default=0.0, ge=0.0, le=60.0, description="time per hop; at least a step passes in any case [s]"
+        default=0.0,
+        ge=0.0,
+        le=60.0,
+        description="time per hop; a message always arrives in a later step than the one it was sent in [s]",
     )
     loss: Literal["none", "signal"] = Field(
         default="none",
@@ -204,7 +207,10 @@ class SocialExclusion(Model):
     enabled: bool = Field(default=True, description="whether robots are excluded at all")
     search_counter_max: int = Field(default=15, ge=1, le=10_000, description="SC_max: iterations without improvement")
     min_robots: int = Field(
-        default=0, ge=0, le=3000, description="a punished swarm of this size or smaller is dissolved instead"
+        default=0,
+        ge=0,
+        le=3000,
+        description="a swarm of this size or smaller is dissolved at SC_max",
     )
     max_robots: int = Field(default=15, ge=1, le=3000, description="a swarm of this size includes no more robots")
 
@@ -249,43 +255,45 @@ class Control(Model):
     c1: float = Field(default=0.08, ge=0.0, le=2.0, description="cognitive weight")
     c2: float = Field(default=0.11, ge=0.0, le=2.0, description="social weight")
     c3: float = Field(default=0.29, ge=0.0, le=2.0, description="obstacle weight")
-    c4: float = Field(default=0.4, ge=0.0, le=2.0, description="communication weight; acts where a link is endangered")
+    c4: float = Field(
+        default=0.4, ge=0.0, le=2.0, description="communication weight; acts only if a link is endangered"
+    )
     kept_link: Literal["nearest", "tree"] = Field(
         default="nearest",
-        description="what the communication term keeps: the link to the nearest teammate, or the weakest of the "
-        "robot's own in the strongest tree over the team",
+        description="link that the communication term keeps: that to the nearest teammate, or the weakest of the "
+        "robot's own links in the strongest spanning tree of the team",
     )
     max_step_speed_mps: float = Field(default=0.58, gt=0.0, le=10.0, description="limit of the swarm velocity [m/s]")
     speed_factor: float = Field(
         default=1.25,
         ge=1.0,
         le=10.0,
-        description="robots drive this much faster than the swarm velocity, to be there when the next iteration begins",
+        description="robots drive faster than the swarm velocity by this factor, to arrive before the next iteration",
     )
     update_timeout_share: float = Field(
         default=0.5,
         ge=0.0,
         le=1.0,
-        description="part of an iteration that a robot waits for the updates of those that it heard in the last one",
+        description="fraction of an iteration for which a robot waits for updates of robots heard in the last one",
     )
     member_timeout_s: float = Field(
         default=30.0,
         gt=0.0,
         le=1e6,
-        description="a member unheard for longer no longer attracts others to its place [s]",
+        description="a member that was not heard for longer no longer attracts others [s]",
     )
     longest_detour_m: float = Field(
         default=60.0,
         gt=0.0,
         le=10_000.0,
-        description="best places farther away along the path attract in a straight line [m]",
+        description="bests with a longer path attract in a straight line [m]",
     )
     sensing_radius_m: float = Field(default=1.0, gt=0.0, le=50.0, description="r_s of the obstacle term [m]")
     navigation: Literal["path", "straight"] = Field(
-        default="path", description="distances and waypoints along free paths of the known map, or in a straight line"
+        default="path", description="distances and directions along free paths of the known map, or in a straight line"
     )
     localisation: Literal["ground_truth", "odometry"] = Field(
-        default="ground_truth", description="what the robot uses as its pose"
+        default="ground_truth", description="source of the robot's pose"
     )
     exclusion: SocialExclusion = SocialExclusion()
     swarms: Swarms = Swarms()

@@ -52,7 +52,7 @@ class Mount(Protocol):
 
 
 def check_names(sensors: Mapping[str, Sequence[Mount]]) -> None:
-    """Raise an error when two sensors of a robot have the same name; sensors are given by key."""
+    """Raise an error if two sensors of a robot have the same name. Args: sensors: by key."""
     seen: set[str] = set()
     for key, items in sensors.items():
         for index, item in enumerate(items):
@@ -72,7 +72,7 @@ class Laser(Model):
     forward_m: float = Field(default=0.1, ge=-5.0, le=5.0, description="ahead of base_link [m]")
     height_m: float = Field(default=0.25, ge=0.0, le=2.0, description="above base_link, for tf [m]")
     no_return: Literal["range_max", "inf"] = Field(
-        default="range_max", description="range where nothing is hit: range_max as in Stage, or inf as in REP-117"
+        default="range_max", description="range without a return: range_max as in Stage, or inf as in REP-117"
     )
     noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
 
@@ -107,7 +107,7 @@ class Sonar(Model):
         default=15, ge=2, le=1000, description="number of rays, spread evenly over the cone, edges included"
     )
     range_min_m: float = Field(default=0.02, ge=0.0, le=10.0, description="reading for anything nearer [m]")
-    range_max_m: float = Field(default=3.0, gt=0.0, le=200.0, description="reading where nothing is hit [m]")
+    range_max_m: float = Field(default=3.0, gt=0.0, le=200.0, description="reading without a return [m]")
     noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
 
     @model_validator(mode="after")
@@ -118,7 +118,7 @@ class Sonar(Model):
 
 
 class Gps(Model):
-    """A satellite navigation receiver; the x axis of `map` points east, y north, and its origin is at the datum."""
+    """A GPS receiver; the x axis of `map` points east, y north, and its origin is at the datum."""
 
     datum_lat_deg: float = Field(ge=-89.9, le=89.9, description="latitude of the origin of `map` on WGS84 [deg]")
     datum_lon_deg: float = Field(ge=-180.0, le=180.0, description="longitude of the origin of `map` on WGS84 [deg]")

@@ -1,7 +1,5 @@
 """Finds the shipped scenarios and maps: in the source tree, a catkin space or a wheel."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 
@@ -10,10 +8,10 @@ from robotteamsim.scenario.problems import suggestion
 
 
 def share_roots() -> tuple[Path, ...]:
-    """Return the folders with `scenarios/` and `maps/` of this package, the one nearest to its code first.
+    """Return the folders that contain `scenarios/` and `maps/` of this package, the nearest to the code first.
 
-    A wheel has them in robotteamsim/share, the source tree (and a catkin devel space) beside src, a catkin install
-    space in share/robotteamsim; last comes each package of that name on ROS_PACKAGE_PATH.
+    In a wheel they are in robotteamsim/share, in the source tree (and a catkin devel space) next to src, in a catkin
+    install space in share/robotteamsim; packages of that name on ROS_PACKAGE_PATH come last.
     """
     package = Path(__file__).resolve().parents[1]
     candidates = [package / "share", package.parents[1]]
@@ -34,22 +32,22 @@ def map_names() -> list[str]:
 
 
 def is_bare_name(name: str) -> bool:
-    """Whether a text is the name of something shipped, not of a file: no folder, no suffix."""
+    """Whether a text is a shipped name and not a file: it has no folder and no suffix."""
     return bool(name) and os.path.basename(name) == name and not os.path.splitext(name)[1]
 
 
 def shipped_scenario(name: str) -> Path:
-    """Return the file of a shipped scenario. Raises: ScenarioError: there is none of that name."""
+    """Return the file of a shipped scenario. Raises: ScenarioError: no such scenario."""
     return _find(name, f"scenarios/{name}.yaml", "scenario", scenario_names())
 
 
 def shipped_plan(name: str) -> Path:
-    """Return the floor plan of a shipped map. Raises: ScenarioError: there is none of that name."""
+    """Return the floor plan of a shipped map. Raises: ScenarioError: no such map."""
     return _find(name, f"maps/{name}/plan.yaml", "map", map_names())
 
 
 def shipped_map_name(plan_file: Path) -> str | None:
-    """Return the name for which `shipped_plan` returns this file; None: it is not a shipped map."""
+    """Return the name for which `shipped_plan` returns this file; None if it is not a shipped map."""
     name = plan_file.parent.name
     files = [root / "maps" / name / "plan.yaml" for root in share_roots()]
     first = next((file for file in files if file.is_file()), None)
@@ -61,7 +59,7 @@ def _find(name: str, relative: str, what: str, known: list[str]) -> Path:
         if (root / relative).is_file():
             return root / relative
     near = suggestion(name, known) or f"; known: {', '.join(known) or 'none'}"
-    raise ScenarioError(f"{name}: there is no shipped {what} of this name{near}")
+    raise ScenarioError(f"{name}: no shipped {what} of this name{near}")
 
 
 def _is_share_root(root: Path) -> bool:

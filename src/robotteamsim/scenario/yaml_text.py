@@ -37,7 +37,7 @@ _Loader.yaml_implicit_resolvers = {
 }
 _Loader.add_implicit_resolver(
     "tag:yaml.org,2002:float",
-    # YAML 1.2's form: a point or an exponent is enough (PyYAML alone takes 1e6 for text).
+    # YAML 1.2: a point or an exponent is enough (PyYAML reads 1e6 as text).
     re.compile(
         r"[-+]?(?:(?:\.[0-9]+|[0-9]+\.[0-9]*)(?:[eE][-+]?[0-9]+)?|[0-9]+[eE][-+]?[0-9]+|\.(?:inf|Inf|INF))$|\.nan$"
     ),
@@ -48,13 +48,13 @@ _Loader.add_implicit_resolver(
 def parse(text: str, place: str) -> Any:
     """Return the value of a YAML text.
 
-    Args:   place: what error messages call the text: the file's name, or the override.
-    Raises: ScenarioError: a syntax error or a repeated key, with its line.
+    Args:   place: name of the text in messages: the file, or the override.
+    Raises: ScenarioError: a syntax error or a duplicate key, with its line.
     """
     try:
         return yaml.load(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
-        # PyYAML notices a line without its colon only on the next one.
+        # PyYAML detects a line without a colon only on the next line.
         noticed_late = error.context == "while scanning a simple key"
         mark = error.context_mark if noticed_late else error.problem_mark
         line = f":{mark.line + 1}" if mark and "\n" in text.strip() else ""
@@ -67,7 +67,7 @@ def parse(text: str, place: str) -> Any:
 
 
 def is_file(path: Path) -> bool:
-    """Whether a file exists; False also for a name that the system refuses, such as one that is too long."""
+    """Whether a file exists; False also for an invalid name, such as one that is too long."""
     try:
         return path.is_file()
     except OSError:
@@ -77,7 +77,7 @@ def is_file(path: Path) -> bool:
 def read_mapping(path: Path, place: str, what: str) -> dict[str, Any]:
     """Return the keys and values of a YAML file.
 
-    Args:   place: what error messages call the file. what: what it should be, such as "a scenario".
+    Args:   place: name of the file in messages. what: what it should be, such as "a scenario".
     Raises: ScenarioError: the file is missing, unreadable, not YAML or not a mapping.
     """
     try:
@@ -127,7 +127,7 @@ _Dumper.add_representer(str, _text)
 
 
 def write(value: Any) -> str:
-    """Return the YAML text of plain values, keys in their order; `parse` gives the same value back."""
+    """Return the YAML text of plain values, with keys in their order; `parse` returns the same value."""
     text: str = yaml.dump(value, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=110)
     return text
 

@@ -1,6 +1,4 @@
-"""Sensors that not every robot has, each on its own topic."""
-
-from __future__ import annotations
+"""Additional sensors of robots: lasers, sonars and GPS, each with its own topic."""
 
 from collections.abc import Sequence
 
@@ -17,34 +15,34 @@ from robotteamsim.world import World
 
 
 class FurtherSensors:
-    """The further sensors of all robots of a world.
+    """The additional sensors of all robots of a world.
 
     Random streams: ("laser", id, name), ("sonar", id, name) and ("gps", id).
     """
 
     def __init__(self, world: World, robots: Sequence[PlacedRobot], seed: int) -> None:
-        """Args: robots: those that the world was built with, in id order."""
+        """Args: robots: those of the world, in id order."""
         self._world = world
         self._robots = tuple(robots)
         self._seed = seed
-        # Each keeps the edges that it can see from anywhere: robots of one kind share it.
+        # A laser stores which edges are visible from each cell, so robots of one kind share it.
         lasers = dict.fromkeys(model for robot in self._robots for model in robot.lasers)
         self._lasers = {model: Laser(model, world) for model in lasers}
         sonars = dict.fromkeys(model for robot in self._robots for model in robot.sonars)
         self._sonars = {model: Sonar(model, world) for model in sonars}
         self.has_any = bool(lasers or sonars or any(robot.gps for robot in self._robots))
-        """Whether any robot has one."""
+        """Whether any robot has an additional sensor."""
         self.reset()
 
     def reset(self) -> None:
-        """Begin all random streams anew."""
+        """Restart all random streams."""
         self._streams: dict[tuple[int, str], np.random.Generator] = {}
         self._gps_streams: dict[int, np.random.Generator] = {}
         for robot_id in range(len(self._robots)):
             self.restart(robot_id, ())
 
     def restart(self, robot_id: int, again: tuple[int, ...]) -> None:
-        """Begin a robot's random streams anew. Args: again: what stands at the end of their names."""
+        """Restart a robot's random streams. Args: again: appended to their names."""
         robot = self._robots[robot_id]
         for kind, sensors in (("laser", robot.lasers), ("sonar", robot.sonars)):
             for sensor in sensors:
@@ -52,7 +50,7 @@ class FurtherSensors:
         self._gps_streams[robot_id] = stream(self._seed, "gps", robot_id, *again)
 
     def read(self) -> tuple[FurtherReadings, ...]:
-        """Return every robot's further readings after the step that the world made last; () where none has any."""
+        """Return every robot's additional readings after the last step of the world; () if no robot has any."""
         if not self.has_any:
             return ()
         positions_m, present = self._world.positions_m().tolist(), self._world.present

@@ -1,6 +1,4 @@
-"""Satellite navigation: where a robot is on the earth, with noise."""
-
-from __future__ import annotations
+"""GPS: geodetic positions with noise."""
 
 import math
 
@@ -20,16 +18,16 @@ _SECOND_ECCENTRICITY2 = _ECCENTRICITY2 / (1.0 - _ECCENTRICITY2)
 def geodetic(east_m: float, north_m: float, datum_lat_deg: float, datum_lon_deg: float) -> tuple[float, float, float]:
     """Return latitude [deg], longitude [deg] and ellipsoidal height [m] of a point of a tangent plane, on WGS84.
 
-    The plane touches the ellipsoid at the datum. With the datum's latitude phi and longitude lambda, a point (e, n) of
-    it has the earth-centred coordinates
+    The plane touches the ellipsoid at the datum. If the datum has latitude phi and longitude lambda, a point (e, n) of
+    the plane has the earth-centred coordinates
 
         N = a / sqrt(1 - e2 sin^2 phi)
         X = N cos phi cos lambda - e sin lambda - n sin phi cos lambda
         Y = N cos phi sin lambda + e cos lambda - n sin phi sin lambda
         Z = N (1 - e2) sin phi + n cos phi
 
-    and they give latitude, longitude and height by Bowring's formula [bowring1976], here exact to 1e-8 m within 10 km.
-    The height grows by the square of the distance over the earth's diameter: 8 cm at 1 km.
+    Bowring's formula [bowring1976] converts these to latitude, longitude and height, exact to 1e-8 m within 10 km. The
+    height grows with the square of the distance over the earth's diameter: 8 cm at 1 km.
     """
     phi, lam = math.radians(datum_lat_deg), math.radians(datum_lon_deg)
     sin_phi, cos_phi, sin_lam, cos_lam = math.sin(phi), math.cos(phi), math.sin(lam), math.cos(lam)
@@ -51,7 +49,7 @@ def geodetic(east_m: float, north_m: float, datum_lat_deg: float, datum_lon_deg:
 def tangent(
     latitude_deg: float, longitude_deg: float, altitude_m: float, datum_lat_deg: float, datum_lon_deg: float
 ) -> tuple[float, float]:
-    """Return how far east and north of the datum a geodetic place lies in the plane of `geodetic` [m]; its inverse."""
+    """Return east and north of a geodetic position in the plane of `geodetic` [m]; the inverse of `geodetic`."""
     x, y, z = _earth_centred(latitude_deg, longitude_deg, altitude_m)
     x0, y0, z0 = _earth_centred(datum_lat_deg, datum_lon_deg, 0.0)
     phi, lam = math.radians(datum_lat_deg), math.radians(datum_lon_deg)
@@ -69,7 +67,7 @@ def _earth_centred(latitude_deg: float, longitude_deg: float, height_m: float) -
 
 
 def is_due(model: Gps, sim_time_ns: int, step_ns: int) -> bool:
-    """Return whether a fix falls into the step that ends at a time: the k-th is due at k / rate."""
+    """Return whether there is a fix in the step that ends at a time; the k-th fix is due at k / rate."""
     now, before = (
         math.floor(time_ns * 1e-9 * model.rate_hz + 1e-6) for time_ns in (sim_time_ns, sim_time_ns - step_ns)
     )
@@ -77,9 +75,9 @@ def is_due(model: Gps, sim_time_ns: int, step_ns: int) -> bool:
 
 
 def fix(model: Gps, position_m: tuple[float, float], generator: np.random.Generator) -> Fix:
-    """Return what a receiver at a position in `map` tells; x points east, y north, the origin is the datum.
+    """Return the fix of a receiver at a position in `map`; x points east, y north, the origin is the datum.
 
-    Args: generator: gives two numbers, of the errors to the east and to the north.
+    Args: generator: of the two errors, to the east and to the north.
     """
     east_m, north_m = (np.array(position_m) + generator.normal(0.0, model.noise_m, 2)).tolist()
     return Fix(*geodetic(east_m, north_m, model.datum_lat_deg, model.datum_lon_deg), model.noise_m**2)

@@ -1,6 +1,4 @@
-"""The laser range finder: what a robot sees of walls, closed doors and other robots."""
-
-from __future__ import annotations
+"""The laser range finder, which detects walls, doors, objects and other robots."""
 
 import functools
 import math
@@ -21,8 +19,8 @@ _NO_NOISE = np.empty((0, 0))
 class Laser:
     """The lasers of one kind in a world.
 
-    What is beyond range_max does not return: the beam reads range_max, or +inf where the model says so. What is nearer
-    than range_min reads range_min, or -inf (REP-117).
+    A beam that hits nothing within range_max reads range_max, or +inf if the model says so. One that hits something
+    nearer than range_min reads range_min, or -inf (REP-117).
     """
 
     def __init__(self, model: LaserModel, world: World) -> None:
@@ -33,14 +31,14 @@ class Laser:
         """The C++ laser, for the sensors of a team."""
 
     def scan(self, robot_ids: Sequence[int], generators: Sequence[np.random.Generator]) -> np.ndarray:
-        """Return the ranges that robots measure now, float32, shape (robots, beams), the first at angle_min [m].
+        """Return the current ranges, float32, shape (robots, beams), the first beam at angle_min [m].
 
-        Args: generators: of each robot's noise; left alone where the model has none.
+        Args: generators: of each robot's noise; not used if the model has no noise.
         """
         return self.core.scan(self._world.core, robot_ids, self.noise_m(generators))
 
     def noise_m(self, generators: Sequence[np.random.Generator]) -> np.ndarray:
-        """Draw the noise of a scan of each robot, float64, shape (robots, beams) [m]; empty where there is none."""
+        """Draw the noise of one scan of each robot, float64, shape (robots, beams) [m]; empty without noise."""
         if self._model.noise_m > 0.0:
             return np.stack([each.normal(0.0, self._model.noise_m, self._model.beams) for each in generators])
         return _NO_NOISE
@@ -48,7 +46,7 @@ class Laser:
 
 @functools.lru_cache(maxsize=16)
 def _core_laser(plan: FloorPlan, model: LaserModel) -> _core.sensing.Laser:
-    """Return the C++ lasers of one kind; they keep what can be seen from where, so worlds on one plan share them."""
+    """Return the C++ lasers of one kind; worlds on one plan share them, because they store visible edges per cell."""
     as_rep_117 = model.no_return == "inf"
     left_m, yaw_rad = (model.left_m, model.yaw_rad) if isinstance(model, MountedLaser) else (0.0, 0.0)
     return _core.sensing.Laser(

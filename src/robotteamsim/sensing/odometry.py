@@ -1,6 +1,4 @@
-"""Odometry: what robots believe of their ways from what they really did."""
-
-from __future__ import annotations
+"""Odometry: the true motion of robots plus drift."""
 
 from collections.abc import Sequence
 
@@ -14,26 +12,26 @@ _STEPS_PER_DRAW = 64
 
 
 class TeamOdometry:
-    """The odometry of a team: true motion plus drift, in frames `odom` that begin where the robots do.
+    """The odometry of a team: true motion plus drift, in frames `odom` that start at the robots' start poses.
 
-    The drift is that of the odometry motion model [thrun2005, Table 5.6]: a motion is a turn, a distance and a second
+    The drift follows the odometry motion model [thrun2005, Table 5.6]: a motion is a turn, a distance and a second
     turn, each with Gaussian noise of the variances
 
         turns:    alpha1 turn^2 + alpha2 distance^2
         distance: alpha3 distance^2 + alpha4 (first turn^2 + second turn^2)
 
-    so a robot that stands still, blocked or not, does not drift. Two cases that the model leaves open: a distance is
-    negative when the robot drives backwards, as turning round was no part of that; and a robot that is pushed aside
-    or slides has turned no more than its body did, whatever the direction it went.
+    so a robot that does not move, blocked or not, does not drift. The model leaves two cases open. When the robot
+    drives backward, the distance is negative, because the robot did not turn round. A robot that slides or is pushed
+    aside has turned only as much as its body did, not in the direction of its motion.
 
-    An omnidirectional robot turns while it goes, and errs to the side of its way as along it. Its motion is a distance,
-    a way to the side, which is none but for noise, and a turn, as amcl's omnidirectional model has them [amcl]:
+    An omnidirectional robot turns while it drives, and has errors sideways as well as along its path. Its motion is a
+    distance, a sideways distance, which is 0 except for noise, and a turn, as in amcl's omnidirectional model [amcl]:
 
-        turn:                alpha1 turn^2 + alpha2 distance^2
-        distance, and aside: alpha3 distance^2 + alpha4 turn^2
+        turn:                   alpha1 turn^2 + alpha2 distance^2
+        distance, and sideways: alpha3 distance^2 + alpha4 turn^2
 
-    The covariance of the believed pose is carried on step by step by the Jacobians of this model at that pose:
-    to first order, so it holds while the error of yaw is small, up to 0.3 rad or so.
+    The covariance of the odometry pose is propagated step by step with the Jacobians of this model at that pose. This
+    is a first-order approximation, valid while the yaw error is small, up to about 0.3 rad.
     """
 
     def __init__(
@@ -43,9 +41,9 @@ class TeamOdometry:
         generators: Sequence[np.random.Generator],
         omni: Sequence[bool] | None = None,
     ) -> None:
-        """Begin at (0, 0, 0). Generators, one a robot, give three numbers a step: equal streams give equal drifts.
+        """Start at (0, 0, 0). Each robot's generator gives three numbers per step.
 
-        Args: omni: whether each robot is omnidirectional; none: none is.
+        Args: omni: whether each robot is omnidirectional; None if none is.
         """
         alphas = [(model.alpha1, model.alpha2, model.alpha3, model.alpha4) for model in models]
         self.core = _core.sensing.TeamOdometry(alphas, step_s, [False] * len(alphas) if omni is None else list(omni))
@@ -53,7 +51,7 @@ class TeamOdometry:
         self._generators = list(generators)
         self._noise = np.empty((_STEPS_PER_DRAW, len(self._generators), 3))
         self._noise_left: list[np.ndarray] = []
-        """Rows of it, the next one last."""
+        """Rows of drawn noise, the next one last."""
 
     def step(self, motions: np.ndarray, twists: np.ndarray) -> np.ndarray:
         """Return the readings after one more step, float64, shape (n, 16).
@@ -61,17 +59,17 @@ class TeamOdometry:
         A row is the pose in `odom` as x, y [m], qz, qw, and the twist in `base_link` that the wheels measured: forward,
         left [m/s], counter-clockwise [rad/s]; then the covariances of `OdometryReading`, six and three.
 
-        Args: motions: the ways of the step, seen from where they began, shape (n, 3): x, y [m], yaw [rad].
+        Args: motions: of the step, in the frame of the pose at its beginning, shape (n, 3): x, y [m], yaw [rad].
               twists: their mean velocities, in `base_link`, shape (n, 3).
         """
         return self.core.step(motions, twists, self.next_noise())
 
     def follow(self, world: World) -> np.ndarray:
-        """Return what `step` does, for the step that a world of as many robots made last."""
+        """Return the readings, as `step` does, after the last step of a world with as many robots."""
         return self.core.follow(world.core, self.next_noise())
 
     def restart(self, robot_id: int, generator: np.random.Generator) -> None:
-        """Begin a robot's odometry anew at (0, 0, 0), where it has come (again), with a generator of its own."""
+        """Restart the odometry of a robot that has arrived (again) at (0, 0, 0), with a new generator."""
         self.core.restart(robot_id)
         self._generators[robot_id] = generator
         if self._noise_left:
@@ -79,7 +77,7 @@ class TeamOdometry:
             self._noise[-steps:, robot_id] = generator.standard_normal((steps, 3))
 
     def next_noise(self) -> np.ndarray:
-        """Draw what one step takes, shape (n, 3)."""
+        """Draw the noise of one step, shape (n, 3)."""
         if not self._noise_left:
             for robot_id, generator in enumerate(self._generators):
                 self._noise[:, robot_id] = generator.standard_normal((_STEPS_PER_DRAW, 3))

@@ -1,6 +1,4 @@
-"""Sonars: how far the nearest object within a cone is."""
-
-from __future__ import annotations
+"""Sonars: the range of the nearest obstacle within a cone."""
 
 import numpy as np
 
@@ -15,9 +13,9 @@ _NO_NOISE = np.empty(0)
 class Sonar:
     """The sonars of one kind in a world.
 
-    A sonar reads the shortest of the rays that fill its cone, cast as a laser's beams are: what is narrower than the
-    gap between two rays may stay unseen. Where nothing returns it reads range_max, and what is nearer than range_min
-    reads range_min.
+    A sonar reads the shortest of the rays in its cone, which are cast like a laser's beams; obstacles narrower than the
+    gap between two rays may be missed. Without a return it reads range_max; for anything nearer than range_min it reads
+    range_min.
     """
 
     def __init__(self, model: SonarModel, world: World) -> None:
@@ -37,9 +35,9 @@ class Sonar:
         )
 
     def read(self, robot_id: int, generator: np.random.Generator) -> float:
-        """Return the range that a robot's sonar measures now, a float32 [m].
+        """Return the current range of a robot's sonar, a float32 [m].
 
-        Args: generator: of its noise; left alone where the model has none.
+        Args: generator: of its noise; not used if the model has no noise.
         """
         noise_m = generator.normal(0.0, self._model.noise_m, 1) if self._model.noise_m > 0.0 else _NO_NOISE
         return float(self._core.nearest(self._world.core, [robot_id], noise_m)[0])

@@ -1,4 +1,4 @@
-"""Worlds of the Stage simulator [vaughan2008]: read into scenarios, and written from them."""
+"""Converter between scenarios and worlds of the Stage simulator [vaughan2008]."""
 
 from robotteamsim.stage.exporting import StageExport, export_world
 from robotteamsim.stage.importing import StageImport, import_world

@@ -1,6 +1,4 @@
-"""From a scenario to a Stage world file and its bitmap."""
-
-from __future__ import annotations
+"""Exports a scenario as a Stage world file and its bitmap."""
 
 import math
 from collections.abc import Sequence
@@ -21,10 +19,10 @@ from robotteamsim.scenario.sensors import Laser
 from robotteamsim.world.placement import check_places, placed_robots
 
 MAX_PIXELS = 100_000_000
-"""Of a bitmap: Stage, which examines every pixel, loads this many in minutes."""
+"""Largest bitmap: Stage examines every pixel and needs minutes for this many."""
 
 _RAYTRACE_M = 0.02
-"""Cell size of Stage's ray tracing: its default."""
+"""Cell size of Stage's ray tracing, its default."""
 
 _DISC_CORNERS = 16
 _COLORS = ("red", "blue", "green", "orange", "purple", "cyan", "magenta", "gold")
@@ -42,9 +40,9 @@ class StageExport:
 def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTION_M) -> StageExport:
     """Return a scenario in the form that Stage 4 and stage_ros read.
 
-    Walls and closed doors become a bitmap, cropped to the solid cells as Stage itself crops it, so that every cell
-    keeps its place. Every robot becomes a position model, in id order: stage_ros calls them robot_0, ... Its rangers
-    are its laser, its additional lasers and its sonars. Objects become models that do not move.
+    Walls and closed doors become a bitmap, cropped to the solid cells as in Stage, so that no cell moves. Every robot
+    becomes a position model, in id order, so stage_ros calls them robot_0, ... Its rangers are its laser, additional
+    lasers and sonars. Objects become models that do not move.
 
     Args:   bitmap: the name of the PNG, relative to the world file. resolution_m: edge of a pixel.
     Raises: ScenarioError: the plan has no solid, or a robot is a car. PlacementError: a robot or object has no room.
@@ -63,12 +61,13 @@ def export_world(scenario: Scenario, bitmap: str, resolution_m: float = RESOLUTI
         f"interval_sim {_number(scenario.run.step_s * 1000.0)}  # a step [ms]: commands, scans and odometry",
         f"quit_time {_number(scenario.mission.time_limit_s)}  # [s]",
         f"resolution {_number(_RAYTRACE_M)}  # of Stage's rays and collisions [m]",
+        "",
         *_floor_plan(scenario, bitmap, image),
     ]
     for number, kind in enumerate(kinds):
-        lines += _defined(f"robot_kind_{number}", kind, lowest_m, scenario.run.step_ns)
+        lines += ["", *_defined(f"robot_kind_{number}", kind, lowest_m, scenario.run.step_ns)]
     for obj in scenario.objects:
-        lines += _object(obj)
+        lines += ["", *_object(obj)]
     lines.append("")
     for i, robot in enumerate(robots):
         x, y, yaw = robot.start_pose
@@ -123,7 +122,7 @@ def _notes(scenario: Scenario, robots: Sequence[PlacedRobot]) -> tuple[str, ...]
     if any(robot.mounts for robot in robots):
         notes.append("lasers, sonars: stage_ros numbers the scans of such a robot; the first laser's is base_scan_0")
     if any(robot.gps for robot in robots):
-        notes.append("gps: left out: Stage has no satellite navigation")
+        notes.append("gps: omitted: Stage has no satellite navigation")
     if len(robots) == 1:
         notes.append("robots: stage_ros omits robot_0/ in the names of topics if there is only one robot")
     return tuple(notes)
@@ -137,40 +136,36 @@ def _kind(robot: PlacedRobot) -> PlacedRobot:
     return robot.model_copy(update={"start_pose": (0.0, 0.0, 0.0)})
 
 
+def _item(head: str, *lines: str) -> list[str]:
+    """Return the lines of `head( ... )`."""
+    return [head, "(", *(f"  {line}" for line in lines), ")"]
+
+
 def _floor_plan(scenario: Scenario, file: str, image: _Bitmap) -> list[str]:
     elements: tuple[Wall | Block | Door, ...] = (*scenario.plan.walls, *scenario.plan.blocks, *scenario.plan.doors)
     height_m = max(element.height_m for element in elements)
-    return [
-        "",
+    return _item(
         "model",
-        "(",
-        '  name "floorplan"',
-        f'  bitmap "{_text(file)}"',
-        f"  size {_tuple(*image.size_m, height_m)}",
-        f"  pose {_tuple(*image.center_m, 0.0, 0.0)}",
-        '  color "gray30"',
-        "  gui_move 0",
-        "  gui_outline 0",
-        "  gripper_return 0",
-        "  fiducial_return 0",
-        ")",
-    ]
+        'name "floorplan"',
+        f'bitmap "{_text(file)}"',
+        f"size {_tuple(*image.size_m, height_m)}",
+        f"pose {_tuple(*image.center_m, 0.0, 0.0)}",
+        'color "gray30"',
+        *("gui_move 0", "gui_outline 0", "gripper_return 0", "fiducial_return 0"),
+    )
 
 
 def _object(obj: MovableObject) -> list[str]:
     x, y, yaw = obj.pose
     size = obj.size_m or (2.0 * obj.reach_m, 2.0 * obj.reach_m)
-    return [
-        "",
+    return _item(
         "model",
-        "(",
-        f'  name "{_text(obj.name)}"',
-        f"  size {_tuple(*size, obj.height_m)}",
+        f'name "{_text(obj.name)}"',
+        f"size {_tuple(*size, obj.height_m)}",
         *_outline(obj.corners_m or _disc(obj.reach_m)),
-        f"  pose {_tuple(x, y, 0.0, math.degrees(yaw))}",
-        f'  color "{"brown" if obj.kind == "box" else "gray50"}"',
-        ")",
-    ]
+        f"pose {_tuple(x, y, 0.0, math.degrees(yaw))}",
+        f'color "{"brown" if obj.kind == "box" else "gray50"}"',
+    )
 
 
 def _disc(radius_m: float) -> Corners:
@@ -179,12 +174,8 @@ def _disc(radius_m: float) -> Corners:
 
 
 def _outline(corners: Corners) -> list[str]:
-    return [
-        f"  block( points {len(corners)}",
-        *(f"    point[{i}] {_tuple(x, y)}" for i, (x, y) in enumerate(corners)),
-        "    z [ 0 1 ]",
-        "  )",
-    ]
+    points = (f"  point[{i}] {_tuple(x, y)}" for i, (x, y) in enumerate(corners))
+    return [f"block( points {len(corners)}", *points, "  z [ 0 1 ]", ")"]
 
 
 def _body(robot: PlacedRobot) -> list[str]:
@@ -193,11 +184,8 @@ def _body(robot: PlacedRobot) -> list[str]:
     low, high = ([pick(axis) for axis in zip(*corners, strict=True)] for pick in (min, max))
     size = [b - a for a, b in zip(low, high, strict=True)]
     middle = [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
-    return [
-        f"  size {_tuple(*size, robot.height_m)}",
-        *([f"  origin {_tuple(*middle, 0.0, 0.0)}"] if robot.footprint_m else ["  # a disc"]),
-        *_outline(corners),
-    ]
+    origin = f"origin {_tuple(*middle, 0.0, 0.0)}" if robot.footprint_m else "# a disc"
+    return [f"size {_tuple(*size, robot.height_m)}", origin, *_outline(corners)]
 
 
 def _defined(name: str, robot: PlacedRobot, lowest_m: float, step_ns: int) -> list[str]:
@@ -205,112 +193,105 @@ def _defined(name: str, robot: PlacedRobot, lowest_m: float, step_ns: int) -> li
 
     Args: lowest_m: height of the lowest robot; rays are below it, so that robots detect each other as they do here.
     """
-    return [
-        "",
+    return _item(
         f"define {name} position",
-        "(",
         *_body(robot),
-        "  gui_nose 1",
-        f"  {_update(step_ns)}",
-        f"  mass {_number(robot.mass_kg)}",
+        "gui_nose 1",
+        _update(step_ns),
+        f"mass {_number(robot.mass_kg)}",
         *_drive(robot.drive),
         *_odometry(robot.odometry),
         *_rangers(robot, lowest_m, step_ns),
-        ")",
-    ]
+    )
 
 
 def _drive(drive: AnyDrive) -> list[str]:
     assert drive.kind != "car"
     aside = drive.max_speed_mps if drive.kind == "omni" else 0.0
     aside_change = drive.max_acceleration_mps2 if drive.kind == "omni" else 0.0
-    speed, turn = drive.max_speed_mps, math.degrees(drive.max_turn_radps)
-    change, turn_change = drive.max_acceleration_mps2, math.degrees(drive.max_turn_acceleration_radps2)
     return [
-        f'  drive "{"omni" if drive.kind == "omni" else "diff"}"',
-        f"  velocity_bounds {_tuple(-speed, speed, -aside, aside, 0.0, 0.0, -turn, turn)}",
-        f"  acceleration_bounds "
-        f"{_tuple(-change, change, -aside_change, aside_change, 0.0, 0.0, -turn_change, turn_change)}",
+        f'drive "{"omni" if drive.kind == "omni" else "diff"}"',
+        f"velocity_bounds {_limits(drive.max_speed_mps, aside, drive.max_turn_radps)}",
+        f"acceleration_bounds {_limits(drive.max_acceleration_mps2, aside_change, drive.max_turn_acceleration_radps2)}",
     ]
+
+
+def _limits(ahead: float, aside: float, turn_rad: float) -> str:
+    turn = math.degrees(turn_rad)
+    return _tuple(-ahead, ahead, -aside, aside, 0.0, 0.0, -turn, turn)
 
 
 def _odometry(odometry: Odometry) -> list[str]:
     if odometry == _EXACT:
-        return ['  localization "gps"']
+        return ['localization "gps"']
     # `import-stage` reads alpha1 and alpha3 back.
     share, turn_share = math.sqrt(odometry.alpha3), math.degrees(math.sqrt(odometry.alpha1))
-    return ['  localization "odom"', f"  odom_error {_tuple(share, share, 0.0, turn_share)}"]
-
-
-def _rangers(robot: PlacedRobot, lowest_m: float, step_ns: int) -> list[str]:
-    """Return the first laser, the additional lasers and the sonars, in this order."""
-    lines = _laser(robot.laser, (robot.laser.forward_m, 0.0, 0.0), "", robot.height_m, lowest_m, step_ns)
-    for laser in robot.lasers:
-        mount = (laser.forward_m, laser.left_m, laser.yaw_rad)
-        lines += _laser(laser, mount, laser.name, robot.height_m, lowest_m, laser.every_steps * step_ns)
-    for sonar in robot.sonars:
-        # `import-stage` recognises sonars by their names.
-        name = sonar.name if "sonar" in sonar.name else f"sonar_{sonar.name}"
-        pose = (sonar.forward_m, sonar.left_m, sonar.yaw_rad)
-        beams = _Beams(sonar.range_min_m, sonar.range_max_m, sonar.opening_rad, sonar.rays, sonar.noise_m)
-        lines += _ranger(beams, pose, name, (sonar.height_m, robot.height_m, lowest_m), step_ns)
-    return lines
-
-
-def _laser(
-    laser: Laser,
-    mount: tuple[float, float, float],
-    name: str,
-    robot_height_m: float,
-    lowest_m: float,
-    interval_ns: int,
-) -> list[str]:
-    middle_rad = 0.5 * (laser.angle_min_rad + laser.angle_max_rad)
-    fov_rad = laser.angle_max_rad - laser.angle_min_rad
-    beams = _Beams(laser.range_min_m, laser.range_max_m, fov_rad, laser.beams, laser.noise_m)
-    pose = (mount[0], mount[1], mount[2] + middle_rad)
-    return _ranger(beams, pose, name, (laser.height_m, robot_height_m, lowest_m), interval_ns)
+    return ['localization "odom"', f"odom_error {_tuple(share, share, 0.0, turn_share)}"]
 
 
 @dataclass(frozen=True, slots=True)
 class _Beams:
+    """The beams of a laser or sonar; mount: pose of the middle one in base_link."""
+
+    name: str
+    mount: tuple[float, float, float]
+    height_m: float
     range_min_m: float
     range_max_m: float
     fov_rad: float
     samples: int
     noise_m: float
+    interval_ns: int
 
 
-def _ranger(
-    beams: _Beams,
-    pose: tuple[float, float, float],
-    name: str,
-    heights_m: tuple[float, float, float],
-    interval_ns: int,
-) -> list[str]:
-    """Args: pose: of the middle beam, in base_link. heights_m: of the sensor, of the robot, of the lowest robot."""
-    height_m, robot_m, lowest_m = heights_m
-    # stage_ros derives tf from the ranger's pose, while rays start at the sensor's: the first has the true height, the
-    # second is low enough to detect robots.
-    ray_m = height_m if height_m < 0.9 * lowest_m else 0.5 * lowest_m
-    noise = [f"      noise {_tuple(beams.noise_m**2, 0.0, 0.0)}  # a variance [m^2]"] if beams.noise_m else []
-    return [
-        "  ranger",
-        "  (",
-        *([f'    name "{name}"'] if name else []),
-        f"    pose {_tuple(pose[0], pose[1], height_m - robot_m, math.degrees(pose[2]))}",
-        f"    {_update(interval_ns)}",
-        "    sensor",
-        "    (",
-        f"      pose {_tuple(0.0, 0.0, ray_m - height_m, 0.0)}",
-        "      size [ 0.02 0.02 0 ]",
-        f"      range {_tuple(beams.range_min_m, beams.range_max_m)}",
-        f"      fov {_number(math.degrees(beams.fov_rad))}",
-        f"      samples {beams.samples}",
-        *noise,
-        "    )",
-        "  )",
-    ]
+def _rangers(robot: PlacedRobot, lowest_m: float, step_ns: int) -> list[str]:
+    """Return the first laser, the additional lasers and the sonars, in this order."""
+    beams = [_laser(robot.laser, "", (robot.laser.forward_m, 0.0, 0.0), step_ns)]
+    for laser in robot.lasers:
+        mount = (laser.forward_m, laser.left_m, laser.yaw_rad)
+        beams.append(_laser(laser, laser.name, mount, laser.every_steps * step_ns))
+    for sonar in robot.sonars:
+        # `import-stage` recognises sonars by their names.
+        name = sonar.name if "sonar" in sonar.name else f"sonar_{sonar.name}"
+        mount, ranges_m = (sonar.forward_m, sonar.left_m, sonar.yaw_rad), (sonar.range_min_m, sonar.range_max_m)
+        opening = sonar.opening_rad, sonar.rays
+        beams.append(_Beams(name, mount, sonar.height_m, *ranges_m, *opening, sonar.noise_m, step_ns))
+    return [line for each in beams for line in _ranger(each, robot.height_m, lowest_m)]
+
+
+def _laser(laser: Laser, name: str, mount: tuple[float, float, float], interval_ns: int) -> _Beams:
+    middle_rad = 0.5 * (laser.angle_min_rad + laser.angle_max_rad)
+    return _Beams(
+        name,
+        mount=(mount[0], mount[1], mount[2] + middle_rad),
+        height_m=laser.height_m,
+        range_min_m=laser.range_min_m,
+        range_max_m=laser.range_max_m,
+        fov_rad=laser.angle_max_rad - laser.angle_min_rad,
+        samples=laser.beams,
+        noise_m=laser.noise_m,
+        interval_ns=interval_ns,
+    )
+
+
+def _ranger(beams: _Beams, robot_m: float, lowest_m: float) -> list[str]:
+    """Args: robot_m, lowest_m: heights of the robot and of the lowest robot."""
+    # stage_ros derives tf from the pose of the ranger, but rays start at that of its sensor: the ranger has the true
+    # height, and the sensor is low enough to detect robots.
+    ray_m = beams.height_m if beams.height_m < 0.9 * lowest_m else 0.5 * lowest_m
+    sensor = _item(
+        "sensor",
+        f"pose {_tuple(0.0, 0.0, ray_m - beams.height_m, 0.0)}",
+        "size [ 0.02 0.02 0 ]",
+        f"range {_tuple(beams.range_min_m, beams.range_max_m)}",
+        f"fov {_number(math.degrees(beams.fov_rad))}",
+        f"samples {beams.samples}",
+        *([f"noise {_tuple(beams.noise_m**2, 0.0, 0.0)}  # a variance [m^2]"] if beams.noise_m else []),
+    )
+    x, y, yaw = beams.mount
+    pose = f"pose {_tuple(x, y, beams.height_m - robot_m, math.degrees(yaw))}"
+    name = [f'name "{beams.name}"'] if beams.name else []
+    return _item("ranger", *name, pose, _update(beams.interval_ns), *sensor)
 
 
 def _update(interval_ns: int) -> str:

@@ -1,6 +1,4 @@
-"""From a Stage world file to a scenario and its floor plan."""
-
-from __future__ import annotations
+"""Imports a Stage world file as a scenario and its floor plan."""
 
 import os
 import re
@@ -37,10 +35,10 @@ _TAKEN = """
     odom_error origin points pose quit_time range range_max range_min samples size unit_angle unit_length
     velocity_bounds z"""
 _SILENT = re.compile(r"name|size|origin|z|point\[\d+\]")
-"""If these are not read, they belong to the appearance of a ranger or to the name of a robot."""
+"""If these are not read, they only describe the appearance of a ranger or the name of a robot."""
 
 DEFAULT_STEP_MS = 100.0
-"""Of a world without `interval_sim` (Stage 4)."""
+"""Default of `interval_sim` (Stage 4)."""
 
 _NO_SECTION = ("block", "sensor", "window", "gripper", "actuator", "puck", "charger")
 _MODELS = ("model", "position", "ranger", "laser", *DEVICES, *_NO_SECTION)
@@ -93,7 +91,7 @@ def import_world(world: str | os.PathLike[str]) -> StageImport:
 
 
 def _check_kinds(root: Entity, notes: Notes) -> None:
-    """Reject unknown models and those that would change the world, and note those that are left out."""
+    """Reject unknown models and those that would change the world, and note those that are omitted."""
     for entity in root.walk():
         if entity is not root and entity.kind not in _MODELS:
             near = suggestion(entity.kind, _MODELS)
@@ -105,7 +103,7 @@ def _check_kinds(root: Entity, notes: Notes) -> None:
             if child.kind == "window" and entity is root:
                 notes.without_effect("window", child.place)
             elif child.kind in ("ranger", "laser", *DEVICES):
-                notes.say(child.place, f"{child.called}: left out: a '{child.kind}' that is not on a robot")
+                notes.say(child.place, f"{child.called}: omitted: a '{child.kind}' that is not on a robot")
             elif child.kind not in ("model", *allowed):
                 on = "is not simulated" if entity is root else f"on the model '{entity.called}' is not simulated"
                 raise child.place.error(f"{child.called}: a '{child.kind}' {on}")
@@ -164,7 +162,7 @@ def _note_unread(root: Entity, values: Values, notes: Notes) -> None:
             if name in without_effect:
                 notes.without_effect(name, given.place)
             elif name == "ctrl":
-                notes.say(given.place, "ctrl: left out: Stage's controllers cannot run here; control.algorithm drives")
+                notes.say(given.place, "ctrl: omitted: Stage's controllers cannot run here; control.algorithm drives")
             else:
                 near = suggestion(name, [*without_effect, *_TAKEN.split()])
                 notes.say(given.place, f"{name}: unknown key of a '{entity.kind}', in Stage and here{near}")

@@ -1,7 +1,5 @@
 """Stage's rangers as lasers and sonars of a robot."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass
@@ -16,10 +14,10 @@ from robotteamsim.stage.world_file import Entity
 M = TypeVar("M", bound=Model)
 
 _DEFAULT_FOV_RAD = 0.1
-"""Of a sensor without `fov` (Stage 4)."""
+"""Default of `fov` (Stage 4)."""
 
 _LASER_DEFAULTS = (0.0, 8.0, math.pi, 180)
-"""range_min, range_max, fov and samples of the `laser` model (Stage 3)."""
+"""Defaults of range_min, range_max, fov and samples of the `laser` model (Stage 3)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,29 +85,23 @@ class RangerReader:
         x_m, y_m, yaw_rad = beams.mount
         if abs(y_m) > ASIDE_M:
             text = f"'{beams.ranger.called}' is {y_m:.3g} m beside the robot's axis; expected the first laser on it"
-            raise beams.ranger.place_of("pose").error(f"pose: {text}")
+            raise beams.ranger.error("pose", text)
         angles = {"angle_min_rad": yaw_rad - 0.5 * beams.fov_rad, "angle_max_rad": yaw_rad + 0.5 * beams.fov_rad}
         return self._checked(Laser, beams, {"beams": beams.samples, **angles, "forward_m": tidy(x_m)})
 
     def _further_laser(self, beams: _Beams, name: str) -> MountedLaser:
-        half_rad = 0.5 * beams.fov_rad
         interval_ms = self._values.number(beams.ranger, "update_interval", "f", self._step_ms)
         every_steps = max(1, round(interval_ms / self._step_ms)) if self._step_ms > 0.0 else 1
-        keys = {
-            "beams": beams.samples,
-            "angle_min_rad": -half_rad,
-            "angle_max_rad": half_rad,
-            "every_steps": every_steps,
-        }
-        return self._checked(MountedLaser, beams, {"name": name, **keys, **_mount(beams.mount)})
+        angles = {"angle_min_rad": -0.5 * beams.fov_rad, "angle_max_rad": 0.5 * beams.fov_rad}
+        keys = {"name": name, "beams": beams.samples, **angles, "every_steps": every_steps}
+        return self._checked(MountedLaser, beams, keys | _mount(beams.mount))
 
     def _sonar(self, beams: _Beams, name: str) -> Sonar:
         keys: dict[str, Any] = {"name": name, "opening_rad": tidy(beams.fov_rad), **_mount(beams.mount)}
         if beams.samples > 1:
             keys["rays"] = beams.samples
         else:
-            text = "samples: one ray in Stage, a cone of rays here"
-            self._notes.say(beams.sensor.place_of("samples"), text)
+            self._notes.of(beams.sensor, "samples", "one ray in Stage, a cone of rays here")
         return self._checked(Sonar, beams, keys)
 
     def _beams(self, robot: Entity, ranger: Entity) -> _Beams:
@@ -133,7 +125,7 @@ class RangerReader:
             raise ranger.place.error(f"{ranger.called}: expected a sensor( ... ) in a ranger")
         for other in sensors[1:]:
             self._notes.say(
-                other.place, f"{other.called}: left out: stage_ros publishes only the first sensor of a ranger"
+                other.place, f"{other.called}: omitted: stage_ros publishes only the first sensor of a ranger"
             )
         values, sensor = self._values, sensors[0]
         low, high = values.numbers(sensor, "range", "ll", (0.0, 5.0))
@@ -141,10 +133,9 @@ class RangerReader:
         samples = values.whole(sensor, "samples", 1)
         variance, share, angle = values.numbers(sensor, "noise", "lfa", (0.0, 0.0, 0.0))
         if share != 0.0 or angle != 0.0:
-            text = "noise: only the constant part is simulated, not the parts for range and angle"
-            self._notes.say(sensor.place_of("noise"), text)
+            self._notes.of(sensor, "noise", "only the constant part is simulated, not the parts for range and angle")
         if variance < 0.0:
-            raise sensor.place_of("noise").error(f"noise: {variance:g} is below 0")
+            raise sensor.error("noise", f"{variance:g} is below 0")
         return sensor, (low, high), fov_rad, samples, math.sqrt(variance)
 
     def _old_laser(self, laser: Entity) -> tuple[Entity, tuple[float, float], float, int, float]:
@@ -163,20 +154,11 @@ class RangerReader:
             "noise_m": tidy(beams.noise_m),
         }
         bounds = ("range_min", "range_max") if sensor is beams.ranger else ("range", "range")
-        sources = {
-            "beams": (sensor, "samples"),
-            "rays": (sensor, "samples"),
-            "angle_min_rad": (sensor, "fov"),
-            "angle_max_rad": (sensor, "fov"),
-            "opening_rad": (sensor, "fov"),
-            "range_min_m": (sensor, bounds[0]),
-            "range_max_m": (sensor, bounds[1]),
-            "forward_m": (beams.ranger, "pose"),
-            "left_m": (beams.ranger, "pose"),
-            "height_m": (beams.ranger, "pose"),
-            "noise_m": (sensor, "noise"),
-            "every_steps": (beams.ranger, "update_interval"),
-        }
+        sources = dict.fromkeys(("beams", "rays"), (sensor, "samples"))
+        sources |= dict.fromkeys(("angle_min_rad", "angle_max_rad", "opening_rad"), (sensor, "fov"))
+        sources |= {"range_min_m": (sensor, bounds[0]), "range_max_m": (sensor, bounds[1])}
+        sources |= dict.fromkeys(("forward_m", "left_m", "height_m"), (beams.ranger, "pose"))
+        sources |= {"noise_m": (sensor, "noise"), "every_steps": (beams.ranger, "update_interval")}
         return checked(model, {**keys, **common}, sources)
 
 

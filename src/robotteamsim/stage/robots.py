@@ -1,7 +1,5 @@
 """Stage's position models and their rangers as robots of a scenario."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -40,7 +38,7 @@ class RobotReader:
         self._check_parts(entity)
         pose, z = values.pose(entity, "pose")
         if abs(z) > ASIDE_M:
-            self._notes.say(entity.place_of("pose"), f"pose: z {z:g} counts as 0; robots drive on the floor")
+            self._notes.of(entity, "pose", f"z {z:g} counts as 0; robots drive on the floor")
         keys: dict[str, Any] = {
             "start_pose": (tidy(pose[0]), tidy(pose[1]), pose[2]),
             **self._body(entity),
@@ -53,17 +51,17 @@ class RobotReader:
         return checked(PlacedRobot, keys, {key: (entity, name) for key, name in sources.items()})
 
     def _check_parts(self, entity: Entity) -> None:
-        """Reject parts that would change how the robot moves, and note the devices that are left out."""
+        """Reject parts that would change how the robot moves, and note the devices that are omitted."""
         known = {"ranger", "laser", "block"}
         for child in entity.children:
             if child.kind in DEVICES:
-                self._notes.say(child.place, f"{child.called}: left out: robots have no {child.kind} here")
+                self._notes.say(child.place, f"{child.called}: omitted: robots have no {child.kind} here")
             elif child.kind not in known:
                 raise child.place.error(f"{child.called}: a robot with a '{child.kind}' on it is not simulated")
         values = self._values
         if values.whole(entity, "obstacle_return", 1) == 0 or values.number(entity, "ranger_return", "f", 1.0) < 0.0:
             key = "obstacle_return" if entity.get("obstacle_return") else "ranger_return"
-            raise entity.place_of(key).error(f"{key}: a robot that others cannot hit or detect is not simulated")
+            raise entity.error(key, "a robot that others cannot hit or detect is not simulated")
 
     def _body(self, entity: Entity) -> dict[str, Any]:
         """Return a disc, or a polygon if the body is convex, has few corners and contains the robot's origin."""
@@ -75,7 +73,7 @@ class RobotReader:
             text = (
                 f"is not convex with 3 to {MAX_CORNERS} corners around its origin: it becomes a disc of {radius:.3g} m"
             )
-            self._notes.say(entity.place_of("size"), f"size: the body of '{entity.called}' {text}")
+            self._notes.of(entity, "size", f"the body of '{entity.called}' {text}")
         keys: dict[str, Any] = {"footprint_m": corners} if radius is None else {"radius_m": tidy(radius)}
         if size[2] > 0.0:
             keys["height_m"] = tidy(size[2])
@@ -85,8 +83,7 @@ class RobotReader:
     def _drive(self, entity: Entity) -> AnyDrive:
         kind = self._values.choice(entity, "drive", ("diff", "omni", "car"), "diff")
         if kind == "car":
-            text = "drive: in Stage, the turn of a 'car' is a steering angle; expected 'diff' or 'omni'"
-            raise entity.place_of("drive").error(text)
+            raise entity.error("drive", "in Stage, the turn of a 'car' is a steering angle; expected 'diff' or 'omni'")
         limits = self._bounds(entity, "velocity_bounds", _DEFAULT_BOUNDS)
         assert limits is not None
         keys: dict[str, Any] = dict(zip(("max_speed_mps", "max_turn_radps"), limits, strict=True))
@@ -105,11 +102,10 @@ class RobotReader:
         for axis in (0, 3):
             low, high = given[2 * axis : 2 * axis + 2]
             if abs(low + high) > 1e-9 * max(abs(high), 1.0):
-                text = f"{key}: the lower and upper limits of {_BOUNDS[axis]} differ; the upper one is used for both"
-                self._notes.say(entity.place_of(key), text)
+                text = f"the lower and upper limits of {_BOUNDS[axis]} differ; the upper one is used for both"
+                self._notes.of(entity, key, text)
         if self._values.text(entity, "drive", "diff") == "omni" and given[2:4] != given[:2]:
-            text = f"{key}: the limits of x and y differ; those of x are used for every direction"
-            self._notes.say(entity.place_of(key), text)
+            self._notes.of(entity, key, "the limits of x and y differ; those of x are used for every direction")
         return tidy(given[1]), tidy(given[7])
 
     def _odometry(self, entity: Entity) -> Odometry:
@@ -118,15 +114,10 @@ class RobotReader:
         error = values.numbers(entity, "odom_error", "llla", (0.03, 0.03, 0.0, 0.05))
         if entity.get("localization_origin") is not None:
             values.numbers(entity, "localization_origin", "llla", ())
-            self._notes.say(
-                entity.place_of("localization_origin"),
-                "localization_origin: left out: odometry starts at 0 here",
-            )
+            self._notes.of(entity, "localization_origin", "omitted: odometry starts at 0 here")
         if values.choice(entity, "localization", ("gps", "odom"), "gps") == "gps":
             return Odometry(alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0)
-        self._notes.say(
-            entity.place_of("odom_error"),
-            "odom_error: a fixed share of every motion in Stage, noise of that magnitude here: alpha1 and alpha3",
-        )
+        text = "a fixed share of every motion in Stage, noise of that magnitude here: alpha1 and alpha3"
+        self._notes.of(entity, "odom_error", text)
         keys = {"alpha1": tidy(error[3] ** 2), "alpha2": 0.0, "alpha3": tidy(error[0] ** 2), "alpha4": 0.0}
         return checked(Odometry, keys, dict.fromkeys(keys, (entity, "odom_error")))

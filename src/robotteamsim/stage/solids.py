@@ -1,7 +1,5 @@
 """The bodies of Stage's models as walls and blocks of a floor plan."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,13 +20,13 @@ from robotteamsim.stage.values import Notes, Pose2, Values, compose, tidy
 from robotteamsim.stage.world_file import Entity
 
 DEFAULT_SIZE_M = (0.4, 0.4, 1.0)
-"""Of a model without `size` (Stage 4)."""
+"""Default of `size` (Stage 4)."""
 
 BOUNDARY_M = 0.01
 """Thickness of the walls of `boundary 1`."""
 
 MIN_PIXEL_M, MAX_PIXEL_M = 0.001, 10.0
-"""Of a bitmap."""
+"""Sizes of a bitmap's pixels."""
 
 _FREE_ABOVE = 127
 """A lighter pixel of a bitmap is free."""
@@ -76,10 +74,10 @@ def body_of(entity: Entity, values: Values) -> Body:
 def _points(block: Entity, values: Values) -> np.ndarray:
     count = values.whole(block, "points", 0)
     if not 3 <= count <= 10_000:
-        raise block.place_of("points").error(f"points: {count} is not from 3 to 10000")
+        raise block.error("points", f"{count} is not from 3 to 10000")
     for i in range(count):
         if block.get(f"point[{i}]") is None:
-            raise block.place_of("points").error(f"points: there are {count}, but point[{i}] is missing")
+            raise block.error("points", f"there are {count}, but point[{i}] is missing")
     return np.array([values.numbers(block, f"point[{i}]", "ll", (0.0, 0.0)) for i in range(count)])
 
 
@@ -97,7 +95,7 @@ class SolidReader:
         """Add the body of a model and of its children.
 
         Args:   parent: the frame that the model's pose is given in, and its z.
-                tallest_m: of the robots; bodies above it are left out.
+                tallest_m: of the robots; bodies above it are omitted.
         Raises: ScenarioError: one line with file, line and key.
         """
         values = self._values
@@ -121,23 +119,21 @@ class SolidReader:
         seen = self._values.number(entity, "ranger_return", "f", 1.0) >= 0.0
         seen = seen and self._values.whole(entity, "laser_return", 1) != 0
         if obstacle != seen:
-            key = "ranger_return" if entity.get("ranger_return") else "laser_return"
-            raise entity.place_of("obstacle_return" if seen else key).error(
-                f"{'obstacle_return' if seen else key}: '{entity.called}' would be "
-                f"{'seen by lasers but no obstacle' if seen else 'an obstacle that lasers do not see'}; "
-                "here what blocks is seen, and the other way round"
-            )
+            of_sensor = "ranger_return" if entity.get("ranger_return") else "laser_return"
+            what = "seen by lasers but no obstacle" if seen else "an obstacle that lasers do not see"
+            text = f"'{entity.called}' would be {what}; expected both or neither"
+            raise entity.error("obstacle_return" if seen else of_sensor, text)
         return obstacle
 
     def _add_bitmap(self, entity: Entity, pose: Pose2, size: tuple[float, ...], name: str) -> None:
         if entity.of_kind("block"):
-            raise entity.place_of("bitmap").error("bitmap: expected a model without blocks")
+            raise entity.error("bitmap", "expected a model without blocks")
         solid = self._read_bitmap(entity)
         rows, columns = solid.shape
         cell = (size[0] / columns, size[1] / rows)
         if not (min(cell) >= MIN_PIXEL_M and max(cell) <= MAX_PIXEL_M):
             text = f"pixels would be {cell[0]:.3g} x {cell[1]:.3g} m; expected {MIN_PIXEL_M:g} to {MAX_PIXEL_M:g} m"
-            raise entity.place_of("size").error(f"size: {text}")
+            raise entity.error("size", text)
         walls, blocks = walls_and_blocks(solid_pieces(solid, (-0.5 * size[0], -0.5 * size[1]), cell))
         body = compose(pose, self._values.pose(entity, "origin")[0])
         height = _height(size[2])
@@ -152,27 +148,27 @@ class SolidReader:
 
     def _read_bitmap(self, entity: Entity) -> np.ndarray:
         """Return which cells of a bitmap are solid, cropped to the solid ones as Stage does; row 0 at the lowest y."""
-        place, file = entity.place_of("bitmap"), self._values.text(entity, "bitmap", "")
+        file = self._values.text(entity, "bitmap", "")
         path = self._folder / file
         if not is_file(path):
-            raise place.error(f"bitmap: there is no file {shown(file)}")
+            raise entity.error("bitmap", f"there is no file {shown(file)}")
         image = read_image(path)
         if image is None or image.dtype not in (np.uint8, np.uint16):
-            raise place.error(f"bitmap: '{file}' cannot be read as an image")
+            raise entity.error("bitmap", f"'{file}' cannot be read as an image")
         if image.dtype == np.uint16:
             image = image // 256
         # Stage uses the first channel, red; in OpenCV it is the third.
         first = image if image.ndim == 2 else image[:, :, 2]
         solid = np.flipud(first <= _FREE_ABOVE)
         if not solid.any():
-            raise place.error(f"bitmap: no pixel of '{file}' is dark")
+            raise entity.error("bitmap", f"no pixel of '{file}' is dark")
         rows, columns = np.flatnonzero(solid.any(axis=1)), np.flatnonzero(solid.any(axis=0))
         return without_corner_contacts(solid[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1])
 
     def _add_body(self, entity: Entity, pose: Pose2, z_m: float, tallest_m: float, name: str) -> None:
         body = body_of(entity, self._values)
         if body.outlines and z_m + body.bottom_m >= tallest_m:
-            text = f"'{name}' left out: it is at {z_m + body.bottom_m:g} m, above all robots"
+            text = f"'{name}' omitted: it is at {z_m + body.bottom_m:g} m, above all robots"
             self._notes.say(entity.place_of("pose"), text)
             return
         height = _height(body.top_m - body.bottom_m)
@@ -189,9 +185,7 @@ class SolidReader:
         body = compose(pose, self._values.pose(entity, "origin")[0])
         x, y, half = 0.5 * size[0], 0.5 * size[1], 0.5 * BOUNDARY_M
         if min(size[0], size[1]) <= 2.0 * BOUNDARY_M:
-            raise entity.place_of("boundary").error(
-                f"boundary: does not fit into a model of {size[0]:g} x {size[1]:g} m"
-            )
+            raise entity.error("boundary", f"does not fit into a model of {size[0]:g} x {size[1]:g} m")
         sides = {
             "south": ((-x, half - y), (x, half - y)),
             "north": ((-x, y - half), (x, y - half)),

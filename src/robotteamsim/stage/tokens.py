@@ -1,7 +1,5 @@
 """The words, numbers, texts and brackets of a Stage world file, with the files that it includes."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import re
@@ -111,7 +109,11 @@ def _of_text(text: str, file: str) -> Iterator[Token]:
         place = Place(file, line)
         match = _PATTERN.match(text, position)
         if match is None:
-            raise place.error("a text has no closing quote" if text[position] == '"' else _stray(text[position]))
+            character = text[position]
+            if character == '"':
+                raise place.error("a text has no closing quote")
+            quoted = f"'{character}'" if character.isprintable() else f"character {ord(character)}"
+            raise place.error(f"unexpected {quoted}")
         position = match.end()
         if match.lastgroup == "line":
             line += 1
@@ -124,8 +126,3 @@ def _of_text(text: str, file: str) -> Iterator[Token]:
             yield Token("number", match[0], place)
         elif match.lastgroup in ("word", "text", "mark"):
             yield Token(match.lastgroup, match[match.lastgroup], place)  # type: ignore[arg-type]
-
-
-def _stray(character: str) -> str:
-    quoted = f"'{character}'" if character.isprintable() else f"character {ord(character)}"
-    return f"unexpected {quoted}"

@@ -1,7 +1,5 @@
 """The values of a world file's properties in SI units, checked, and notes on what the scenario does not support."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any, TypeVar
@@ -71,7 +69,7 @@ class Values:
         """Return a whole number. Raises: ScenarioError."""
         value = self.number(entity, key, "f", default)
         if value != int(value):
-            raise entity.place_of(key).error(f"{key}: {value:g} is not a whole number")
+            raise entity.error(key, f"{value:g} is not a whole number")
         return int(value)
 
     def text(self, entity: Entity, key: str, default: str) -> str:
@@ -87,8 +85,7 @@ class Values:
         """Return one of the known texts. Raises: ScenarioError."""
         value = self.text(entity, key, default)
         if value not in known:
-            hint = suggestion(value, known)
-            raise entity.place_of(key).error(f"{key}: '{value}' is not one of {', '.join(known)}{hint}")
+            raise entity.error(key, f"'{value}' is not one of {', '.join(known)}{suggestion(value, known)}")
         return value
 
     def pose(self, entity: Entity, key: str) -> tuple[Pose2, float]:
@@ -102,7 +99,7 @@ class Values:
         for axis, value in zip("xyz", size, strict=True):
             # A flat body is allowed: there are floor plans with a height of 0.
             if value < 0.0 or (value == 0.0 and axis != "z"):
-                raise entity.place_of("size").error(f"size: {axis} {value:g} is not above 0")
+                raise entity.error("size", f"{axis} {value:g} is not above 0")
         return size
 
     def _given(self, entity: Entity, key: str) -> Property | None:
@@ -122,6 +119,10 @@ class Notes:
     def say(self, place: Place, text: str) -> None:
         """Note that something is interpreted differently from Stage; repeated notes appear once."""
         self._said[(place, text)] = None
+
+    def of(self, entity: Entity, name: str, text: str) -> None:
+        """Note that a property is interpreted differently from Stage."""
+        self.say(entity.place_of(name), f"{name}: {text}")
 
     def without_effect(self, name: str, place: Place) -> None:
         """Note a key or model without effect here."""
@@ -159,7 +160,7 @@ def checked(model: type[M], values: Mapping[str, Any], sources: Mapping[str, tup
     except ValidationError as error:
         problem = problems(error, model)[0]
         entity, key = sources.get(problem.key) or next(iter(sources.values()))
-        raise entity.place_of(key).error(f"{key}: {problem.key}: {problem.text}") from None
+        raise entity.error(key, str(problem)) from None
 
 
 def _shown(given: Property) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from robotteamsim.errors import ScenarioError
 from robotteamsim.stage.tokens import Place, Token, read_tokens
 
 MAX_DEPTH = 50
@@ -16,14 +17,13 @@ MAX_ENTITIES = 100_000
 Value = float | str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Property:
-    """One key with its value, or its values in brackets; `index` is that of its token, so no two are equal."""
+    """One key with its value, or its values in brackets; no two are equal."""
 
     name: str
     values: tuple[Value, ...]
     place: Place
-    index: int
 
 
 @dataclass(slots=True)
@@ -48,6 +48,10 @@ class Entity:
         """Return the place of a property, or else that of the entity."""
         found = self.properties.get(name)
         return found.place if found else self.place
+
+    def error(self, name: str, text: str) -> ScenarioError:
+        """Return the error that names a property and its place."""
+        return self.place_of(name).error(f"{name}: {text}")
 
     def of_kind(self, *kinds: str) -> list[Entity]:
         """Return the children of these kinds, in the file's order."""
@@ -104,8 +108,7 @@ class _Parser:
         if self._peek("mark", "("):
             parent.children.append(self._entity(name, depth))
         else:
-            index = self._next
-            parent.properties[name.value] = Property(name.value, self._values(name), name.place, index)
+            parent.properties[name.value] = Property(name.value, self._values(name), name.place)
 
     def _entity(self, name: Token, depth: int) -> Entity:
         pattern = self._defined.get(name.value)

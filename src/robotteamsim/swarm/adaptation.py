@@ -1,10 +1,8 @@
-"""How the weights of RDPSO follow the context [dissertation, 5.2.2: constraint 26 and 27, and the rules below 34].
+"""Adaptation of RDPSO's weights to the context [dissertation, 5.2.2: constraints 26 and 27, and the rules after 34].
 
 No source publishes membership functions or levels. Ours: generalised bells of width 0.25 and slope 2 at 0 and 1, and
-the levels of `Levels`. Outputs are levels weighed by how far their rules hold; AND and OR are minimum and maximum.
+the levels of `Levels`. Outputs are levels weighted by the degrees of their rules; AND and OR are minimum and maximum.
 """
-
-from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -22,9 +20,9 @@ WEIGHT_SUM = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Levels:
-    """What small, nominal and large mean; c2 is a share of c_T = c1 + c2 = 2 - c3 - c4.
+    """The values of small, nominal and large; c2 is a fraction of c_T = c1 + c2 = 2 - c3 - c4.
 
-    Raises: ValueError: levels out of order or outside [0, 1]. Within it, (26) leaves c_T at 0 or above.
+    Raises: ValueError: levels not ascending or outside [0, 1], which ensures c_T >= 0 in (26).
     """
 
     alpha_small: float = 0.3
@@ -47,10 +45,10 @@ class Levels:
 
 
 EXACT_LEVELS = Levels()
-"""For the memory `grunwald_letnikov`, stable up to alpha = 1."""
+"""Levels for the memory `grunwald_letnikov`, which is stable up to alpha = 1."""
 
 PUBLISHED_LEVELS = Levels(alpha_small=0.2, alpha_nominal=0.45, alpha_large=0.6)
-"""For the memory `published`, whose coefficients sum to 1 at alpha = 0.632 already."""
+"""Levels for the memory `published`, whose coefficients sum to 1 already at alpha = 0.632."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +78,7 @@ class Coefficients:
 
 
 def membership(value: float | np.ndarray, centre: float) -> np.ndarray:
-    """Return how far a value belongs to the set at `centre`: 1 there, 1/2 at 0.25 from it, towards 0 beyond."""
+    """Return the membership of a value in the set at `centre`: 1 there, 1/2 at a distance of 0.25, towards 0 beyond."""
     z = (np.asarray(value, dtype=np.float64) - centre) / BELL_WIDTH
     power = z * z
     for _ in range(BELL_SLOPE - 1):
@@ -91,8 +89,8 @@ def membership(value: float | np.ndarray, centre: float) -> np.ndarray:
 def adapted_coefficients(kind: Literal["crisp", "fuzzy"], context: Context, levels: Levels) -> Coefficients:
     """Return alpha and c1..c4 by the rules of 5.2.2.
 
-    `fuzzy` weighs levels by membership; `crisp` is the same with memberships of 1/2 and more taken as 1, others as 0.
-    Where two rules for alpha hold, the second refines the first. c3 and c4 are 0 where no rule of theirs holds.
+    `fuzzy` weights levels by membership; `crisp` rounds memberships of 1/2 and more to 1, others to 0. If two rules for
+    alpha hold, the second refines the first. c3 and c4 are 0 if none of their rules holds.
     """
     active = membership(context.activity, 1.0)
     social = membership(context.socialisation, 1.0)
@@ -115,5 +113,5 @@ def adapted_coefficients(kind: Literal["crisp", "fuzzy"], context: Context, leve
 
 
 def _mix(degree: np.ndarray, holds: float | np.ndarray, otherwise: float | np.ndarray) -> np.ndarray:
-    """Return IF degree THEN holds ELSE otherwise, in the measure of the degree."""
+    """Return IF degree THEN holds ELSE otherwise, weighted by the degree."""
     return degree * holds + (1.0 - degree) * otherwise

@@ -1,6 +1,4 @@
-"""Where obstacles and the network draw a robot: x_OB and x_CB of eq. (22)."""
-
-from __future__ import annotations
+"""The attractors x_OB (obstacles) and x_CB (communication) of eq. (22)."""
 
 import math
 
@@ -11,12 +9,12 @@ from robotteamsim.swarm.velocity import Vector
 
 
 def obstacle_attractor(position: Vector, hits_m: np.ndarray, candidates_m: np.ndarray) -> Vector:
-    """Return x_OB: of the candidates and the robot's position, the point farthest from what the laser hit.
+    """Return x_OB: among the candidates and the robot's position, the point farthest from the laser hits.
 
-    The robot's position is taken where nothing was hit, and where no candidate is better; of equal candidates the
-    first. A best of the past would be wrong on a moving robot.
+    It is the robot's position if there are no hits or no candidate is better; ties go to the first candidate. A best
+    from the past would be wrong for a moving robot.
 
-    Args: hits_m: float64, shape (k, 2).  candidates_m: float64, shape (m, 2): points that the laser sees to be free.
+    Args: hits_m: float64, shape (k, 2).  candidates_m: float64, shape (m, 2): points that the laser sees as free.
     """
     if len(hits_m) == 0 or len(candidates_m) == 0:
         return position
@@ -28,10 +26,10 @@ def obstacle_attractor(position: Vector, hits_m: np.ndarray, candidates_m: np.nd
 
 
 def communication_attractor(position: Vector, neighbour: Vector, range_m: float) -> Vector:
-    """Return x_CB: the neighbour's position and `range_m` from there towards the robot [5.2.2].
+    """Return x_CB: the point at `range_m` from the neighbour, in the direction of the robot [5.2.2].
 
-    It draws a robot that is farther than `range_m` back to that distance, and drives a nearer one away to it. A robot
-    that stands on its neighbour stays.
+    It attracts a robot that is farther away back to that distance, and pushes a nearer one out to it. A robot at the
+    position of its neighbour stays there.
     """
     away_x, away_y = position[0] - neighbour[0], position[1] - neighbour[1]
     distance_m = math.hypot(away_x, away_y)
@@ -41,10 +39,10 @@ def communication_attractor(position: Vector, neighbour: Vector, range_m: float)
 
 
 def communication_weight(c4: float, proximity: float, endangered_proximity: float, connected: bool) -> float:
-    """Return the weight of the communication term: 0 while the link is safe, c4 when it is lost.
+    """Return the weight of the communication term: 0 while the link is safe, c4 if it is lost.
 
-    In between it grows as the proximity P_n falls from that of an endangered link to 0. x_CB drives robots apart
-    wherever a link is good; ungated, that destroys the mission.
+    In between it grows as the proximity P_n falls from that of an endangered link to 0. x_CB pushes robots apart
+    wherever a link is good; without this weight, missions fail.
 
     Args: proximity: P_n of eq. (31) or (32).  endangered_proximity: P_n at the threshold, in (0, 1].
           connected: whether the swarm connectivity C_s of eq. (34) is above 0.

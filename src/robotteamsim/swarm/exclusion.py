@@ -1,6 +1,4 @@
-"""Social exclusion and inclusion: who stays in the swarm [dissertation, 5.2.2 and eq. 12]."""
-
-from __future__ import annotations
+"""Social exclusion and inclusion [dissertation, 5.2.2 and eq. 12]."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -9,7 +7,7 @@ from typing import Annotated
 import msgspec
 
 Count = Annotated[int, msgspec.Meta(ge=0, le=2**31 - 1)]
-"""A number of iterations or robots, in the range that messages accept."""
+"""A number of iterations or robots, in the range that messages allow."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +22,7 @@ class ExclusionRules:
 class SwarmState(msgspec.Struct, frozen=True, gc=False):
     """The memory of one swarm.
 
-    search_counter: SC, iterations without improvement.  num_killed: N_kill, robots excluded and not called back.
+    search_counter: SC, iterations without improvement.  num_killed: N_kill, robots excluded and not included again.
     """
 
     search_counter: Count = 0
@@ -32,7 +30,7 @@ class SwarmState(msgspec.Struct, frozen=True, gc=False):
 
 
 class Verdict(msgspec.Struct, frozen=True, gc=False):
-    """What an iteration does to a swarm: its new state, who has to leave and who is called in, in id order."""
+    """The effect of an iteration on a swarm: its new state, and the excluded and included robots in id order."""
 
     state: SwarmState
     leaves: tuple[int, ...] = ()
@@ -52,15 +50,15 @@ def judge(
     rules: ExclusionRules,
     uniform: Callable[[], float],
 ) -> Verdict:
-    """Return what an iteration that did or did not improve the global best does to a swarm.
+    """Return the effect of an iteration on a swarm, with or without an improvement of the global best.
 
-    Improved: SC falls by 1; at 0 and with room for one more, the best excluded robot is called in with chance
-    1 / (N_kill + 1). Not improved: SC rises by 1; at SC_max the worst member is excluded, or the whole swarm is
-    dissolved where it has N_min robots or fewer. Robots that heard the same reports and draw from the same stream
-    come to the same verdict.
+    Improved: SC decreases by 1; at 0 and with room for one more, the best excluded robot is included with probability
+    1 / (N_kill + 1). Not improved: SC increases by 1; at SC_max the worst member is excluded, or the whole swarm is
+    dissolved if it has N_min robots or fewer. Robots that received the same updates and draw from the same stream come
+    to the same result.
 
-    Args: members, excluded: value of the local best (larger is better) by robot id; equals are told apart by id.
-          uniform: draws a number in [0, 1); called only when a robot may be called in.
+    Args: members, excluded: value of the local best (larger is better) by robot id; ties are broken by id.
+          uniform: draws a number in [0, 1); called only if a robot may be included.
     """
     if not members:
         return Verdict(state)
@@ -70,9 +68,9 @@ def judge(
 
 
 def punish(state: SwarmState, members: Mapping[int, float], rules: ExclusionRules) -> Verdict:
-    """Return what an iteration without success does to a swarm, of robots (RDPSO) as of particles (DPSO).
+    """Return the effect of an iteration without success on a swarm, of robots (RDPSO) or particles (DPSO).
 
-    SC rises by 1; at SC_max the worst member goes, and SC is set by (12), or all go where there are N_min or fewer.
+    SC increases by 1; at SC_max the worst member leaves and SC is set by (12), or all leave if they are N_min or fewer.
     """
     search_counter = state.search_counter + 1
     if search_counter < rules.search_counter_max:

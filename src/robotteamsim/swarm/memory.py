@@ -1,6 +1,4 @@
-"""Fractional memory: how the velocities of the past carry on [dissertation, eq. 23 and 24]."""
-
-from __future__ import annotations
+"""Fractional memory of past velocities [dissertation, eq. 23 and 24]."""
 
 from collections.abc import Iterable, Sequence
 from typing import Literal, cast
@@ -19,9 +17,9 @@ PUBLISHED_TERMS = 4
 def memory_coefficients(mode: MemoryMode, alpha: Coordinates, terms: int) -> tuple[Coordinates, ...]:
     """Return the weights of v[t], v[t-1], ... in the memory term.
 
-    `published` is eq. (24) as printed: a, a/2, a(1-a)/6, a(1-a)(2-a)/24; the last factor of each is lost in print.
-    `grunwald_letnikov` is what eq. (23) means: a, a(1-a)/2, a(1-a)(2-a)/6, a(1-a)(2-a)(3-a)/24, ...: the k-th
-    coefficient is (-1)^(k+1) binomial(a, k).
+    `published` is eq. (24) as printed: a, a/2, a(1-a)/6, a(1-a)(2-a)/24; each term lacks its last factor.
+    `grunwald_letnikov` is the intended series of eq. (23): a, a(1-a)/2, a(1-a)(2-a)/6, a(1-a)(2-a)(3-a)/24, ...: the
+    k-th coefficient is (-1)^(k+1) binomial(a, k).
 
     Args:   alpha: fractional order in [0, 1], or an array of them.  terms: truncation order r, at least 1.
     Raises: ValueError: out of these ranges, or more terms of `published` than there are.
@@ -49,7 +47,7 @@ def memory_term(coefficients: tuple[float, ...], velocities: Iterable[Vector]) -
 def weighted_sum(
     coefficients: Sequence[float] | Sequence[np.ndarray], terms: Sequence[Coordinates] | np.ndarray
 ) -> Coordinates:
-    """Return the sum of coefficient * term, newest first; missing terms count as zero. For numbers and for arrays."""
+    """Return the sum of coefficient * term, newest first; missing terms count as zero. Works for numbers and arrays."""
     total: float | np.ndarray = 0.0
     for coefficient, term in zip(coefficients, terms, strict=False):
         total = total + coefficient * term

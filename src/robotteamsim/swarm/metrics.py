@@ -1,6 +1,4 @@
-"""How a swarm and its robots do: the context metrics of RDPSO [dissertation, eq. 28 to 32, and 34]."""
-
-from __future__ import annotations
+"""The context metrics of RDPSO [dissertation, eq. 28 to 32, and 34]."""
 
 import math
 
@@ -12,7 +10,7 @@ def swarm_activity(velocities: ArrayLike, max_speed: float) -> float:
     """Return A_s of eq. (28): speed of the swarm's centre of mass over the maximum step; 0 at rest, 1 in full motion.
 
     Args:   velocities: shape (robots, dimensions) [same unit as max_speed].
-    Raises: ValueError: no robot, or a maximum step that is not above 0.
+    Raises: ValueError: no robots, or max_speed is not above 0.
     """
     v = np.asarray(velocities, dtype=np.float64)
     if len(v) == 0:
@@ -25,7 +23,7 @@ def swarm_activity(velocities: ArrayLike, max_speed: float) -> float:
 def robot_socialisation(position: ArrayLike, global_best: ArrayLike, positions: ArrayLike) -> float | np.ndarray:
     """Return S_n of eq. (29): 1 at the global best, 0 for the robot farthest from it.
 
-    Where all robots are at the global best, 0/0 counts as 1.
+    If all robots are at the global best, 0/0 counts as 1.
 
     Args:    position: of one robot, shape (dimensions,), or of several, shape (n, dimensions).
              positions: of the whole swarm, shape (robots, dimensions).
@@ -46,9 +44,9 @@ def _distances(places: ArrayLike, place: ArrayLike) -> np.ndarray:
 
 
 def robot_avoidance(clearance_m: float, sensing_radius_m: float) -> float:
-    """Return O_n of eq. (30): 0 with nothing within the sensing radius r_s, towards 1 at an obstacle.
+    """Return O_n of eq. (30): 0 if nothing is within the sensing radius r_s, towards 1 at an obstacle.
 
-    Raises: ValueError: a sensing radius that is not above 0.
+    Raises: ValueError: the sensing radius is not above 0.
     """
     if not sensing_radius_m > 0.0:
         raise ValueError(f"sensing_radius_m must be > 0, got {sensing_radius_m}")
@@ -56,12 +54,12 @@ def robot_avoidance(clearance_m: float, sensing_radius_m: float) -> float:
 
 
 def robot_proximity_by_distance(distance_m: float, max_distance_m: float) -> float:
-    """Return P_n of eq. (31) for the nearest neighbour: 1 beside it, 0 at d_max and beyond."""
+    """Return P_n of eq. (31) for the nearest neighbour: 1 at its position, 0 at d_max and beyond."""
     return max(0.0, 1.0 - distance_m / max_distance_m)
 
 
 def robot_proximity_by_signal(signal_dbm: float, min_signal_dbm: float, signal_at_1_m_dbm: float) -> float:
-    """Return P_n for the signal of the nearest neighbour: 1 at what 1 m gives and above, 0 at q_min and below.
+    """Return P_n for the signal of the nearest neighbour: 1 at the signal at 1 m and above, 0 at q_min and below.
 
     Eq. (32) as printed is negative for signals in dBm; this is (q - q_min) / (q_1m - q_min) within [0, 1].
 
@@ -74,9 +72,9 @@ def robot_proximity_by_signal(signal_dbm: float, min_signal_dbm: float, signal_a
 
 
 def swarm_connectivity(fiedler_value: float, num_robots: int) -> float:
-    """Return C_s of eq. (34): lambda_2 / N_s; 1 where all links stand, 0 where the swarm is split.
+    """Return C_s of eq. (34): lambda_2 / N_s; 1 if all links exist, 0 if the swarm is split.
 
-    A robot alone is connected. Raises: ValueError: no robot.
+    A single robot is connected. Raises: ValueError: no robots.
     """
     if num_robots < 1:
         raise ValueError(f"the connectivity of a swarm of {num_robots} robots is not defined")

@@ -1,6 +1,4 @@
-"""An objective that somebody else wrote: asked for values, and what it answers is checked."""
-
-from __future__ import annotations
+"""A user's objective, with checks of the values that it returns."""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,12 +6,12 @@ from typing import Any
 import numpy as np
 
 
-class UndefinedValue(Exception):  # noqa: N818 - it ends a run, and is no error of the caller's
-    """The objective returned NaN; the message names particle and place."""
+class UndefinedValue(Exception):  # noqa: N818 - it ends a run and is not an error of the caller
+    """The objective returned NaN; the message names particle and position."""
 
 
 class Objective:
-    """Values of positions, the larger the better: `sign` times what the function returns. Counts evaluations."""
+    """Values of positions, larger is better: `sign` times the value of the function. Counts evaluations."""
 
     def __init__(self, fun: Callable[[np.ndarray], Any], vectorized: bool, sign: float) -> None:
         self._fun = fun
@@ -24,7 +22,7 @@ class Objective:
     def __call__(self, positions: np.ndarray) -> np.ndarray:
         """Return the values at positions, shape (n, dimensions); float64, shape (n,).
 
-        Raises: ValueError: the function raised (its error is the cause), or returned another shape or no number.
+        Raises: ValueError: the function raised (its error is the cause), or returned another shape or not a number.
                 UndefinedValue: it returned NaN.
         """
         values = self._all_at_once(positions) if self._vectorized else self._one_by_one(positions)

@@ -1,4 +1,4 @@
-"""The family of particle swarms as optimisers of any objective: PSO, DPSO, RPSO and RDPSO."""
+"""The particle swarm family as optimisers of any objective: PSO, DPSO, RPSO and RDPSO."""
 
 from __future__ import annotations
 
@@ -43,24 +43,24 @@ def minimise(
     vectorized: bool = False,
     callback: Callback | None = None,
 ) -> OptimizeResult:
-    """Return the least value of an objective that a swarm finds within bounds, and where.
+    """Minimise an objective within bounds with a particle swarm.
 
-    The same seed gives the same bits.
+    The same seed gives a bit-identical result.
 
     Args:   fun: the objective of a point, shape (dimensions,); with `vectorized`, of many points at once, shape
                 (particles, dimensions), with one value each. Infinities are values like any other.
             bounds: (low, high) for each dimension.
-            seed: of the stream, or a generator to draw from.
-            max_evaluations: an iteration that would take more is not begun.
-            options: of the method's own class; left out, its defaults.
-            callback: called after each iteration with the result so far, which then also holds `positions`, shape
-                (particles, dimensions), and `swarm_ids`, shape (particles,), -1 for excluded robots. What is true, or
-                StopIteration, ends the run.
+            seed: of the random stream, or a generator.
+            max_evaluations: an iteration that would need more is not started.
+            options: of the method's own class; by default its default options.
+            callback: called after each iteration with the result so far, which then also has `positions`, shape
+                (particles, dimensions), and `swarm_ids`, shape (particles,), -1 for excluded robots. A true return
+                value, or StopIteration, ends the run.
     Returns: a scipy.optimize.OptimizeResult: x, fun, nfev, nit, success, message; history, shape (nit + 1,): the best
-            value after each iteration; history_nfev, int, shape (nit + 1,): the evaluations up to there.
-            success is False where the objective returned NaN, or the callback ended the run.
-    Raises: ValueError: bounds, options or number of evaluations that make no sense; an objective that raises, or
-            returns another shape. The message names the particle.
+            value after each iteration; history_nfev, int, shape (nit + 1,): the evaluations up to then. success is
+            False if the objective returned NaN or the callback ended the run.
+    Raises: ValueError: invalid bounds, options or number of evaluations; an objective that raises, or returns another
+            shape. The message names the particle.
     """
     return _run(Objective(fun, vectorized, sign=-1.0), bounds, method, seed, max_evaluations, options, callback)
 
@@ -76,13 +76,13 @@ def maximise(
     vectorized: bool = False,
     callback: Callback | None = None,
 ) -> OptimizeResult:
-    """Return the greatest value of an objective that a swarm finds within bounds, and where. See `minimise`."""
+    """Maximise an objective within bounds with a particle swarm; see `minimise`."""
     return _run(Objective(fun, vectorized, sign=1.0), bounds, method, seed, max_evaluations, options, callback)
 
 
 @dataclass(slots=True)
 class _Record:
-    """The best so far, and how it came to it. Values: the larger, the better."""
+    """The best value so far and its history. Larger values are better."""
 
     x: np.ndarray
     value: float = -np.inf
@@ -97,7 +97,7 @@ class _Record:
         self.history_nfev.append(nfev)
 
     def result(self, objective: Objective, success: bool, message: str, **more: Any) -> OptimizeResult:
-        # Robots that drive by these rules need no optimiser of SciPy's, which takes long to import.
+        # Slow to import, and robots, which use other parts of this package, do not need it.
         from scipy.optimize import OptimizeResult
 
         return OptimizeResult(
@@ -152,7 +152,7 @@ def _run(
 
 
 def _evaluate(population: Population, objective: Objective) -> set[int]:
-    """Value all positions; return the swarms that improved, with OUTSIDE where the excluded did."""
+    """Evaluate all positions; return the swarms that improved, and OUTSIDE if the excluded robots did."""
     outside = population.members(OUTSIDE)
     best_before = np.max(population.local_values[outside], initial=-np.inf)
     improved = population.take_values(objective(population.positions))
@@ -164,7 +164,7 @@ def _evaluate(population: Population, objective: Objective) -> set[int]:
 def _is_stopped_by(callback: Callback, record: _Record, objective: Objective, population: Population) -> bool:
     places = {"positions": population.positions.copy(), "swarm_ids": population.swarm_ids.copy()}
     try:
-        return bool(callback(record.result(objective, True, "under way", **places)))
+        return bool(callback(record.result(objective, True, "running", **places)))
     except StopIteration:
         return True
 
@@ -181,7 +181,7 @@ def _options_of(method: str, options: Options | None) -> Options:
 
 
 def _sizes(options: Options) -> SwarmSizes:
-    """Return the sizes; a PSO is one swarm that nobody leaves."""
+    """Return the sizes; a PSO is one swarm that no particle leaves."""
     if isinstance(options, DpsoOptions | RdpsoOptions):
         return options.sizes
     num = options.num_particles

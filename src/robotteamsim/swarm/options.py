@@ -1,10 +1,8 @@
-"""What the members of the family take: coefficients, memory, sizes of swarms, terms of robots."""
-
-from __future__ import annotations
+"""Options of the methods: coefficients, memory, sizes of swarms, terms of robots."""
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -13,12 +11,12 @@ from robotteamsim.swarm.adaptation import EXACT_LEVELS, PUBLISHED_LEVELS, WEIGHT
 from robotteamsim.swarm.memory import MemoryMode, memory_coefficients
 
 FRACTIONAL_ORDER = {"inertia": 0.8, "published": 0.45, "grunwald_letnikov": 0.8}
-"""Orders with which a swarm comes to rest; see the figure in docs/swarm.md."""
+"""Fractional orders with which a swarm comes to rest; see the figure in docs/swarm.md."""
 
 _RDPSO_WEIGHTS = (1.49618, 1.49618, 0.5, 0.5)
 
 COEFFICIENT_MAX = 4.0
-"""Beyond c1 + c2 = 4 no inertia within [0, 1] keeps the swarm together, so more than this is a slip of the pen."""
+"""Beyond c1 + c2 = 4 no inertia within [0, 1] keeps the swarm together, so a larger value is a typing error."""
 
 
 def _check_range(name: str, value: float, high: float) -> None:
@@ -29,7 +27,7 @@ def _check_range(name: str, value: float, high: float) -> None:
 
 
 def check_whole(name: str, value: int) -> None:
-    """Raise ValueError unless a value is a whole number; True is none."""
+    """Raise ValueError unless a value is a whole number; True is not one."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise ValueError(f"{name} must be a whole number, got {value!r}")
 
@@ -42,9 +40,9 @@ def _check_count(name: str, value: int, low: int) -> None:
 
 @dataclass(frozen=True, slots=True)
 class ObstacleTerm:
-    """What a swarm's robots sense of obstacles.
+    """The obstacles sensed by a swarm's robots.
 
-    attractors: x_OB of (15), shape (robots, dimensions).  avoidance: O_n of (30), shape (robots,); c3 acts where it is
+    attractors: x_OB of (15), shape (robots, dimensions).  avoidance: O_n of (30), shape (robots,); c3 acts if it is
     above 0.
     """
 
@@ -54,7 +52,7 @@ class ObstacleTerm:
 
 @dataclass(frozen=True, slots=True)
 class CommunicationTerm:
-    """What a swarm's robots know of their network.
+    """The network of a swarm's robots, as they know it.
 
     attractors: x_CB of (22), shape (robots, dimensions).  proximity: P_n of (31) or (32), shape (robots,).
     connectivity: C_s of (34).
@@ -66,24 +64,14 @@ class CommunicationTerm:
 
 
 SenseObstacles = Callable[[np.ndarray], ObstacleTerm]
-"""From the positions of one swarm, shape (robots, dimensions)."""
+"""A function of the positions of one swarm, shape (robots, dimensions)."""
 SenseNetwork = Callable[[np.ndarray], CommunicationTerm]
 
 
-@dataclass(frozen=True, slots=True)
-class PsoOptions:
-    """PSO: (11) with inertia = 1, (14) with less, fractional with another `memory`.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion:
+    """How particles of all kinds move; see PsoOptions."""
 
-    The defaults of inertia, c1 and c2 are those of the constriction factor [clerc2002].
-
-    memory: what carries on of past velocities: `inertia` (the last one, w times), or a fractional memory (23, 24) of
-    order alpha (left out: FRACTIONAL_ORDER), truncated after memory_terms.
-    max_step: limit of a velocity in each dimension, as a part of the bounds' width.
-    random_per_dimension: whether r1..r4 are drawn for each dimension, or one for all of them, as robots do.
-    Raises: ValueError: a number outside its range, named.
-    """
-
-    num_particles: int = 30
     c1: float = 1.49618
     c2: float = 1.49618
     memory: Literal["inertia"] | MemoryMode = "inertia"
@@ -93,6 +81,22 @@ class PsoOptions:
     max_step: float = 0.5
     random_per_dimension: bool = True
 
+
+@dataclass(frozen=True, slots=True)
+class PsoOptions(Motion):
+    """PSO: (11) with inertia = 1, (14) with less, fractional with another `memory`.
+
+    The defaults of inertia, c1 and c2 are those of the constriction factor [clerc2002].
+
+    memory: of past velocities: `inertia` (w times the last one), or a fractional memory (23, 24) of order alpha
+    (default: FRACTIONAL_ORDER), truncated after memory_terms.
+    max_step: limit of the velocity in each dimension, as a fraction of the bounds' width.
+    random_per_dimension: whether r1..r4 are drawn for each dimension, or once for all dimensions as on robots.
+    Raises: ValueError: a value is outside its range; the message names it.
+    """
+
+    num_particles: int = 30
+
     def __post_init__(self) -> None:
         _check_count("num_particles", self.num_particles, 1)
         _check_motion(self)
@@ -100,7 +104,7 @@ class PsoOptions:
 
 @dataclass(frozen=True, slots=True)
 class RpsoOptions(PsoOptions):
-    """RPSO (15): PSO with an obstacle term. c3: weight of it.  obstacles: the sensing; none, no term."""
+    """RPSO (15): PSO with an obstacle term. c3: its weight.  obstacles: returns the obstacles; None for no term."""
 
     c3: float = 0.5
     obstacles: SenseObstacles | None = None
@@ -112,9 +116,9 @@ class RpsoOptions(PsoOptions):
 
 @dataclass(frozen=True, slots=True)
 class SwarmSizes:
-    """How many swarms, how many particles (robots) in each, and SC_max of (12).
+    """Number of swarms, number of particles (robots) in each, and SC_max of (12).
 
-    Raises: ValueError: not 0 <= min <= initial <= max, or no swarm or particle to begin with.
+    Raises: ValueError: not 0 <= min <= initial <= max, or no initial swarm or particle.
     """
 
     min_swarms: int = 4
@@ -138,48 +142,33 @@ class SwarmSizes:
 
 
 @dataclass(frozen=True, slots=True)
-class DpsoOptions:
+class DpsoOptions(Motion):
     """DPSO: several swarms that each move by PSO, and natural selection (12, 13). See PsoOptions."""
 
     sizes: SwarmSizes = SwarmSizes(min_swarms=1, min_particles=3)
-    c1: float = 1.49618
-    c2: float = 1.49618
-    memory: Literal["inertia"] | MemoryMode = "inertia"
-    inertia: float = 0.7298
-    alpha: float | None = None
-    memory_terms: int = 4
-    max_step: float = 0.5
-    random_per_dimension: bool = True
 
     def __post_init__(self) -> None:
         if self.sizes.min_swarms < 1:
-            raise ValueError("min_swarms of a DPSO must be at least 1: without a swarm nothing is left of it")
+            raise ValueError("min_swarms of a DPSO must be at least 1: it cannot continue without swarms")
         _check_motion(self)
 
 
 @dataclass(frozen=True, slots=True)
-class RdpsoOptions:
+class RdpsoOptions(Motion):
     """RDPSO (25): several swarms of robots, with obstacle and communication terms, social exclusion and inclusion.
 
-    The number of robots stays. See PsoOptions and RpsoOptions; besides:
+    The number of robots is constant. See PsoOptions and RpsoOptions; in addition:
 
-    communication: the network; none, no term.  c4: its weight, which acts below `endangered_proximity` only.
-    adaptation: whether alpha and c1..c4 follow the context by the rules of 5.2.2 (they then replace those given here,
-        which must keep to (26), too, unless they are left out).
-    levels: what these rules mean by small and large; left out, those that suit the memory.
+    communication: returns the network; None for no term.  c4: its weight, which acts only below `endangered_proximity`.
+    adaptation: whether alpha and c1..c4 follow the context by the rules of 5.2.2. They then replace the values given
+        here, which must satisfy (26), too, if they are given.
+    levels: values of small and large in these rules; by default those for the memory.
     """
 
     sizes: SwarmSizes = SwarmSizes()
-    c1: float = _RDPSO_WEIGHTS[0]
-    c2: float = _RDPSO_WEIGHTS[1]
     c3: float = _RDPSO_WEIGHTS[2]
     c4: float = _RDPSO_WEIGHTS[3]
-    memory: Literal["inertia"] | MemoryMode = "grunwald_letnikov"
-    inertia: float = 0.7298
-    alpha: float | None = None
-    memory_terms: int = 4
-    max_step: float = 0.5
-    random_per_dimension: bool = True
+    memory: Literal["inertia"] | MemoryMode = field(default="grunwald_letnikov", kw_only=True)
     obstacles: SenseObstacles | None = None
     communication: SenseNetwork | None = None
     endangered_proximity: float = 0.2
@@ -202,7 +191,7 @@ class RdpsoOptions:
             raise ValueError(f"c1 + c2 + c3 + c4 {demand}, got {sum(weights):g}")
 
     def levels_used(self) -> Levels:
-        """Return the levels given, or those that suit the memory."""
+        """Return the given levels, or those for the memory."""
         return self.levels or (PUBLISHED_LEVELS if self.memory == "published" else EXACT_LEVELS)
 
 
@@ -217,7 +206,7 @@ def inertia_coefficients(options: Options) -> tuple[float, ...]:
 
 
 def fractional_order(options: Options) -> float:
-    """Return alpha as given, or else that for the memory."""
+    """Return the given alpha, or that for the memory."""
     return FRACTIONAL_ORDER[options.memory] if options.alpha is None else options.alpha
 
 
@@ -230,7 +219,7 @@ def _check_motion(options: Options) -> None:
     check_whole("memory_terms", options.memory_terms)
     if options.alpha is not None:
         _check_range("alpha", options.alpha, 1.0)
-    # Alpha and terms have their ranges even where an inertia stands in for them.
+    # Alpha and terms are checked even if the inertia replaces them.
     memory_coefficients("grunwald_letnikov", fractional_order(options), options.memory_terms)
     inertia_coefficients(options)
     if not 0.0 < options.max_step <= 1.0:

@@ -1,7 +1,5 @@
 """Particles of all swarms in flat arrays, and how they move [dissertation, eq. 11, 14, 15, 22 and 25]."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,12 +13,12 @@ from robotteamsim.swarm.options import Options, RdpsoOptions, RpsoOptions, fract
 from robotteamsim.swarm.velocity import add_pulls
 
 OUTSIDE = -1
-"""Swarm of the socially excluded; among particles, of the deleted."""
+"""Swarm number of socially excluded robots and of deleted particles."""
 
 
 @dataclass(slots=True)
 class Swarm:
-    """What a swarm remembers: its global best, shape (dimensions,), the value of that, and SC and N_kill."""
+    """The memory of a swarm: its global best, shape (dimensions,), its value, and SC and N_kill."""
 
     best: np.ndarray
     value: float
@@ -29,10 +27,10 @@ class Swarm:
 
 @dataclass(slots=True)
 class Population:
-    """All particles. Values: the larger, the better.
+    """All particles. Larger values are better.
 
     positions, local_bests: float64, shape (n, dimensions).  local_values: float64, shape (n,).
-    moves: what they really moved in the last iterations, newest first; float64, shape (terms, n, dimensions).
+    moves: the real motions in the last iterations, newest first; float64, shape (terms, n, dimensions).
     swarm_ids: int, shape (n,): key of `swarms`, or OUTSIDE.
     """
 
@@ -44,7 +42,7 @@ class Population:
     swarms: dict[int, Swarm]
 
     def members(self, swarm_id: int) -> np.ndarray:
-        """Return the indices of a swarm's particles, rising."""
+        """Return the indices of a swarm's particles, ascending."""
         return np.flatnonzero(self.swarm_ids == swarm_id)
 
     def take_values(self, values: np.ndarray) -> set[int]:
@@ -55,7 +53,7 @@ class Population:
         return {swarm_id for swarm_id in self.swarms if self.update_global_best(swarm_id)}
 
     def update_global_best(self, swarm_id: int) -> bool:
-        """Take the best local best of a swarm's members for its global best if it is better; return whether."""
+        """Update a swarm's global best with the best local best of its members; return whether it improved."""
         members, swarm = self.members(swarm_id), self.swarms[swarm_id]
         if len(members) == 0:
             return False
@@ -66,7 +64,7 @@ class Population:
         return True
 
     def new_swarm_of(self, indices: np.ndarray) -> int:
-        """Make a swarm of particles that are there and return its key."""
+        """Make a swarm of existing particles and return its key."""
         swarm_id = max(self.swarms, default=OUTSIDE) + 1
         self.swarm_ids[indices] = swarm_id
         self.swarms[swarm_id] = Swarm(self.positions[indices[0]].copy(), -np.inf)
@@ -76,7 +74,7 @@ class Population:
     def append(
         self, positions: np.ndarray, local_bests: np.ndarray, values: np.ndarray, moves: np.ndarray
     ) -> np.ndarray:
-        """Add particles, outside at first, and return their indices."""
+        """Add particles, initially OUTSIDE, and return their indices."""
         first = len(self.positions)
         self.positions = np.concatenate((self.positions, positions))
         self.local_bests = np.concatenate((self.local_bests, local_bests))
@@ -86,7 +84,7 @@ class Population:
         return np.arange(first, len(self.positions))
 
     def delete_outside(self) -> None:
-        """Forget the particles that belong to no swarm."""
+        """Delete the particles that belong to no swarm."""
         kept = self.swarm_ids != OUTSIDE
         self.positions, self.moves = self.positions[kept], self.moves[:, kept]
         self.local_bests, self.local_values = self.local_bests[kept], self.local_values[kept]
@@ -103,7 +101,7 @@ class Pulls:
 
 
 def start(positions: np.ndarray, num_swarms: int, options: Options) -> Population:
-    """Return particles at rest, dealt to swarms in runs of equal length, before the first evaluation."""
+    """Return particles at rest, divided into swarms of equal size, before the first evaluation."""
     num, dimensions = positions.shape
     swarm_ids = np.repeat(np.arange(num_swarms), num // num_swarms)
     terms = len(inertia_coefficients(options))
@@ -113,10 +111,10 @@ def start(positions: np.ndarray, num_swarms: int, options: Options) -> Populatio
 
 
 def move(population: Population, options: Options, low: np.ndarray, high: np.ndarray, rng: np.random.Generator) -> None:
-    """Let every particle make its step x[t+1] = x[t] + v[t+1], within the bounds; the excluded wander.
+    """Move every particle by x[t+1] = x[t] + v[t+1], within the bounds; excluded robots wander.
 
-    Four random numbers are drawn for a particle (and dimension), whatever the terms in use, so that PSO, RPSO without
-    obstacles and RDPSO of one swarm with no robot excluded take the same steps.
+    Four random numbers are always drawn for a particle (and dimension), so that PSO, RPSO without obstacles and RDPSO
+    with one swarm and no excluded robot take the same steps.
     """
     x = population.positions
     num, dimensions = x.shape
@@ -127,14 +125,14 @@ def move(population: Population, options: Options, low: np.ndarray, high: np.nda
     outside = population.members(OUTSIDE)
     if len(outside):
         v[outside] = rng.uniform(-limit, limit, (len(outside), dimensions))
-    # A position just inside may round to outside: clipped last.
+    # Clip last, because a position just inside may round to outside.
     positions = np.clip(x + np.clip(v, -limit, limit), low, high)
     population.moves = np.concatenate(((positions - x)[None], population.moves[:-1]))
     population.positions = positions
 
 
 def _pulls(population: Population, options: Options, width: np.ndarray) -> Pulls:
-    """Return what pulls each particle; those outside pull nowhere."""
+    """Return the terms of each particle; those of particles OUTSIDE are 0."""
     x = population.positions
     inertia = np.zeros_like(x)
     weights = [np.zeros((len(x), 1)) for _ in range(4)]
@@ -165,7 +163,7 @@ def _memory(options: Options, alpha: np.ndarray) -> tuple[float, ...] | tuple[np
 def _terms(
     population: Population, swarm: Swarm, members: np.ndarray, options: Options, width: np.ndarray
 ) -> tuple[np.ndarray | None, np.ndarray | None, Coefficients]:
-    """Return x_OB and x_CB of a swarm's members, none where there is no such term, and their coefficients."""
+    """Return x_OB and x_CB of a swarm's members, None without such a term, and their coefficients."""
     x, num = population.positions[members], len(members)
     none, all_of_it = np.zeros(num), np.ones(num)
     x_ob = x_cb = None
@@ -194,7 +192,7 @@ def _terms(
 
 
 def _check_terms(attractors: np.ndarray | None, metric: np.ndarray, name: str, shape: tuple[int, ...]) -> None:
-    """Refuse what a user's sensing returns in another shape, or not finite, or a metric outside [0, 1]."""
+    """Reject values of a user's function with another shape, not finite, or with a metric outside [0, 1]."""
     if attractors is None:
         return
     if np.shape(attractors) != shape or np.shape(metric) != shape[:1]:
@@ -207,5 +205,5 @@ def _check_terms(attractors: np.ndarray | None, metric: np.ndarray, name: str, s
         robot = int(np.argmax(wrong))
         raise ValueError(
             f"{name}: robot {robot} of the swarm got attractor {np.asarray(attractors)[robot].tolist()} "
-            f"and metric {metric[robot]}; wanted finite, and within [0, 1]"
+            f"and metric {metric[robot]}; expected finite numbers, and a metric within [0, 1]"
         )

@@ -1,9 +1,7 @@
 """Natural selection among swarms: DPSO [dissertation, 5.1.2, eq. 12, 13] and RDPSO [5.2.2].
 
-What the sources leave open is settled in docs/swarm.md.
+docs/swarm.md lists our choices where the sources are silent.
 """
-
-from __future__ import annotations
 
 from collections.abc import Mapping
 
@@ -22,7 +20,10 @@ def select_particles(
     high: np.ndarray,
     rng: np.random.Generator,
 ) -> None:
-    """Let the rules of DPSO act after an iteration in which some swarms improved their global best."""
+    """Apply the rules of DPSO after an iteration.
+
+    Args: improved: keys of the swarms that improved their global best.
+    """
     rules = ExclusionRules(sizes.search_counter_max, sizes.min_particles, sizes.max_particles)
     for swarm_id in sorted(population.swarms):
         swarm, members = population.swarms[swarm_id], population.members(swarm_id)
@@ -43,9 +44,9 @@ def select_particles(
 
 
 def select_robots(population: Population, improved: set[int], sizes: SwarmSizes, rng: np.random.Generator) -> None:
-    """Let social exclusion and inclusion act after an iteration in which some swarms improved their global best.
+    """Apply social exclusion and inclusion after an iteration.
 
-    improved: the keys of these swarms; OUTSIDE in it where the best of the excluded improved.
+    Args: improved: keys of the swarms that improved their global best; contains OUTSIDE if the excluded robots did.
     """
     rules = ExclusionRules(sizes.search_counter_max, sizes.min_particles, sizes.max_particles)
     for swarm_id in sorted(population.swarms):
@@ -71,7 +72,7 @@ def _values(population: Population, indices: np.ndarray) -> Mapping[int, float]:
 def _dismiss(
     population: Population, swarm_id: int, state: SwarmState, leaves: tuple[int, ...], min_swarms: int
 ) -> None:
-    """Put those who leave outside, and dissolve the swarm that all leave, unless too few swarms would be left."""
+    """Move leaving particles OUTSIDE, and dissolve a swarm that all leave, unless too few swarms would be left."""
     population.swarms[swarm_id].state = state
     if not leaves:
         return
@@ -85,14 +86,14 @@ def _dismiss(
 
 
 def _spawn_particle(population: Population, swarm_id: int, position: np.ndarray) -> None:
-    """Add a particle at rest; it knows nothing but its place."""
+    """Add a particle at rest, without any memory."""
     at_rest = np.zeros((len(population.moves), 1, len(position)))
     added = population.append(position[None], position[None], np.array([-np.inf]), at_rest)
     population.swarm_ids[added] = swarm_id
 
 
 def _spawn_child(population: Population, parent_id: int, num_particles: int, rng: np.random.Generator) -> None:
-    """Add a swarm of copies: half of it of the parent's particles, the others of a mate's, drawn at random."""
+    """Add a swarm of copies: half of them of the parent's particles, the others of a mate's, drawn at random."""
     mates = [swarm_id for swarm_id in sorted(population.swarms) if swarm_id != parent_id] or [parent_id]
     mate_id = mates[int(rng.integers(len(mates)))]
     chosen = []
@@ -110,7 +111,7 @@ def _spawn_child(population: Population, parent_id: int, num_particles: int, rng
 
 
 def _found_swarm(population: Population, num_asking: int, sizes: SwarmSizes, rng: np.random.Generator) -> None:
-    """Make a swarm of the best excluded robots, with a chance that grows with how many ask for it."""
+    """Make a swarm of the best excluded robots, with a probability that grows with the number of requesting robots."""
     outside = population.members(OUTSIDE)
     if len(population.swarms) >= sizes.max_swarms or len(outside) < sizes.initial_particles:
         return

@@ -1,6 +1,4 @@
-"""For which memory and coefficients a particle comes to rest, where its bests stay put."""
-
-from __future__ import annotations
+"""Conditions on memory and coefficients under which a particle with constant bests comes to rest."""
 
 from collections.abc import Sequence
 
@@ -8,7 +6,7 @@ import numpy as np
 
 
 def mean_radius(memory: Sequence[float], c1: float, c2: float) -> float:
-    """Return by what factor the expected position of a particle nears its attractor in each iteration, in the long run.
+    """Return the asymptotic factor per iteration of the distance between a particle's expected position and its best.
 
     Below 1 the mean converges. With both bests at 0 and r1, r2 uniform in [0, 1], (25) is linear in x[t+1], x[t], ...;
     this is the spectral radius of its expectation.
@@ -19,11 +17,11 @@ def mean_radius(memory: Sequence[float], c1: float, c2: float) -> float:
 
 
 def variance_radius(memory: Sequence[float], c1: float, c2: float) -> float:
-    """Return by what factor the variance of a particle's position falls in each iteration, in the long run.
+    """Return the asymptotic factor per iteration of the variance of a particle's position.
 
-    Below 1 the particle comes to rest; where it is above though `mean_radius` is below, it swings ever wider around
-    its bests. Spectral radius of the expected Kronecker square of (25); see `mean_radius`. For an inertia it is below 1
-    where c1 + c2 < 24 (1 - w^2) / (7 - 5 w), with c1 = c2 [poli2009].
+    Below 1 the particle comes to rest; if it is above 1 but `mean_radius` is below, the particle oscillates around its
+    bests with a growing amplitude. It is the spectral radius of the expected Kronecker square of (25); see
+    `mean_radius`. For an inertia it is below 1 if c1 + c2 < 24 (1 - w^2) / (7 - 5 w), with c1 = c2 [poli2009].
     """
     mean = _mean_matrix(memory, (c1 + c2) / 2.0)
     pull = np.zeros_like(mean)

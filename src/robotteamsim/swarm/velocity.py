@@ -1,7 +1,5 @@
 """The velocity and position update of a robotic swarm [dissertation, eq. 22 and 25]."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from itertools import islice
@@ -12,14 +10,14 @@ import numpy as np
 from robotteamsim import _core
 
 Coordinates = TypeVar("Coordinates", float, np.ndarray)
-"""One coordinate of one robot, or an array of those of many."""
+"""One coordinate of one robot, or an array with those of many."""
 
 Vector = tuple[float, float]
 """(x, y) in one frame; positions [m], velocities [m per iteration]."""
 
 
 class Weights(NamedTuple):
-    """c1..c4 of eq. (22): what a robot, its swarm, obstacles and the network have to say."""
+    """c1..c4 of eq. (22): weights of local best, global best, obstacles and network."""
 
     cognitive: float
     social: float
@@ -28,7 +26,7 @@ class Weights(NamedTuple):
 
 
 class Attractors(NamedTuple):
-    """x_LB, x_GB, x_OB and x_CB of eq. (22): where each of them draws the robot [m]."""
+    """x_LB, x_GB, x_OB and x_CB of eq. (22) [m]."""
 
     local_best: Vector
     global_best: Vector
@@ -37,9 +35,9 @@ class Attractors(NamedTuple):
 
 
 def uniform_numbers(rng: np.random.Generator) -> Iterator[float]:
-    """Return the numbers in [0, 1) that a generator draws, one after the other, without end.
+    """Return an endless sequence of a generator's numbers in [0, 1).
 
-    They are drawn many at once, in a fraction of the time, so nobody else may draw from the generator.
+    They are drawn in blocks, which is faster, so nothing else may draw from the generator.
     """
     while True:
         yield from rng.random(64).tolist()
@@ -52,11 +50,10 @@ def next_velocity(
     weights: tuple[float, float, float, float],
     numbers: Iterator[float],
 ) -> Vector:
-    """Return v[t+1] of eq. (22), or (25) where `inertia` is the fractional memory.
+    """Return v[t+1] of eq. (22), or (25) if `inertia` is the fractional memory.
 
     v[t+1] = inertia + sum over the four components of c * r * (attractor - x[t]), with one random number r in [0, 1)
-    per component. Four of the numbers, uniform in [0, 1), are taken whatever the weights, so that a weight never shifts
-    the others' numbers.
+    per component. Four numbers are always used, so that a weight of 0 does not shift the numbers of other components.
 
     Args:   attractors: `Attractors`, or a tuple in their order.  weights: `Weights`, likewise.
     Raises: ValueError: fewer than four numbers are left.
@@ -83,7 +80,7 @@ def add_pulls(
 
 
 def limit_speed(velocity: Vector, max_speed: float) -> Vector:
-    """Return the velocity, shortened to `max_speed` where it is longer; its direction stays."""
+    """Return the velocity limited to `max_speed`, in the same direction."""
     speed = math.hypot(*velocity)
     if speed <= max_speed:
         return velocity

@@ -1,7 +1,5 @@
 """Whether points, robots and objects are inside the plan and clear of its solids."""
 
-from __future__ import annotations
-
 import numpy as np
 import shapely
 
@@ -17,24 +15,24 @@ TOUCH_M = 1e-6
 
 
 class Solids:
-    """The solids of a plan at the start, for questions what is in the way."""
+    """The solids of a plan at the start, with or without doors, for checks whether a place is free."""
 
-    def __init__(self, plan: FloorPlan) -> None:
-        self._solids = solids(plan)
+    def __init__(self, plan: FloorPlan, doors: bool = True) -> None:
+        self._solids = [solid for solid in solids(plan) if doors or solid.kind != "door"]
         self._shapes = [solid.polygon for solid in self._solids]
 
     def at_point(self, point: tuple[float, float]) -> Solid | None:
-        """Return the first solid that contains a point; none: the point is free."""
+        """Return the first solid that contains a point; None if the point is free."""
         return self._first(shapely.distance(self._shapes, shapely.Point(point)) == 0.0)
 
     def under_robot(self, robot: Robot, pose: PlanarPose) -> Solid | None:
-        """Return the first solid that a robot overlaps; none: it is clear of all."""
+        """Return the first solid that a robot overlaps; None if it overlaps none."""
         if not robot.footprint_m:
             return self._first(shapely.distance(self._shapes, shapely.Point(pose[:2])) < robot.radius_m)
         return self.under_body(robot.body_at(pose), 0.0)
 
     def under_body(self, body: Body, slack_m: float) -> Solid | None:
-        """Return the first solid that a body overlaps by more than the slack [m]; none: it is clear of all."""
+        """Return the first solid that a body overlaps by more than the slack [m]; None if it overlaps none."""
         shapes = zip(self._solids, self._shapes, strict=True)
         return next((solid for solid, shape in shapes if body.overlaps_shape(shape, slack_m)), None)
 
@@ -50,10 +48,10 @@ def check_inside(plan: FloorPlan, key: str, point: tuple[float, float]) -> None:
 
 
 def overlaps(solid: Solid) -> str:
-    """Return how messages describe a body in a solid."""
+    """Return the text of messages about a body in a solid."""
     return f"overlaps {solid.kind} '{solid.name}'"
 
 
 def point_text(point: tuple[float, ...]) -> str:
-    """Return a point as messages show it."""
+    """Return a point as text for messages."""
     return f"[{', '.join(f'{value:g}' for value in point)}]"

@@ -1,6 +1,4 @@
-"""Parts of the C++ world from models of the scenario."""
-
-from __future__ import annotations
+"""Parts of the C++ world from models of the scenario, with polygons in convex pieces, as Box2D requires."""
 
 import functools
 
@@ -10,9 +8,14 @@ from robotteamsim import _core
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.plan import Solid, door_corners, solids
+from robotteamsim.scenario.plan import Corners, Solid, door_corners, solids
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.world.pieces import convex_pieces
+
+MAX_CORNERS = 8
+"""Box2D's limit for polygons."""
+
+_MIN_AREA_M2 = 1e-9
+"""Smaller triangles are rounding errors between collinear corners."""
 
 
 @functools.lru_cache(maxsize=16)
@@ -24,7 +27,7 @@ def still_solids(plan: FloorPlan) -> tuple[tuple[Solid, ...], shapely.STRtree]:
 
 @functools.lru_cache(maxsize=16)
 def core_solids(plan: FloorPlan) -> tuple[list[_core.world.Solid], list[_core.world.Door]]:
-    """Return the solids and the doors of a plan; worlds of the same plan share the lists, so they must not change."""
+    """Return the solids and the doors of a plan; worlds of the same plan share the lists, so do not change them."""
     still, _ = still_solids(plan)
     pieces = [_core.world.Solid(solid.corners, convex_pieces(solid.corners)) for solid in still]
     return pieces, [core_door(door) for door in plan.doors]
@@ -64,3 +67,24 @@ def core_object(obj: MovableObject) -> _core.world.MovableObject:
         start=Pose(*obj.pose),
         corners_m=obj.corners_m,
     )
+
+
+def convex_pieces(corners: Corners) -> tuple[Corners, ...]:
+    """Return convex polygons of at most eight corners whose union is a simple polygon.
+
+    A convex polygon with few corners is returned as it is; any other is cut into the triangles of its constrained
+    Delaunay triangulation. All corners are counter-clockwise [m].
+    """
+    if len(corners) <= MAX_CORNERS and _is_strictly_convex(corners):
+        return (tuple(corners),)
+    triangles = shapely.constrained_delaunay_triangles(shapely.Polygon(corners)).geoms
+    return tuple(
+        tuple(shapely.geometry.polygon.orient(triangle).exterior.coords[:-1])
+        for triangle in triangles
+        if triangle.area > _MIN_AREA_M2
+    )
+
+
+def _is_strictly_convex(corners: Corners) -> bool:
+    turned = zip(corners, corners[1:] + corners[:1], corners[2:] + corners[:2], strict=True)
+    return all((x1 - x0) * (y2 - y1) - (y1 - y0) * (x2 - x1) > 0.0 for (x0, y0), (x1, y1), (x2, y2) in turned)

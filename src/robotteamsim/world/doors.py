@@ -1,4 +1,4 @@
-"""The state of the doors: the one place that says whether a door is open or closed."""
+"""The state of the doors, the single source of whether a door is open or closed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
-from robotteamsim import _core
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.plan import Corners, door_corners, leaf_corners
 
@@ -18,9 +17,9 @@ LeafMotion = Literal["still", "opens", "closes", "held"]
 class DoorState:
     """The state of a door after a step.
 
-    closed:  whether the leaf covers the whole gap. Radio, voices and the mission use this and nothing else.
-    opening: how far it is open: 0 closed .. 1 open; 0 or 1 for a door without a moving leaf.
-    motion:  of its leaf: still, opens, closes, or held by something in its way.
+    closed:  whether the leaf spans the whole gap. Radio, voices and the mission use only this.
+    opening: from 0 (closed) to 1 (open); 0 or 1 for a door without a moving leaf.
+    motion:  of its leaf: still, opens, closes, or held (blocked by a robot or object).
     """
 
     closed: bool
@@ -29,7 +28,7 @@ class DoorState:
 
 
 class DoorChange(NamedTuple):
-    """A door whose state is another one than before."""
+    """A door whose state has changed."""
 
     name: str
     before: DoorState
@@ -37,13 +36,13 @@ class DoorChange(NamedTuple):
 
 
 UNVERSIONED = -1
-"""Version of states that no world has counted; equal to no other version."""
+"""Version of states that do not come from a world; equal to no other version."""
 
 
 class DoorStates(Mapping[str, DoorState]):
-    """All doors after a step, by name, in the plan's order. Immutable: a change makes another object.
+    """All doors after a step, by name, in the plan's order. Immutable: a change creates a new object.
 
-    version: grows with each change of a world's doors, 0 at the start: equal versions of one world are equal states.
+    version: increases with each change of a world's doors, from 0: equal versions of one world are equal states.
     """
 
     __slots__ = ("_states", "version")
@@ -72,7 +71,7 @@ class DoorStates(Mapping[str, DoorState]):
         return {name: state.closed for name, state in self._states.items()}
 
     def with_door(self, name: str, closed: bool) -> DoorStates:
-        """Return these doors with one that is wholly closed or wholly open; its version is of no world."""
+        """Return these doors with one completely closed or open; the version is that of no world."""
         return DoorStates(self._states | {name: DoorState(closed, 0.0 if closed else 1.0)})
 
     def changes_since(self, before: DoorStates) -> list[DoorChange]:
@@ -83,13 +82,8 @@ class DoorStates(Mapping[str, DoorState]):
         return [change for change in pairs if change.now != change.before]
 
 
-def door_state(state: _core.world.DoorState) -> DoorState:
-    """Return the state of a door of the C++ world."""
-    return DoorState(state.closed, state.opening, state.motion)
-
-
 def leaf_outline(door: Door, state: DoorState) -> Corners | None:
-    """Return the corners of a leaf at its present place [m]; None: an open instant door has no leaf."""
+    """Return the corners of a leaf at its current position [m]; None for an open instant door, which has no leaf."""
     if door.motion != "instant":
         return leaf_corners(door, state.opening)
     return door_corners(door) if state.closed else None

@@ -1,4 +1,4 @@
-"""Start poses of a team's formation: free places around the start that robots can drive to."""
+"""Start poses of a team's formation: free places around the start that robots can reach."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from robotteamsim.scenario.sections import Team
 from robotteamsim.world.clearance import Solids, check_inside, overlaps, point_text
 
 CLEARANCE_M = 0.05
-"""Between a formation's robots and solids, beyond their radius."""
+"""Clearance between a formation's robots and solids, in addition to the radius."""
 
 _REACH_RESOLUTION_M = 0.1
 _MAX_REACH_CELLS = 2000
-"""Along a side; the cells of larger plans are larger."""
+"""Largest number of cells along a side; the cells of larger plans are larger."""
 
 
 def formation(plan: FloorPlan, team: Team, taken: list[PlanarPose]) -> list[PlanarPose]:
-    """Return poses for the robots of a team that have none, all heading as the start does.
+    """Return poses for the robots of a team that have none, all with the heading of the start.
 
     A square grid of `spacing_m` in the frame of `start` (without one: the first start pose), centred on it; or, with
-    `formation: spiral`, the spiral of Theodorus around it. Places that touch a solid, lie outside, are taken or cannot
-    be reached from the start are left out, and the next nearest places are used. The front row comes first.
+    `formation: spiral`, the spiral of Theodorus around it. Places that touch a solid, are outside, are taken or cannot
+    be reached from the start are skipped, and the next nearest places are used. The front row comes first.
 
     Args:   taken: poses of the team's other robots.
     Raises: PlacementError: the start itself is not free, or there is not enough room.
@@ -43,7 +43,7 @@ def _square(plan: FloorPlan, team: Team, room: _Room, start: PlanarPose, wanted:
     side, free = math.ceil(math.sqrt(wanted)), 0
     while (side - 1) * team.spacing_m <= 2.0 * math.dist(plan.bounds.min, plan.bounds.max):
         rows, columns = np.divmod(np.arange(side * side), side)
-        # Twice the steps from the middle, as whole numbers: ties in distance stay ties on every machine.
+        # Twice the steps from the centre, as whole numbers, so that ties in distance are ties on every machine.
         ahead, left = side - 1 - 2 * rows, side - 1 - 2 * columns
         points = _in_map_frame(start, 0.5 * team.spacing_m * ahead, 0.5 * team.spacing_m * left)
         places = np.flatnonzero(room.has_place(points))
@@ -56,10 +56,10 @@ def _square(plan: FloorPlan, team: Team, room: _Room, start: PlanarPose, wanted:
 
 
 def _spiral(plan: FloorPlan, team: Team, room: _Room, start: PlanarPose, wanted: int) -> list[PlanarPose]:
-    """Return the first free places on the spiral of Theodorus around the start, from the middle outwards.
+    """Return the first free places on the spiral of Theodorus around the start, from the centre outwards.
 
-    The k-th place is sqrt(k) * spacing_m from the middle, and spacing_m from the one before [davis1993]: with the reach
-    of a link for spacing_m, the team covers the largest area in which it is still connected.
+    The k-th place is sqrt(k) * spacing_m from the centre, and spacing_m from the previous one [davis1993]: if spacing_m
+    is the range of a link, the team covers the largest area in which it is still connected.
     """
     farthest = math.ceil((2.0 * math.dist(plan.bounds.min, plan.bounds.max) / team.spacing_m) ** 2)
     count = 4 * wanted
@@ -89,7 +89,7 @@ def _in_map_frame(start: PlanarPose, ahead_m: np.ndarray, left_m: np.ndarray) ->
 
 
 class _Room:
-    """The places where a team's robot fits and that it can reach from the start."""
+    """The places where a robot of the team fits and that it can reach from the start."""
 
     def __init__(self, plan: FloorPlan, start: PlanarPose, team: Team, taken: list[PlanarPose]) -> None:
         key = "robots.start" if team.start else "robots.start_poses.0"
@@ -123,12 +123,12 @@ class _Room:
 
     def _reached_from(self, start: PlanarPose) -> np.ndarray:
         """Return the cells that a robot reaches from the start, and two cells around them; bool, shape (rows, cols)."""
-        from scipy import ndimage  # Takes longer to import than most scenarios, whose poses are given, take to load.
+        from scipy import ndimage  # Slow, and scenarios with given poses do not need it.
 
         free = self._grid.cells == FREE
         if not free.all():
             free = ndimage.distance_transform_edt(free) * self._grid.resolution_m > self._radius_m
-        # The grid is conservative: the start's own cell may count as too near to a wall.
+        # The grid is conservative, so the start's own cell may count as too close to a wall.
         labels, _ = ndimage.label(free)
         row, column = self._grid.cell_at(start[0], start[1])
         near = labels[max(row - 2, 0) : row + 3, max(column - 2, 0) : column + 3]

@@ -1,6 +1,4 @@
-"""Checks whether a robot or an object has room at a pose in a world as it is now."""
-
-from __future__ import annotations
+"""Checks whether a robot or an object has room at a pose in the current state of a world."""
 
 import math
 from collections.abc import Sequence
@@ -33,9 +31,9 @@ class Occupants(NamedTuple):
 
 
 class FreeSpace:
-    """The plan of a world and its team, for checks of poses against what is there now.
+    """The plan of a world and its team, for checks of poses against the current state.
 
-    All checks raise PlacementError, which names what is in the way, or ValueError: the pose is not finite.
+    All checks raise PlacementError, which names the obstacle, or ValueError if the pose is not finite.
     """
 
     def __init__(self, plan: FloorPlan, robots: Sequence[PlacedRobot]) -> None:
@@ -54,42 +52,37 @@ class FreeSpace:
                 placed[robot_id] = pose.x_m, pose.y_m, pose.yaw_rad
 
     def check_robot(self, robot_id: int, pose: Pose, others: Occupants, what: str = "pose") -> None:
-        """Check a pose for a robot, wherever it is now; `what` is what messages call the pose."""
-        robot = self._robots[robot_id]
-        place = f"robot_{robot_id}: {what} ({pose.x_m:.2f}, {pose.y_m:.2f})"
-        self._check_point(f"robot_{robot_id}: {what}", place, pose)
-        body = robot.body_at((pose.x_m, pose.y_m, pose.yaw_rad))
-        hit = self._solid_in(body, others.doors)
-        if hit is not None:
-            clearance = "" if robot.footprint_m else f"; expected {robot.radius_m:g} m of clearance"
-            raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'{clearance}")
-        self._check_other_robots(robot_id, pose, body, others.robot_poses, place)
-        for obj, at in others.objects:
-            if body.overlaps(obj.body_at((at.x_m, at.y_m, at.yaw_rad)), TOUCH_M):
-                raise PlacementError(f"{place} is inside {obj.kind} '{obj.name}'")
+        """Check a pose for a robot, regardless of its current one; `what` is the name of the pose in messages."""
+        robot, name = self._robots[robot_id], f"robot_{robot_id}: {what}"
+        clearance = "" if robot.footprint_m else f"; expected {robot.radius_m:g} m of clearance"
+        body = self._body_at(robot, name, pose, others.doors, clearance)
+        self._check_other_robots(robot_id, pose, body, others.robot_poses, _place(name, pose))
+        _check_objects(body, _place(name, pose), others.objects)
 
     def check_object(self, obj: MovableObject, pose: Pose, others: Occupants) -> None:
-        """Check a pose for an object, wherever it is now."""
-        place = f"{obj.kind} '{obj.name}': pose ({pose.x_m:.2f}, {pose.y_m:.2f})"
-        self._check_point(f"{obj.kind} '{obj.name}': pose", place, pose)
-        body = obj.body_at((pose.x_m, pose.y_m, pose.yaw_rad))
-        hit = self._solid_in(body, others.doors)
-        if hit is not None:
-            raise PlacementError(f"{place} is inside {hit.kind} '{hit.name}'")
-        for other, at in others.objects:
-            if other.name != obj.name and body.overlaps(other.body_at((at.x_m, at.y_m, at.yaw_rad)), TOUCH_M):
-                raise PlacementError(f"{place} is inside {other.kind} '{other.name}'")
+        """Check a pose for an object, regardless of its current one."""
+        name = f"{obj.kind} '{obj.name}': pose"
+        body = self._body_at(obj, name, pose, others.doors)
+        _check_objects(body, _place(name, pose), [(o, at) for o, at in others.objects if o.name != obj.name])
         for robot_id, (x_m, y_m, yaw_rad) in enumerate(others.robot_poses.tolist()):
             robot = self._robots[robot_id]
             is_near = math.dist((pose.x_m, pose.y_m), (x_m, y_m)) < obj.reach_m + robot.reach_m
             if is_near and body.overlaps(robot.body_at((x_m, y_m, yaw_rad)), TOUCH_M):
-                raise PlacementError(f"{place} is inside robot_{robot_id}")
+                raise PlacementError(f"{_place(name, pose)} is inside robot_{robot_id}")
 
-    def _check_point(self, name: str, place: str, pose: Pose) -> None:
+    def _body_at(
+        self, thing: PlacedRobot | MovableObject, name: str, pose: Pose, doors: DoorStates, clearance: str = ""
+    ) -> Body:
+        """Return a body at a pose, inside the plan and clear of solids and leaves."""
         if not all(map(math.isfinite, (pose.x_m, pose.y_m, pose.yaw_rad))):
             raise ValueError(f"{name} must be finite, got {pose}")
         if not self._plan.bounds.contains((pose.x_m, pose.y_m)):
-            raise PlacementError(f"{place} is outside the plan, {self._plan.bounds}")
+            raise PlacementError(f"{_place(name, pose)} is outside the plan, {self._plan.bounds}")
+        body = thing.body_at((pose.x_m, pose.y_m, pose.yaw_rad))
+        hit = self._solid_in(body, doors)
+        if hit is not None:
+            raise PlacementError(f"{_place(name, pose)} is inside {hit.kind} '{hit.name}'{clearance}")
+        return body
 
     def _check_other_robots(self, robot_id: int, pose: Pose, body: Body, poses: np.ndarray, place: str) -> None:
         robot = self._robots[robot_id]
@@ -107,7 +100,7 @@ class FreeSpace:
             raise PlacementError(f"{place} is inside robot_{other_id} at ({x_m:.2f}, {y_m:.2f}){distance}")
 
     def _solid_in(self, body: Body, doors: DoorStates) -> Solid | None:
-        """Return a solid that a body overlaps, or a leaf where it is now; None: there is none."""
+        """Return a solid, or a leaf at its current position, that a body overlaps; None if there is none."""
         near = self._shapes.query(body.core, predicate="dwithin", distance=body.margin_m - TOUCH_M)
         if len(near):
             return self._solids[int(min(near))]
@@ -118,3 +111,13 @@ class FreeSpace:
                 if body.overlaps_shape(leaf.polygon, TOUCH_M):
                     return leaf
         return None
+
+
+def _place(name: str, pose: Pose) -> str:
+    return f"{name} ({pose.x_m:.2f}, {pose.y_m:.2f})"
+
+
+def _check_objects(body: Body, place: str, objects: Sequence[tuple[MovableObject, Pose]]) -> None:
+    for obj, at in objects:
+        if body.overlaps(obj.body_at((at.x_m, at.y_m, at.yaw_rad)), TOUCH_M):
+            raise PlacementError(f"{place} is inside {obj.kind} '{obj.name}'")

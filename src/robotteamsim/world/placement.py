@@ -1,7 +1,5 @@
 """Start poses of robots, and checks that robots, objects, areas and victims have room in the plan."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Iterator, Sequence
@@ -11,7 +9,6 @@ from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.plan import solids
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import Mission, PlacedRobot, Robot, Team
@@ -36,7 +33,7 @@ def placed_robots(scenario: Scenario) -> tuple[PlacedRobot, ...]:
 def check_places(scenario: Scenario) -> None:
     """Check that all robots, objects, areas and victims of a scenario have room in its plan.
 
-    Raises: PlacementError: one line with file or --set, key, value and what is in the way.
+    Raises: PlacementError: one line with file or --set, key, value and the obstacle.
     """
     with _blamed(scenario):
         _check(scenario.plan, scenario.robots, scenario.mission, scenario.objects, scenario.schedule)
@@ -77,14 +74,14 @@ def check_objects(plan: FloorPlan, objects: Sequence[MovableObject], robots: Seq
 
 @contextmanager
 def _blamed(scenario: Scenario) -> Iterator[None]:
-    """Name the file or the --set in the errors of a key."""
+    """Add the file or the --set to errors about a key."""
     try:
         yield
     except PlacementError as error:
         raise PlacementError(scenario.origin.line(str(error), error.key), error.key) from None
 
 
-# Trials that differ in their seed alone, and the parts of each, ask for the same formation: it takes 40 ms in a garage.
+# Cached, because all trials of a cell need the same formation, which takes 40 ms in the garage.
 @functools.lru_cache(maxsize=16)
 def _placed(plan: FloorPlan, robots: Robots) -> tuple[PlacedRobot, ...]:
     if isinstance(robots, tuple):
@@ -100,7 +97,7 @@ def _placed(plan: FloorPlan, robots: Robots) -> tuple[PlacedRobot, ...]:
     return tuple(PlacedRobot(**shared, start_pose=pose, present=i < at_start) for i, pose in enumerate(poses))
 
 
-# Each trial of a campaign asks again.
+# Cached for the trials of a campaign.
 @functools.lru_cache(maxsize=16)
 def _check(
     plan: FloorPlan,
@@ -116,8 +113,8 @@ def _check(
 
 
 def _check_schedule(plan: FloorPlan, schedule: Sequence[ScheduledEvent], robots: Sequence[PlacedRobot]) -> None:
-    """Check that no robot would come in a wall or outside; doors, objects and robots come and go."""
-    still = [solid for solid in solids(plan) if solid.kind != "door"] if schedule else []
+    """Check that no robot is spawned in a wall or outside; doors, objects and robots may move until then."""
+    still = Solids(plan, doors=False)
     for index, event in enumerate(schedule):
         if event.pose is None:
             continue
@@ -125,15 +122,14 @@ def _check_schedule(plan: FloorPlan, schedule: Sequence[ScheduledEvent], robots:
         place = f"{key}: {point_text(event.pose[:2])}: robot {event.robot_id}"
         if not plan.bounds.contains(event.pose[:2]):
             raise PlacementError(f"{place} lies outside the plan, {plan.bounds}", key)
-        body = robots[event.robot_id].body_at(event.pose)
-        hit = next((solid for solid in still if body.overlaps_shape(solid.polygon, 0.0)), None)
-        if hit is not None:
+        if hit := still.under_body(robots[event.robot_id].body_at(event.pose), 0.0):
             raise PlacementError(f"{place} {overlaps(hit)}", key)
 
 
 def _check_poses(plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robot], keys: list[str]) -> None:
     still = Solids(plan)
     reaches_m = [robot.reach_m for robot in robots]
+    present = [not isinstance(robot, PlacedRobot) or robot.present for robot in robots]
     for i, (pose, robot, key) in enumerate(zip(poses, robots, keys, strict=True)):
         point = pose[:2]
         check_inside(plan, key, point)
@@ -143,17 +139,12 @@ def _check_poses(plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robo
             raise PlacementError(f"{key}: {point_text(point)}: robot {i} {radius}{overlaps(hit)}", key)
         for j in range(i):
             is_near = math.dist(point, poses[j][:2]) < reaches_m[i] + reaches_m[j]
-            if is_near and _are_present(robot, robots[j]) and _overlap(robot, pose, robots[j], poses[j]):
+            if is_near and present[i] and present[j] and _overlap(robot, pose, robots[j], poses[j]):
                 raise PlacementError(f"{key}: {point_text(point)}: robot {i} overlaps robot {j}", key)
 
 
-def _are_present(*robots: Robot) -> bool:
-    """Whether all of them are there at the start."""
-    return all(not isinstance(robot, PlacedRobot) or robot.present for robot in robots)
-
-
 def _overlap(robot: Robot, pose: PlanarPose, other: Robot, other_pose: PlanarPose) -> bool:
-    """Whether two robots overlap whose discs do."""
+    """Whether two robots whose discs overlap do so themselves."""
     if not robot.footprint_m and not other.footprint_m:
         return True
     return robot.body_at(pose).overlaps(other.body_at(other_pose), 0.0)

@@ -1,7 +1,5 @@
 """The true state of a trial: poses of robots and objects, contacts, doors, time."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,7 +12,7 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.schedule import ScheduledEvent, in_order
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.world.core_parts import core_object, core_robot, core_solids
-from robotteamsim.world.doors import DoorStates, door_state
+from robotteamsim.world.doors import DoorState, DoorStates
 from robotteamsim.world.free_space import FreeSpace, Occupants
 from robotteamsim.world.placement import check_objects
 
@@ -27,10 +25,10 @@ class World:
     removes the velocity component that presses a robot into something, so a robot slides along a wall that it meets at
     an angle, and pushes robots. A robot without contact moves in double precision exactly as its drive computes.
 
-    The size of the team is fixed, but a robot may leave and arrive (again): an absent robot has no body, no sensor sees
+    The size of the team is fixed, but robots may leave and arrive (again). An absent robot has no body, no sensor sees
     it, and its pose is NaN.
 
-    Everything is deterministic: equal calls give equal bits, and `reset` restores the initial state.
+    Everything is deterministic: the same calls give bit-identical results, and `reset` restores the initial state.
     """
 
     def __init__(
@@ -59,7 +57,9 @@ class World:
         self._schedule = [event for _, event in in_order(schedule)]
         self._free_space.check_start_poses(self._doors)
         check_objects(plan, self._objects, self._robots)
-        self.core = self._build(run)
+        still, leaves = core_solids(plan)
+        bodies, models = [core_robot(robot) for robot in self._robots], [core_object(obj) for obj in self._objects]
+        self.core = _core.world.World(still, leaves, bodies, run.step_s, run.physics_substeps, models)
         """The C++ world, for sensors."""
         self._have_leaves = any(door.motion != "instant" for door in plan.doors)
         self._begin()
@@ -117,7 +117,7 @@ class World:
         return in_contact
 
     def contact_angles_rad(self) -> dict[int, tuple[float, ...]]:
-        """Return the directions of the last contacts, by id of the robots that touched something in the last step.
+        """Return the directions of contacts in the last step, by id of the robots that touched something.
 
         Angles in `base_link`, ascending in (-pi, pi], from the robot's centre; contacts within 0.05 rad count as one.
         """
@@ -149,10 +149,10 @@ class World:
         self._update_presence()
 
     def spawn_robot(self, robot_id: int, pose: Pose | None = None) -> None:
-        """Let an absent robot arrive at a pose, at rest; without a pose at its start pose.
+        """Spawn an absent robot at a pose, at rest; by default at its start pose.
 
         Raises: PlacementError: there is no room.
-                ValueError: no such robot, it is present already, or the pose is not finite.
+                ValueError: no such robot, it is already present, or the pose is not finite.
         """
         if self._is_present(robot_id):
             raise ValueError(f"robot_{robot_id} is already present; it cannot be spawned")
@@ -229,9 +229,9 @@ class World:
     def _update_presence(self) -> None:
         present = self.core.present()
         self.present: np.ndarray | None = None if present.all() else present
-        """Whether each robot is present, bool, shape (n,); None: all are. The same object until that changes."""
+        """Whether each robot is present, bool, shape (n,); None if all are. The same object until that changes."""
         self.arrivals = tuple(self.core.arrivals())
-        """How often each robot has arrived, its start included; the same object until a robot arrives or leaves."""
+        """Number of arrivals of each robot, including the start; the same object until a robot arrives or leaves."""
 
     def _is_present(self, robot_id: int) -> bool:
         """Raises: ValueError: no such robot."""
@@ -240,7 +240,7 @@ class World:
         return self.present is None or bool(self.present[robot_id])
 
     def _follow_schedule(self) -> None:
-        """Carry out the events that are due; those that no longer apply are skipped."""
+        """Apply the events that are due; those that no longer apply are skipped."""
         waiting = []
         while self._upcoming and round(self._upcoming[0].at_s * 1e9) <= self.sim_time_ns:
             event = self._upcoming.pop(0)
@@ -255,14 +255,9 @@ class World:
         self._upcoming = waiting + self._upcoming
 
     def _occupants(self) -> Occupants:
-        """Return where robots, objects and leaves are now."""
+        """Return the current positions of robots, objects and leaves."""
         poses = [Pose(*row) for row in self.core.object_poses().tolist()]
         return Occupants(self.core.poses(), list(zip(self._objects, poses, strict=True)), self._doors)
-
-    def _build(self, run: Run) -> _core.world.World:
-        still, leaves = core_solids(self.plan)
-        robots, objects = [core_robot(robot) for robot in self._robots], [core_object(obj) for obj in self._objects]
-        return _core.world.World(still, leaves, robots, run.step_s, run.physics_substeps, objects)
 
     def _object_index(self, name: str) -> int:
         names = [obj.name for obj in self._objects]
@@ -272,7 +267,5 @@ class World:
 
     def _update_doors(self) -> None:
         if self.core.doors_version != self._doors.version:
-            states = {
-                name: door_state(state) for name, state in zip(self._door_ids, self.core.door_states(), strict=True)
-            }
-            self._doors = DoorStates(states, self.core.doors_version)
+            states = [DoorState(door.closed, door.opening, door.motion) for door in self.core.door_states()]
+            self._doors = DoorStates(dict(zip(self._door_ids, states, strict=True)), self.core.doors_version)

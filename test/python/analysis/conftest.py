@@ -14,7 +14,7 @@ from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.mission.status import Event
 from robotteamsim.recording import BagWriter, ros_messages
 from robotteamsim.recording.bag_types import BagTypes
-from robotteamsim.recording.table import EventList
+from robotteamsim.recording.results import EventList
 from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import OdometryReading
 from robotteamsim.simulation import Result, Simulation

@@ -154,7 +154,7 @@ def test_broken_pipe_is_silent():
         (["run", "garage_sar", "--set", "run.seed=-1"], "--set: run.seed: -1 is below 0"),
         (["run", "garage_sar", "--set", "control.alfa=1"], "--set: control.alfa: unknown key; did you mean 'alpha'?"),
         (["run", "garage_sar", "--set", "seed"], "--set: 'seed' is not of the form KEY=VALUE"),
-        (["run", "garage"], "garage: there is no shipped scenario of this name; did you mean 'garage_sar'?"),
+        (["run", "garage"], "garage: no shipped scenario of this name; did you mean 'garage_sar'?"),
         (["run", "no/such.yaml"], "no/such.yaml: there is no such file"),
         (["run", "garage_sar", "--set", "control.algorithm=rdpos"], "control.algorithm: 'rdpos' is not"),
         (["plan", "import", "no.yaml", "--out", "x.yaml"], "no.yaml: there is no such file"),
@@ -269,7 +269,7 @@ def test_scenario_check_takes_overrides(capsys):
 @pytest.mark.parametrize(
     ("algorithm", "message"),
     [
-        ("nope", "control.algorithm: 'nope' is not known; wanted one of: rdpso, "),
+        ("nope", "control.algorithm: 'nope' is not known; expected one of: rdpso, "),
         ("fractions:Fraction", "control.algorithm: fractions:Fraction: TypeError: both arguments should be "),
     ],
 )

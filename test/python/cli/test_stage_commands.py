@@ -69,7 +69,7 @@ def test_exported_scenario_takes_settings(capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["export-stage", "garage_sra", "--out", "out"], "garage_sra: there is no shipped scenario of this name"),
+        (["export-stage", "garage_sra", "--out", "out"], "garage_sra: no shipped scenario of this name"),
         (
             ["export-stage", "garage_sar", "--out", "out", "--resolution", "0"],
             "argument --resolution: 0 is not above 0",

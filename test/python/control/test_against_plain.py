@@ -92,7 +92,7 @@ def test_surroundings_find_what_the_plain_ones_find(beams):
     for _ in range(200):
         pose, ranges_m = Pose(*rng.uniform(-3.0, 3.0, 3).tolist()), scan(rng, beams)
         expected = plain.attractor(pose, ranges_m)
-        assert surroundings.attractor(pose, ranges_m) == expected
+        assert surroundings.clearest_place(pose, ranges_m) == expected
         found += expected is not None
     assert found > 50
 
@@ -101,10 +101,10 @@ def test_scans_are_read_alike_whatever_array_holds_them():
     rng = np.random.default_rng(3)
     surroundings, pose = Surroundings(Laser(), 1.2), Pose(1.0, 2.0, 0.3)
     ranges_m = scan(rng, Laser().beams)
-    expected = surroundings.attractor(pose, ranges_m)
+    expected = surroundings.clearest_place(pose, ranges_m)
     assert expected is not None
     for other in (ranges_m.astype(np.float64), np.repeat(ranges_m, 2)[::2]):
-        assert surroundings.attractor(pose, other) == expected
+        assert surroundings.clearest_place(pose, other) == expected
 
 
 @pytest.mark.parametrize("together", [True, False])
@@ -138,8 +138,8 @@ def test_ways_begin_as_the_plain_ones(seed):
     for _ in range(100):
         start, goal = place(rng), place(rng)
         expected = plain_first_stretch(known.grid, start, goal, 14.0)
-        assert known.first_stretch(start, goal, 14.0) == expected
-        assert known.along_path(start, goal, 14.0) == plain_along_path(known.grid, start, goal, 14.0)
+        assert known.grid.first_stretch(start, goal, 14.0) == expected
+        assert known.grid.along_path(start, goal, 14.0) == plain_along_path(known.grid, start, goal, 14.0)
         bends += expected[0] != goal
     assert bends > 20
 

@@ -170,7 +170,9 @@ def test_robot_by_odometry_takes_its_start_and_what_it_drove_for_its_pose(hall_s
 
 
 def test_algorithm_that_does_not_exist_is_refused_with_the_choices(hall_scenario):
-    with pytest.raises(ScenarioError, match=r"hall: control.algorithm: 'rdspo' is not known; wanted one of: rdpso, r"):
+    with pytest.raises(
+        ScenarioError, match=r"hall: control.algorithm: 'rdspo' is not known; expected one of: rdpso, r"
+    ):
         make_controller(0, hall_scenario(control=Control(algorithm="rdspo")))
 
 

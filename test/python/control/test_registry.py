@@ -110,7 +110,7 @@ KNOWN = ", ".join([*ALGORITHMS, "still"])
     [
         (
             "rdspo",
-            f"'rdspo' is not known; wanted one of: {KNOWN}, or module:Class",
+            f"'rdspo' is not known; expected one of: {KNOWN}, or module:Class",
         ),
         ("no_such_module:Class", "'no_such_module:Class': ModuleNotFoundError: No module named 'no_such_module'"),
         (
@@ -121,11 +121,11 @@ KNOWN = ", ".join([*ALGORITHMS, "still"])
             "broken_of_test:Class",
             "'broken_of_test:Class': ModuleNotFoundError: No module named 'no_such_module_at_all'",
         ),
-        ("others_of_test:number", "'others_of_test:number' is 3; wanted a class"),
+        ("others_of_test:number", "'others_of_test:number' is 3; expected a class"),
         ("others_of_test:Mute", "'others_of_test:Mute' makes a Mute, which has no observe and no decide"),
         (
             ":Still",
-            f"':Still' is not known; wanted one of: {KNOWN}, or module:Class",
+            f"':Still' is not known; expected one of: {KNOWN}, or module:Class",
         ),
     ],
 )

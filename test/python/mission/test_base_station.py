@@ -53,7 +53,7 @@ def test_delivery_of_a_discovery_is_an_event_with_its_delay(course):
     assert found == Discovery("victim", "ann", 1, ANN_M, 0.1)
     (event,) = course.step(START_M, ANN_M, inbox=["nothing", announcement(found)])
     assert (event.kind, event.subject, event.robot_id, event.time_s) == ("discovery_delivered", "ann", 1, 0.3)
-    assert event.detail == "the base learns of ann, 0.2 s after its discovery by robot 1"
+    assert event.detail == "ann is delivered to the base, 0.2 s after its discovery by robot 1"
     delivered = course.mission.status.delivered
     assert (delivered.count, delivered.mean_delay_s, delivered.max_delay_s) == pytest.approx((1, 0.2, 0.2))
     assert course.mission.status.task.undelivered == ()

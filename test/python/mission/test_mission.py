@@ -177,7 +177,7 @@ def test_doors_noise_and_victims_are_noted_and_raise_the_epoch(course):
     ]
 
 
-def test_leaf_of_a_door_is_told_when_it_sets_off_is_held_up_and_stands(hall_scenario):
+def test_leaf_of_a_door_is_reported_when_it_starts_is_blocked_and_stops(hall_scenario):
     scenario = hall_scenario()
     gate = Door(name="gate", start=(10.0, 0.2), end=(10.0, 1.2), motion="swing")
     mission = Mission(scenario.model_copy(update={"plan": scenario.plan.model_copy(update={"doors": (gate,)})}))
@@ -197,10 +197,10 @@ def test_leaf_of_a_door_is_told_when_it_sets_off_is_held_up_and_stands(hall_scen
     told = [event.detail for event in events]
     assert told[:5] == [
         "door gate closes, 90% open",
-        "door gate is held up, 42% open",
+        "door gate is blocked, 42% open",
         "door gate is closed",
         "door gate is opened",
-        "door gate stands, 100% open",
+        "door gate stops, 100% open",
     ]
     # Only what fades voices changes the task.
     assert epochs == [0, 0, 0, 0, 1, 2, 2]
@@ -356,9 +356,11 @@ def test_places_that_are_no_numbers_are_refused():
 def test_robots_that_go_and_come_are_events(course):
     course.step()
     gone = course.step(present=(True, False))
-    assert [(event.kind, event.robot_id, event.detail) for event in gone] == [("robot_removed", 1, "robot 1 is gone")]
+    assert [(event.kind, event.robot_id, event.detail) for event in gone] == [
+        ("robot_removed", 1, "robot 1 is removed")
+    ]
     assert course.step(present=(True, False)) == ()
-    assert [event.detail for event in course.step()] == ["robot 1 has come"]
+    assert [event.detail for event in course.step()] == ["robot 1 is spawned"]
 
 
 def test_robot_that_is_not_there_explores_and_saves_nothing(course):

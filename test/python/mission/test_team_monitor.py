@@ -31,7 +31,7 @@ def test_there_are_no_events_while_nothing_changes(monitor):
 
 def test_robot_that_leaves_and_comes_back(monitor):
     assert details(monitor, 0, OUTSIDE, 1, 1) == ["robot 1 is excluded from swarm 0"]
-    assert details(monitor, 0, 0, 1, 1) == ["robot 1 is taken into swarm 0"]
+    assert details(monitor, 0, 0, 1, 1) == ["robot 1 is included in swarm 0"]
 
 
 def test_swarm_that_all_leave_is_dissolved(monitor):

@@ -5,8 +5,9 @@ import math
 import networkx
 import numpy as np
 import pytest
+from recurrence import connectivity_matrix
 
-from robotteamsim.network import break_matrix, connectivity_matrix, fiedler_value, hop_count
+from robotteamsim.network import break_matrix, fiedler_value, hop_count
 
 TABLE_4 = np.array(
     [

@@ -5,10 +5,11 @@ import math
 
 import numpy as np
 import pytest
+from recurrence import connectivity_matrix
 
 from robotteamsim import rng
-from robotteamsim.network import EVERYBODY, Message, Network, connectivity_matrix
-from robotteamsim.network.messages import Batch, Inbox, batch_of
+from robotteamsim.network import Network
+from robotteamsim.network.messages import EVERYBODY, Batch, Inbox, Message, batch_of
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.sections import Network as NetworkSection
@@ -152,10 +153,10 @@ def test_single_robot_is_a_network():
     ("positions_m", "outboxes", "message"),
     [
         (_IN_A_ROW[:2], _SILENT, r"^positions_m must have shape \(3, 2\), got \(2, 2\)$"),
-        (_IN_A_ROW, [(), ()], r"^outboxes must hold one sequence per robot: 3, got 2$"),
+        (_IN_A_ROW, [(), ()], r"^outboxes must have one sequence per robot: 3, got 2$"),
         (_IN_A_ROW * math.nan, _SILENT, r"^position of robot 0 must be finite"),
-        (_IN_A_ROW, [(Message(1, 2, ""),), (), ()], r"^outbox of robot 0 holds a message from sender 1$"),
-        (_IN_A_ROW, [(Message(0, 3, ""),), (), ()], r"^outbox of robot 0: receiver 3 does not exist; wanted 0..2"),
+        (_IN_A_ROW, [(Message(1, 2, ""),), (), ()], r"^outbox of robot 0 contains a message from sender 1$"),
+        (_IN_A_ROW, [(Message(0, 3, ""),), (), ()], r"^outbox of robot 0: receiver 3 does not exist; expected 0..2"),
     ],
 )
 def test_wrong_input_is_refused(positions_m, outboxes, message):

@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from sensor_msgs.msg import LaserScan
 
 from robotteamsim.geometry import Pose
 from robotteamsim.ros.scene.laser import IN_FRONT_M, ScanView, cloud, scan_points_m
@@ -11,7 +12,9 @@ ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
 def scan(ranges_m, *, robot_id=0, laser=ORIGIN):
-    return ScanView(robot_id, laser, 0.25, -math.pi / 2, math.pi / 2, 0.05, 5.0, np.asarray(ranges_m, dtype=np.float32))
+    message = LaserScan(angle_min=-math.pi / 2, angle_increment=math.pi / 2, range_min=0.05, range_max=5.0)
+    message.ranges = ranges_m
+    return ScanView(robot_id, laser, 0.25, message)
 
 
 def test_points_lie_along_the_beams_in_the_map_frame():

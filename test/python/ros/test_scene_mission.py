@@ -1,14 +1,13 @@
 import numpy as np
 import pytest
+from geometry_msgs.msg import Point
 
+from robotteamsim import msg
 from robotteamsim.ros.nodes.scene import WALL_HEIGHT_M
 from robotteamsim.ros.scene.mission import (
     EXPLORED_AREA,
     MAX_VOICE_CELLS,
     VICTIM_COLOURS,
-    AreaView,
-    Headline,
-    VictimView,
     area_markers,
     headline_marker,
     headline_words,
@@ -18,15 +17,24 @@ from robotteamsim.ros.scene.mission import (
 from robotteamsim.scenario.floor_plan import Bounds
 
 VICTIMS = [
-    VictimView("victim_1", (3.0, 4.0)),
-    VictimView("victim_2", (8.0, 4.0), "heard"),
-    VictimView("victim_3", (8.0, 9.0), "saved"),
+    msg.Victim("victim_1", Point(3.0, 4.0, 0.0), "waiting"),
+    msg.Victim("victim_2", Point(8.0, 4.0, 0.0), "heard"),
+    msg.Victim("victim_3", Point(8.0, 9.0, 0.0), "saved"),
 ]
 AREAS = [
-    AreaView("area_1", (2.0, 2.0), 2.0, explored=True),
-    AreaView("area_2", (9.0, 2.0), 2.0, target=True),
-    AreaView("area_3", (15.0, 2.0), 2.0),
+    msg.Area("area_1", Point(2.0, 2.0, 0.0), 2.0, True, False),
+    msg.Area("area_2", Point(9.0, 2.0, 0.0), 2.0, False, True),
+    msg.Area("area_3", Point(15.0, 2.0, 0.0), 2.0, False, False),
 ]
+
+
+def _status(name, state, end, time_s, areas, victims, noise_db):
+    """Args: areas, victims: how many are explored or saved, and of how many."""
+    explored = [index < areas[0] for index in range(areas[1])]
+    states = ["saved" if index < victims[0] else "heard" for index in range(victims[1])]
+    return msg.MissionStatus(
+        scenario=name, state=state, end=end, time_s=time_s, explored=explored, victims=states, noise_db=noise_db
+    )
 
 
 def named(markers, namespace):
@@ -115,8 +123,8 @@ def test_fine_voice_map_is_thinned():
 
 
 def test_headline_tells_time_areas_victims_and_state():
-    headline = Headline("garage_sar", "running", "", 251.34, 3, 5, 2, 4, 10.0, 0)
-    assert headline_words(headline).split("    ") == [
+    headline = _status("garage_sar", "running", "", 251.34, (3, 5), (2, 4), 10.0)
+    assert headline_words(headline, 0).split("    ") == [
         "garage_sar",
         "251.3 s",
         "areas 3/5",
@@ -127,19 +135,17 @@ def test_headline_tells_time_areas_victims_and_state():
 
 
 def test_headline_tells_why_the_mission_ended_and_that_links_are_in_danger():
-    headline = Headline("garage_sar", "ended", "areas_explored", 400.0, 5, 5, 4, 4, 10.0, 2)
-    assert headline_words(headline).endswith("links in danger 2    areas explored")
+    headline = _status("garage_sar", "ended", "areas_explored", 400.0, (5, 5), (4, 4), 10.0)
+    assert headline_words(headline, 2).endswith("links in danger 2    areas explored")
 
 
 def test_headline_is_silent_of_what_the_mission_has_none_of():
-    headline = Headline("patrol", "running", "", 12.0, 0, 0, 0, 0, 30.0, 0)
-    assert headline_words(headline).split("    ") == ["patrol", "12.0 s", "noise 30 dB", "running"]
+    headline = _status("patrol", "running", "", 12.0, (0, 0), (0, 0), 30.0)
+    assert headline_words(headline, 0).split("    ") == ["patrol", "12.0 s", "noise 30 dB", "running"]
 
 
 def test_headline_stands_behind_the_building():
-    item = headline_marker(
-        Headline("x", "running", "", 0.0, 0, 1, 0, 1, 10.0, 0), Bounds(min=(-5.0, 0.0), max=(25.0, 12.0))
-    )
+    item = headline_marker("words", Bounds(min=(-5.0, 0.0), max=(25.0, 12.0)))
     assert item.pose.position.x == 10.0
     assert item.pose.position.y > 12.0
 

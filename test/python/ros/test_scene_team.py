@@ -17,7 +17,6 @@ from robotteamsim.ros.scene.team import (
     link_views,
     robot_colour,
     robot_markers,
-    swarm_colour,
     team_markers,
     trail_marker,
 )
@@ -118,7 +117,7 @@ def test_excluded_robot_is_ringed_in_grey_and_keeps_its_deck():
 def test_robots_of_several_swarms_are_ringed_in_the_colour_of_theirs():
     views = [RobotView(robot_id, Pose(2.0 * robot_id, 0.0, 0.0), swarm=swarm) for robot_id, swarm in ((2, 0), (3, 1))]
     rings = named(team_markers(views), "rings")
-    assert [tint(ring) for ring in rings] == [swarm_colour(0)[:3], swarm_colour(1)[:3]]
+    assert [tint(ring) for ring in rings] == [robot_colour(0)[:3], robot_colour(1)[:3]]
     lost = RobotView(3, Pose(0.0, 0.0, 0.0), excluded=True, swarm=-1)
     assert tint(named(robot_markers(lost), "rings")[0]) == EXCLUDED[:3]
 

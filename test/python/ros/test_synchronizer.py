@@ -90,7 +90,7 @@ def test_lockstep_gives_a_silent_channel_up_and_waits_for_it_again_when_it_speak
     steps.add("answer 0", 200, "a")
     assert [steps.check_wait(waited_s) for waited_s in (1.0, 4.0)] == [[], []]
     assert steps.take_step() is None
-    assert steps.check_wait(5.0) == ["answer 1 has been silent for 5 s; going on without it"]
+    assert steps.check_wait(5.0) == ["answer 1 has been silent for 5 s; continuing without it"]
     assert steps.take_step().messages == {"answer 0": ("a",), "answer 1": ()}
     steps.add("answer 0", 300, "a")
     assert steps.take_step().messages == {"answer 0": ("a",), "answer 1": ()}

@@ -10,7 +10,7 @@ from sensor_msgs.msg import Range
 from tf2_msgs.msg import TFMessage
 
 from robotteamsim.geometry import Twist
-from robotteamsim.ros.nodes import objects_output, team_outputs
+from robotteamsim.ros.nodes import objects, team_outputs
 from robotteamsim.ros.nodes import world as world_node
 from robotteamsim.ros.nodes.gate import Gate, Pacer
 from robotteamsim.ros.transport import msg_conversion as conversion
@@ -106,11 +106,12 @@ def serve(monkeypatch, hall_scenario) -> Callable[..., None]:
     parameters = {"~speed": 0.0, "~localization": "ground_truth"}
     monkeypatch.setattr(world_node, "Output", FakeOutput)
     monkeypatch.setattr(team_outputs, "Output", FakeOutput)
-    monkeypatch.setattr(objects_output, "Output", FakeOutput)
+    monkeypatch.setattr(objects, "Output", FakeOutput)
     monkeypatch.setattr(world_node, "FreeTeam", FakeTeam)
     monkeypatch.setattr(world_node, "parameter", lambda name, default: parameters[name])
     monkeypatch.setattr(world_node, "QUIET_S", 0.0)
     monkeypatch.setattr(world_node, "Service", lambda *_: None)
+    monkeypatch.setattr(world_node, "command", lambda *_, **__: None)
     for name in ("OdometryTopic", "ScanTopic", "ContactTopic"):
         monkeypatch.setattr(team_outputs.roscpp, name, FakeTeamTopic)
     monkeypatch.setattr(team_outputs.roscpp, "FramesTopic", FakeFrames)

@@ -48,7 +48,7 @@ def test_shipped_names_are_listed() -> None:
 
 
 def test_misspelt_name_gets_a_suggestion() -> None:
-    assert _message("garage_sra") == "garage_sra: there is no shipped scenario of this name; did you mean 'garage_sar'?"
+    assert _message("garage_sra") == "garage_sra: no shipped scenario of this name; did you mean 'garage_sar'?"
 
 
 def test_missing_file_is_named() -> None:
@@ -148,7 +148,7 @@ def test_mistake_in_a_plan_file_names_that_file(room: str) -> None:
 
 def test_shipped_plan_loads_by_name_and_a_missing_one_is_named() -> None:
     assert load_floor_plan("garage").name == "garage"
-    with pytest.raises(ScenarioError, match=r"^garaj: there is no shipped map of this name; did you mean 'garage'"):
+    with pytest.raises(ScenarioError, match=r"^garaj: no shipped map of this name; did you mean 'garage'"):
         load_floor_plan("garaj")
     with pytest.raises(ScenarioError, match=r"^maps/garaj.yaml: there is no such file$"):
         load_floor_plan("maps/garaj.yaml")

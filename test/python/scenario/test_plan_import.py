@@ -197,7 +197,7 @@ def test_pillar_of_few_cells_stays_and_smaller_specks_go(tmp_path: Path) -> None
     image[20, 20:22] = BLACK
     grid = occupancy_grid(import_map(_write(tmp_path, image)), 0.1)
     assert np.count_nonzero(grid.cells[5:-5, 5:-5] == OCCUPIED) == 4
-    assert not grid.is_free(0.1, 3.1)
+    assert grid.cells[grid.cell_at(0.1, 3.1)] != FREE
 
 
 def test_image_without_walls_is_closed_at_its_border(tmp_path: Path) -> None:

@@ -199,26 +199,26 @@ def test_sonar_of_one_ray_becomes_a_cone_and_a_lone_one_the_laser(world_of):
 def test_model_that_hangs_above_the_robots_is_left_out(world_of):
     found = world_of(ROOM + ROBOT + "model( size [ 1 1 1 ] pose [ 5 5 2 0 ] )")
     assert found.plan.blocks == ()
-    assert "a.world:3: 'model_2' left out: it is at 2 m, above all robots" in found.notes
+    assert "a.world:3: 'model_2' omitted: it is at 2 m, above all robots" in found.notes
 
 
 @pytest.mark.parametrize(
     ("text", "note"),
     [
-        (_robot('ctrl "wander"'), "ctrl: left out: Stage's controllers cannot run here; control.algorithm drives"),
+        (_robot('ctrl "wander"'), "ctrl: omitted: Stage's controllers cannot run here; control.algorithm drives"),
         (
             _robot("sampels 3"),
             "sampels: unknown key of a 'position', in Stage and here; did you mean 'samples'?",
         ),
         (_robot('drive "omni" velocity_bounds [-1 1 -2 2 0 0 -90 90]'), "velocity_bounds: the limits of x and y"),
-        (_robot("camera()"), "camera: left out: robots have no camera here"),
-        (_robot("localization_origin [0 0 0 0]"), "localization_origin: left out: odometry starts at 0 here"),
+        (_robot("camera()"), "camera: omitted: robots have no camera here"),
+        (_robot("localization_origin [0 0 0 0]"), "localization_origin: omitted: odometry starts at 0 here"),
         (_robot("velocity_bounds [-0.2 1 0 0 0 0 -90 90]"), "velocity_bounds: the lower and upper limits of x differ"),
         (ROBOT.replace("2 2 0 0", "2 2 0.5 0"), "pose: z 0.5 counts as 0; robots drive on the floor"),
         ("position( pose [2 2 0 0] )", "'position' has no ranger; it gets the default laser"),
-        (ROBOT.replace(" ) ) )", " ) sensor() ) )"), "sensor: left out: stage_ros publishes only the first sensor"),
+        (ROBOT.replace(" ) ) )", " ) sensor() ) )"), "sensor: omitted: stage_ros publishes only the first sensor"),
         (ROBOT.replace("fov", "noise [0 0.1 0] fov"), "noise: only the constant part is simulated"),
-        (ROBOT + "fiducial()\n", "fiducial: left out: a 'fiducial' that is not on a robot"),
+        (ROBOT + "fiducial()\n", "fiducial: omitted: a 'fiducial' that is not on a robot"),
     ],
 )
 def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):

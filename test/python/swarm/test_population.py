@@ -164,7 +164,11 @@ def test_bests_are_kept_and_shared_within_a_swarm_alone():
     [
         (np.zeros((1, 3)), np.zeros(1), r"obstacles must return attractors of shape \(1, 2\).*got \(1, 3\)"),
         (np.full((1, 2), np.nan), np.zeros(1), r"obstacles: robot 0 of the swarm got attractor \[nan, nan\]"),
-        (np.zeros((1, 2)), np.array([1.5]), r"obstacles: robot 0 .* metric 1.5; wanted finite, and within \[0, 1\]"),
+        (
+            np.zeros((1, 2)),
+            np.array([1.5]),
+            r"obstacles: robot 0 .* metric 1.5; expected finite numbers, and a metric within \[0, 1\]",
+        ),
     ],
 )
 def test_wrong_sensing_is_refused(attractors, metric, message):

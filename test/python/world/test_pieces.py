@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from robotteamsim.world.pieces import MAX_CORNERS, convex_pieces
+from robotteamsim.world.core_parts import MAX_CORNERS, convex_pieces
 
 SQUARE = ((0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0))
 L_SHAPE = ((0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0))

@@ -11,7 +11,7 @@ from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan
 from robotteamsim.scenario.plan import Corners, solids
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.world import World
-from robotteamsim.world.pieces import MAX_CORNERS, convex_pieces
+from robotteamsim.world.core_parts import MAX_CORNERS, convex_pieces
 
 AXIS = st.integers(0, 60).map(lambda tenths: 0.1 * tenths)
 """Few values, so that many corners are in line."""

@@ -1,7 +1,5 @@
 """Radio and voice maps as files: arrays, and an image that map_server loads as an OccupancyGrid."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -23,14 +21,8 @@ def map_arrays(panels: Sequence[Panel], style: FieldStyle) -> dict[str, np.ndarr
     Raises: RecordingError: the maps have different cells.
     """
     first = panels[0].field
-    for panel in panels[1:]:
-        other = panel.field
-        if (other.values.shape, other.origin_m, other.resolution_m) != (
-            first.values.shape,
-            first.origin_m,
-            first.resolution_m,
-        ):
-            raise RecordingError("maps with different cells do not fit into one file; write one map at a time")
+    if len({(panel.field.values.shape, panel.field.origin_m, panel.field.resolution_m) for panel in panels}) > 1:
+        raise RecordingError("maps with different cells do not fit into one file; write one map at a time")
     stacked = np.stack([panel.field.values for panel in panels])
     spots = [(index, *spot.position_m) for index, panel in enumerate(panels) for spot in panel.spots]
     sources = np.array(spots, dtype=np.float64).reshape(-1, 3)

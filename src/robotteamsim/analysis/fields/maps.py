@@ -1,14 +1,13 @@
 """Radio and voice maps of a scenario as panels, and the styles to draw them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
 from robotteamsim.analysis.fields.picture import FieldStyle, Level, Panel, Spot
-from robotteamsim.propagation import FieldMap, RadioField, VoiceField, VoiceSource
+from robotteamsim.propagation import RadioField, VoiceField, VoiceSource
 from robotteamsim.scenario import FloorPlan, Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.voice import VoiceSensor
@@ -47,10 +46,9 @@ def radio_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, 
     """
     places = list(at_m) or [placed_robots(scenario)[0].start_pose[:2]]
     model = RadioField(scenario.plan, scenario.radio)
-    maps = [model.rssi_map_dbm(place, resolution_m) for place in places]
-    values = np.maximum.reduce([each.values for each in maps])
+    field = model.best_rssi_map_dbm(places, resolution_m)
     if loss:
-        values = scenario.radio.tx_power_dbm - values
+        field = replace(field, values=scenario.radio.tx_power_dbm - field.values)
     names = ["transmitter"] if len(places) == 1 else [f"tx {i}" for i in range(len(places))]
     spots = tuple(Spot(name, place, "robot") for name, place in zip(names, places, strict=True))
     power = f"{scenario.radio.tx_power_dbm:g} dBm".replace("-", _MINUS)
@@ -58,7 +56,6 @@ def radio_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, 
     title = "transmitter at ({:g}, {:g})".format(*places[0])
     if len(places) > 1:
         title = f"{best} of {len(places)} transmitters"
-    field = FieldMap(maps[0].origin_m, resolution_m, values)
     if loss:
         return Panel(title, field, scenario.plan, spots)
     return Panel(f"{title}, {power}", field, scenario.plan, spots, silent_below=scenario.network.lost_below_dbm)
@@ -93,10 +90,8 @@ def radio_style(scenarios: Sequence[Scenario], levels: Sequence[float], loss: bo
 
     Args: levels: contour lines; if empty, the default ones.
     """
-    lost, endangered = (
-        min(scenario.network.lost_below_dbm for scenario in scenarios),
-        min(scenario.network.endangered_below_dbm for scenario in scenarios),
-    )
+    lost = min(scenario.network.lost_below_dbm for scenario in scenarios)
+    endangered = min(scenario.network.endangered_below_dbm for scenario in scenarios)
     strongest = max(scenario.radio.tx_power_dbm - scenario.radio.constant_loss_db for scenario in scenarios)
     power = max(scenario.radio.tx_power_dbm for scenario in scenarios)
     meanings = {lost: "lost", endangered: "endangered"}

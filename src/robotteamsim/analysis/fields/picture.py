@@ -1,7 +1,5 @@
 """Draws radio and voice maps on their floor plans, one or several side by side."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Sequence

@@ -1,11 +1,11 @@
 """Curves of recorded runs over time: progress, network, distances."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from robotteamsim.analysis.runs.plan_panel import (
@@ -36,6 +36,20 @@ def curves(run: RecordedRun) -> list[Curve]:
     if run.robots:
         found += [draw_speeds, draw_distances]
     return found
+
+
+def draw_column(figure: Figure, place: Any, shown: Sequence[Curve], run: RecordedRun) -> list[Axes]:
+    """Draw curves one below the other over the same time; return their axes. Args: place: a cell of a GridSpec."""
+    column = place.subgridspec(max(len(shown), 1), 1)
+    all_axes: list[Axes] = []
+    for row, draw in enumerate(shown):
+        all_axes.append(figure.add_subplot(column[row], sharex=all_axes[0] if all_axes else None))
+        draw(all_axes[-1], run)
+    for axes in all_axes[:-1]:
+        axes.tick_params(labelbottom=False)
+    if all_axes:
+        all_axes[-1].set_xlabel("time [s]", fontsize=8)
+    return all_axes
 
 
 def draw_progress(axes: Axes, run: RecordedRun) -> None:

@@ -1,7 +1,5 @@
 """Totals of recorded runs as JSON, and their time series as CSV tables."""
 
-from __future__ import annotations
-
 import csv
 import dataclasses
 from collections.abc import Iterable, Iterator, Sequence
@@ -24,6 +22,8 @@ from robotteamsim.analysis.runs.totals import (
 from robotteamsim.recording.files import atomically, prepare_folder
 
 Row = Sequence[Any]
+
+_COUNTS = ("areas_explored", "victims_heard", "victims_saved", "endangered_links")
 
 
 def document(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> dict[str, Any]:
@@ -50,16 +50,7 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
             ((run.name, *msgspec.structs.astuple(event)) for run in runs for _, event in run.events),
         ),
         "progress": (
-            (
-                "bag",
-                "time_s",
-                "mission_time_s",
-                "state",
-                "areas_explored",
-                "victims_heard",
-                "victims_saved",
-                "endangered_links",
-            ),
+            ("bag", "time_s", "mission_time_s", "state", *_COUNTS),
             (row for run in runs for row in _progress_rows(run)),
         ),
         "network": (

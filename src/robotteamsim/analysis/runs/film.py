@@ -1,7 +1,5 @@
 """Films of recorded runs, frame by frame: robots, links, victims and areas on the floor plan, and growing curves."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,7 +12,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from robotteamsim.analysis.runs.curves import curves, draw_speeds
+from robotteamsim.analysis.runs.curves import Curve, curves, draw_column, draw_speeds
 from robotteamsim.analysis.runs.plan_panel import (
     ENDANGERED,
     EXPLORED,
@@ -120,18 +118,11 @@ class RunFilm:
         low, high = axes.get_xlim()
         self._nose_m = 0.018 * (high - low)
 
-    def _add_curves(self, place: Any, shown: list[Any]) -> list[Rectangle]:
+    def _add_curves(self, place: Any, shown: list[Curve]) -> list[Rectangle]:
         """Draw the complete curves; a white cover hides the part after the current time."""
         covers = []
-        column = place.subgridspec(max(len(shown), 1), 1)
-        for row, draw in enumerate(shown):
-            axes = self._figure.add_subplot(column[row])
-            draw(axes, self._run)
+        for axes in draw_column(self._figure, place, shown, self._run):
             axes.set_xlim(0.0, max((self._run.end_ns - self._run.start_ns) / 1e9, 1e-3))
-            if row < len(shown) - 1:
-                axes.tick_params(labelbottom=False)
-            else:
-                axes.set_xlabel("time [s]", fontsize=8)
             cover = Rectangle((0.0, 0.0), 1.0, 1.0, transform=axes.get_xaxis_transform(), color="white", alpha=0.82)
             cover.set(linewidth=0, zorder=20)
             axes.add_patch(cover)

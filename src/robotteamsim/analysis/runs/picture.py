@@ -1,14 +1,13 @@
 """Pictures of recorded runs: paths on the floor plan and curves over time, of one run or several side by side."""
 
-from __future__ import annotations
-
+import itertools
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from robotteamsim.analysis.runs.curves import Curve, curves, draw_speeds
+from robotteamsim.analysis.runs.curves import curves, draw_column, draw_speeds
 from robotteamsim.analysis.runs.plan_panel import (
     COLLISION,
     EXPLORED,
@@ -59,36 +58,22 @@ def outcome(totals: RunTotals) -> str:
 
 def _draw_one(run: RecordedRun, totals: RunTotals, plan: FloorPlan | None) -> Figure:
     figure = Figure(figsize=_SLIDE_INCHES, dpi=120, layout="constrained")
-    shown_curves = curves(run)
     x0, x1, y0, y1 = extent_m(run, plan)
     is_tall = (y1 - y0) > 1.2 * (x1 - x0)
     grid = figure.add_gridspec(1, 2, width_ratios=(0.9, 1.0) if is_tall else (1.75, 1.0))
     floor = figure.add_subplot(grid[0])
     _draw_plan(floor, run, plan)
-    _draw_curves(figure, grid[1], shown_curves, run)
+    draw_column(figure, grid[1], curves(run), run)
     figure.suptitle(totals.title, x=0.01, ha="left", fontsize=13, weight="bold", color=INK)
     floor.set_title(outcome(totals), loc="left", fontsize=10)
     _add_legend(figure, [run], [totals], with_totals=True)
     return figure
 
 
-def _draw_curves(figure: Figure, place: object, shown_curves: Sequence[Curve], run: RecordedRun) -> None:
-    if not shown_curves:
-        return
-    column = place.subgridspec(len(shown_curves), 1)  # type: ignore[attr-defined]
-    first: Axes | None = None
-    for row, draw in enumerate(shown_curves):
-        axes = figure.add_subplot(column[row], sharex=first)
-        first = first or axes
-        draw(axes, run)
-        if row < len(shown_curves) - 1:
-            axes.tick_params(labelbottom=False)
-        else:
-            axes.set_xlabel("time [s]", fontsize=8)
-
-
 def _draw_columns(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals], plan: FloorPlan | None) -> Figure:
-    rows = [c for c in _all_curves(runs) if c is not draw_speeds]
+    # Every curve of any run, in the order of the run with most curves.
+    in_order = sorted(map(curves, runs), key=len, reverse=True)
+    rows = [draw for draw in dict.fromkeys(itertools.chain.from_iterable(in_order)) if draw is not draw_speeds]
     height = 2.6 + 1.25 * len(rows) + 0.9
     figure = Figure(figsize=(max(4.4 * len(runs), 8.8), height), dpi=120, layout="constrained")
     all_axes = figure.subplots(1 + len(rows), len(runs), squeeze=False, height_ratios=[2.6, *(1.0 for _ in rows)])
@@ -110,12 +95,6 @@ def _draw_columns(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals], 
         _share(all_axes[row])
     _add_legend(figure, runs, all_totals, with_totals=False)
     return figure
-
-
-def _all_curves(runs: Sequence[RecordedRun]) -> list[Curve]:
-    """Return every curve of any run, in the order of the run with most curves."""
-    fullest = max((curves(run) for run in runs), key=len)
-    return fullest + [draw for run in runs for draw in curves(run) if draw not in fullest]
 
 
 def _share(row: Sequence[Axes]) -> None:

@@ -1,7 +1,5 @@
 """Draws recorded runs on the floor plan: floor, areas, victims, paths, robots."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection

@@ -1,7 +1,5 @@
 """Reads a run from a bag, or from the parts of one."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import defaultdict
@@ -12,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from robotteamsim.analysis.runs import tracks
 from robotteamsim.analysis.runs.recorded_run import (
     Flags,
     RecordedArea,
@@ -21,15 +20,7 @@ from robotteamsim.analysis.runs.recorded_run import (
     RecordedStatus,
     RecordedVictim,
 )
-from robotteamsim.analysis.runs.tracks import (
-    AFTER_ALL_NS,
-    BEFORE_ALL_NS,
-    Absence,
-    PoseSample,
-    Transforms,
-    from_odometry,
-    from_truth,
-)
+from robotteamsim.analysis.runs.tracks import Absence
 from robotteamsim.errors import RecordingError
 from robotteamsim.mission.status import DeliveredDiscoveries, Event
 from robotteamsim.recording.bag_reader import BagReader
@@ -94,7 +85,7 @@ def _read(bag: BagReader, name: str) -> RecordedRun:
     types = _types_to_read(bag.topics)
     unread = {topic for topic in types if not bag.is_known(topic)}
     samples: dict[str, list[tuple[int, Any]]] = defaultdict(list)
-    transforms = Transforms()
+    transforms = tracks.Transforms()
     for topic, stamp_ns, message in bag.messages(set(types) - unread):
         if topic in _TF_TYPES:
             transforms.add(message, is_static=topic == "/tf_static")
@@ -137,7 +128,7 @@ def _namespaces(topics: Mapping[str, str]) -> list[str]:
 def _run(
     name: str,
     samples: Samples,
-    transforms: Transforms,
+    transforms: tracks.Transforms,
     unread: tuple[str, ...],
     topics: tuple[str, ...],
 ) -> RecordedRun:
@@ -196,13 +187,13 @@ def _in_order(topic: str, samples: list[tuple[int, Any]]) -> list[tuple[int, Any
     return sorted(samples, key=lambda sample: sample[0])
 
 
-def _robot(namespace: str, samples: Samples, transforms: Transforms) -> RecordedRobot | None:
+def _robot(namespace: str, samples: Samples, transforms: tracks.Transforms) -> RecordedRobot | None:
     truth, odom = samples.get(f"{namespace}/{TRUTH}"), samples.get(f"{namespace}/{ODOM}")
     name = namespace.strip("/") or "robot"
     number = re.fullmatch(r"robot_(\d+)", name)
     robot_id = int(number[1]) if number else None
     absences = _absences([item for item in samples.get("/mission/events", []) if item[1].robot_id == robot_id])
-    track = from_truth(truth, absences) if truth else from_odometry(odom or [], transforms, absences)
+    track = tracks.from_truth(truth, absences) if truth else tracks.from_odometry(odom or [], transforms, absences)
     if track is None:
         return None
     contact, excluded = samples.get(f"{namespace}/contact"), samples.get(f"{namespace}/controller/status")
@@ -212,13 +203,13 @@ def _robot(namespace: str, samples: Samples, transforms: Transforms) -> Recorded
 def _absences(events: list[tuple[int, Event]]) -> tuple[Absence, ...]:
     """Return the absences of a robot from its events; if the first event is its arrival, it was absent before."""
     changes = [(ns, event.kind == "robot_spawned") for ns, event in events if event.kind in _LEAVES_OR_COMES]
-    gone_ns = BEFORE_ALL_NS if changes and changes[0][1] else None
+    gone_ns = tracks.BEFORE_ALL_NS if changes and changes[0][1] else None
     absences = []
     for stamp_ns, comes in changes:
         if comes:
             absences.append((stamp_ns if gone_ns is None else gone_ns, stamp_ns))
         gone_ns = None if comes else stamp_ns
-    return (*absences, *([] if gone_ns is None else [(gone_ns, AFTER_ALL_NS)]))
+    return (*absences, *([] if gone_ns is None else [(gone_ns, tracks.AFTER_ALL_NS)]))
 
 
 def _flags(samples: list[tuple[int, Any]] | None) -> Flags | None:
@@ -242,9 +233,9 @@ def _network(samples: list[tuple[int, Any]]) -> RecordedNetwork:
     )
 
 
-def _pose_sample(stamp_ns: int, message: Any) -> PoseSample:
+def _pose_sample(stamp_ns: int, message: Any) -> tracks.PoseSample:
     position, q = message.pose.pose.position, message.pose.pose.orientation
-    return PoseSample(message.header.frame_id.lstrip("/"), position.x, position.y, q.x, q.y, q.z, q.w)
+    return tracks.PoseSample(message.header.frame_id.lstrip("/"), position.x, position.y, q.x, q.y, q.z, q.w)
 
 
 def _network_sample(stamp_ns: int, message: Any) -> _NetworkSample:
@@ -255,8 +246,10 @@ def _network_sample(stamp_ns: int, message: Any) -> _NetworkSample:
 
 
 def _status(stamp_ns: int, message: Any) -> RecordedStatus:
-    # Older bags have no base.
-    has_base = getattr(message, "has_base", False)
+    delivered = None
+    if getattr(message, "has_base", False):  # Older bags have no base.
+        count = int(message.discoveries_delivered)
+        delivered = DeliveredDiscoveries(count, message.mean_delivery_delay_s, message.max_delivery_delay_s)
     return RecordedStatus(
         stamp_ns=stamp_ns,
         time_s=message.time_s,
@@ -267,18 +260,8 @@ def _status(stamp_ns: int, message: Any) -> RecordedStatus:
         victims=tuple(message.victims),
         endangered_links=int(message.endangered_links),
         noise_db=message.noise_db,
-        delivered=_delivered(message) if has_base else None,
+        delivered=delivered,
     )
-
-
-def _delivered(message: Any) -> DeliveredDiscoveries:
-    return DeliveredDiscoveries(
-        int(message.discoveries_delivered), message.mean_delivery_delay_s, message.max_delivery_delay_s
-    )
-
-
-def _event(stamp_ns: int, message: Any) -> Event:
-    return Event(message.time_s, message.kind, message.subject, message.robot_id, message.detail)
 
 
 def _victims(stamp_ns: int, message: Any) -> tuple[RecordedVictim, ...]:
@@ -306,7 +289,7 @@ _CONVERTERS: dict[str, Callable[[int, Any], Any]] = {
     "robotteamsim/ControllerStatus": lambda stamp_ns, message: message.excluded,
     "robotteamsim/NetworkState": _network_sample,
     "robotteamsim/MissionStatus": _status,
-    "robotteamsim/MissionEvent": _event,
+    "robotteamsim/MissionEvent": lambda stamp_ns, m: Event(m.time_s, m.kind, m.subject, m.robot_id, m.detail),
     "robotteamsim/Victims": _victims,
     "robotteamsim/Areas": _areas,
 }

@@ -1,7 +1,5 @@
 """One recorded run of this simulator, another one, or real robots; values that the bag lacks are None or empty."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

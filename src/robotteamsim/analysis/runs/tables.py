@@ -1,7 +1,5 @@
 """Tables of recorded runs for a terminal: one run in detail, or one line for each of several runs."""
 
-from __future__ import annotations
-
 import statistics
 from collections.abc import Sequence
 
@@ -13,7 +11,8 @@ from rich.text import Text
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.analysis.runs.totals import MissionTotals, NetworkTotals, RobotTotals, RunTotals
 from robotteamsim.mission.status import END_TEXTS
-from robotteamsim.recording.table import delivery_rows, event_table
+from robotteamsim.recording.table import delivery_rows, event_table, totals_table
+from robotteamsim.wording import counted
 
 _UNKNOWN = "-"
 _SHORT_ENDS = {
@@ -31,7 +30,10 @@ def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
         console.print(event_table(totals.title, [event for _, event in run.events]))
     else:
         console.print(Text(totals.title, style="bold"))
-    console.print(_totals_table(totals))
+    rows = [("recorded", f"{totals.duration_s:.1f} s")]
+    rows += _mission_rows(totals.mission) if totals.mission else []
+    rows += _network_rows(totals.network, totals.mission is None) if totals.network else []
+    console.print(totals_table(rows))
     if totals.robots:
         console.print(_robot_table(totals.robots))
     if totals.trajectory_hash:
@@ -64,21 +66,9 @@ def print_runs(console: Console, all_totals: Sequence[RunTotals]) -> None:
         _print_omitted(console, totals, f"{totals.bag}: ")
 
 
-def _totals_table(totals: RunTotals) -> Table:
-    table = Table(box=None, show_header=False, pad_edge=True)
-    table.add_column(style="dim")
-    table.add_column()
-    rows = [("recorded", f"{totals.duration_s:.1f} s")]
-    rows += _mission_rows(totals.mission) if totals.mission else []
-    rows += _network_rows(totals.network, totals.mission is None) if totals.network else []
-    for name, value in rows:
-        table.add_row(name, value)
-    return table
-
-
 def _mission_rows(mission: MissionTotals) -> list[tuple[str, str]]:
     return [
-        ("end", _end_words(mission.end)),
+        ("end", END_TEXTS.get(mission.end, mission.end or "not in this bag")),
         ("areas explored", f"{mission.areas_explored} of {mission.num_areas}"),
         ("victims saved", f"{mission.victims_saved} of {mission.num_victims}"),
         *delivery_rows(mission.discoveries_delivered, mission.mean_delivery_delay_s, mission.max_delivery_delay_s),
@@ -89,13 +79,14 @@ def _mission_rows(mission: MissionTotals) -> list[tuple[str, str]]:
 
 def _network_rows(network: NetworkTotals, with_endangered: bool) -> list[tuple[str, str]]:
     all_links = network.num_robots * (network.num_robots - 1) // 2
+    hops = counted(network.max_hops, "hop")
     rows = [("endangered links", str(network.endangered_links))] if with_endangered else []
     return [
         *rows,
         ("links endangered for", f"{network.endangered_s:.1f} s"),
         (
             "links",
-            f"{network.mean_links:.2f} of {all_links} on average, shortest paths of at most {_hops(network.max_hops)}",
+            f"{network.mean_links:.2f} of {all_links} on average, shortest paths of at most {hops}",
         ),
         ("Fiedler value", f"{network.mean_fiedler_value:.3f} on average, at least {network.min_fiedler_value:.3f}"),
         ("team split for", f"{network.split_s:.1f} s"),
@@ -143,7 +134,6 @@ def _mean_cells(all_totals: Sequence[RunTotals]) -> list[str]:
     """Return the means over the bags that have the value; only missions have a mission time."""
     missions = [totals.mission for totals in all_totals if totals.mission]
     networks = [totals.network for totals in all_totals if totals.network]
-    endangered = [mission.endangered_links for mission in missions]
     distances_m = [totals.distance_m for totals in all_totals if totals.distance_m is not None]
     collisions = [totals.collisions for totals in all_totals if totals.collisions is not None]
     return [
@@ -152,7 +142,7 @@ def _mean_cells(all_totals: Sequence[RunTotals]) -> list[str]:
         _mean([mission.areas_explored for mission in missions], ".2f"),
         _mean([mission.victims_saved for mission in missions], ".2f"),
         _mean([mission.time_s for mission in missions], ".1f"),
-        _mean(endangered, ".2f"),
+        _mean([mission.endangered_links for mission in missions], ".2f"),
         _mean(distances_m, ".0f"),
         _mean(collisions, ".2f"),
         _mean([network.mean_fiedler_value for network in networks], ".2f"),
@@ -166,14 +156,6 @@ def _mean(values: Sequence[float], form: str) -> str:
 
 def _number(value: float | None, form: str) -> str:
     return _UNKNOWN if value is None else f"{value:{form}}"
-
-
-def _hops(count: int) -> str:
-    return f"{count} hop" if count == 1 else f"{count} hops"
-
-
-def _end_words(end: str) -> str:
-    return END_TEXTS.get(end, end) if end else "not in this bag"
 
 
 def _print_omitted(console: Console, totals: RunTotals, prefix: str) -> None:

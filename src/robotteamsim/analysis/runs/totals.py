@@ -1,7 +1,5 @@
 """Totals of a recorded run, of its mission, robots and network, and a list of what the bag lacks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

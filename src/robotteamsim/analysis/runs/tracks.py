@@ -1,12 +1,10 @@
 """Paths of robots, from their true poses or from odometry and /tf."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -106,33 +104,24 @@ class Transforms:
 
 def from_truth(samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...] = ()) -> Track | None:
     """Return the track of true poses in `map`, or None if no pose is finite."""
-    finite = _finite(samples)
-    if not finite:
-        return None
-    stamps_ns, poses, turns = _arrays(finite)
-    driven_m = _driven_m(poses, _came(stamps_ns, absences))
-    return Track("truth", MAP_FRAME, stamps_ns, poses, turns, driven_m, absences)
+    track = _track("truth", samples, absences)
+    return track and replace(track, frame=MAP_FRAME)
 
 
 def from_odometry(
     samples: Sequence[tuple[int, PoseSample]], transforms: Transforms, absences: tuple[Absence, ...] = ()
 ) -> Track | None:
     """Return the track of an odometry: in `map` from the first transform of its frame on, else in its own frame."""
-    finite = _finite(samples)
-    if not finite:
-        return None
-    frame = finite[0][1].frame
-    stamps_ns, poses, turns = _arrays(finite)
-    driven_m = _driven_m(poses, _came(stamps_ns, absences))
-    placed = transforms.of(frame)
-    if placed is None:
-        return Track("odom", frame, stamps_ns, poses, turns, driven_m, absences)
+    track = _track("odom", samples, absences)
+    placed = transforms.of(track.frame) if track else None
+    if track is None or placed is None:
+        return track
     place_stamps_ns, places = placed
     # Before the first transform, the robot's position in the map is unknown.
-    first = int(np.searchsorted(stamps_ns, place_stamps_ns[0]))
-    if first == len(stamps_ns):
-        return Track("odom", frame, stamps_ns, poses, turns, driven_m, absences)
-    stamps_ns, poses, turns, driven_m = stamps_ns[first:], poses[first:], turns[first:], driven_m[first:]
+    first = int(np.searchsorted(track.stamps_ns, place_stamps_ns[0]))
+    if first == len(track.stamps_ns):
+        return track
+    stamps_ns, poses = track.stamps_ns[first:], track.poses[first:]
     place = places[np.searchsorted(place_stamps_ns, stamps_ns, side="right") - 1]
     cos, sin = np.cos(place[:, 2]), np.sin(place[:, 2])
     on_map = np.column_stack(
@@ -142,19 +131,20 @@ def from_odometry(
             place[:, 2] + poses[:, 2],
         )
     )
+    turns, driven_m = track.turns[first:], track.driven_m[first:]
     return Track("odom and tf", MAP_FRAME, stamps_ns, on_map, turns, driven_m, absences)
 
 
-def _finite(samples: Sequence[tuple[int, PoseSample]]) -> list[tuple[int, PoseSample]]:
-    """Return the samples without NaN, which lost robots publish."""
-    return [sample for sample in samples if all(map(math.isfinite, sample[1][1:]))]
-
-
-def _arrays(samples: Sequence[tuple[int, PoseSample]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    stamps_ns = np.array([stamp_ns for stamp_ns, _ in samples])
-    values = np.array([pose[1:] for _, pose in samples])
-    yaw_rad = _yaw_rad(*values[:, 2:].T)
-    return stamps_ns, np.column_stack((values[:, :2], yaw_rad)), values[:, 4:]
+def _track(source: Source, samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...]) -> Track | None:
+    """Return the track of recorded poses in their own frame, without NaN, which lost robots publish; None: no poses."""
+    finite = [(stamp_ns, pose) for stamp_ns, pose in samples if all(map(math.isfinite, pose[1:]))]
+    if not finite:
+        return None
+    stamps_ns = np.array([stamp_ns for stamp_ns, _ in finite])
+    values = np.array([pose[1:] for _, pose in finite])
+    poses = np.column_stack((values[:, :2], _yaw_rad(*values[:, 2:].T)))
+    driven_m = _driven_m(poses, _came(stamps_ns, absences))
+    return Track(source, finite[0][1].frame, stamps_ns, poses, values[:, 4:], driven_m, absences)
 
 
 def _came(stamps_ns: np.ndarray, absences: Sequence[Absence]) -> list[int]:

@@ -1,1 +1,1 @@
-"""Simple and published controllers to compare with."""
+"""Simple and published controllers for comparison."""

@@ -1,6 +1,4 @@
-"""The greedy voice climber: each robot for itself, always to the loudest place that it hears around it."""
-
-from __future__ import annotations
+"""The greedy controller: each robot drives on its own to the loudest place nearby."""
 
 from robotteamsim.control.driving.path_controller import PathController
 from robotteamsim.control.rdpso.local_best import LocalBestFinder
@@ -11,9 +9,10 @@ from robotteamsim.swarm import Vector
 
 
 class GreedyController(PathController):
-    """Every iteration it looks for its local best, as a robot of a swarm does, and drives there; it says nothing.
+    """In each iteration it drives to its local best, which is that of a swarm robot; it sends no messages.
 
-    Without a voice that is the place around it nearest to the area; without an area it wanders.
+    If it hears no voice, the local best is the nearby place with the shortest path to the area. Without an area it
+    wanders.
     """
 
     def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:

@@ -1,6 +1,4 @@
-"""The graph that a robot patrols: that of the scenario, or one made from the map that it carries."""
-
-from __future__ import annotations
+"""The graph that a robot patrols: that of the scenario, or one made from its known map."""
 
 import functools
 import math
@@ -11,20 +9,19 @@ import numpy as np
 from robotteamsim.control.driving.known_map import KnownMap, known_map
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.patrol import PatrolGraph
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.swarm import Vector
 
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """Places in `map` [m], and for each the others that it is linked to with the length of the way [m]."""
+    """Places in `map` [m], and for each its neighbours with the lengths of the paths to them [m]."""
 
     places: tuple[Vector, ...]
     edges: tuple[tuple[tuple[int, float], ...], ...]
 
     def nearest(self, position: Vector) -> int:
-        """Return the vertex nearest to a position as the crow flies, the first of equals."""
+        """Return the vertex with the smallest straight distance to a position; the first one of ties."""
         return min(range(len(self.places)), key=lambda vertex: math.dist(self.places[vertex], position))
 
 
@@ -32,7 +29,9 @@ def patrol_graph(scenario: Scenario, robot_radius_m: float) -> Graph:
     """Return the graph of `control.patrol`. Raises: ScenarioError: the plan has no room for one."""
     patrol = scenario.control.patrol
     if patrol.graph is not None:
-        return _of_file(patrol.graph)
+        vertices = patrol.graph.vertices
+        edges = tuple(tuple(zip(vertex.neighbours, vertex.lengths_m, strict=True)) for vertex in vertices)
+        return Graph(tuple(vertex.position for vertex in vertices), edges)
     graph = _lattice(scenario.plan, robot_radius_m, patrol.spacing_m, patrol.longest_edge)
     if not graph.places:
         raise ScenarioError(
@@ -41,16 +40,11 @@ def patrol_graph(scenario: Scenario, robot_radius_m: float) -> Graph:
     return graph
 
 
-def _of_file(graph: PatrolGraph) -> Graph:
-    places = tuple(vertex.position for vertex in graph.vertices)
-    return Graph(places, tuple(tuple(zip(v.neighbours, v.lengths_m, strict=True)) for v in graph.vertices))
-
-
 @functools.lru_cache(maxsize=8)
 def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float, longest_edge: float) -> Graph:
     """Return the free places next to the points of a square lattice, linked to their four neighbours by free paths.
 
-    Only the largest part that hangs together is kept.
+    Only the largest connected part is kept.
     """
     known = known_map(plan, robot_radius_m)
     places = _places(plan, known, spacing_m)
@@ -59,9 +53,9 @@ def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float, longest_e
         for other in ((column + 1, row), (column, row + 1)):
             if other not in places:
                 continue
-            _, length_m = known.first_stretch(places[column, row], places[other], longest_edge * spacing_m)
+            _, length_m = known.grid.first_stretch(places[column, row], places[other], longest_edge * spacing_m)
             free = known.grid.is_line_free(places[column, row], places[other])
-            # Without a path of that length the straight distance comes back, through the wall.
+            # Without a path of that length, `distance_m` would return a straight distance through the wall.
             if free or math.dist(places[column, row], places[other]) + 1e-6 < length_m <= longest_edge * spacing_m:
                 ways[column, row].append((other, length_m))
                 ways[other].append(((column, row), length_m))
@@ -83,7 +77,7 @@ def _places(plan: FloorPlan, known: KnownMap, spacing_m: float) -> dict[tuple[in
 
 
 def _largest_part(ways: dict[tuple[int, int], list[tuple[tuple[int, int], float]]]) -> list[tuple[int, int]]:
-    """Return the nodes of the largest connected part, sorted; none where no two nodes are linked."""
+    """Return the nodes of the largest connected part, sorted; empty if no two nodes are linked."""
     largest: set[tuple[int, int]] = set()
     seen: set[tuple[int, int]] = set()
     for first in ways:

@@ -1,8 +1,5 @@
 """SEBS: patrol of a graph by state exchange [portugal2013]."""
 
-from __future__ import annotations
-
-import functools
 import math
 from typing import Annotated
 
@@ -12,65 +9,54 @@ from robotteamsim.control.baselines.patrol_graph import patrol_graph
 from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.control.driving.path_controller import PathController
 from robotteamsim.control.runtime.streams import robot_stream
-from robotteamsim.geometry import Pose
 from robotteamsim.interface import Decision
-from robotteamsim.interface.payload import Index, read_payload, to_payload
+from robotteamsim.interface.payload import Index, Update, update_reader
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.swarm import Vector
 
 LONGEST_TIMED_M = 1000.0
-"""Places without a free path to them are far beyond this: for them, the timeout must end as well."""
+"""Limit of the length in the timeout [m]: places without a free path have a huge length, but must time out as well."""
 
 
-class Visit(msgspec.Struct, frozen=True, gc=False, tag="sebs"):
-    """What a robot sends its team: the vertex that it has reached (-1: none yet) and the one that it goes to."""
+class Visit(Update, frozen=True, gc=False, tag="sebs"):
+    """The message of a robot to its team: the vertex that it has reached (-1: none yet) and the next one."""
 
     robot_id: Index
     reached: Annotated[int, msgspec.Meta(ge=-1, le=2**31 - 1)]
     intends: Index
 
-    def to_json(self) -> str:
-        """Return the visit as one line of JSON."""
-        return to_payload(self)
 
-
-_decoder = msgspec.json.Decoder(Visit)
-
-
-# The robots of one process receive the same payloads.
-@functools.lru_cache(maxsize=8192)
-def parse_visit(payload: str) -> Visit | None:
-    """Return the visit that a message carries; None where it carries something else."""
-    return read_payload(_decoder, payload)
+parse_visit = update_reader(Visit, kept=8192)
+"""Return the visit in a message; None if it is another message."""
 
 
 def gain(idleness_s: float, length_m: float, patrol: Patrol) -> float:
-    """Return the gain of going to a vertex: its idleness over the length of the edge [s/m]."""
+    """Return the gain of visiting a vertex: its idleness over the length of the edge [s/m]."""
     return idleness_s / max(length_m, patrol.edge_min_m)
 
 
 def visit_probability(gain_s_per_m: float, num_intending: int, team_size: int, patrol: Patrol) -> float:
-    """Return the posterior of going to a vertex, up to a factor that is the same for all.
+    """Return the posterior of visiting a vertex, up to a factor that is the same for all vertices.
 
-    G1 exp(ln(1/G1) gain / G2), 1 where gain >= G2, times 2^(R - count) / (2^R - 1): the more teammates intend to go
-    there, the less.
+    G1 exp(ln(1/G1) gain / G2), 1 where gain >= G2, times 2^(R - count) / (2^R - 1): it decreases with the number of
+    teammates that intend to go there.
 
-    Args: num_intending: count, how many teammates said so.  team_size: R.
+    Args: num_intending: count, the number of teammates that announced it.  team_size: R.
     """
     probability = 1.0
     if gain_s_per_m < patrol.g2:
         probability = patrol.g1 * math.exp(math.log(1.0 / patrol.g1) * gain_s_per_m / patrol.g2)
-    # Multiplied out: 2^R of a thousand robots is no float.
+    # Simplified, because 2^R of a thousand robots exceeds the range of a float.
     return probability * 2.0**-num_intending / (1.0 - 2.0**-team_size)
 
 
 class SebsController(PathController):
-    """Goes from vertex to vertex, each time to the neighbour of highest posterior, and sends its team each visit.
+    """Goes from vertex to vertex, each time to the neighbour with the highest posterior, and announces each visit.
 
-    It knows idleness and intentions from its own visits and those that it heard of. It ignores voices and areas:
-    victims are found because it passes by.
+    It computes idleness and intentions from its own visits and those that it received. It ignores voices and areas, and
+    finds victims only by passing them.
     """
 
     def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
@@ -81,31 +67,32 @@ class SebsController(PathController):
         self._rng = robot_stream(scenario, "sebs", robot_id, arrival)
         self._visited_s = [0.0] * len(self._graph.places)
         self._intentions: dict[int, int] = {}
-        """Where each teammate said that it goes, by robot id."""
+        """The vertex that each teammate announced as its next one, by robot id."""
         self._at = -1
         self._goal = -1
         self._until_s = 0.0
 
     def decide(self) -> Decision:
-        """Return the command towards the chosen vertex, and the visit when one is reached."""
+        """Return the command towards the chosen vertex, and the visit if one is reached."""
         if not self.is_running:
             return Decision()
         self._listen()
         pose = self.pose()
         position = (pose.x_m, pose.y_m)
         if self._goal < 0:
-            self._go_to(self._graph.nearest(position), position)
-            return self._send_visit(pose)
-        if math.dist(position, self._graph.places[self._goal]) < self._patrol.arrived_m:
+            vertex = self._graph.nearest(position)
+        elif math.dist(position, self._graph.places[self._goal]) < self._patrol.arrived_m:
             self._visited_s[self._goal] = self.time_s
             self._at = self._goal
-            self._go_to(self._next_vertex(self._at), position)
-            return self._send_visit(pose)
-        if self.time_s > self._until_s:
-            # The path is blocked: any vertex nearby is as good.
-            self._go_to(self._next_vertex(self._goal), position)
-            return self._send_visit(pose)
-        return self.drive(pose, self._graph.places[self._goal])
+            vertex = self._next_vertex(self._at)
+        elif self.time_s > self._until_s:
+            # The path is blocked: choose the next vertex as if this one had been reached.
+            vertex = self._next_vertex(self._goal)
+        else:
+            return self.drive(pose, self._graph.places[self._goal])
+        self._go_to(vertex, position)
+        visit = Message(self.robot_id, EVERYBODY, Visit(self.robot_id, self._at, vertex).to_json())
+        return self.drive(pose, self._graph.places[vertex], (visit,))
 
     def _listen(self) -> None:
         last = len(self._visited_s) - 1
@@ -118,7 +105,7 @@ class SebsController(PathController):
                 self._visited_s[visit.reached] = self.time_s
 
     def _next_vertex(self, vertex: int) -> int:
-        """Return the neighbour of highest posterior; of equal ones a random one."""
+        """Return the neighbour with the highest posterior; ties are broken at random."""
         edges = self._graph.edges[vertex]
         if not edges:
             return vertex
@@ -140,8 +127,3 @@ class SebsController(PathController):
         distance_m = self.map.distance_m(self._graph.places[vertex], position)
         travel_s = self._patrol.timeout_factor * min(distance_m, LONGEST_TIMED_M) / self.speed_mps
         self._until_s = self.time_s + self._patrol.timeout_s + travel_s
-
-    def _send_visit(self, pose: Pose) -> Decision:
-        visit = Visit(self.robot_id, self._at, self._goal)
-        message = Message(self.robot_id, EVERYBODY, visit.to_json())
-        return self.drive(pose, self._graph.places[self._goal], (message,))

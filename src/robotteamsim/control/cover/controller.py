@@ -1,4 +1,4 @@
-"""Covering the floor: each robot goes where the team has not been, held back by the communication term of eq. (22)."""
+"""Covering the floor: each robot goes to uncovered places, restrained by the communication term of eq. (22)."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from robotteamsim.interface import Decision, Discovery, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import VoiceReading
-from robotteamsim.swarm import Vector, limit_speed
+from robotteamsim.swarm import Vector, limit_speed, next_position
 from robotteamsim.world.placement import placed_robots
 
 
 class CoverController:
-    """One robot of a team that covers the floor and tells the base of each find.
+    """One robot of a team that covers the floor and announces each discovery to the base.
 
-    Every iteration the robot reports what it knows and chooses v[t+1] of eq. (22): the local best is the place where it
-    covers most for the way, or the loudest cell of a voice; x_CB is weighted by the link keeper. Inertia and the social
-    term are left out, as a team that covers wants to be in different places, and obstacles are the navigator's affair.
-    The base, `mission.base`, stands still, listens and reports as all others do.
+    In each iteration the robot sends an update of its knowledge and chooses v[t+1] of eq. (22): the local best is the
+    place that covers the most new floor for its distance, or the loudest cell of a voice; the link keeper weighs x_CB.
+    Inertia and the social term are omitted, because robots that cover a floor should be in different places; the
+    navigator avoids obstacles. The base, `mission.base`, stands still, and sends updates like all others.
     """
 
     announces_victims = True
@@ -52,33 +52,33 @@ class CoverController:
         self._observation: Observation | None = None
         self._task = Task()
         self._loudest: Vector | None = None
-        """The loudest cell of the step before, where it was as loud as a victim is at 1 m or nearer."""
+        """The loudest cell of the previous step, if it was as loud as a victim within 1 m."""
         self._team: dict[int, tuple[float, CoverUpdate]] = {}
-        """The last update of every teammate, and when it came [s]."""
+        """The last update of each teammate, and its time of arrival [s]."""
         self._teammates: dict[int, Vector] = {}
         self._found: list[Discovery] = []
         self._iteration = -1
         self._goal: Vector | None = None
         self._goal_m, self._goal_since_s = math.inf, 0.0
-        """How near the goal was at best, along the path [m], and since when."""
+        """The shortest path length to the goal so far [m], and since when."""
         self._avoided: list[tuple[Vector, float]] = []
-        """Places left alone, and until when [s]."""
+        """Avoided places, and until when [s]."""
         self._route = _Route(control.cover.longest_path_m)
         self._target: Vector | None = None
         self._speed_mps = control.max_step_speed_mps
 
     @property
     def found(self) -> tuple[Discovery, ...]:
-        """All victims that the robot knows to be found; it does not know their names."""
+        """All victims that the robot knows to have been reached; it does not know their names."""
         return tuple(self._found)
 
     @property
     def covered_share(self) -> float:
-        """The share of the floor that the robot knows to be covered."""
+        """The fraction of the floor that the robot knows to be covered."""
         return self._cover.share
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Take in what the robot perceives, the messages that arrived, and the mission's task."""
+        """Process the observation, the messages that arrived, and the mission's task."""
         if task.epoch != self._task.epoch:
             self._ruled_out.clear()
             self._note_victim(observation)
@@ -96,7 +96,7 @@ class CoverController:
                 self._add_victim(victim)
 
     def decide(self) -> Decision:
-        """Return command and messages for this step."""
+        """Return the command and the messages of this step."""
         if self._observation is None or not self._task.running:
             return Decision()
         sim_time_ns, robot = self._observation.sim_time_ns, self._observation.robot
@@ -106,7 +106,9 @@ class CoverController:
         if iteration != self._iteration:
             self._iteration = iteration
             self._choose(pose, self._observation.voice, sim_time_ns * 1e-9)
-            outbox = (Message(self._robot_id, EVERYBODY, self._update(pose).to_json()),)
+            position, covered = (pose.x_m, pose.y_m), self._cover.to_hex()
+            update = CoverUpdate(self._robot_id, position, self._goal, covered, self.found)
+            outbox = (Message(self._robot_id, EVERYBODY, update.to_json()),)
         if self._target is None:
             return Decision(outbox=outbox)
         twist = self._navigator.drive(
@@ -114,12 +116,8 @@ class CoverController:
         )
         return Decision(twist=twist, outbox=outbox, goal_m=self._goal)
 
-    def _update(self, pose: Pose) -> CoverUpdate:
-        position = (pose.x_m, pose.y_m)
-        return CoverUpdate(self._robot_id, position, self._goal, self._cover.to_hex(), tuple(self._found))
-
     def _note_victim(self, observation: Observation) -> None:
-        """Note a victim whom the robot has found: a voice beside it that falls silent."""
+        """Note a victim that the robot has reached: a voice next to it that falls silent."""
         if self._loudest is None:
             return
         pose, voice = self._localiser.map_T_base_link(observation.robot), observation.voice
@@ -129,12 +127,12 @@ class CoverController:
             self._add_victim(Discovery("victim", "", self._robot_id, self._loudest, time_s))
 
     def _add_victim(self, victim: Discovery) -> None:
-        """Keep a victim, unless one at that place is known already."""
+        """Add a victim, unless one at that place is already known."""
         if all(math.dist(victim.position_m, known.position_m) > self._found_within_m for known in self._found):
             self._found.append(victim)
 
     def _choose(self, pose: Pose, voice: VoiceReading, time_s: float) -> None:
-        """Look around, set the goal and, towards it, the point for this iteration."""
+        """Choose the goal and the point for this iteration on the path to it."""
         position = (pose.x_m, pose.y_m)
         self._cover.look(position)
         if self._is_base:
@@ -145,13 +143,14 @@ class CoverController:
         if velocity == (0.0, 0.0):
             self._target = None
             return
-        self._target = self._map.reachable_towards(position, (position[0] + velocity[0], position[1] + velocity[1]))
+        self._target = self._map.grid.reachable_towards(position, next_position(position, velocity))
         self._speed_mps = max(0.1, self._control.speed_factor * math.hypot(*velocity) / self._control.iteration_s)
 
     def _choose_goal(self, position: Vector, voice: VoiceReading, time_s: float) -> None:
         loudest = voice.local_best_m if voice.heard else None
         self._ruled_out.add(position, loudest)
-        if loudest and not self._ruled_out.covers(loudest) and not self._is_avoided(loudest):
+        is_avoided = loudest and any(math.dist(loudest, place) <= self._tuning.avoided_m for place, _ in self._avoided)
+        if loudest and not is_avoided and not self._ruled_out.covers(loudest):
             if self._goal is None or math.dist(self._goal, loudest) > self._tuning.avoided_m:
                 self._goal_m, self._goal_since_s = math.inf, time_s
             self._goal = loudest
@@ -168,11 +167,8 @@ class CoverController:
             self._goal = self._best_place(position)
             self._goal_m, self._goal_since_s = math.inf, time_s
 
-    def _is_avoided(self, place: Vector) -> bool:
-        return any(math.dist(place, avoided) <= self._tuning.avoided_m for avoided, _ in self._avoided)
-
     def _is_taken(self, place: Vector, position: Vector) -> bool:
-        """Whether a teammate goes there that is nearer, or as near and of lower id."""
+        """Whether a teammate that is nearer, or as near with a lower id, goes there."""
         own = (math.dist(place, position), self._robot_id)
         return any(
             update.goal is not None
@@ -182,7 +178,7 @@ class CoverController:
         )
 
     def _best_place(self, position: Vector) -> Vector | None:
-        """Return where the robot covers most for the way; none where nothing is left to it."""
+        """Return the place that covers the most new floor for its distance; None if none is left."""
         left_out = [(place, self._tuning.avoided_m) for place, _ in self._avoided]
         left_out += [(update.goal, self._tuning.apart_m) for _, update in self._team.values() if update.goal]
         in_reach = self._links.in_reach([update.position for _, update in self._team.values()], CELL_M)
@@ -190,7 +186,7 @@ class CoverController:
             place = self._cover.best_place(position, left_out, self._tuning.nearness_m, in_reach)
             if place:
                 return place
-        # What is left is out of reach: the team stretches towards it.
+        # No uncovered place has a good enough link: extend the team towards one.
         return self._cover.best_place(position, left_out, self._tuning.nearness_m)
 
     def _velocity(self, position: Vector, time_s: float) -> Vector:
@@ -205,7 +201,7 @@ class CoverController:
         return limit_speed((v_x, v_y), step_m)
 
     def _heard_and_missing(self, time_s: float) -> tuple[dict[int, Vector], dict[int, Vector]]:
-        """Return where the connected teammates are, and those that were heard less recently, by robot id."""
+        """Return the positions of connected teammates, and of those heard less recently, by robot id."""
         ages_s = sorted((robot_id, time_s - heard_s) for robot_id, (heard_s, _) in self._team.items())
         connected_s, given_up_s = self._tuning.connected_s, self._tuning.given_up_s
         return (
@@ -214,7 +210,7 @@ class CoverController:
         )
 
     def _way_to(self, route: _Route, place: Vector, position: Vector, longest_m: float) -> Vector:
-        """Return the way to a place: along the first stretch of the path, as long as all of it, or `longest_m`."""
+        """Return the vector in the direction of the path to a place, with its length, or `longest_m` if shorter."""
         (x, y), length_m = route.first_stretch(self._map, position, place)
         stretch_m = math.dist(position, (x, y))
         if stretch_m == 0.0:
@@ -224,16 +220,16 @@ class CoverController:
 
 
 class _Route:
-    """The corners of a path, kept while the place that it leads to stays and the robot follows it."""
+    """The corners of a path, reused while its end stays the same and the robot follows it."""
 
     def __init__(self, longest_m: float) -> None:
-        """Args: longest_m: no longer path is searched."""
+        """Args: longest_m: limit of the path search."""
         self._longest_m = longest_m
         self._place: Vector | None = None
         self._corners: list[Vector] = []
 
     def first_stretch(self, known: KnownMap, position: Vector, place: Vector) -> tuple[Vector, float]:
-        """Return the first corner ahead on the way to a place, in `map` [m], and the length of the whole way [m]."""
+        """Return the first corner ahead on the path to a place, in `map` [m], and the length of the whole path [m]."""
         is_lost = self._place != place or not known.grid.is_line_free(position, self._corners[0])
         if is_lost:
             self._place, self._corners = place, [place]

@@ -1,6 +1,4 @@
-"""Which parts of the floor the team has been to, as far as one robot knows."""
-
-from __future__ import annotations
+"""The floor that the team has covered, as far as one robot knows."""
 
 import functools
 import math
@@ -13,27 +11,27 @@ from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.swarm import Vector
 
 CELL_M = 1.0
-"""Robots send each other one bit per cell: an update of a garage of 60 x 40 m takes 600 hexadecimal digits."""
+"""Updates contain one bit per cell: 600 hexadecimal digits for a garage of 60 x 40 m."""
 
 Disc = tuple[Vector, float]
 """Centre in `map` and radius [m]."""
 
 
 class _Floor:
-    """The cells of a plan that a robot of one size can reach from a start; what is dear is computed once and kept."""
+    """The cells of a plan that a robot of one size can reach from a start; expensive results are cached."""
 
     def __init__(self, plan: FloorPlan, robot_radius_m: float, start: Vector) -> None:
         self.grid = known_map(plan, robot_radius_m).grid
-        self.origin_m = plan.bounds.min
-        columns, rows = (math.ceil((high - low) / CELL_M) for low, high in zip(*_corners(plan), strict=True))
+        self.origin_m = low_m = plan.bounds.min
+        columns, rows = (math.ceil((high - low) / CELL_M) for low, high in zip(low_m, plan.bounds.max, strict=True))
         self.shape = rows, columns
         self.middles_m = np.stack(np.meshgrid(np.arange(columns) + 0.5, np.arange(rows) + 0.5), axis=-1) * CELL_M
         self.middles_m += self.origin_m
         self.places: list[list[Vector | None]] = [
             [self.grid.nearest_free(tuple(middle), 0.4 * CELL_M) for middle in row] for row in self.middles_m.tolist()
         ]
-        """Per cell, a free place at its middle or close to it."""
-        # Free places are middles of the grid's cells, so the cell that holds one is beyond doubt.
+        """Per cell, a free place at its centre or close to it."""
+        # Free places are centres of the grid's cells, so rounding cannot put one into another cell.
         origin_x, origin_y = self.origin_m
         found = [[place or (origin_x, origin_y) for place in row] for row in self.places]
         cells = np.floor((np.array(found) - self.origin_m) / GRID_RESOLUTION_M).astype(np.int64)
@@ -44,9 +42,9 @@ class _Floor:
         self.open = np.isfinite(self._lengths_from(free_start)) if free_start else np.zeros(self.shape, dtype=bool)
 
     def lengths_m(self, cell: tuple[int, int]) -> np.ndarray | None:
-        """Return how far the places of all cells are from that of one cell, by free paths, shape (rows, cols) [m].
+        """Return the lengths of free paths from one cell's place to those of all cells, shape (rows, cols) [m].
 
-        None where the cell has no free place.
+        None if the cell has no free place.
         """
         place = self.places[cell[0]][cell[1]]
         if place is None:
@@ -60,16 +58,12 @@ class _Floor:
         return np.where(self._has_place, field[self._rows, self._columns], math.inf)
 
 
-def _corners(plan: FloorPlan) -> tuple[Vector, Vector]:
-    return plan.bounds.min, plan.bounds.max
-
-
-# Robots and trials share it: its content depends on these values alone.
+# Robots and trials share it: its contents depend only on these values.
 _floor = functools.lru_cache(maxsize=8)(_Floor)
 
 
 class FloorCover:
-    """The floor as cells of 1 m; one is covered once a robot was within `radius_m` of its middle and saw it."""
+    """The floor as cells of 1 m; a cell is covered once a robot was within `radius_m` of its centre and saw it."""
 
     def __init__(self, plan: FloorPlan, robot_radius_m: float, start: Vector, radius_m: float) -> None:
         self._floor = _floor(plan, robot_radius_m, start)
@@ -81,12 +75,12 @@ class FloorCover:
 
     @property
     def share(self) -> float:
-        """The share of reachable cells that are covered; 1 where there are none."""
+        """The fraction of reachable cells that are covered; 1 if there are none."""
         num_open = np.count_nonzero(self._floor.open)
         return float(np.count_nonzero(self._covered & self._floor.open) / num_open) if num_open else 1.0
 
     def look(self, position: Vector) -> None:
-        """Cover what a robot sees from a place in `map` [m]."""
+        """Mark the cells that a robot sees from a place in `map` [m] as covered."""
         start = self._floor.grid.nearest_free(position, 0.5)
         away_m = self._floor.middles_m - position
         near = away_m[..., 0] ** 2 + away_m[..., 1] ** 2 <= self._radius_m**2
@@ -99,12 +93,12 @@ class FloorCover:
     def best_place(
         self, position: Vector, left_out: Sequence[Disc], nearness_m: float, within: np.ndarray | None = None
     ) -> Vector | None:
-        """Return the place of the cell that newly covers most, over its distance and `nearness_m`; the first of equals.
+        """Return the place with the most newly covered floor / (distance + `nearness_m`); the first one of ties.
 
-        Args: left_out: discs, centre and radius [m], whose cells are not asked for.
-              within: the only cells to ask for, bool, shape (rows, cols); none: all.
+        Args: left_out: discs, centre and radius [m], whose cells are not considered.
+              within: the only cells to consider, bool, shape (rows, cols); None for all.
         """
-        from scipy import ndimage  # Takes longer to import than a node without this algorithm takes to start.
+        from scipy import ndimage  # Slow to import, and most nodes do not need it.
 
         lengths_m = self._floor.lengths_m(self._cell_of(position))
         missing = self._floor.open & ~self._covered
@@ -121,15 +115,15 @@ class FloorCover:
         return self._floor.places[row][column] if worth[row, column] > 0.0 else None
 
     def is_covered(self, place: Vector) -> bool:
-        """Whether the cell that holds a place in `map` [m] is covered."""
+        """Whether the cell that contains a place in `map` [m] is covered."""
         return bool(self._covered[self._cell_of(place)])
 
     def to_hex(self) -> str:
-        """Return which cells are covered, as text for a message."""
+        """Return the covered cells as text for a message."""
         return np.packbits(self._covered).tobytes().hex()
 
     def merge(self, text: str) -> bool:
-        """Cover what the writer of `to_hex` has covered; whether the text was one of this floor."""
+        """Add the covered cells in a text from `to_hex`. Returns: whether the text fits this floor."""
         try:
             bits = np.unpackbits(np.frombuffer(bytes.fromhex(text), dtype=np.uint8))
         except ValueError:

@@ -1,17 +1,11 @@
-"""What robots that cover a floor send each other, once per iteration."""
-
-from __future__ import annotations
-
-import functools
-
-import msgspec
+"""The message of robots that cover a floor, sent once per iteration."""
 
 from robotteamsim.interface.discovery import Discovery
-from robotteamsim.interface.payload import Index, Point, read_payload, to_payload
+from robotteamsim.interface.payload import Index, Point, Update, update_reader
 
 
-class CoverUpdate(msgspec.Struct, frozen=True, gc=False, tag="cover"):
-    """Where a robot is and goes, in `map` [m], what it knows to be covered, and all victims that it knows of.
+class CoverUpdate(Update, frozen=True, gc=False, tag="cover"):
+    """Position and goal of a robot, in `map` [m], the cells that it knows to be covered, and its known victims.
 
     discoveries: of victims, without names; `time_s` is simulated time. The mission reads them, too.
     """
@@ -22,16 +16,6 @@ class CoverUpdate(msgspec.Struct, frozen=True, gc=False, tag="cover"):
     covered: str
     discoveries: tuple[Discovery, ...]
 
-    def to_json(self) -> str:
-        """Return the update as one line of JSON; numbers keep every bit."""
-        return to_payload(self)
 
-
-_decoder = msgspec.json.Decoder(CoverUpdate)
-
-
-# The robots of one process receive the same payloads.
-@functools.lru_cache(maxsize=1024)
-def parse_cover_update(payload: str) -> CoverUpdate | None:
-    """Return the update that a message carries; None where it carries something else."""
-    return read_payload(_decoder, payload)
+parse_cover_update = update_reader(CoverUpdate, kept=1024)
+"""Return the update in a message; None if it is another message."""

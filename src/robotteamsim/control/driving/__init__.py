@@ -1,1 +1,1 @@
-"""Where a robot is, what it knows of the floor plan, and how it drives to a goal."""
+"""Localisation, the known map, and driving to a goal."""

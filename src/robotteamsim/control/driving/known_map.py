@@ -1,6 +1,4 @@
-"""The map that a robot carries: where its body fits in the known plan, and the lengths of free paths."""
-
-from __future__ import annotations
+"""The map that a robot knows: free space for its body in the plan, and lengths of free paths."""
 
 import functools
 import math
@@ -13,23 +11,27 @@ from robotteamsim.scenario.plan import FREE, occupancy_grid
 from robotteamsim.swarm import Vector
 
 GRID_RESOLUTION_M = 0.1
-"""Half of the smallest body's radius: a doorway that a robot fits through stays open in the grid."""
+"""Half of the smallest body's radius, so that a doorway that a robot fits through stays open in the grid."""
 
 MARGIN_M = 0.05
-"""Kept between a robot's body and the plan, on top of what the conservative occupancy grid keeps."""
+"""Clearance between a robot's body and the plan, in addition to that of the conservative occupancy grid."""
 
 UNREACHABLE_M = 1e4
-"""Added to the straight distance where no free path leads to a goal, so that any reachable place is better."""
+"""Added to the straight distance if there is no free path to a goal, so that any reachable place is better."""
 
 _KEPT_DISTANCE_MAPS = 64
-"""More than the goals of a mission: its areas, and the vertices of a patrol are asked for one after the other."""
+"""More than the goals of a mission, which are its areas and the vertices of a patrol."""
 
 
 class KnownMap:
     """Free space of one plan for one size of robot, with doors as believed.
 
-    Answers depend on places and doors alone, never on earlier questions. Distance maps are kept because they are
-    expensive.
+    Results depend only on places and doors, not on earlier calls. Distance maps are cached because they are expensive.
+
+    `grid` has the methods without a distance map: `along_path` returns the point in the direction of the first segment
+    of the path to a goal, at the path's length; `first_stretch` the first bend of a shortest path, and the length of
+    the path [m]; `reachable_towards` the goal if the straight line to it is free, else the reachable place nearest to
+    it. A goal without a path of at most the given length [m] is returned unchanged, at its straight distance.
     """
 
     def __init__(self, plan: FloorPlan, robot_radius_m: float, closed_doors: tuple[tuple[str, bool], ...]) -> None:
@@ -39,16 +41,6 @@ class KnownMap:
         )
         self._distance_maps: dict[Vector, np.ndarray | None] = {}
 
-    def along_path(self, start: Vector, goal: Vector, max_length_m: float) -> Vector:
-        """Return a goal as the path to it from a start begins: at the path's length, in the direction of its first
-        stretch. A goal without a path of at most `max_length_m` [m] is returned as it is.
-        """
-        return self.grid.along_path(start, goal, max_length_m)
-
-    def reachable_towards(self, start: Vector, goal: Vector) -> Vector:
-        """Return the goal if the straight line to it from a start is free; else the reachable place nearest to it."""
-        return self.grid.reachable_towards(start, goal)
-
     def distance_m(self, goal: Vector, position: Vector) -> float:
         """Return the length of the shortest free path [m]; UNREACHABLE_M and the straight distance without one."""
         distances = self._distance_map(goal)
@@ -57,10 +49,10 @@ class KnownMap:
         return length_m if math.isfinite(length_m) else UNREACHABLE_M + math.dist(goal, position)
 
     def nearest_by_path(self, goal: Vector, position: Vector, radius_m: float) -> tuple[Vector, float]:
-        """Return the cell around a robot from which the path to a goal is shortest, and how long that is [m].
+        """Return the cell near a robot with the shortest path to a goal, and the length of that path [m].
 
-        The cells are those that the robot can reach within `radius_m` of it. Where the goal cannot be reached, the
-        one nearest as the crow flies, with the length that `distance_m` gives.
+        The cells are those that the robot can reach within `radius_m`. If the goal cannot be reached, the cell with the
+        smallest straight distance to it is returned, with the length from `distance_m`.
         """
         distances = self._distance_map(goal)
         start = self.grid.nearest_free(position, 1.0)
@@ -72,16 +64,9 @@ class KnownMap:
         return cell, self.distance_m(goal, cell)
 
     def nearest_by_sight(self, goal: Vector, position: Vector, radius_m: float) -> Vector:
-        """Return the free cell within `radius_m` of a robot that is nearest to a goal as the crow flies."""
+        """Return the free cell within `radius_m` of a robot with the smallest straight distance to a goal."""
         cell = self.grid.nearest_in_disc(position, goal, radius_m)
         return position if cell is None else cell
-
-    def first_stretch(self, start: Vector, goal: Vector, max_length_m: float) -> tuple[Vector, float]:
-        """Return where a shortest path from `start` to `goal` first bends, and its whole length [m].
-
-        The bend is `goal` itself, at its straight distance, where the line is free or no path of `max_length_m` exists.
-        """
-        return self.grid.first_stretch(start, goal, max_length_m)
 
     def _distance_map(self, goal: Vector) -> np.ndarray | None:
         distances = self._distance_maps.get(goal)
@@ -95,8 +80,8 @@ class KnownMap:
 
 @functools.lru_cache(maxsize=16)
 def known_map(plan: FloorPlan, robot_radius_m: float, closed_doors: tuple[tuple[str, bool], ...] = ()) -> KnownMap:
-    """Return the map for a plan, a robot's radius [m] and doors believed otherwise than the plan says.
+    """Return the map for a plan, a robot's radius [m], and the doors believed to differ from the plan.
 
-    Robots and trials share it: its content depends on these values alone.
+    Robots and trials share it: its contents depend only on these values.
     """
     return KnownMap(plan, robot_radius_m, closed_doors)

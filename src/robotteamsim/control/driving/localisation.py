@@ -1,6 +1,4 @@
-"""Where a robot believes itself to be."""
-
-from __future__ import annotations
+"""The pose that a robot uses as its own."""
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Pose
@@ -26,8 +24,7 @@ class Localiser:
 
 
 def body_of(robot_id: int, scenario: Scenario) -> Robot:
-    """Return what one robot is. Raises: ScenarioError: the scenario has no such robot."""
-    count = scenario.robots.count if isinstance(scenario.robots, Team) else len(scenario.robots)
-    if not 0 <= robot_id < count:
-        raise ScenarioError(f"{scenario.name}: there is no robot {robot_id}, only 0 to {count - 1}")
+    """Return one robot of the scenario. Raises: ScenarioError: no such robot."""
+    if not 0 <= robot_id < scenario.num_robots:
+        raise ScenarioError(f"{scenario.name}: there is no robot {robot_id}, only 0 to {scenario.num_robots - 1}")
     return scenario.robots if isinstance(scenario.robots, Team) else scenario.robots[robot_id]

@@ -1,6 +1,4 @@
-"""Driving to a point: along the known map, around what the laser sees, and out of jams."""
-
-from __future__ import annotations
+"""Driving to a point: along the known map, around obstacles that the laser sees, and out of jams."""
 
 from collections.abc import Callable, Mapping
 from typing import Literal
@@ -42,15 +40,15 @@ class Navigator:
         """Return the command of this step.
 
         Args: grid: of the known map.
-              goal: in `map` [m]; one inside an obstacle stands for the nearest free point that can be reached.
-              speed_mps: not to be exceeded.  sim_time_ns: the observation's stamp.
-              teammates: returns where other robots were last heard to be, in `map` [m]; called when the robot is stuck.
+              goal: in `map` [m]; one inside an obstacle is replaced by the nearest reachable point.
+              speed_mps: limit of the speed.  sim_time_ns: stamp of the observation.
+              teammates: returns the last known positions of other robots, in `map` [m]; called if the robot is stuck.
         """
         return self._core.drive(grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates)
 
 
 def laser_layout(laser: Laser) -> _core.control.LaserLayout:
-    """Return the layout of a laser's beams, as the library reads its scans."""
+    """Return the layout of a laser's beams for the C++ library."""
     return _core.control.LaserLayout(
         beams=laser.beams,
         angle_min_rad=laser.angle_min_rad,

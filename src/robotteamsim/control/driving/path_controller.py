@@ -1,6 +1,4 @@
-"""The base of the simpler controllers: a robot that knows where it is, has the map, and drives to a point."""
-
-from __future__ import annotations
+"""Base class of the simpler controllers: it localises the robot, knows the map and drives to a point."""
 
 from collections.abc import Mapping, Sequence
 
@@ -17,7 +15,7 @@ from robotteamsim.swarm import Vector
 
 
 class PathController:
-    """Base of a controller that chooses goals; it drives there, or wanders where there is no goal."""
+    """Base class of a controller that chooses goals; it drives there, or wanders if there is no goal."""
 
     def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
         body = body_of(robot_id, scenario)
@@ -36,18 +34,18 @@ class PathController:
         self.task = Task()
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Take in what the robot perceives, the messages that arrived, and the mission's task."""
+        """Process the observation, the messages that arrived, and the mission's task."""
         self._observation, self.inbox, self.task = observation, inbox, task
 
     @property
     def observation(self) -> Observation:
-        """What was perceived in this step."""
+        """The observation of this step."""
         assert self._observation is not None, "observe comes before decide"
         return self._observation
 
     @property
     def is_running(self) -> bool:
-        """Whether the mission runs and the robot has perceived something."""
+        """Whether the mission is running and there has been an observation."""
         return self._observation is not None and self.task.running
 
     @property
@@ -56,7 +54,7 @@ class PathController:
         return self.observation.sim_time_ns * 1e-9
 
     def pose(self) -> Pose:
-        """Return where the robot believes itself to be, in `map`."""
+        """Return the pose that the robot uses as its own, in `map`."""
         return self._localiser.map_T_base_link(self.observation.robot)
 
     def drive(
@@ -68,7 +66,7 @@ class PathController:
         local_best: float = 0.0,
         teammates: Mapping[int, Vector] | None = None,
     ) -> Decision:
-        """Return the decision to drive to a goal in `map` [m] at full speed, or to wander where there is none."""
+        """Return the decision to drive to a goal in `map` [m] at full speed, or to wander if it is None."""
         if goal is None:
             goal = self._wander.goal(self.map, (pose.x_m, pose.y_m), self.time_s)
         else:

@@ -1,6 +1,4 @@
-"""Wandering at random: what an excluded robot does, and one that knows nothing better."""
-
-from __future__ import annotations
+"""Random wandering, of excluded robots and of robots without a goal."""
 
 import math
 
@@ -11,7 +9,7 @@ from robotteamsim.scenario.control_tuning import WanderTuning
 from robotteamsim.swarm import Vector
 
 TRIES = 8
-"""Of directions for a leg; the longest of these short legs is taken: more tries would hardly find a longer one."""
+"""Number of directions tried for a leg. If all legs are short, the longest is used; more tries would rarely help."""
 
 
 class Wander:
@@ -25,7 +23,7 @@ class Wander:
         self._until_s = 0.0
 
     def goal(self, free_space: KnownMap, position: Vector, time_s: float) -> Vector:
-        """Return the end of the present leg, in `map` [m]."""
+        """Return the end of the current leg, in `map` [m]."""
         if self._goal is None or time_s >= self._until_s or math.dist(position, self._goal) < self._tuning.arrived_m:
             self._goal = self._next_goal(free_space, position)
             travel_s = self._tuning.timeout_factor * math.dist(position, self._goal) / self._speed_mps
@@ -33,7 +31,7 @@ class Wander:
         return self._goal
 
     def stop(self) -> None:
-        """Forget the present leg; the next call begins a new one."""
+        """Discard the current leg; the next call starts a new one."""
         self._goal = None
 
     def _next_goal(self, free_space: KnownMap, position: Vector) -> Vector:
@@ -52,7 +50,7 @@ class Wander:
 
 
 def free_end(free_space: KnownMap, start: Vector, heading_rad: float, length_m: float) -> Vector:
-    """Return the farthest point in a direction, up to `length_m`, to which the straight way is free."""
+    """Return the farthest point in a direction, up to `length_m`, to which the straight line is free."""
     end = start
     for i in range(1, int(length_m / GRID_RESOLUTION_M) + 1):
         reach_m = i * GRID_RESOLUTION_M

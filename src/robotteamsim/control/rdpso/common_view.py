@@ -1,6 +1,4 @@
-"""What follows from the updates of one iteration alone: the same for all robots that heard the same ones."""
-
-from __future__ import annotations
+"""Values derived only from the updates of one iteration: the same for all robots that heard the same updates."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -12,9 +10,9 @@ from robotteamsim.swarm import SwarmState, Vector
 
 
 class Bests(NamedTuple):
-    """The bests of a swarm and of the excluded, who share what they hear with every swarm: the highest first.
+    """The bests of a swarm and of excluded robots, which share the voices they hear with every swarm; highest first.
 
-    How near an excluded robot comes to the area is no success: of its own local best only a voice counts.
+    The distance of an excluded robot to the area does not count: of its own local best only a voice does.
     """
 
     known: tuple[Best, ...]
@@ -22,20 +20,20 @@ class Bests(NamedTuple):
 
 
 class Comparable(NamedTuple):
-    """What robots of one task that agree on doors hear, and their bests by swarm."""
+    """The loudest cells and the bests by swarm of robots with the same task and the same beliefs about doors."""
 
     heard: _core.control.HeardNotes
     bests: dict[int, Bests]
 
 
 class CommonView:
-    """The updates of one iteration. Robots share it, so nobody changes what it holds.
+    """The updates of one iteration. Robots share it, so it must not be changed.
 
-    values:    of the local bests, by robot id, of each swarm heard of (OUTSIDE is one).
+    values:    of the local bests, by robot id, for each swarm in the updates (OUTSIDE is one).
     positions: of the robots in `map` [m], likewise.
-    states:    each swarm's memory, as its member of the lowest id has it.
+    states:    each swarm's memory, as sent by its member with the lowest id.
     doors:     all sightings of doors in the updates.
-    verdicts:  what `Membership` made of it: who goes to which swarm, and the swarms' memories.
+    verdicts:  cached results of `Membership`: the swarm of each robot that changes, and the swarms' memories.
     """
 
     def __init__(self, updates: tuple[RdpsoUpdate, ...]) -> None:
@@ -60,7 +58,7 @@ class CommonView:
         self._comparable: dict[tuple[int, tuple[Sighting, ...]], Comparable] = {}
 
     def comparable(self, own: RdpsoUpdate) -> Comparable:
-        """Return what follows from the updates of those who have a robot's task and agree with it on doors."""
+        """Return the common values of the updates with a robot's task and its beliefs about doors."""
         basis = own.epoch, own.doors
         if basis not in self._comparable:
             updates = self._by_basis[basis]
@@ -71,19 +69,12 @@ class CommonView:
 
 
 def _bests_of(swarm_id: int, updates: Iterable[RdpsoUpdate]) -> Bests:
-    # Dictionaries serve as sets that keep their order.
-    known: dict[Best, None] = {}
-    local: dict[Best, None] = {}
-    for update in updates:
-        if update.swarm_id not in (swarm_id, OUTSIDE):
-            continue
-        if update.known_best:
-            known[update.known_best] = None
-        if update.local_best and (update.swarm_id != OUTSIDE or update.local_best.is_voice):
-            local[update.local_best] = None
+    own = [update for update in updates if update.swarm_id in (swarm_id, OUTSIDE)]
+    known = [update.known_best for update in own if update.known_best]
+    local = [u.local_best for u in own if u.local_best and (u.swarm_id != OUTSIDE or u.local_best.is_voice)]
     return Bests(_highest_first(known), _highest_first(local))
 
 
 def _highest_first(bests: Iterable[Best]) -> tuple[Best, ...]:
-    """Return bests in falling order; equal values in the order given."""
-    return tuple(sorted(bests, key=lambda best: best.value, reverse=True))
+    """Return bests in descending order, each once; ties keep their order."""
+    return tuple(sorted(dict.fromkeys(bests), key=lambda best: best.value, reverse=True))

@@ -1,6 +1,4 @@
-"""What one robot can know of its links, and where they draw it."""
-
-from __future__ import annotations
+"""The links of one robot, as far as it knows them, and the attractor x_CB."""
 
 import functools
 import math
@@ -8,28 +6,22 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from robotteamsim import _core
+from robotteamsim import _core, swarm
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Radio
-from robotteamsim.swarm import (
-    Vector,
-    communication_attractor,
-    communication_weight,
-    robot_proximity_by_distance,
-    robot_proximity_by_signal,
-)
+from robotteamsim.swarm import Vector
 
 
 class LinkKeeper:
-    """The communication term of eq. (22) for one robot, silent while its link to the swarm is safe.
+    """The communication term of eq. (22) for one robot; it is zero while the link to the swarm is safe.
 
-    A robot knows the plan, the radio and where its teammates said they were; from these it predicts the link to keep:
-    that to the nearest one, or (`control.kept_link: tree`) the weakest of its own links in the strongest tree that
-    holds the team together. A team whose robots all keep their nearest neighbour can still fall into pairs. The range
-    that x_CB keeps is d_max for links by distance. For links by signal it is the distance at which this link, with the
-    walls that it crosses now, would be at the endangered threshold.
+    From the plan, the radio model and the positions that teammates sent, a robot predicts the link to keep: that to the
+    nearest teammate, or (`control.kept_link: tree`) the weakest of its own links in the strongest spanning tree of the
+    team. A team whose robots all keep their nearest neighbour can still split into pairs. The range that x_CB keeps is
+    d_max for links by distance. For links by signal it is the distance at which this link, with the walls that it
+    crosses now, would be at the endangered threshold.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -42,19 +34,19 @@ class LinkKeeper:
         lost_dbm, endangered_dbm = scenario.network.lost_below_dbm, scenario.network.endangered_below_dbm
         self._lost_dbm, self._endangered_dbm = lost_dbm, endangered_dbm
         signal_at_1_m_dbm = scenario.radio.tx_power_dbm - scenario.radio.constant_loss_db
-        # A hair above the limit keeps P_n defined where both thresholds, or q_1m and q_min, are one number.
+        # Slightly above the limit, so that P_n is defined even if both thresholds, or q_1m and q_min, are equal.
         self._reference_dbm = max(signal_at_1_m_dbm, endangered_dbm, lost_dbm + 1e-9)
         at_risk_dbm = max(endangered_dbm, lost_dbm + 1e-9)
-        self._endangered_proximity = robot_proximity_by_signal(at_risk_dbm, lost_dbm, self._reference_dbm)
+        self._endangered_proximity = swarm.robot_proximity_by_signal(at_risk_dbm, lost_dbm, self._reference_dbm)
         self._field = _radio_field(scenario.plan, scenario.radio.model_dump_json()) if self._c4 > 0.0 else None
 
     def pull(
         self, position: Vector, heard: Mapping[int, Vector], missing: Mapping[int, Vector]
     ) -> tuple[Vector, float]:
-        """Return x_CB and the weight of the term; where that is 0, the robot's own position stands for x_CB.
+        """Return x_CB and the weight of the term; if the weight is 0, x_CB is the robot's own position.
 
-        Args: heard: where the other members of the swarm are that reported in this iteration, by robot id.
-              missing: where those were that did not; the swarm is split if there are any (C_s = 0 as far as known).
+        Args: heard: positions of the other members of the swarm that sent an update in this iteration, by robot id.
+              missing: last positions of those that did not; if there are any, the swarm counts as split (C_s = 0).
         """
         members = missing or heard
         if self._field is None or not members:
@@ -64,16 +56,20 @@ class LinkKeeper:
         else:
             neighbour = _core.base.nearest_point(position, list(members.values()))
         proximity, endangered, signal_dbm = self._link_to(position, neighbour)
-        weight = communication_weight(self._c4, proximity, endangered, not missing)
+        weight = swarm.communication_weight(self._c4, proximity, endangered, not missing)
         if weight == 0.0:
             return position, 0.0
-        return communication_attractor(position, neighbour, self._range_m(position, neighbour, signal_dbm)), weight
+        if self._links_by_distance:
+            range_m = self._endangered_fraction * self._network.max_distance_m
+        else:
+            range_m = math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db)
+        return swarm.communication_attractor(position, neighbour, range_m), weight
 
     def in_reach(self, places: Sequence[Vector], resolution_m: float) -> np.ndarray | None:
-        """Return the cells of the plan that have a good enough link to one of some places, bool, shape (rows, cols).
+        """Return the cells of the plan with a good enough link to one of some places, bool, shape (rows, cols).
 
-        Good enough is a signal down to the first third of the band between endangered and lost, or a distance that is
-        not endangered. None where the term is switched off or there are no places: then no link is asked for.
+        Good enough is a signal in the upper third of the band between endangered and lost or above it, or a distance
+        that is not endangered. None if the term is switched off or there are no places: then no link is required.
         """
         if self._field is None or not places:
             return None
@@ -89,7 +85,7 @@ class LinkKeeper:
         return in_reach
 
     def _weakest_of_tree(self, position: Vector, places: list[Vector]) -> Vector:
-        """Return the other end of the weakest link that a robot has in the strongest tree of it and these places."""
+        """Return the other end of a robot's weakest link in the strongest spanning tree of it and these places."""
         positions_m = np.array([position, *places])
         if self._links_by_distance:
             strength = -np.hypot(*(positions_m[:, None, :] - positions_m[None, :, :]).transpose(2, 0, 1))
@@ -100,28 +96,22 @@ class LinkKeeper:
         return places[min(own)[1] - 1]
 
     def _link_to(self, position: Vector, neighbour: Vector) -> tuple[float, float, float]:
-        """Return P_n of a link, that of an endangered one, and its signal [dBm]; 0 for links by distance."""
+        """Return P_n of a link, P_n at the endangered threshold, and the signal [dBm], 0 for links by distance."""
         if self._links_by_distance:
             away_m = math.dist(position, neighbour)
-            proximity = robot_proximity_by_distance(away_m, self._network.max_distance_m)
+            proximity = swarm.robot_proximity_by_distance(away_m, self._network.max_distance_m)
             return proximity, 1.0 - self._endangered_fraction, 0.0
         assert self._field is not None
         signal_dbm = self._tx_power_dbm - self._field.path_loss_db(position, neighbour)
-        proximity = robot_proximity_by_signal(signal_dbm, self._lost_dbm, self._reference_dbm)
+        proximity = swarm.robot_proximity_by_signal(signal_dbm, self._lost_dbm, self._reference_dbm)
         return proximity, self._endangered_proximity, signal_dbm
-
-    def _range_m(self, position: Vector, neighbour: Vector, signal_dbm: float) -> float:
-        """Return the range that x_CB keeps on a link [m]."""
-        if self._links_by_distance:
-            return self._endangered_fraction * self._network.max_distance_m
-        return float(math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db))
 
 
 def strongest_tree(strength: np.ndarray) -> list[tuple[int, int]]:
-    """Return the links of the tree over n nodes whose links are together the strongest, by Prim's algorithm [prim1957].
+    """Return the links of the maximum spanning tree over n nodes, by Prim's algorithm [prim1957].
 
-    Its weakest link is as strong as a tree's can be: while it stands, the nodes are connected.
-    Args: strength: float64, shape (n, n), symmetric. Of equal links the one to the node of lower index is taken.
+    No spanning tree has a stronger weakest link; while it exists, the nodes are connected.
+    Args: strength: float64, shape (n, n), symmetric. Among equal links, that to the node with the lower index counts.
     """
     best, parent = strength[0].copy(), np.zeros(len(strength), dtype=np.int64)
     best[0] = -math.inf
@@ -138,5 +128,5 @@ def strongest_tree(strength: np.ndarray) -> list[tuple[int, int]]:
 
 @functools.lru_cache(maxsize=8)
 def _radio_field(plan: FloorPlan, radio_json: str) -> RadioField:
-    """Return the radio field that all robots of a plan share; nobody changes its doors."""
+    """Return the radio field that all robots on a plan share; its doors must not be changed."""
     return RadioField(plan, Radio.model_validate_json(radio_json))

@@ -1,13 +1,13 @@
 """RDPSO as one robot runs it [dissertation, 5.2.2 and 5.3]."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import msgspec
 import numpy as np
 
+from robotteamsim import swarm
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.localisation import Localiser, body_of
 from robotteamsim.control.driving.navigation import Navigator
@@ -28,24 +28,16 @@ from robotteamsim.interface import OUTSIDE, Decision, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message, batch_of
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Control
-from robotteamsim.swarm import (
-    Vector,
-    Weights,
-    limit_speed,
-    memory_coefficients,
-    next_position,
-    next_velocity,
-    uniform_numbers,
-)
+from robotteamsim.swarm import Vector
 
 
 class RdpsoController:
     """One robot of the swarm.
 
-    Every iteration has two phases. In its first step the robot evaluates its surroundings and sends an update to
-    everybody. As soon as those that it heard in the last iteration have sent theirs (one step later, unless messages
-    are late or a teammate is out of reach), it takes the updates that arrived, finds the global best, and chooses its
-    next point. All other steps drive there. Robots that heard the same updates come to the same view of the swarm.
+    Every iteration has two phases. In its first step the robot evaluates its surroundings and broadcasts an update.
+    When the robots that it heard in the last iteration have sent theirs (one step later, unless messages are late or a
+    teammate is out of range), it reads the updates, finds the global best, and chooses its next point. In all other
+    steps it drives there. Robots that heard the same updates have the same view of the swarm.
     """
 
     def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
@@ -53,8 +45,8 @@ class RdpsoController:
         body = body_of(robot_id, scenario)
         self._robot_id = robot_id
         self._control = control
-        self._weights = Weights(control.c1, control.c2, control.c3, 0.0)
-        """Of the terms of eq. (22); that of communication is 0 while no link is in danger."""
+        self._weights = swarm.Weights(control.c1, control.c2, control.c3, 0.0)
+        """Weights of the terms of eq. (22); that of communication is 0 while no link is endangered."""
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._timeout_ns = round(control.update_timeout_share * control.iteration_s * 1e9)
         self._plan, self._reach_m = scenario.plan, body.reach_m
@@ -69,7 +61,7 @@ class RdpsoController:
         self._finder = LocalBestFinder(scenario)
         self._membership = Membership(robot_id, scenario)
         self._momentum = Momentum(self.memory(control))
-        self._numbers = uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
+        self._numbers = swarm.uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
         self._wander = Wander(
             control.wander, robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps
         )
@@ -81,7 +73,7 @@ class RdpsoController:
         self._iteration_ends_ns = 0
         self._epoch = -1
         self._own: RdpsoUpdate | None = None
-        """The update of this iteration, until the next point is chosen."""
+        """The update of this iteration; None once the next point is chosen."""
         self._sent_ns = 0
         self._known_best: Best | None = None
         self._local_best: Best | None = None
@@ -93,16 +85,16 @@ class RdpsoController:
     @staticmethod
     def memory(control: Control) -> tuple[float, ...]:
         """Return the weights of v[t], v[t-1], ... in v[t+1]."""
-        return memory_coefficients(control.memory, control.alpha, control.memory_terms)
+        return swarm.memory_coefficients(control.memory, control.alpha, control.memory_terms)
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Take in what the robot perceives, the messages that arrived, and the mission's task."""
+        """Process the observation, the messages that arrived, and the mission's task."""
         self._observation, self._task = observation, task
         if inbox:
             self._team = self._team.after(batch_of(inbox))
 
     def decide(self) -> Decision:
-        """Return command and messages for this step."""
+        """Return the command and the messages of this step."""
         observation = self._observation
         if observation is None or not self._task.running:
             return self._standing
@@ -114,7 +106,8 @@ class RdpsoController:
             self._own = None
             self._standing = self._decide_to_stand()
         if not self._sent_ns <= sim_time_ns < self._iteration_ends_ns:
-            self._begin_iteration(sim_time_ns)
+            self._iteration, self._sent_ns = sim_time_ns // self._iteration_ns, sim_time_ns
+            self._iteration_ends_ns = (self._iteration + 1) * self._iteration_ns
             self._own = self._evaluate(pose, observation)
             outbox = (Message(self._robot_id, EVERYBODY, self._own.to_json()),)
             self._standing = self._decide_to_stand()
@@ -123,22 +116,18 @@ class RdpsoController:
         if goal is None:
             goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), sim_time_ns * 1e-9)
             speed_mps = self._control.max_step_speed_mps
-        twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, self._teammates)
+        teammates = partial(self._team.positions, without=self._robot_id)
+        twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, goal_m=goal)
 
-    def _begin_iteration(self, sim_time_ns: int) -> None:
-        """Take note of the iteration that this step is the first of."""
-        self._iteration, self._sent_ns = sim_time_ns // self._iteration_ns, sim_time_ns
-        self._iteration_ends_ns = (self._iteration + 1) * self._iteration_ns
-
     def _has_waited_enough(self, sim_time_ns: int) -> bool:
-        """Whether all that sent an update in the last iteration have sent one in this, or the timeout has expired."""
+        """Whether all senders of the last iteration have sent an update in this one, or the timeout has expired."""
         if sim_time_ns - self._sent_ns >= self._timeout_ns:
             return True
         return not self._team.has_others_of(self._iteration - 1, self._robot_id)
 
     def _evaluate(self, pose: Pose, observation: Observation) -> RdpsoUpdate:
-        """Phase 1: return the update on what the robot knows at the start of an iteration."""
+        """Phase 1: return the update with the robot's knowledge at the start of an iteration."""
         position, voice = (pose.x_m, pose.y_m), observation.voice
         self._doors.look(pose, observation.robot.ranges_m, self._iteration)
         self._update_map()
@@ -168,9 +157,9 @@ class RdpsoController:
         team = self._team.with_update(own)
         view = team.view(own.iteration)
         bests, improved = self._share_bests(own, view)
-        # Swarms that were not heard now may still be there.
+        # Swarms that were not heard in this iteration may still exist.
         self._membership.judge(own.iteration, view, improved, team.swarm_ids)
-        # A new swarm begins with what the excluded know.
+        # A new swarm starts with the best of the excluded robots.
         self._known_best = bests.get(self._membership.swarm_id, bests.get(OUTSIDE))
         self._doors.hear(view.doors)
         self._update_map()
@@ -181,11 +170,11 @@ class RdpsoController:
         self._wander.stop()
         self._momentum.note(position)
         velocity = self._next_velocity(pose, ranges_m, team, view, self._local_best, self._known_best)
-        velocity = limit_speed(velocity, self._control.max_step_speed_mps * self._control.iteration_s)
-        self._goal = next_position(position, velocity)
+        velocity = swarm.limit_speed(velocity, self._control.max_step_speed_mps * self._control.iteration_s)
+        self._goal = swarm.next_position(position, velocity)
         if self._control.navigation == "path":
-            # A step ends at a wall; it does not lead around it. The path around it is in the attractors.
-            self._goal = self._map.reachable_towards(position, self._goal)
+            # A step ends at a wall. The paths around walls are in the attractors.
+            self._goal = self._map.grid.reachable_towards(position, self._goal)
         self._speed_mps = max(0.1, self._control.speed_factor * math.hypot(*velocity) / self._control.iteration_s)
 
     def _share_bests(self, own: RdpsoUpdate, view: CommonView) -> tuple[dict[int, Best | None], list[int]]:
@@ -202,7 +191,7 @@ class RdpsoController:
         return global_bests, improved
 
     def _highest(self, bests: Sequence[Best]) -> Best | None:
-        """Return the first of bests, the highest first, that is not ruled out; None where there is none."""
+        """Return the first of the sorted bests that is not ruled out; None if there is none."""
         for best in bests:
             if not (best.is_voice and self._ruled_out.covers(best.position)):
                 return best
@@ -214,11 +203,11 @@ class RdpsoController:
         """Return v[t+1] of eq. (25), before the speed limit."""
         assert self._observation is not None
         position = (pose.x_m, pose.y_m)
-        obstacle = self._surroundings.attractor(pose, ranges_m)
+        obstacle = self._surroundings.clearest_place(pose, ranges_m)
         x_cb, c4 = self._links.pull(position, self._heard(view), self._missing(team, view))
         x_lb = local_best.position
         if global_best.is_voice and not local_best.is_voice and self._observation.voice.heard:
-            # All that this robot hears is ruled out: while the swarm follows a voice, the area must not hold it back.
+            # Everything that this robot hears is ruled out. While the swarm follows a voice, ignore the area.
             x_lb = position
         attractors = (
             self._along_path(position, x_lb),
@@ -227,15 +216,15 @@ class RdpsoController:
             self._along_path(position, x_cb) if c4 > 0.0 else x_cb,
         )
         weights = self._weights if c4 == 0.0 else self._weights._replace(communication=c4)
-        return next_velocity(position, self._momentum.term(), attractors, weights, self._numbers)
+        return swarm.next_velocity(position, self._momentum.term(), attractors, weights, self._numbers)
 
     def _heard(self, view: CommonView) -> Mapping[int, Vector]:
-        """Return where the other members of the swarm are that sent an update in this iteration, by robot id."""
+        """Return the positions of the other members of the swarm that sent an update in this iteration, by robot id."""
         members = view.positions.get(self._membership.swarm_id, {})
         return {robot_id: place for robot_id, place in members.items() if robot_id != self._robot_id}
 
     def _missing(self, team: TeamMemory, view: CommonView) -> Mapping[int, Vector]:
-        """Return where members of the swarm were that sent none, but did not long ago, by robot id."""
+        """Return the last positions of members that sent no update now but did recently, by robot id."""
         if len(view.updates) == len(team.updates):
             return {}
         swarm_id = self._membership.swarm_id
@@ -247,21 +236,17 @@ class RdpsoController:
         }
 
     def _along_path(self, position: Vector, place: Vector) -> Vector:
-        """Return a place as the path to it begins: at the path's length, in the direction of its first stretch."""
+        """Return the point in the direction of the first segment of the path to a place, at the path's length."""
         if self._control.navigation != "path":
             return place
-        return self._map.along_path(position, place, self._control.longest_detour_m)
+        return self._map.grid.along_path(position, place, self._control.longest_detour_m)
 
     def _update_map(self) -> None:
-        """Take the map with the doors as believed now; bests along other paths are forgotten."""
+        """Use the map with the doors as believed now, and discard bests, whose paths may have changed."""
         if self._doors.changed != self._map_doors:
             self._map_doors = self._doors.changed
             self._map = known_map(self._plan, self._reach_m, self._map_doors)
             self._known_best = None
-
-    def _teammates(self) -> dict[int, Vector]:
-        """Return where each teammate was when it was last heard, in `map` [m], by robot id."""
-        return self._team.positions(without=self._robot_id)
 
     def _decide_to_stand(self) -> Decision:
         """Return the decision to stand still, with the status of the robot and its swarm."""

@@ -1,6 +1,4 @@
-"""Doors as a robot believes them to be: as in the plan, until its laser or a teammate sees otherwise."""
-
-from __future__ import annotations
+"""A robot's beliefs about doors: as in the plan, until its laser or a teammate sees another state."""
 
 import math
 
@@ -11,21 +9,21 @@ from robotteamsim.geometry import Pose
 from robotteamsim.scenario.control_tuning import DoorTuning
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.sections import Laser
-from robotteamsim.swarm import Vector
 
 
 class DoorBeliefs:
-    """Which doors a robot believes to be closed. Newer sightings replace older ones, by the same rule on all robots."""
+    """The doors that a robot believes to be closed. Newer sightings replace older ones, by one rule for all robots."""
 
     def __init__(self, plan: FloorPlan, laser: Laser, tuning: DoorTuning) -> None:
         self._tuning = tuning
-        self._doors = [(door, _middle(door)) for door in plan.doors]
+        middles = [tuple((a + b) / 2.0 for a, b in zip(door.start, door.end, strict=True)) for door in plan.doors]
+        self._doors = list(zip(plan.doors, middles, strict=True))
         self._planned = {door.name: door.closed for door in plan.doors}
         self._sightings: dict[str, Sighting] = {}
         self.sightings: tuple[Sighting, ...] = ()
-        """The last sighting of each door by the robot or its teammates, in the order of names."""
+        """The last sighting of each door by the robot or its teammates, sorted by name."""
         self.changed: tuple[tuple[str, bool], ...] = ()
-        """The doors that are not as in the plan, in the order of names, with whether they are closed."""
+        """The doors that differ from the plan, sorted by name, and whether they are closed."""
         self._laser = laser
         self._range_m = laser.range_max_m
         self._beam_angles_rad = np.linspace(laser.angle_min_rad, laser.angle_max_rad, laser.beams)
@@ -37,11 +35,12 @@ class DoorBeliefs:
             if math.dist(position, middle) > range_m:
                 continue
             closed = self._seen_closed(door, pose, ranges_m)
-            if closed is not None and closed != self._believed(door.name):
+            seen = self._sightings.get(door.name)
+            if closed is not None and closed != (seen.closed if seen else self._planned[door.name]):
                 self._note(Sighting(door.name, closed, iteration))
 
     def hear(self, sightings: tuple[Sighting, ...]) -> None:
-        """Take over what teammates saw later; of sightings in the same iteration, the closed door counts."""
+        """Adopt newer sightings of teammates; if sightings of one iteration differ, the door counts as closed."""
         for seen in sightings:
             known = self._sightings.get(seen.door)
             is_newer = known is None or (seen.iteration, seen.closed) > (known.iteration, known.closed)
@@ -53,11 +52,8 @@ class DoorBeliefs:
         self.sightings = tuple(self._sightings[name] for name in sorted(self._sightings))
         self.changed = tuple((s.door, s.closed) for s in self.sightings if s.closed != self._planned[s.door])
 
-    def _believed(self, name: str) -> bool:
-        return self._sightings[name].closed if name in self._sightings else self._planned[name]
-
     def _seen_closed(self, door: Door, pose: Pose, ranges_m: np.ndarray) -> bool | None:
-        """Return whether beams end at the leaf or continue behind it; None where too few of them do either."""
+        """Return whether beams end at the leaf (True) or pass through it (False); None if too few agree."""
         cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
         laser_x = pose.x_m + cos * self._laser.forward_m
         laser_y = pose.y_m + sin * self._laser.forward_m
@@ -66,7 +62,7 @@ class DoorBeliefs:
         leaf_x, leaf_y = door.end[0] - door.start[0], door.end[1] - door.start[1]
         to_x, to_y = door.start[0] - laser_x, door.start[1] - laser_y
         across = beam_x * leaf_y - beam_y * leaf_x
-        # A beam that grazes the leaf meets it at an uncertain range.
+        # The range of a beam that grazes the leaf is uncertain.
         steep = np.abs(across) > 0.3 * math.hypot(leaf_x, leaf_y)
         across = np.where(steep, across, 1.0)
         range_m = (to_x * leaf_y - to_y * leaf_x) / across
@@ -79,7 +75,3 @@ class DoorBeliefs:
         if num_ends >= fewest:
             return True
         return False if num_passes >= fewest else None
-
-
-def _middle(door: Door) -> Vector:
-    return (door.start[0] + door.end[0]) / 2.0, (door.start[1] + door.end[1]) / 2.0

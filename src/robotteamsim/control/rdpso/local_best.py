@@ -1,7 +1,5 @@
 """The best place that one robot perceives around it [dissertation, 5.3]."""
 
-from __future__ import annotations
-
 import math
 
 from robotteamsim.control.driving.known_map import KnownMap
@@ -22,9 +20,9 @@ class LocalBestFinder:
     def find(
         self, known_map: KnownMap, ruled_out: RuledOut, voice: VoiceReading, area: Vector | None, position: Vector
     ) -> Best | None:
-        """Return the loudest cell around; where no voice is heard, the cell nearest to the area to explore [5.3].
+        """Return the loudest cell nearby; if no voice is heard, the cell with the shortest path to the area [5.3].
 
-        A voice that is ruled out counts as none; without an area, nothing draws the robot then. Places in `map` [m].
+        A voice that is ruled out is ignored. None if there is neither a voice nor an area. Places in `map` [m].
         """
         if voice.heard and not ruled_out.covers(voice.local_best_m):
             return Best(voice.local_best_level_db, voice.local_best_m)

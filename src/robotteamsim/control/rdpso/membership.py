@@ -1,11 +1,9 @@
-"""Which swarm a robot belongs to: social exclusion and inclusion, dissolution and new swarms [5.2.2].
+"""The swarm of a robot: social exclusion and inclusion, dissolution and new swarms [5.2.2].
 
-No robot is in charge. Each knows the updates that reached it in this iteration, judges every swarm in them by the same
-rules, and applies the verdict to itself. Robots that heard the same come to the same verdict; where the team was split,
-each part goes on by itself, and each robot's own statement of its swarm counts.
+There is no leader. Each robot applies the same rules to every swarm in the updates that it received in this iteration,
+and applies the result to itself. Robots that received the same updates come to the same result. If the team is split,
+each part continues on its own, and each robot's own statement of its swarm counts.
 """
-
-from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from functools import partial
@@ -14,7 +12,6 @@ from robotteamsim import rng
 from robotteamsim.control.rdpso.common_view import CommonView
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import Team
 from robotteamsim.swarm import ExclusionRules, SwarmState, Verdict, judge
 
 Values = dict[int, float]
@@ -26,17 +23,16 @@ class Membership:
 
     def __init__(self, robot_id: int, scenario: Scenario) -> None:
         exclusion, swarms = scenario.control.exclusion, scenario.control.swarms
-        num_robots = scenario.robots.count if isinstance(scenario.robots, Team) else len(scenario.robots)
         self._robot_id = robot_id
         self._seed = scenario.run.seed
         self._enabled = exclusion.enabled
-        self._rules = ExclusionRules(exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots)
-        self._swarms = swarms
         limits = exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots
+        self._rules = ExclusionRules(*limits)
+        self._swarms = swarms
         self._settings = self._seed, *limits, swarms.min, swarms.max, swarms.new_robots
-        """All that a verdict depends on beside the updates."""
-        self.swarm_id = robot_id * swarms.initial // num_robots
-        """OUTSIDE where it is excluded."""
+        """All inputs of a verdict besides the updates."""
+        self.swarm_id = robot_id * swarms.initial // scenario.num_robots
+        """OUTSIDE if it is excluded."""
         self.state = SwarmState()
         self._last_swarm_id = self.swarm_id
 
@@ -46,15 +42,15 @@ class Membership:
         return self.swarm_id == OUTSIDE
 
     def judge(self, iteration: int, view: CommonView, improved: Collection[int], in_use: Collection[int]) -> None:
-        """Apply the rules to all swarms heard of, in the order of their numbers.
+        """Apply the rules to all swarms in the updates, in the order of their numbers.
 
-        Args: view: of the updates of this iteration, the own one included.
-              improved: swarms that improved their best, with OUTSIDE if the excluded did.
-              in_use: numbers of all swarms known of, heard in this iteration or before.
+        Args: view: of the updates of this iteration, including the robot's own.
+              improved: swarms that improved their best; contains OUTSIDE if the excluded robots did.
+              in_use: numbers of all known swarms, heard in this iteration or before.
         """
         if not self._enabled:
             return
-        # Robots that share a view come to the same verdict: the first of them computes it for all.
+        # Robots that share a view come to the same verdict, so the first one computes it for all.
         key = self._settings, tuple(improved), frozenset(in_use)
         verdict = view.verdicts.get(key)
         if verdict is None:
@@ -65,11 +61,11 @@ class Membership:
     def _verdict(
         self, iteration: int, view: CommonView, improved: Collection[int], in_use: Collection[int]
     ) -> tuple[dict[int, int], dict[int, SwarmState]]:
-        """Return who goes to which swarm, and the swarms' memories."""
+        """Return the new swarm of each robot that changes, and the swarms' memories."""
         swarms: dict[int, Values] = dict(view.values)
         outside = swarms.pop(OUTSIDE, {})
         moves: dict[int, int] = {}
-        # Swarms that were not heard now may still be there.
+        # Swarms that were not heard in this iteration may still exist.
         taken = {*swarms, *in_use} - {OUTSIDE}
         asking, num_swarms = [], len(taken)
         states: dict[int, SwarmState] = {}
@@ -91,7 +87,7 @@ class Membership:
         return moves, states
 
     def _dissolved_or_not(self, verdict: Verdict, num_swarms: int) -> tuple[Verdict, int]:
-        """Dissolve a swarm that all leave, or restart it where too few swarms would be left."""
+        """Dissolve a swarm that all members leave, or restart it if too few swarms would be left."""
         if num_swarms > self._swarms.min:
             return verdict, num_swarms - 1
         return Verdict(SwarmState(0, verdict.state.num_killed - len(verdict.leaves))), num_swarms
@@ -105,9 +101,9 @@ class Membership:
         num_swarms: int,
         taken: set[int],
     ) -> None:
-        """Found swarms of the best excluded robots: one per swarm that asks, with a chance that grows with its size.
+        """Found swarms of the best excluded robots: one per swarm that requests it, with probability f N_s / N_max.
 
-        The chance is f N_s / N_max, f uniform in [0, 1]. The excluded ask as well when their best improved.
+        f is uniform in [0, 1]. The excluded robots also request one if their best improved.
         """
         dice = None
         for num_asking in asking:
@@ -124,7 +120,7 @@ class Membership:
                 num_swarms += 1
 
     def _move(self, swarm_id: int, states: Mapping[int, SwarmState]) -> None:
-        """Go to a swarm and take over its memory; an excluded robot keeps that of the swarm that it left."""
+        """Join a swarm and adopt its memory; an excluded robot keeps that of the swarm that it left."""
         if swarm_id not in (OUTSIDE, self.swarm_id):
             self.state = SwarmState()  # of a new swarm
         self.swarm_id = swarm_id

@@ -1,24 +1,24 @@
-"""What is around a robot, as its laser sees it: the obstacle term of eq. (22)."""
-
-from __future__ import annotations
+"""The obstacle term of eq. (22), from a robot's laser."""
 
 import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.control.driving.navigation import laser_layout
-from robotteamsim.geometry import Pose
 from robotteamsim.scenario.sections import Laser
-from robotteamsim.swarm import Vector
 
 _BEAMS = 60
-"""At least this many beams are read: at r_s, with a field of view of 270 degrees, one every 4.5 degrees."""
+"""At least this many beams are used: with a field of view of 270 degrees, one every 4.5 degrees."""
 
 _HEADINGS = 13
-"""Directions in which places are compared: 12 equal sectors of the field of view."""
+"""Number of equal sectors of the field of view whose borders are the compared directions."""
 
 
-class Surroundings:
-    """Finds x_OB: the place of best clearance within the sensing radius r_s that the laser sees to be free."""
+class Surroundings(_core.control.Surroundings):
+    """Finds x_OB: the place with the best clearance within the sensing radius r_s that the laser sees as free.
+
+    `clearest_place` returns the `obstacle_attractor` of the places along 13 headings, at half the radius and at the
+    full radius, in `map` [m]; None if no obstacle is within the sensing radius (then c3 = 0).
+    """
 
     def __init__(self, laser: Laser, sensing_radius_m: float) -> None:
         stride = max(1, laser.beams // _BEAMS)
@@ -26,16 +26,9 @@ class Surroundings:
         low_rad = last_rad = laser.angle_min_rad
         if laser.beams > 1:
             last_rad += (beams - 1) * stride * (laser.angle_max_rad - low_rad) / (laser.beams - 1)
-        self._core = _core.control.Surroundings(
+        super().__init__(
             laser=laser_layout(laser.model_copy(update={"beams": beams, "angle_max_rad": last_rad})),
             stride=stride,
             sensing_radius_m=sensing_radius_m,
             headings_rad=np.linspace(low_rad, laser.angle_max_rad, _HEADINGS).tolist(),
         )
-
-    def attractor(self, pose: Pose, ranges_m: np.ndarray) -> Vector | None:
-        """Return x_OB in `map` [m]; None where nothing is within the sensing radius (then c3 = 0).
-
-        It is the `obstacle_attractor` of the places along 13 headings, at half the radius and at all of it.
-        """
-        return self._core.clearest_place(pose, ranges_m)

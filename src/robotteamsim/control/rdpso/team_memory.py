@@ -1,4 +1,4 @@
-"""What a robot remembers of its team: the last update of each robot."""
+"""A robot's memory of its team: the last update of each robot."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from robotteamsim.swarm import Vector
 
 
 class TeamMemory:
-    """The last update of each robot that was heard of. A value that never changes, so that robots can share it.
+    """The last update of each known robot. It is immutable, so that robots can share it.
 
-    Robots that heard the same have equal memories, and what follows from it is computed once for all of them. A robot's
-    own update may be among the others: the network delivers it to its teammates in the same batch.
+    Robots that heard the same updates have equal memories, and derived values are computed once for all of them. A
+    robot's own update may be included, because the network delivers it to its teammates in the same batch.
     """
 
     def __init__(self, updates: tuple[RdpsoUpdate, ...] = ()) -> None:
@@ -38,7 +38,7 @@ class TeamMemory:
 
     @cached_property
     def swarm_ids(self) -> frozenset[int]:
-        """Numbers of the swarms that robots were last heard to belong to."""
+        """Numbers of the swarms to which robots belonged according to their last updates."""
         return frozenset(update.swarm_id for update in self.updates)
 
     @cached_property
@@ -46,28 +46,28 @@ class TeamMemory:
         return Counter(update.iteration for update in self.updates)
 
     def after(self, batch: Batch) -> TeamMemory:
-        """Return the team after the messages of a batch have arrived."""
+        """Return the memory after the messages of a batch."""
         return _after(self, batch)
 
     def with_update(self, update: RdpsoUpdate) -> TeamMemory:
-        """Return the team after an update."""
+        """Return the memory after an update."""
         if self.by_id.get(update.robot_id) == update:
             return self
         return _of({**self.by_id, update.robot_id: update})
 
     def has_others_of(self, iteration: int, robot_id: int) -> bool:
-        """Whether the last update of any robot but this one is of an iteration."""
+        """Whether the last update of any other robot is from an iteration."""
         own = self.by_id.get(robot_id)
         return self._num_of_iteration[iteration] > (own is not None and own.iteration == iteration)
 
     def view(self, iteration: int) -> CommonView:
-        """Return the view of the updates of an iteration, of which there must be one."""
+        """Return the view of the updates of an iteration; there must be at least one."""
         if iteration not in self._views:
             self._views[iteration] = CommonView(tuple(u for u in self.updates if u.iteration == iteration))
         return self._views[iteration]
 
     def positions(self, without: int) -> dict[int, Vector]:
-        """Return where each robot was when it was last heard, in `map` [m], by id, without one of them."""
+        """Return the last known position of each robot except one, in `map` [m], by id."""
         return {update.robot_id: update.position for update in self.updates if update.robot_id != without}
 
 
@@ -75,7 +75,7 @@ def _of(updates: dict[int, RdpsoUpdate]) -> TeamMemory:
     return TeamMemory(tuple(updates[robot_id] for robot_id in sorted(updates)))
 
 
-# A function of values that all robots in one part of the network ask for.
+# Cached, because all robots in one part of the network ask for the same values.
 @functools.lru_cache(maxsize=256)
 def _after(team: TeamMemory, batch: Batch) -> TeamMemory:
     arrived = {update.robot_id: update for update in map(update_of, batch.messages) if update is not None}

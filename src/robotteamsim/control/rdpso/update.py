@@ -1,30 +1,27 @@
-"""What a robot of a swarm sends its team once per iteration."""
+"""The message of a swarm robot to its team, sent once per iteration."""
 
-from __future__ import annotations
-
-import functools
 from typing import Annotated
 
 import msgspec
 
 from robotteamsim.interface import OUTSIDE
-from robotteamsim.interface.payload import Index, Point, read_payload, to_payload
+from robotteamsim.interface.payload import Index, Point, Update, update_reader
 from robotteamsim.network.messages import Message
 from robotteamsim.swarm import SwarmState
 
 NOTHING = float("-inf")
-"""Value of the local best where nothing draws the robot: below any other."""
+"""Value of a missing local best: below any other."""
 
 
 class Best(msgspec.Struct, frozen=True, gc=False):
-    """A place in `map` [m] and what it is worth: larger is better; a voice is worth more than any distance."""
+    """A place in `map` [m] and its value: larger is better; a voice is better than any distance."""
 
     value: Annotated[float, msgspec.Meta(ge=-1e9, le=1e9)]
     position: Point
 
     @property
     def is_voice(self) -> bool:
-        """Whether the value is a voice level; otherwise it is the distance to the area, negative."""
+        """Whether the value is a voice level; otherwise it is the negative distance to the area."""
         return self.value > 0.0
 
 
@@ -36,16 +33,16 @@ class Sighting(msgspec.Struct, frozen=True, gc=False):
     iteration: Index
 
 
-class RdpsoUpdate(msgspec.Struct, frozen=True, gc=False, cache_hash=True, tag="rdpso"):
+class RdpsoUpdate(Update, frozen=True, gc=False, cache_hash=True, tag="rdpso"):
     """One robot's view at the start of an iteration; positions in `map` [m].
 
     epoch:      of the task; bests of different epochs, or of robots that disagree on doors, are not comparable.
     loudest:    the loudest cell that it hears; None if it hears no voice.
-    local_best: None where nothing draws the robot.
-    known_best: the best that it knows of since bests were last reset, before this iteration.
-    swarm_id:   its swarm before this iteration; OUTSIDE: it is socially excluded.
+    local_best: None if there is neither a voice nor an area.
+    known_best: the best known before this iteration, since bests were last reset.
+    swarm_id:   its swarm before this iteration; OUTSIDE if it is socially excluded.
     swarm:      its copy of that swarm's memory, before this iteration.
-    doors:      what it knows of doors beyond the plan, by name.
+    doors:      sightings of doors, sorted by name.
     """
 
     robot_id: Index
@@ -59,27 +56,17 @@ class RdpsoUpdate(msgspec.Struct, frozen=True, gc=False, cache_hash=True, tag="r
     swarm: SwarmState
     doors: tuple[Sighting, ...] = ()
 
-    def to_json(self) -> str:
-        """Return the update as one line of JSON; numbers keep every bit."""
-        return to_payload(self)
-
     @property
     def value(self) -> float:
-        """Value of the local best; below any other where there is none."""
+        """Value of the local best; below any other if there is none."""
         return NOTHING if self.local_best is None else self.local_best.value
 
 
-_decoder = msgspec.json.Decoder(RdpsoUpdate)
-
-
-# The robots of one process receive the same payloads.
-@functools.lru_cache(maxsize=4096)
-def parse_update(payload: str) -> RdpsoUpdate | None:
-    """Return the update that a message carries; None where it carries something else."""
-    return read_payload(_decoder, payload)
+parse_update = update_reader(RdpsoUpdate, kept=4096)
+"""Return the update in a message; None if it is another message."""
 
 
 def update_of(message: Message) -> RdpsoUpdate | None:
-    """Return the update that a message carries; None where it carries something else, or another robot's."""
+    """Return the update in a message; None if it is another message, or the update of another robot than its sender."""
     update = parse_update(message.payload)
     return update if update is not None and update.robot_id == message.sender else None

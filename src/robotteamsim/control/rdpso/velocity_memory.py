@@ -1,6 +1,4 @@
-"""How a robot's own way carries on in its next step: the memory term of eq. (25)."""
-
-from __future__ import annotations
+"""The memory term of eq. (25), from a robot's own motion."""
 
 from collections import deque
 
@@ -8,7 +6,7 @@ from robotteamsim.swarm import Vector, memory_term
 
 
 class Momentum:
-    """The velocities that a robot really had in the last iterations, and what they add to the next one."""
+    """The velocities that a robot really had in the last iterations, and their weighted sum."""
 
     def __init__(self, coefficients: tuple[float, ...]) -> None:
         """Args: coefficients: the weights of v[t], v[t-1], ..."""
@@ -18,16 +16,16 @@ class Momentum:
         self._position: Vector | None = None
 
     def note(self, position: Vector) -> None:
-        """Take note of where the robot is, in `map` [m], once per iteration.
+        """Note the robot's position, in `map` [m], once per iteration.
 
-        It remembers where it went, not where it wanted to: a blocked robot had no velocity.
+        The memory contains the real motion and not the command: a blocked robot had no velocity.
         """
         if self._position is not None:
             self._velocities.appendleft((position[0] - self._position[0], position[1] - self._position[1]))
         self._position = position
 
     def forget(self) -> None:
-        """Begin anew, from rest."""
+        """Restart from rest."""
         self._position = None
         self._velocities.clear()
 

@@ -1,1 +1,1 @@
-"""Finds, builds and guards the controllers of a team."""
+"""Finds, creates and guards the controllers of a team."""

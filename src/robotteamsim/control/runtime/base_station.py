@@ -1,6 +1,4 @@
-"""How discoveries are delivered to the base, `mission.base`, whichever controllers the robots have."""
-
-from __future__ import annotations
+"""Delivery of discoveries to the base, `mission.base`, for all controllers."""
 
 from collections.abc import Sequence
 
@@ -14,7 +12,7 @@ from robotteamsim.scenario.scenario import Scenario
 def with_base(controller: Controller, robot_id: int, scenario: Scenario) -> Controller:
     """Return the controller of a robot in a scenario that has a base.
 
-    A class with a true `announces_victims` knows of the base and announces victims itself; only areas are announced
+    A class with a true `announces_victims` controls the base and announces victims itself; only areas are announced
     for it. With all other classes the base stands still, and areas and victims are announced for the robots.
     """
     announces_victims = bool(getattr(controller, "announces_victims", False))
@@ -26,7 +24,7 @@ def with_base(controller: Controller, robot_id: int, scenario: Scenario) -> Cont
 
 
 class StandingBase:
-    """The controller of a base that stands still; messages travel through it as through any robot."""
+    """The controller of a base that stands still; its radio forwards messages like any other."""
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
         """Ignore everything."""
@@ -37,9 +35,9 @@ class StandingBase:
 
 
 class Acknowledger:
-    """Runs the base's controller, and acknowledges to everybody each announcement that the base receives.
+    """Runs the base's controller, and broadcasts an acknowledgement of each announcement that the base receives.
 
-    Acknowledgements travel over the network, too, and may get lost.
+    Acknowledgements travel over the network, too, and may be lost.
     """
 
     def __init__(self, controller: Controller, robot_id: int) -> None:
@@ -56,7 +54,7 @@ class Acknowledger:
     def decide(self) -> Decision:
         """Return the controller's decision, with an acknowledgement of each discovery announced in this step."""
         decision = self.controller.decide()
-        # The guard rejects a result that is not a Decision.
+        # The guard reports a result that is not a Decision.
         if not self._received or not isinstance(decision, Decision):
             return decision
         answers = [Message(self._robot_id, EVERYBODY, acknowledgement(kind, name)) for kind, name in self._received]
@@ -66,8 +64,8 @@ class Acknowledger:
 class Announcer:
     """Runs a robot's controller, and announces the robot's discoveries to the base.
 
-    The first announcement is sent in the first step whose task has the discovery as undelivered, further ones every
-    `control.iteration_s`, until the base's acknowledgement arrives. Both travel over the network.
+    A discovery is announced in the first step whose task lists it as undelivered, and then every `control.iteration_s`
+    until the base's acknowledgement arrives. Both travel over the network.
     """
 
     def __init__(self, controller: Controller, robot_id: int, scenario: Scenario, kinds: Sequence[Kind]) -> None:
@@ -78,14 +76,14 @@ class Announcer:
         self._period_ns = round(scenario.control.iteration_s * 1e9)
         self._undelivered: tuple[Discovery, ...] = ()
         self._due_ns: dict[Discovery, int] = {}
-        """The robot's discoveries without an acknowledgement, and when to announce each next [ns]."""
+        """The robot's unacknowledged discoveries, and the time of their next announcement [ns]."""
         self._time_ns = 0
         self._running = False
 
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
         """Let the controller observe, and note the robot's new discoveries and the base's acknowledgements."""
         names = [acknowledged_in(message.payload) for message in inbox]
-        if any(names):  # the controller need not know of acknowledgements
+        if any(names):  # controllers never see acknowledgements
             inbox = [message for message, name in zip(inbox, names, strict=True) if name is None]
         self.controller.observe(observation, inbox, task)
         self._time_ns, self._running = observation.sim_time_ns, task.running
@@ -100,7 +98,7 @@ class Announcer:
         """Return the controller's decision, with the announcements that are due."""
         decision = self.controller.decide()
         due = [found for found, due_ns in self._due_ns.items() if due_ns <= self._time_ns]
-        # The guard rejects a result that is not a Decision.
+        # The guard reports a result that is not a Decision.
         if not due or not self._running or not isinstance(decision, Decision):
             return decision
         self._due_ns |= dict.fromkeys(due, self._time_ns + self._period_ns)

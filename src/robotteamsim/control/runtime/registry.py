@@ -1,6 +1,4 @@
-"""Controllers by the name that `control.algorithm` gives: ours, those of installed packages, any class by its place."""
-
-from __future__ import annotations
+"""Controllers by the name in `control.algorithm`: ours, those of installed packages, and any `module:Class`."""
 
 import importlib
 import inspect
@@ -19,9 +17,9 @@ from robotteamsim.interface import Controller
 from robotteamsim.scenario.scenario import Scenario
 
 MakeController = Callable[..., Controller]
-"""A controller class, or anything else that makes the controller of one robot from its id and the scenario.
+"""A controller class, or another callable that makes the controller of one robot from its id and the scenario.
 
-Where it takes `arrival` as well, it is told by that how often the robot has come, its start included.
+If it has a parameter `arrival`, it receives the number of the robot's arrivals, including the start.
 """
 
 ALGORITHMS: dict[str, MakeController] = {
@@ -36,16 +34,17 @@ ALGORITHMS: dict[str, MakeController] = {
 """The controllers of this package."""
 
 ENTRY_POINTS = "robotteamsim.controllers"
-"""The group of entry points by which other packages offer theirs."""
+"""The group of entry points with which other packages register controllers."""
 
 
 def make_controller(robot_id: int, scenario: Scenario, arrival: int = 1) -> Controller:
-    """Return the controller of one robot that has come so often, as `control.algorithm` names it.
+    """Return the controller of one robot for `control.algorithm`.
 
-    The name is one of ALGORITHMS, or of an entry point of the group `robotteamsim.controllers`, or `module:Class`.
-    Where there is a base, robots report to it what they find, see `finds.with_base`.
-    Raises: ScenarioError: there is no such algorithm, it cannot be imported or is no controller; no such robot.
-            Whatever the constructor of a controller of somebody else raises.
+    The name is one of ALGORITHMS, or of an entry point in the group `robotteamsim.controllers`, or `module:Class`.
+    If the scenario has a base, discoveries are announced to it, see `base_station.with_base`.
+    Args:   arrival: number of the robot's arrivals, including the start.
+    Raises: ScenarioError: no such algorithm, it cannot be imported or is not a controller; no such robot. Exceptions
+            of the controller's constructor are not caught.
     """
     name = scenario.control.algorithm
     try:
@@ -63,19 +62,19 @@ def make_controller(robot_id: int, scenario: Scenario, arrival: int = 1) -> Cont
 
 
 def algorithm_names() -> list[str]:
-    """Return the names that are known: this package's, then those of installed packages, sorted."""
+    """Return the known names: this package's, then those of installed packages, sorted."""
     return [*ALGORITHMS, *sorted({point.name for point in entry_points(group=ENTRY_POINTS)} - set(ALGORITHMS))]
 
 
 def _takes_arrival(make: MakeController) -> bool:
     try:
         return "arrival" in inspect.signature(make).parameters
-    except ValueError:  # a class of an extension may tell nothing
+    except ValueError:  # a class from a C extension may have no signature
         return False
 
 
 class _NotFoundError(RobotTeamSimError):
-    """There is no controller of that name."""
+    """No controller has that name."""
 
 
 def _find(name: str) -> MakeController:
@@ -87,17 +86,17 @@ def _find(name: str) -> MakeController:
     module, colon, attribute = name.partition(":")
     if colon and module and attribute:
         return _loaded(name, EntryPoint(name, name, ENTRY_POINTS))
-    raise _NotFoundError(f"'{name}' is not known; wanted one of: {', '.join(algorithm_names())}, or module:Class")
+    raise _NotFoundError(f"'{name}' is not known; expected one of: {', '.join(algorithm_names())}, or module:Class")
 
 
 def _loaded(name: str, point: EntryPoint) -> MakeController:
     try:
-        # Files that came since the last import would not be seen otherwise.
+        # Otherwise files that were added after the last import are not found.
         importlib.invalidate_caches()
         found = point.load()
-    except Exception as error:  # Whatever the user's module raises is one line to him.
+    except Exception as error:  # Any error in the user's module is reported in one line.
         raise _NotFoundError(f"'{name}': {type(error).__name__}: {error}") from None
     if not callable(found):
-        raise _NotFoundError(f"'{name}' is {found!r:.40}; wanted a class")
+        raise _NotFoundError(f"'{name}' is {found!r:.40}; expected a class")
     made: MakeController = found
     return made

@@ -1,7 +1,5 @@
 """Random numbers of one robot's controller."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robotteamsim import rng
@@ -13,8 +11,7 @@ def robot_stream(scenario: Scenario, purpose: str, robot_id: int, arrival: int) 
 
     Not for numbers that all robots must draw identically.
 
-
-    Args: arrival: how often the robot has come, its start included: the second time it draws other numbers.
+    Args: arrival: number of the robot's arrivals, including the start; a robot draws new numbers after each.
     """
     again = (arrival,) if arrival > 1 else ()
     return rng.stream(scenario.run.seed, purpose, robot_id, *again)

@@ -1,9 +1,7 @@
-"""The nodes `controller` and `controllers`: drive one robot, or the whole team, in simulation or real.
+"""The nodes `controller` and `controllers`: drive one robot or the whole team, simulated or real.
 
-The first runs in its robot's namespace; the second, in the namespace of all, hosts the same class for each robot.
+The first runs in its robot's namespace; the second, in the global namespace, hosts the same class for each robot.
 """
-
-from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
@@ -17,7 +15,6 @@ from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.msg import Contact, ControllerStatus, MissionStatus, NetworkMessages, Voice
-from robotteamsim.network.messages import Message
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.further_inputs import FurtherInputs
 from robotteamsim.ros.transport import msg_conversion as conversion
@@ -71,7 +68,7 @@ class ControllerSlot:
         self._contact, self._voice, self._received = (f"{prefix}{name}" for name in ("contact", "voice", "network/rx"))
         self._further = FurtherInputs(body_of(robot_id, settings.scenario), prefix, settings.step_ns, robot_id)
         self._arrival = 1
-        """How often the robot has arrived, its start included."""
+        """Number of the robot's arrivals, including the start."""
         self.build(settings)
         latched = settings.lockstep
         self._answer = Output(f"{prefix}cmd_vel_stamped", TwistStamped, latched=True)
@@ -81,7 +78,7 @@ class ControllerSlot:
 
     @property
     def inputs(self) -> list[Input]:
-        """The topics that it needs."""
+        """The topics that the controller needs."""
         of_robot = partial(Channel, robot_id=self._robot_id)
         return [
             Input(of_robot(self._odom, needed=True), Odometry, conversion.read_odometry),
@@ -94,25 +91,26 @@ class ControllerSlot:
         ]
 
     def build(self, settings: Settings) -> None:
-        """Make the controller, or make it again."""
+        """Create the controller, or create it again."""
         self._further.restart()
         make = partial(make_controller, self._robot_id, settings.scenario, self._arrival)
         self._controller = Guard(self._robot_id, settings.num_robots, make)
 
     def is_occupied(self, presence: Presence, settings: Settings) -> bool:
-        """Return whether the robot is present; where it has arrived (again), its controller starts again."""
+        """Return whether the robot is present; if it has arrived (again), its controller is created again."""
         if presence.arrivals is not None and presence.arrivals[self._robot_id] != self._arrival:
             self._arrival = presence.arrivals[self._robot_id]
             self.build(settings)
         return presence.is_present(self._robot_id)
 
     def announce(self) -> None:
-        """Publish that the controller has started, before its answer to any step."""
+        """Publish that the controller has started, before it answers any step."""
         self._answer.publish(ros_messages.twist_stamped(self._make, 0, self._robot_id, Decision().twist))
 
     def step(self, step: Step, task: Task) -> None:
-        """Let the controller perceive and decide, and publish what it decided."""
-        decision = self._controller.step(self._observation(step), self._inbox(step), task)
+        """Pass the inputs to the controller, and publish its decision."""
+        inbox = conversion.network_messages(step.messages[self._received])
+        decision = self._controller.step(self._observation(step), inbox, task)
         self._publish(step.stamp_ns, decision)
 
     def _observation(self, step: Step) -> Observation:
@@ -131,11 +129,6 @@ class ControllerSlot:
         )
         return Observation(self._robot_id, step.stamp_ns, robot, conversion.voice_reading(step.latest(self._voice)))
 
-    def _inbox(self, step: Step) -> list[Message]:
-        return [
-            received for message in step.messages[self._received] for received in conversion.network_messages(message)
-        ]
-
     def _publish(self, time_ns: int, decision: Decision) -> None:
         make = self._make
         self._answer.publish(ros_messages.twist_stamped(make, time_ns, self._robot_id, decision.twist))
@@ -148,7 +141,7 @@ class ControllerSlot:
 
 
 class ControllerNode:
-    """Steps the controllers of its slots by what the robots sense and what reaches them over the network."""
+    """Steps the controllers of its slots with the robots' readings and messages."""
 
     def __init__(self, settings: Settings, slots: Sequence[ControllerSlot]) -> None:
         self._settings = settings

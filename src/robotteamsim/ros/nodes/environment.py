@@ -1,6 +1,4 @@
-"""The node `environment`: carries voices and messages between the robots."""
-
-from __future__ import annotations
+"""The node `environment`: simulates voices and the radio network."""
 
 import logging
 import threading
@@ -10,8 +8,8 @@ from typing import Any
 
 import numpy as np
 from nav_msgs.msg import OccupancyGrid, Odometry
-from pydantic import ValidationError
 
+from robotteamsim import srv
 from robotteamsim.errors import PlacementError
 from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkMessages, NetworkState, Voice
 from robotteamsim.propagation import FieldMap
@@ -20,30 +18,16 @@ from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.msg_conversion import RosTypes
 from robotteamsim.ros.transport.node import run
 from robotteamsim.ros.transport.presence import PRESENCE, Presence
-from robotteamsim.ros.transport.services import Service, call_service
+from robotteamsim.ros.transport.services import Service, call_service, command
 from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
 from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
-from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.sections import Mission as MissionSection
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.scenario.sections import Voice as VoiceSection
 from robotteamsim.sensing.readings import NOT_THERE
 from robotteamsim.simulation.environment import Environment
-from robotteamsim.srv import (
-    GetRadioMap,
-    GetRadioMapRequest,
-    GetRadioMapResponse,
-    SetDoor,
-    SetDoorRequest,
-    SetDoorResponse,
-    SetNoise,
-    SetNoiseRequest,
-    SetNoiseResponse,
-    SetVictim,
-    SetVictimRequest,
-    SetVictimResponse,
-)
 from robotteamsim.world.placement import check_mission
 
 logger = logging.getLogger(__name__)
@@ -52,10 +36,10 @@ STATUS = "/mission/status"
 DOORS = "/world/doors"
 RADIO_MAP_RESOLUTION_M = 0.25
 FINEST_M, COARSEST_M = 0.05, 10.0
-"""Range of the resolution of a map made on demand: a finer one would be a message of many megabytes."""
+"""Range of the resolution of requested maps; a finer map would be a message of many megabytes."""
 RADIO_MAP_PERIOD_NS = 10**9
 NODE_TIMEOUT_S = 2.0
-"""A change waits this long for another node's service [s, wall]."""
+"""Timeout of another node's service [s, wall]."""
 
 
 def main() -> None:
@@ -64,38 +48,32 @@ def main() -> None:
 
 
 class RadioMaps:
-    """The signal of one robot over the floor: expensive, so only for subscribers, once a second and when they come."""
+    """The signal of one robot over the floor; expensive, so only for subscribers, on subscription and once a second."""
 
     def __init__(self, robot_name: str, make: RosTypes, now: Callable[[], tuple[int, FieldMap] | None]) -> None:
         """Advertise the maps. now: returns stamp [ns] and map of the last step, for late subscribers; None: no map."""
-        self._make = make
         self._now = now
-        self._picture = Output(
-            f"/{robot_name}/radio_map", OccupancyGrid, greeting=lambda: self._greeting(self._picture_of)
-        )
-        self._values = Output(
-            f"/{robot_name}/radio_map/values", FloatMap, greeting=lambda: self._greeting(self._values_of)
+        topic = f"/{robot_name}/radio_map"
+        picture = partial(ros_messages.radio_map_picture, make)
+        values = partial(ros_messages.field_map, make, quantity="rssi", unit="dBm")
+        self._outputs = (
+            (Output(topic, OccupancyGrid, greeting=partial(self._greeting, picture)), picture),
+            (Output(f"{topic}/values", FloatMap, greeting=partial(self._greeting, values)), values),
         )
         self._due_ns = 0
 
     def publish(self, time_ns: int, position_m: tuple[float, float], environment: Environment) -> None:
-        """Publish the maps, if they are due and somebody subscribes."""
-        if time_ns < self._due_ns or not (self._picture.wanted or self._values.wanted):
+        """Publish the maps, if they are due and have subscribers."""
+        if time_ns < self._due_ns or not any(output.wanted for output, _ in self._outputs):
             return
         self._due_ns = time_ns + RADIO_MAP_PERIOD_NS
         radio_map = environment.radio_map(position_m, RADIO_MAP_RESOLUTION_M)
-        self._picture.publish(self._picture_of(time_ns, radio_map))
-        self._values.publish(self._values_of(time_ns, radio_map))
+        for output, message_of in self._outputs:
+            output.publish(message_of(time_ns, radio_map))
 
     def restart(self) -> None:
-        """Begin again with the first step."""
+        """Restart with the first step."""
         self._due_ns = 0
-
-    def _picture_of(self, time_ns: int, radio_map: FieldMap) -> OccupancyGrid:
-        return ros_messages.radio_map_picture(self._make, time_ns, radio_map)
-
-    def _values_of(self, time_ns: int, radio_map: FieldMap) -> FloatMap:
-        return ros_messages.field_map(self._make, time_ns, radio_map, "rssi", "dBm")
 
     def _greeting(self, message_of: Callable[[int, FieldMap], Any]) -> Any:
         now = self._now()
@@ -103,7 +81,7 @@ class RadioMaps:
 
 
 class EnvironmentNode:
-    """Steps voices and network by the robots' true places; takes changes of doors, noise and victims."""
+    """Steps voices and network with the robots' true positions; serves changes of doors, noise and victims."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
@@ -129,10 +107,10 @@ class EnvironmentNode:
         inputs = self._inputs()
         self._steps = receive_steps(make_synchronizer(settings, inputs), inputs)
         self._services = (
-            Service("/get_radio_map", GetRadioMap, self._serve_get_radio_map),
-            Service("/set_door", SetDoor, self._serve_set_door),
-            Service("/set_noise", SetNoise, self._serve_set_noise),
-            Service("/set_victim", SetVictim, self._serve_set_victim),
+            Service("/get_radio_map", srv.GetRadioMap, self._serve_get_radio_map),
+            command("/set_door", srv.SetDoor, self._set_door),
+            command("/set_noise", srv.SetNoise, self._set_noise),
+            command("/set_victim", srv.SetVictim, self._set_victim),
         )
 
     def serve(self) -> None:
@@ -175,12 +153,9 @@ class EnvironmentNode:
             for robot_id, topic in enumerate(self._places)
         ]
         positions_m = np.array([(place.x_m, place.y_m) for place in places])
-        outboxes = [
-            [sent for message in step.messages.get(topic, ()) for sent in conversion.network_messages(message)]
-            for topic in self._sent
-        ]
+        outboxes = [conversion.network_messages(step.messages.get(topic, ())) for topic in self._sent]
         with self._environment_lock:
-            doors = step.latest(DOORS) if self._settings.scenario.plan.doors else None
+            doors = step.latest(DOORS)
             if doors is not None:
                 self._environment.follow_doors(conversion.door_states(doors))
             status = step.latest(STATUS)
@@ -218,79 +193,67 @@ class EnvironmentNode:
         self._voice_map.publish(ros_messages.field_map(self._make, time_ns, voice_map, "voice_level", "dB"))
 
     def _radio_map_now(self, robot_id: int) -> tuple[int, FieldMap] | None:
-        """Return stamp [ns] and radio map of a robot's last step; None: there was none, or it is not present."""
+        """Return stamp [ns] and radio map of a robot in the last step; None if there is no step or no robot."""
         with self._environment_lock:
             if self._last_step is None or not self._presence.is_present(robot_id):
                 return None
             time_ns, positions_m = self._last_step
             return time_ns, self._environment.radio_map(positions_m[robot_id], RADIO_MAP_RESOLUTION_M)
 
-    def _serve_get_radio_map(self, request: GetRadioMapRequest) -> GetRadioMapResponse:
+    def _serve_get_radio_map(self, request: srv.GetRadioMapRequest) -> srv.GetRadioMapResponse:
         resolution_m = request.resolution_m or RADIO_MAP_RESOLUTION_M
         with self._environment_lock:
             problem = self._problem_of(request.robot_id, resolution_m)
             if problem or self._last_step is None:
-                return GetRadioMapResponse(success=False, message=problem)
+                return srv.GetRadioMapResponse(success=False, message=problem)
             time_ns, positions_m = self._last_step
             radio_map = self._environment.radio_map(positions_m[request.robot_id], resolution_m)
-        return GetRadioMapResponse(
-            success=True, map=ros_messages.field_map(self._make, time_ns, radio_map, "rssi", "dBm")
-        )
+        message = ros_messages.field_map(self._make, time_ns, radio_map, "rssi", "dBm")
+        return srv.GetRadioMapResponse(success=True, map=message)
 
     def _problem_of(self, robot_id: int, resolution_m: float) -> str:
-        """Return why there is no such radio map; empty: there is one."""
+        """Return why there is no such radio map; empty if there is one."""
         if not 0 <= robot_id < self._settings.num_robots:
             return f"robot_id: {robot_id}; expected 0 to {self._settings.num_robots - 1}"
         if not FINEST_M <= resolution_m <= COARSEST_M:
             return f"resolution_m: {resolution_m:g}; expected {FINEST_M:g} to {COARSEST_M:g}, or 0"
         if not self._presence.is_present(robot_id):
-            return f"robot_id: {robot_id}; that robot is not present"
-        return "" if self._last_step else "no step has been taken so far"
+            return f"robot_id: {robot_id}; the robot is not present"
+        return "" if self._last_step else "no step has been taken yet"
 
-    def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
-        """Have the world set a door and publish it; in a world without doors, set it here and in the mission."""
-        answer = _passed_on("/world/set_door", SetDoor, request)
-        if answer is not None:
-            return answer
-        try:
+    def _set_door(self, request: srv.SetDoorRequest) -> None:
+        """Let the world set a door and publish it; if the world has no doors, set it here and in the mission."""
+        answer = _passed_on("/world/set_door", srv.SetDoor, request)
+        if answer is None:
             with self._environment_lock:
                 self._environment.set_door(request.name, request.closed)
-        except ValueError as error:
-            return SetDoorResponse(success=False, message=str(error))
-        _passed_on("/mission/set_door", SetDoor, request)
-        return SetDoorResponse(success=True, message="")
+            _passed_on("/mission/set_door", srv.SetDoor, request)
+        elif not answer.success:
+            raise ValueError(answer.message)
 
-    def _serve_set_noise(self, request: SetNoiseRequest) -> SetNoiseResponse:
-        try:
-            # The scenario's own model knows the range.
-            VoiceSection.model_validate({"noise_db": request.noise_db})
-        except ValidationError as error:
-            return SetNoiseResponse(success=False, message=str(problems(error, VoiceSection)[0]))
+    def _set_noise(self, request: srv.SetNoiseRequest) -> None:
+        # The scenario's model has the range.
+        checked(VoiceSection, {"noise_db": request.noise_db}, ValueError)
         with self._environment_lock:
             self._environment.set_noise_db(request.noise_db)
-        _passed_on("/mission/set_noise", SetNoise, request)
-        return SetNoiseResponse(success=True, message="")
+        _passed_on("/mission/set_noise", srv.SetNoise, request)
 
-    def _serve_set_victim(self, request: SetVictimRequest) -> SetVictimResponse:
+    def _set_victim(self, request: srv.SetVictimRequest) -> None:
         position_m = (request.position.x, request.position.y)
-        scenario = self._settings.scenario
+        victim = checked(Victim, {"name": request.name, "position": position_m}, ValueError)
         try:
-            mission = MissionSection(victims=(Victim(name=request.name, position=position_m),))
-            check_mission(scenario.plan, mission)
-        except ValidationError as error:
-            return SetVictimResponse(success=False, message=str(problems(error, MissionSection)[0]))
+            check_mission(self._settings.scenario.plan, MissionSection(victims=(victim,)))
         except PlacementError as error:
-            return SetVictimResponse(success=False, message=f"set_victim: {error}")
+            raise ValueError(f"set_victim: {error}") from None
         with self._environment_lock:
             self._environment.set_victim(request.name, position_m)
             if request.name not in self._victims:
                 self._victims.append(request.name)
-        _passed_on("/mission/set_victim", SetVictim, request)
-        return SetVictimResponse(success=True, message="")
+        _passed_on("/mission/set_victim", srv.SetVictim, request)
 
 
 def _passed_on(service: str, service_class: Any, request: Any) -> Any | None:
-    """Pass a change on to another node and return its answer; None: it does not answer."""
+    """Forward a change to another node and return its answer; None if it does not answer."""
     answer = call_service(service, service_class, request, NODE_TIMEOUT_S)
     if answer is None:
         logger.warning("%s does not answer", service)

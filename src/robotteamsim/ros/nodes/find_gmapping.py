@@ -1,6 +1,4 @@
-"""Says where slam_gmapping is, for `mapping.launch`: its failure ends the launch before anything has started."""
-
-from __future__ import annotations
+"""Finds slam_gmapping for `mapping.launch`; its failure ends the launch before any node starts."""
 
 import sys
 
@@ -11,12 +9,12 @@ PACKAGE, PROGRAM = "gmapping", "slam_gmapping"
 
 
 def main() -> None:
-    """Write the path of slam_gmapping; where it is not installed, end in one line and status 2."""
+    """Print the path of slam_gmapping; if it is not installed, exit with one line and status 2."""
     path = installed()
     if path is None:
         sys.stderr.write(
-            f"mapping.launch: {PROGRAM} (ROS package {PACKAGE}) is not installed; wanted it, or scenario.launch with"
-            " another program that listens to base_scan and tf\n"
+            f"mapping.launch: {PROGRAM} (ROS package {PACKAGE}) is not installed; install it, or use scenario.launch"
+            " with another program that subscribes to base_scan and tf\n"
         )
         sys.exit(2)
     sys.stdout.write(path)

@@ -1,6 +1,4 @@
-"""The further lasers, sonars and GPS of a robot, as its controller's node receives them."""
-
-from __future__ import annotations
+"""The additional lasers, sonars and GPS of a robot, as received by its controller's node."""
 
 from collections.abc import Callable
 from functools import partial
@@ -17,10 +15,10 @@ from robotteamsim.sensing.readings import NOTHING_FURTHER, FurtherReadings
 
 
 class FurtherInputs:
-    """Makes `RobotReading.further` of the topics of one robot."""
+    """Makes `RobotReading.further` from the topics of one robot."""
 
     def __init__(self, robot: Robot, prefix: str, step_ns: int, robot_id: int | None = None) -> None:
-        """Args: prefix: comes before the names of the topics. step_ns: length of a step [ns]."""
+        """Args: prefix: of the names of the topics.  step_ns: length of a step [ns]."""
         self._robot = robot
         self._lasers = [f"{prefix}{laser.name}" for laser in robot.lasers]
         self._sonars = [f"{prefix}{sonar.name}" for sonar in robot.sonars]
@@ -31,7 +29,7 @@ class FurtherInputs:
 
     @property
     def inputs(self) -> list[Input]:
-        """The topics; out of lockstep no step waits for them."""
+        """The topics; without lockstep no step waits for them."""
         dues = [_due(laser.every_steps, self._step_ns) for laser in self._robot.lasers]
         mine = partial(Channel, robot_id=self._robot_id)
         inputs = [
@@ -44,27 +42,27 @@ class FurtherInputs:
         return inputs
 
     def restart(self) -> None:
-        """Forget what sonars measured: out of lockstep the last range holds until the next one comes."""
+        """Discard the sonars' ranges; without lockstep the last range holds until the next one arrives."""
         self._sonars_m = [sonar.range_max_m for sonar in self._robot.sonars]
 
     def reading(self, step: Step) -> FurtherReadings:
-        """Return what the sensors measured in a step."""
+        """Return the readings of the sensors in a step."""
         robot = self._robot
         if not robot.mounts and robot.gps is None:
             return NOTHING_FURTHER
         for i, name in enumerate(self._sonars):
             if (message := step.latest(name)) is not None:
-                self._sonars_m[i] = conversion.sonar_m(message)
+                self._sonars_m[i] = float(message.range)
         fix = None if robot.gps is None else step.latest(self._fix)
         scans_m = tuple(step.latest(name) for name in self._lasers)
         return FurtherReadings(scans_m, tuple(self._sonars_m), None if fix is None else conversion.fix(fix))
 
 
 def _due(every_steps: int, step_ns: int) -> Callable[[int], bool] | None:
-    """Return whether a laser measures in the step of a stamp [ns]; None: in every step."""
+    """Return a function of a stamp [ns]: whether a laser measures in that step; None for every step."""
     return None if every_steps == 1 else lambda stamp_ns: stamp_ns // step_ns % every_steps == 0
 
 
 def _fix_due(gps: Gps, step_ns: int) -> Callable[[int], bool] | None:
-    """Return whether a fix falls into the step of a stamp [ns]; None: into every one."""
+    """Return a function of a stamp [ns]: whether there is a fix in that step; None for every step."""
     return None if is_due(gps, step_ns, step_ns) else lambda stamp_ns: is_due(gps, stamp_ns, step_ns)

@@ -1,6 +1,4 @@
-"""When the world may take its next step: pause, single steps, reset, pace. Knows threads, but no ROS."""
-
-from __future__ import annotations
+"""Controls when the world takes its next step: pause, single steps, reset, pace. Uses threads but not ROS."""
 
 import math
 import threading
@@ -8,67 +6,63 @@ import time
 from collections.abc import Callable
 
 REANCHOR_S = 0.25
-"""A world that is late by more than this [s, wall] does not hurry to catch up."""
+"""A world that is late by more than this [s, wall] does not catch up."""
 
 
 class Gate:
-    """Lets one thread through, step by step, as others allow. Everything but `wait` and `sleep` is for the others."""
+    """Lets one thread take steps as others allow. The others use all methods except `wait` and `sleep`."""
 
     def __init__(self) -> None:
         self._paused = False
         self._steps = 0
-        self._reset_wanted = False
+        self.reset_wanted = False
+        """Whether a reset was requested."""
         self._waiting = False
         self._closed = False
-        # Its lock may be taken twice by one thread: a signal handler may close the gate in the midst of `wait`.
+        # The lock is reentrant, because a signal handler may close the gate during `wait`.
         self._changed = threading.Condition()
 
     def wait(self) -> bool:
-        """Wait until the next step, or a reset, may happen; False when closed."""
+        """Wait until the next step, or a reset, is allowed; return False if closed."""
         with self._changed:
             self._waiting = True
             self._changed.notify_all()
-            self._changed.wait_for(lambda: self._closed or not self._paused or self._steps > 0 or self._reset_wanted)
+            self._changed.wait_for(lambda: self._closed or not self._paused or self._steps > 0 or self.reset_wanted)
             self._waiting = False
             return not self._closed
 
     def sleep(self, duration_s: float) -> bool:
-        """Wait for a time [s, wall]; False when closed, at once."""
+        """Wait for some time [s, wall]; return False at once if closed."""
         with self._changed:
             return not self._changed.wait_for(lambda: self._closed, timeout=duration_s)
 
     def passed(self) -> None:
-        """Note that a step has been taken."""
+        """Record that a step has been taken."""
         with self._changed:
             self._steps = max(0, self._steps - 1)
             self._changed.notify_all()
 
-    @property
-    def reset_wanted(self) -> bool:
-        """Whether a reset was asked for."""
-        return self._reset_wanted
-
     def reset_done(self) -> None:
-        """Note that the reset has happened."""
+        """Record that the reset is done."""
         with self._changed:
-            self._reset_wanted = False
+            self.reset_wanted = False
             self._changed.notify_all()
 
     def pause(self, timeout_s: float) -> bool:
-        """Let no more steps through; return whether the one under way ended in time [s, wall]."""
+        """Allow no more steps; return whether the current one ended in time [s, wall]."""
         with self._changed:
             self._paused = True
             self._steps = 0
             return self._changed.wait_for(lambda: self._closed or self._waiting, timeout=timeout_s)
 
     def resume(self) -> None:
-        """Let steps through again."""
+        """Allow steps again."""
         with self._changed:
             self._paused = False
             self._changed.notify_all()
 
     def step(self, steps: int) -> bool:
-        """Let some steps through while paused and wait until they are taken; False when not paused, or not done."""
+        """Allow some steps while paused and wait until they are taken; return False if not paused or not done."""
         with self._changed:
             if not self._paused:
                 return False
@@ -78,21 +72,21 @@ class Gate:
             return self._paused and not self._closed
 
     def reset(self, timeout_s: float) -> bool:
-        """Ask for a reset; return whether it happened in time [s, wall]."""
+        """Request a reset; return whether it was done in time [s, wall]."""
         with self._changed:
-            self._reset_wanted = True
+            self.reset_wanted = True
             self._changed.notify_all()
-            return self._changed.wait_for(lambda: self._closed or not self._reset_wanted, timeout=timeout_s)
+            return self._changed.wait_for(lambda: self._closed or not self.reset_wanted, timeout=timeout_s)
 
     def close(self) -> None:
-        """Let nobody through any more, and nobody wait."""
+        """Allow no more steps, and end all waits."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
 
 
 class Pacer:
-    """Computes how long to wait so that simulated time passes `speed` times as fast as wall time; 0: flat out."""
+    """Computes waits so that simulated time passes `speed` times as fast as wall time; 0: as fast as possible."""
 
     def __init__(self, speed: float, wall_s: Callable[[], float] = time.monotonic) -> None:
         """Raises: ValueError: as `set_speed`."""
@@ -101,7 +95,7 @@ class Pacer:
         self.set_speed(speed)
 
     def set_speed(self, speed: float) -> None:
-        """Let time pass at another speed from now on; from any thread.
+        """Set another speed from now on; may be called from any thread.
 
         Raises: ValueError: the speed is negative or not finite.
         """
@@ -113,7 +107,7 @@ class Pacer:
 
     @property
     def is_flat_out(self) -> bool:
-        """Whether time passes as fast as it goes."""
+        """Whether time passes as fast as possible."""
         return self._speed == 0.0
 
     def delay_s(self, sim_time_ns: int) -> float:

@@ -1,6 +1,4 @@
-"""The node `mission`: judges the mission, reports it, and ends the launch with it."""
-
-from __future__ import annotations
+"""The node `mission`: judges the mission, publishes its status, and ends the launch when it ends."""
 
 import logging
 import threading
@@ -14,48 +12,26 @@ from nav_msgs.msg import Odometry
 from rich.console import Console
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
+from robotteamsim import msg, srv
 from robotteamsim.interface import Decision
 from robotteamsim.mission.status import Event
-from robotteamsim.msg import (
-    Areas,
-    Contact,
-    ControllerStatus,
-    Doors,
-    MissionEvent,
-    MissionStatus,
-    NetworkMessages,
-    NetworkState,
-    Victims,
-    Voice,
-)
 from robotteamsim.recording import ResultWriter, TumWriter, ros_messages
 from robotteamsim.recording.table import print_result
 from robotteamsim.ros.nodes.trial import Trial
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.node import parameter, run, wait_for_shutdown
 from robotteamsim.ros.transport.presence import PRESENCE, Presence
-from robotteamsim.ros.transport.services import Service
+from robotteamsim.ros.transport.services import Service, command
 from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
 from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
-from robotteamsim.sensing.readings import NOT_THERE, NOTHING_HEARD, RobotReading, VoiceReading
+from robotteamsim.sensing.readings import NOT_THERE, NOTHING_HEARD, RobotReading
 from robotteamsim.simulation import Observer
-from robotteamsim.srv import (
-    SetDoor,
-    SetDoorRequest,
-    SetDoorResponse,
-    SetNoise,
-    SetNoiseRequest,
-    SetNoiseResponse,
-    SetVictim,
-    SetVictimRequest,
-    SetVictimResponse,
-)
 
 logger = logging.getLogger(__name__)
 
 FAREWELL_S = 0.5
-"""The last messages get this long to reach recorders before the node, and with it the launch, ends [s, wall]."""
+"""Time for the last messages to reach recorders before the node, and with it the launch, ends [s, wall]."""
 NETWORK = "/network/state"
 DOORS = "/world/doors"
 
@@ -83,31 +59,27 @@ class RobotInputs:
         mine = partial(Channel, robot_id=self._robot_id)
         inputs = [
             Input(mine(self.ground_truth, needed=True), Odometry, conversion.read_odometry),
-            Input(mine(self.contact), Contact),
-            Input(mine(self.voice, needed=True), Voice),
+            Input(mine(self.contact), msg.Contact),
+            Input(mine(self.voice, needed=True), msg.Voice),
         ]
         if controlled:
-            inputs.append(Input(mine(self.status, may_be_silent=True), ControllerStatus))
+            inputs.append(Input(mine(self.status, may_be_silent=True), msg.ControllerStatus))
         return inputs
 
     def reading(self, step: Step) -> RobotReading:
-        """Return what the mission knows of the robot's senses: no odometry of its own, and no ranges."""
+        """Return the readings of the robot for the mission, without odometry and ranges."""
         truth = step.latest(self.ground_truth)
         contact = step.latest(self.contact)
         return RobotReading.of(truth.pose, truth.twist, truth, _NO_RANGES, contact is not None and contact.in_contact)
 
-    def heard(self, step: Step) -> VoiceReading:
-        """Return what the robot hears."""
-        return conversion.voice_reading(step.latest(self.voice))
-
     def decision(self, step: Step) -> Decision:
-        """Return what is published of the robot's decision."""
-        status = step.latest(self.status) if self.status in step.messages else None
+        """Return the published part of the robot's decision."""
+        status = step.latest(self.status)
         return Decision() if status is None else conversion.decision(status)
 
 
 class MissionNode:
-    """Steps the mission by what the other nodes publish; recorders observe it."""
+    """Steps the mission with the messages of the other nodes; recorders observe it."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
@@ -124,16 +96,16 @@ class MissionNode:
         self._trial = self._begin_trial()
         inputs = self._inputs()
         self._steps = receive_steps(make_synchronizer(settings, inputs), inputs)
-        self._events = Output("/mission/events", MissionEvent)
-        self._victims = Output("/mission/victims", Victims, latched=True)
-        self._areas = Output("/mission/areas", Areas, latched=True)
-        self._status = Output("/mission/status", MissionStatus, latched=True)
+        self._events = Output("/mission/events", msg.MissionEvent)
+        self._victims = Output("/mission/victims", msg.Victims, latched=True)
+        self._areas = Output("/mission/areas", msg.Areas, latched=True)
+        self._status = Output("/mission/status", msg.MissionStatus, latched=True)
         self._published: tuple[Any, ...] = ()
         self._publish(0, ())
         self._offer_services()
 
     def serve(self) -> None:
-        """Step until the mission has ended (or on, if it is to stay), or the node is shut down."""
+        """Step until the mission has ended (or longer, with `~stays`), or the node is shut down."""
         try:
             while (step := self._steps.take()) is not None:
                 if step.restarted:
@@ -154,16 +126,16 @@ class MissionNode:
     def _inputs(self) -> list[Input]:
         controlled = self._settings.controlled
         inputs = [an_input for i, topics in enumerate(self._robots) for an_input in topics.inputs(i in controlled)]
-        doors = [Input(Channel(DOORS), Doors)] if self._settings.scenario.plan.doors else []
-        base = (
-            [Input(Channel(self._base_received, robot_id=self._base), NetworkMessages)] if self._base_received else []
-        )
-        return [*inputs, *doors, *base, PRESENCE, Input(Channel(NETWORK, needed=True), NetworkState)]
+        if self._settings.scenario.plan.doors:
+            inputs.append(Input(Channel(DOORS), msg.Doors))
+        if self._base_received:
+            inputs.append(Input(Channel(self._base_received, robot_id=self._base), msg.NetworkMessages))
+        return [*inputs, PRESENCE, Input(Channel(NETWORK, needed=True), msg.NetworkState)]
 
     def _begin_trial(self) -> Trial:
         recorders: list[Observer] = []
         if self._folder is not None:
-            # mission.json comes last: where it is, the rest is complete.
+            # mission.json is written last: if it exists, the rest is complete.
             recorders = [TumWriter(self._folder / "trajectories"), ResultWriter(self._folder)]
         return Trial(self._settings.scenario, recorders)
 
@@ -172,20 +144,22 @@ class MissionNode:
         present = self._presence.present
         robots = [(topics, self._presence.is_present(robot_id)) for robot_id, topics in enumerate(self._robots)]
         readings = tuple(topics.reading(step) if is_present else NOT_THERE for topics, is_present in robots)
-        voices = tuple(topics.heard(step) if is_present else NOTHING_HEARD for topics, is_present in robots)
+        heard = conversion.voice_reading
+        voices = tuple(
+            heard(step.latest(topics.voice)) if is_present else NOTHING_HEARD for topics, is_present in robots
+        )
         decisions = tuple(topics.decision(step) if is_present else Decision() for topics, is_present in robots)
         network = conversion.network_state(step.latest(NETWORK))
-        message = step.latest(DOORS) if self._settings.scenario.plan.doors else None
+        message = step.latest(DOORS)
         doors = None if message is None else conversion.door_states(message)
-        received = step.messages[self._base_received] if self._base_received else ()
-        base_inbox = [received_by_base for one in received for received_by_base in conversion.network_messages(one)]
+        base_inbox = conversion.network_messages(step.messages.get(self._base_received, ()))
         with self._trial_lock:
             events = self._trial.step(step.stamp_ns, readings, voices, network, decisions, doors, base_inbox, present)
         self._publish(step.stamp_ns, events)
 
     def _publish(self, time_ns: int, events: Sequence[Event]) -> None:
         make, scenario = self._make, self._settings.scenario
-        # One moment of the mission: services change it meanwhile.
+        # A consistent snapshot, because services may change the mission meanwhile.
         with self._trial_lock:
             mission = self._trial.mission
             status, victims, noise_db = mission.status, mission.victims, mission.noise_db
@@ -202,16 +176,16 @@ class MissionNode:
     def _report(self) -> None:
         result = self._trial.result
         assert result is not None
-        written = [self._folder] if self._folder is not None else []
-        print_result(Console(), self._settings.scenario, result, self._trial.events, written)
+        print_result(Console(), result, self._trial.events, [self._folder])
 
     def _offer_services(self) -> None:
         actions = ("start", "pause", "resume", "abort")
+        locked = partial(command, lock=self._trial_lock)
         self._services = (
             *(Service(f"/mission/{name}", Trigger, self._server_of(name)) for name in actions),
-            Service("/mission/set_door", SetDoor, self._serve_set_door),
-            Service("/mission/set_noise", SetNoise, self._serve_set_noise),
-            Service("/mission/set_victim", SetVictim, self._serve_set_victim),
+            locked("/mission/set_door", srv.SetDoor, lambda r: self._trial.mission.set_door(r.name, r.closed)),
+            locked("/mission/set_noise", srv.SetNoise, lambda r: self._trial.mission.set_noise_db(r.noise_db)),
+            locked("/mission/set_victim", srv.SetVictim, self._set_victim),
         )
 
     def _server_of(self, name: str) -> Callable[[TriggerRequest], TriggerResponse]:
@@ -225,17 +199,5 @@ class MissionNode:
 
         return serve
 
-    def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
-        with self._trial_lock:
-            self._trial.mission.set_door(request.name, request.closed)
-        return SetDoorResponse(success=True, message="")
-
-    def _serve_set_noise(self, request: SetNoiseRequest) -> SetNoiseResponse:
-        with self._trial_lock:
-            self._trial.mission.set_noise_db(request.noise_db)
-        return SetNoiseResponse(success=True, message="")
-
-    def _serve_set_victim(self, request: SetVictimRequest) -> SetVictimResponse:
-        with self._trial_lock:
-            self._trial.mission.set_victim(request.name, (request.position.x, request.position.y))
-        return SetVictimResponse(success=True, message="")
+    def _set_victim(self, request: srv.SetVictimRequest) -> None:
+        self._trial.mission.set_victim(request.name, (request.position.x, request.position.y))

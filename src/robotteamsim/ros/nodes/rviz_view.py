@@ -1,6 +1,4 @@
-"""Starts rviz with a view in which the building of the run just fits."""
-
-from __future__ import annotations
+"""Starts rviz with a view that just fits the building of the run."""
 
 import os
 import sys
@@ -16,23 +14,26 @@ from robotteamsim.ros.transport.settings import PARAMETERS
 from robotteamsim.scenario import Bounds, load
 
 FITTED = 60.0, 40.0
-"""Width and depth of the building [m] for which the distances in rviz/robotteamsim.rviz are made."""
+"""Width and depth of the building [m] for which rviz/robotteamsim.rviz was made."""
 
 
 def main() -> None:
-    """Become rviz, with the arguments of this program; a folder for logs keeps the view that was made."""
+    """Replace this process by rviz, with the same arguments; the view is written to the folder of logs."""
     packages = rospkg.RosPack()
     config = Path(packages.get_path("robotteamsim"), "rviz", "robotteamsim.rviz")
     try:
         bounds = load(parameter(f"{PARAMETERS}/scenario", ""), parameter(f"{PARAMETERS}/set", "").split()).plan.bounds
-        config = write_view(fitted(config, bounds), Path(rospkg.get_log_dir()))
-    except (RobotTeamSimError, OSError) as error:  # The world reports mistakes; rviz shows what there is.
+        settings, folder = fitted(config, bounds), Path(rospkg.get_log_dir())
+        folder.mkdir(parents=True, exist_ok=True)
+        config = folder / f"robotteamsim-{os.getpid()}.rviz"
+        config.write_text(yaml.safe_dump(settings), encoding="utf-8")
+    except (RobotTeamSimError, OSError) as error:  # The world reports mistakes; rviz shows what it can.
         sys.stderr.write(f"rviz_view: the view is not fitted to the building: {error}\n")
     os.execvp("rviz", ["rviz", "-d", str(config), *sys.argv[1:]])
 
 
 def fitted(config: Path, bounds: Bounds) -> dict[str, Any]:
-    """Return rviz's settings with views from so far that the building just fits."""
+    """Return rviz's settings with views at distances at which the building just fits."""
     settings: dict[str, Any] = yaml.safe_load(config.read_text(encoding="utf-8"))
     sides_m = (high - low for low, high in zip(bounds.min, bounds.max, strict=True))
     scale = max(side_m / fitted_m for side_m, fitted_m in zip(sides_m, FITTED, strict=True))
@@ -42,11 +43,3 @@ def fitted(config: Path, bounds: Bounds) -> dict[str, Any]:
             if key in view:
                 view[key] *= factor
     return settings
-
-
-def write_view(settings: dict[str, Any], folder: Path) -> Path:
-    """Write rviz's settings into a folder, in a file of this process, and return its path."""
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"robotteamsim-{os.getpid()}.rviz"
-    path.write_text(yaml.safe_dump(settings), encoding="utf-8")
-    return path

@@ -1,26 +1,15 @@
-"""The node `scene`: turns the topics of a run, or of a bag, into what rviz shows."""
-
-from __future__ import annotations
+"""The node `scene`: converts the topics of a run, or of a bag, to markers for rviz."""
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Point, TransformStamped
 from sensor_msgs.msg import PointCloud2
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from robotteamsim.msg import (
-    Areas,
-    Doors,
-    FloatMap,
-    MissionEvent,
-    MissionStatus,
-    NetworkState,
-    Robots,
-    Victims,
-)
+from robotteamsim import msg
 from robotteamsim.ros.scene import laser as scene_laser
 from robotteamsim.ros.scene import mission as scene_mission
 from robotteamsim.ros.scene import plan as scene_plan
@@ -43,21 +32,21 @@ DRAW_PERIOD_S = 0.1
 TRAIL_PERIOD_S = 0.5
 DISCOVERY_PERIOD_S = 0.5
 IDLE_SHARE = 4.0
-"""After each drawing the node rests this many times as long, up to a limit: many robots are drawn less often."""
+"""After each update the node waits for this multiple of its duration, up to a limit: more robots, fewer updates."""
 MAX_IDLE_S = 0.5
 RESEND_PERIOD_S = 5.0
-"""rviz forgets all markers when time jumps backwards, and by its Reset button."""
+"""rviz deletes all markers when time jumps backwards, and with its Reset button."""
 RESEND_DELAY_S = 1.0
-"""After time has jumped backwards, rviz gets this long to notice."""
+"""Time for rviz to notice that time has jumped backwards [s, wall]."""
 TRAIL_POINTS = 6_000
 """Of all robots together."""
 WALL_HEIGHT_M = 1.1
 SENSORS = ("sonars", "gps")
-"""Layers of sensors that not every robot has."""
+"""Layers of additional sensors."""
 
 
 def main() -> None:
-    """Run the node. Its own parameter is ~wall_height_m: walls are cut there to let one look in from above."""
+    """Run the node. Its parameter ~wall_height_m is the height at which walls are cut, to look in from above."""
     run("scene", _serve)
 
 
@@ -71,35 +60,27 @@ def _serve() -> None:
 
 
 class Canvas:
-    """One latched topic of markers, and what of it is on display."""
+    """One latched topic of markers, and its current contents."""
 
     def __init__(self, topic: str) -> None:
         self._output = Output(topic, MarkerArray, latched=True)
         self._shown = Shown()
-        self._markers: list[Marker] = []
+        self.markers: list[Marker] = []
+        """The contents of the topic."""
 
     def draw(self, markers: Iterable[Marker]) -> None:
-        """Replace what the topic shows."""
-        self._markers = list(markers)
-        self._output.publish(MarkerArray(self._shown.update(self._markers)))
+        """Replace the contents of the topic."""
+        self.markers = list(markers)
+        self._output.publish(MarkerArray(self._shown.update(self.markers)))
 
     @property
     def watched(self) -> bool:
-        """Whether somebody subscribes right now."""
+        """Whether the topic has a subscriber now."""
         return self._output.num_subscribers > 0
-
-    @property
-    def shows(self) -> bool:
-        """Whether there is anything on it."""
-        return bool(self._markers)
-
-    def draw_again(self) -> None:
-        """Send what the topic shows."""
-        self.draw(self._markers)
 
 
 class Scene:
-    """Draws when something has changed."""
+    """Publishes markers when something has changed."""
 
     def __init__(self, scenario: Scenario, wall_height_m: float) -> None:
         self._scenario = scenario
@@ -110,21 +91,21 @@ class Scene:
         self._laser = Output("/scene/laser", PointCloud2)
         self._robots: dict[int, RobotFeed] = {}
         self._missing: set[int] = set()
-        self._status = Feed("/mission/status", MissionStatus)
-        self._events = Feed("/mission/events", MissionEvent, keep=1000)
-        self._doors = Feed("/world/doors", Doors)
+        self._status = Feed("/mission/status", msg.MissionStatus)
+        self._events = Feed("/mission/events", msg.MissionEvent, keep=1000)
+        self._doors = Feed("/world/doors", msg.Doors)
         self._has_doors = False
-        self._areas = Feed("/mission/areas", Areas)
-        self._victims = Feed("/mission/victims", Victims)
-        self._presence = Feed(ROBOTS, Robots)
+        self._areas = Feed("/mission/areas", msg.Areas)
+        self._victims = Feed("/mission/victims", msg.Victims)
+        self._presence = Feed(ROBOTS, msg.Robots)
         self._absent: frozenset[int] = frozenset()
-        self._network = Feed("/network/state", NetworkState)
-        self._voice = Feed("/voice_map/values", FloatMap)
+        self._network = Feed("/network/state", msg.NetworkState)
+        self._voice = Feed("/voice_map/values", msg.FloatMap)
         self._links: list[scene_team.LinkView] = []
         self._scans: dict[tuple[int, str], scene_laser.ScanView] = {}
-        self._mission: MissionStatus | None = None
+        self._mission: msg.MissionStatus | None = None
         self._num_endangered = 0
-        self._headline: scene_mission.Headline | None = None
+        self._headline = ""
         self._stamp_ns = 0
         self._discovery_due_s = self._trails_due_s = self._resend_due_s = 0.0
         self._trails_stale = False
@@ -135,17 +116,18 @@ class Scene:
         mission, plan = self._scenario.mission, self._scenario.plan
         self._canvas["building"].draw(scene_plan.building_markers(plan, self._wall_height_m))
         self._draw_doors(scene_plan.openings_at_start(plan))
-        areas = [scene_mission.AreaView(area.name, area.center, area.radius_m) for area in mission.areas]
+        areas = [msg.Area(name=a.name, center=Point(*a.center, 0.0), radius_m=a.radius_m) for a in mission.areas]
         self._draw_areas(areas)
-        self._draw_victims([scene_mission.VictimView(victim.name, victim.position) for victim in mission.victims])
+        waiting = [msg.Victim(victim.name, Point(*victim.position, 0.0), "waiting") for victim in mission.victims]
+        self._draw_victims(waiting)
         for layer in ("voice", "trails", "links", "robots", "headline", *SENSORS):
             self._canvas[layer].draw([])
 
-    def _draw_areas(self, areas: list[scene_mission.AreaView]) -> None:
-        self._numbers_m = [area.center_m for area in areas]
+    def _draw_areas(self, areas: Sequence[msg.Area]) -> None:
+        self._numbers_m = [(area.center.x, area.center.y) for area in areas]
         self._canvas["areas"].draw(scene_mission.area_markers(areas))
 
-    def _draw_victims(self, victims: list[scene_mission.VictimView]) -> None:
+    def _draw_victims(self, victims: Sequence[msg.Victim]) -> None:
         distance_m = self._scenario.mission.save_distance_m
         self._names_m = [scene_mission.name_spot_m(victim, distance_m) for victim in victims]
         self._canvas["victims"].draw(scene_mission.victim_markers(victims, distance_m))
@@ -155,14 +137,14 @@ class Scene:
         self._canvas["doors"].draw(scene_plan.door_markers(self._scenario.plan, openings, self._wall_height_m))
 
     def step(self, now_s: float) -> None:
-        """Take in what came and draw it; now_s is wall time, as rviz draws on the wall clock, too."""
+        """Process new messages and draw them; now_s is wall time, as in rviz."""
         if now_s >= self._discovery_due_s:
             self._discovery_due_s = now_s + DISCOVERY_PERIOD_S
             self._discover()
         if now_s >= self._resend_due_s:
             self._resend_due_s = now_s + RESEND_PERIOD_S
             for canvas in self._canvas.values():
-                canvas.draw_again()
+                canvas.draw(canvas.markers)
         self._draw_mission()
         self._draw_voice()
         self._draw_team(now_s)
@@ -170,7 +152,7 @@ class Scene:
         self._draw_laser()
 
     def _note_time(self, now_s: float) -> None:
-        """Start again when the world does: doors are as in the plan again."""
+        """Restart when the world does: doors are as in the plan again."""
         stamp_ns = max((robot.stamp_ns for robot in self._robots.values()), default=0)
         if stamp_ns < self._stamp_ns:
             self._resend_due_s = now_s + RESEND_DELAY_S
@@ -178,12 +160,12 @@ class Scene:
         self._stamp_ns = stamp_ns
 
     def _discover(self) -> None:
-        """Follow the robots that are published; the last ones stay when a run or a bag has ended."""
+        """Follow the published robots; the last ones stay on display when a run or a bag has ended."""
         found = robot_topics(published_topics())
         if not found:
             return
         gone = self._robots.keys() - found.keys()
-        for robot_id in gone & self._missing:  # seen missing twice: a run that ends takes back its topics one by one
+        for robot_id in gone & self._missing:  # twice in a row: an ending run unregisters its topics one by one
             self._robots.pop(robot_id).close()
             self._scans = {key: scan for key, scan in self._scans.items() if key[0] != robot_id}
         self._missing = gone
@@ -195,20 +177,14 @@ class Scene:
     def _draw_mission(self) -> None:
         areas, victims = self._areas.newest(), self._victims.newest()
         if areas is not None:
-            views = [
-                scene_mission.AreaView(a.name, (a.center.x, a.center.y), a.radius_m, a.explored, a.target)
-                for a in areas.areas
-            ]
-            self._draw_areas(views)
+            self._draw_areas(areas.areas)
         if victims is not None:
-            self._draw_victims(
-                [scene_mission.VictimView(v.name, (v.position.x, v.position.y), v.state) for v in victims.victims]
-            )
+            self._draw_victims(victims.victims)
         changes = dict(filter(None, map(scene_plan.door_change, self._events.take())))
         doors = self._doors.newest()
         if doors is not None:
             self._has_doors, changes = True, {door.name: door.opening for door in doors.doors}
-        elif self._has_doors:  # only in a world of another kind events are all there is
+        elif self._has_doors:  # another kind of world may only have events
             changes = {}
         openings = self._openings | {name: changes[name] for name in self._openings if name in changes}
         if openings != self._openings:
@@ -218,21 +194,10 @@ class Scene:
         self._mission = status = self._status.newest() or self._mission
         if status is None:
             return
-        headline = scene_mission.Headline(
-            scenario=status.scenario,
-            state=status.state,
-            end=status.end,
-            time_s=status.time_s,
-            areas_explored=sum(map(bool, status.explored)),
-            num_areas=len(status.explored),
-            victims_saved=status.victims.count("saved"),
-            num_victims=len(status.victims),
-            noise_db=status.noise_db,
-            num_endangered=self._num_endangered,
-        )
-        if headline != self._headline:
-            self._headline = headline
-            self._canvas["headline"].draw([scene_mission.headline_marker(headline, self._scenario.plan.bounds)])
+        words = scene_mission.headline_words(status, self._num_endangered)
+        if words != self._headline:
+            self._headline = words
+            self._canvas["headline"].draw([scene_mission.headline_marker(words, self._scenario.plan.bounds)])
 
     def _draw_voice(self) -> None:
         voice = self._voice.newest()
@@ -269,14 +234,14 @@ class Scene:
             )
 
     def _follow_presence(self) -> bool:
-        """Return whether robots have left or arrived; of those that left the trail stays."""
+        """Return whether robots have left or arrived; the trails of robots that left stay."""
         message = self._presence.newest()
         absent = self._absent if message is None else frozenset(i for i, here in enumerate(message.present) if not here)
         if absent == self._absent:
             return False
         for robot_id in self._absent - absent:
             if robot_id in self._robots:
-                self._robots[robot_id].begin_trail()
+                self._robots[robot_id].trail = scene_team.Trail()
         self._absent = absent
         self._scans = {key: scan for key, scan in self._scans.items() if key[0] not in absent}
         return True
@@ -293,7 +258,7 @@ class Scene:
             ("sonars", scene_sensors.sonar_markers(sonars)),
             ("gps", scene_sensors.fix_markers(fixes)),
         ):
-            if markers or self._canvas[layer].shows:
+            if markers or self._canvas[layer].markers:
                 self._canvas[layer].draw(markers)
 
     def _draw_laser(self) -> None:
@@ -308,9 +273,9 @@ class Scene:
 
 
 def _publish_frame(bounds: Bounds) -> Output:
-    """Publish the frame `building` in the middle of the plan: rviz's camera looks there, whatever the plan.
+    """Publish the frame `building` at the centre of the plan, at which rviz's camera looks.
 
-    It also makes `map` known, which the world may not publish; rviz warns of a fixed frame that does not exist.
+    This also defines `map`, which the world may not publish; rviz warns if its fixed frame does not exist.
     """
     transform = TransformStamped(child_frame_id="building")
     transform.header.frame_id = FRAME

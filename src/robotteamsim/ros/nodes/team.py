@@ -1,6 +1,4 @@
-"""Where the world gets the robots' commands from: in lockstep, or as they come."""
-
-from __future__ import annotations
+"""The robots' commands for the world: in lockstep, or as they arrive."""
 
 import logging
 import time
@@ -21,15 +19,15 @@ from robotteamsim.ros.transport.topics import Input, message_queue, receive_step
 from robotteamsim.scenario.sections import PlacedRobot
 
 FOLLOW_TIMEOUT_S = 0.02
-"""Flat out, the world waits this long for controllers and mission to follow [s, wall]."""
+"""As fast as possible, the world waits this long for the answers of controllers and mission [s, wall]."""
 RESTART_TIMEOUT_S = 3.0
 """A reset waits this long until all have answered the last step [s, wall]."""
 START_TIMEOUT_S = 60.0
-"""Out of lockstep, the world starts without controllers that have not started after this long [s, wall]."""
+"""Without lockstep, the world starts without controllers that have not started after this time [s, wall]."""
 WARNING_PERIOD_S = 1.0
 """Commands that are not finite are reported at most once in this time [s, wall]."""
 COMMANDS_KEPT = 100
-"""Of more commands for a robot within one step the oldest are dropped."""
+"""Largest number of commands for a robot within one step; older ones are dropped."""
 
 logger = logging.getLogger(__name__)
 
@@ -50,21 +48,19 @@ class _Team:
             self._queue.subscribe(f"/{robot_name(robot_id)}/cmd_vel", twist, COMMANDS_KEPT)
 
     def note_presence(self, stamp_ns: int, present: tuple[bool, ...]) -> None:
-        """Note which robots are present in a step: the world waits for no others, and drops their commands."""
+        """Set which robots are present in a step: the world does not wait for others, and drops their commands."""
         for robot_id in self._ids:
             if not present[robot_id]:
                 self._commands.stop(robot_id)
         self._present = present
 
-    def _receive(self, sim_time_ns: int, timeout_s: float) -> bool:
-        """Take in what has come, and wait for the first of it [s, wall]; return whether anything has."""
-        messages = self._queue.take(timeout_s)
-        for index, stamp_ns, data in messages:
+    def _receive(self, sim_time_ns: int, timeout_s: float) -> None:
+        """Process new messages, waiting for the first one [s, wall]."""
+        for index, stamp_ns, data in self._queue.take(timeout_s):
             if index < len(self._driven):
                 self._take_command(self._driven[index], sim_time_ns, data)
             else:
                 self._take_answer(index - len(self._driven), stamp_ns)
-        return bool(messages)
 
     def _take_command(self, robot_id: int, sim_time_ns: int, data: bytes) -> None:
         try:
@@ -75,7 +71,7 @@ class _Team:
             self._put(robot_id, sim_time_ns, twist)
 
     def _take_answer(self, index: int, stamp_ns: int) -> None:
-        """Take in a message of a topic subscribed to after the commands."""
+        """Process a message of a topic subscribed to after the commands."""
 
     def _put(self, robot_id: int, sim_time_ns: int, twist: Twist) -> None:
         if not self._commands.put(robot_id, sim_time_ns, twist) and time.monotonic() >= self._warning_due_s:
@@ -84,7 +80,7 @@ class _Team:
 
 
 class LockstepTeam(_Team):
-    """Waits for the answers of all controllers to the last step, and for the mission's verdict on it.
+    """Waits for the answers of all controllers and of the mission to the last step.
 
     A robot driven by hand takes its commands from `cmd_vel`; its controller's answers only pace the world.
     """
@@ -110,7 +106,7 @@ class LockstepTeam(_Team):
         self._synchronizer.note_presence(stamp_ns, present)
 
     def assemble(self) -> None:
-        """Wait for no node: late ones get the first step all the same, and the second step waits for all."""
+        """Do not wait: late nodes still receive the first step, and the second step waits for all."""
 
     def twists(self, step_index: int, sim_time_ns: int) -> list[Twist] | None:
         """Return the commands after a step, in id order; None when the node is shutting down."""
@@ -132,13 +128,13 @@ class LockstepTeam(_Team):
         return twists
 
     def restart(self, sim_time_ns: int) -> None:
-        """Begin again with the first step; all have answered the last one."""
+        """Restart with the first step; all have answered the last one."""
         self._synchronizer.restart()
         self._commands.clear()
 
 
 class FreeTeam(_Team):
-    """Takes the commands that have come. While `follow` says so, controllers and mission get a moment for each step."""
+    """Uses the commands that have arrived. If `follow` is true, waits a moment for the answers to each step."""
 
     def __init__(self, settings: Settings, robots: Sequence[PlacedRobot], *, follow: Callable[[], bool]) -> None:
         super().__init__(robots, range(len(robots)))
@@ -162,7 +158,7 @@ class FreeTeam(_Team):
         super().note_presence(stamp_ns, present)
 
     def assemble(self) -> None:
-        """Wait until all nodes have started, but not without limit."""
+        """Wait until all nodes have started, up to a limit."""
         missing = self._wait_for(self._environment, 0, START_TIMEOUT_S)
         for name in missing + self._wait_for(self._answers, 0, START_TIMEOUT_S):
             logger.warning("starting without %s", name)
@@ -177,7 +173,7 @@ class FreeTeam(_Team):
         return [self._commands.at(robot_id, sim_time_ns) for robot_id in self._ids]
 
     def restart(self, sim_time_ns: int) -> None:
-        """Begin again with the first step, once all have answered the last one: only then do all see time jump back."""
+        """Restart with the first step once all have answered the last one; only then do all see time jump back."""
         self._wait_for(self._answers, sim_time_ns, RESTART_TIMEOUT_S)
         self._answers.clear()
         self._commands.clear()
@@ -191,7 +187,7 @@ class FreeTeam(_Team):
         (self._environment if node == "/environment" else self._answers).put(node, stamp_ns)
 
     def _wait_for(self, answers: Answers, stamp_ns: int, timeout_s: float) -> list[str]:
-        """Wait until a step is answered, but not longer than a time [s, wall]; return whose answers are missing."""
+        """Wait until a step is answered, with a timeout [s, wall]; return the nodes whose answers are missing."""
         until_s = time.monotonic() + timeout_s
         while (missing := answers.missing(stamp_ns)) and not self._queue.is_closed:
             left_s = until_s - time.monotonic()

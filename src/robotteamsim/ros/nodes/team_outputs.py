@@ -1,6 +1,4 @@
-"""What the world publishes of its robots in each step."""
-
-from __future__ import annotations
+"""The topics of the robots that the world publishes in each step."""
 
 import math
 from collections.abc import Sequence
@@ -28,7 +26,7 @@ class TeamOutputs:
     """
 
     def __init__(self, robots: Sequence[PlacedRobot], *, latched: bool, localized: bool) -> None:
-        """Args: localized: tf has map -> odom, too, free of error."""
+        """Args: localized: whether tf also has map -> odom, without error."""
         self._make = make = RosTypes()
         ids = range(len(robots))
         still = RobotReading.of(_ORIGIN.pose, _ORIGIN.twist, _ORIGIN, np.zeros(0, np.float32), in_contact=False)
@@ -55,15 +53,15 @@ class TeamOutputs:
 
     @property
     def num_subscribers(self) -> int:
-        """How many connections the robots' topics have."""
+        """Number of connections of the robots' topics."""
         of_sensors = sum(output.num_subscribers for _, _, output in self._sensors)
         topics = (self._truth, self._odom, self._scan, self._contact)
         return of_sensors + sum(topic.num_subscribers for topic in topics)
 
     def publish(self, time_ns: int, readings: TeamReadings, present: np.ndarray | None = None) -> None:
-        """Publish one step's readings, where somebody gets them.
+        """Publish one step's readings on topics with subscribers.
 
-        Args: present: whether each robot is present, bool, shape (n,); None: all are. The topics of others are silent.
+        Args: present: whether each robot is present, bool, shape (n,); None if all are. Others' topics are silent.
         """
         if self._truth.is_wanted:
             self._truth.publish(time_ns, readings.ground_truth, readings.twists, present=present)
@@ -99,7 +97,7 @@ class _Tf:
         )
 
     def publish(self, time_ns: int, readings: TeamReadings, present: np.ndarray | None) -> None:
-        """Publish one step's frames, if anybody subscribes."""
+        """Publish one step's frames, if there is a subscriber."""
         if not self._topic.is_wanted:
             return
         origins = None
@@ -110,7 +108,7 @@ class _Tf:
 
 
 def _origin(reading: RobotReading) -> PoseReading:
-    """Return where a robot's odometry has its origin in `map`."""
+    """Return the origin of a robot's odometry in `map`."""
     if math.isnan(reading.ground_truth.x_m):
         return _ORIGIN.pose  # of a robot that is not present; it is not published
     return PoseReading.from_pose(reading.ground_truth.pose @ reading.odometry.pose.pose.inverse())

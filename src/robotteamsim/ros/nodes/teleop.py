@@ -1,6 +1,4 @@
-"""The node `teleop`: drives one robot by the keyboard."""
-
-from __future__ import annotations
+"""The node `teleop`: drives one robot with the keyboard."""
 
 import contextlib
 import os
@@ -22,10 +20,10 @@ from robotteamsim.ros.transport.topics import Output
 
 PERIOD_S = 0.1
 FIRST_HOLD_S = 0.6
-"""A terminal does not report releases. A key counts as held this long after its first character [s, wall]: keyboards
-wait that long before they repeat it."""
+"""How long a key counts as held after its first character [s, wall]. Terminals do not report releases, and keyboards
+wait this long before they repeat a key."""
 REPEAT_HOLD_S = 0.2
-"""And this long after each repetition."""
+"""How long a key counts as held after each repetition [s, wall]."""
 
 HELP = """\
 Hold a key to drive:        q z  both speeds up, down by 10 %
@@ -55,17 +53,17 @@ _SCALES = {
 
 
 class Keys:
-    """What the keys pressed so far mean."""
+    """The speeds and the command according to the pressed keys."""
 
     def __init__(self, speed_mps: float, turn_radps: float) -> None:
-        """Make it for the speeds that a held key drives with."""
+        """Args: the initial driving and turning speeds."""
         self.speed_mps = speed_mps
         self.turn_radps = turn_radps
         self._held = ""
         self._until_s = 0.0
 
     def press(self, key: str, now_s: float) -> None:
-        """Take in a character that came at a time [s]."""
+        """Process a character received at a time [s]."""
         if key in _SCALES:
             speed, turn = _SCALES[key]
             self.speed_mps *= speed
@@ -76,7 +74,7 @@ class Keys:
         self._until_s = max(self._until_s if repeated else 0.0, now_s + (REPEAT_HOLD_S if repeated else FIRST_HOLD_S))
 
     def twist(self, now_s: float) -> Twist:
-        """Return the command at a time [s]: zero when no key is held."""
+        """Return the command at a time [s]; zero if no key is held."""
         forward, left = _DIRECTIONS.get(self._held, (0.0, 0.0)) if now_s <= self._until_s else (0.0, 0.0)
         return Twist(forward * self.speed_mps, 0.0, left * self.turn_radps)
 
@@ -87,7 +85,7 @@ def main() -> None:
 
 
 def serve() -> None:
-    """Publish ten commands a second while a key is held, and a stop when it is let go."""
+    """Publish ten commands per second while a key is held, and a stop when it is released."""
     if not sys.stdin.isatty():
         raise ParameterError("teleop: there is no terminal to read keys from")
     keys = Keys(parameter("~speed_mps", 0.5), parameter("~turn_radps", 1.0))
@@ -107,7 +105,7 @@ def serve() -> None:
 
 @contextlib.contextmanager
 def unbuffered(terminal: int) -> Iterator[int]:
-    """Let a terminal give each character at once and show none; afterwards it is as it was."""
+    """Let a terminal return each character at once without echo; its settings are restored afterwards."""
     before = termios.tcgetattr(terminal)
     tty.setcbreak(terminal)
     try:
@@ -117,7 +115,7 @@ def unbuffered(terminal: int) -> Iterator[int]:
 
 
 def read_keys(terminal: int, duration_s: float) -> Iterator[str]:
-    """Yield the characters that come within a time [s, wall]."""
+    """Yield the characters received within a time [s, wall]."""
     until_s = time.monotonic() + duration_s
     while (left_s := until_s - time.monotonic()) > 0.0:
         if select.select([terminal], [], [], left_s)[0]:

@@ -1,6 +1,4 @@
-"""One mission in ROS, from its first step to its end. Knows no ROS."""
-
-from __future__ import annotations
+"""One mission in ROS, from its first step to its end. Independent of ROS."""
 
 from collections.abc import Sequence
 
@@ -17,10 +15,10 @@ from robotteamsim.world.doors import DoorStates
 
 
 class Trial:
-    """The mission, what is added up over it, and the recorders that observe it; `result` when it has ended."""
+    """The mission, its totals, and the recorders that observe it; it has a `result` when it has ended."""
 
     def __init__(self, scenario: Scenario, recorders: Sequence[Observer]) -> None:
-        """Begin. Raises: RecordingError: a recorder cannot write."""
+        """Start. Raises: RecordingError: a recorder cannot write."""
         self.mission = Mission(scenario)
         self.result: Result | None = None
         self.events: list[Event] = []
@@ -43,10 +41,10 @@ class Trial:
         base_inbox: Sequence[Message] = (),
         present: np.ndarray | None = None,
     ) -> tuple[Event, ...]:
-        """Judge one step and return its events; after the end nothing is added up any more.
+        """Judge one step and return its events; totals do not change after the end.
 
-        Args: doors: as they are after the step; None: not known.  base_inbox: what the base receives in it.
-              present: whether each robot is present, bool, shape (n,); None: all are.
+        Args: doors: after the step; None if unknown.  base_inbox: messages that the base receives in it.
+              present: whether each robot is present, bool, shape (n,); None if all are.
         """
         if doors is not None:
             self.mission.follow_doors(doors)
@@ -76,16 +74,13 @@ class Trial:
             for recorder in self._recorders:
                 recorder.step(record)
             if record.mission.state == "ended":
-                self._end(self._tally.result())
+                self.result = self._tally.result()
+                while self._recorders:
+                    self._recorders[0].end(self.result)
+                    del self._recorders[0]
         return events
 
     def abandon(self) -> None:
-        """End the recorders of a mission that broke off, unless it has ended."""
+        """End the recorders of an interrupted mission, unless it has ended."""
         while self._recorders:
             self._recorders.pop().abandon()
-
-    def _end(self, result: Result) -> None:
-        self.result = result
-        while self._recorders:
-            self._recorders[0].end(result)
-            del self._recorders[0]

@@ -1,64 +1,33 @@
-"""The node `world`: moves the robots, senses for them, and keeps the time."""
-
-from __future__ import annotations
+"""The node `world`: moves the robots, simulates their sensors, and publishes the clock."""
 
 import logging
 import threading
+from functools import partial
 
 import numpy as np
 from nav_msgs.msg import OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse
 from rosgraph_msgs.msg import Clock
-from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerResponse
+from std_srvs.srv import Empty, EmptyResponse, Trigger
 
-from robotteamsim.errors import PlacementError
+from robotteamsim import srv
 from robotteamsim.geometry import Pose
 from robotteamsim.msg import Doors, Robots
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.commands import STOP
 from robotteamsim.ros.nodes.gate import Gate, Pacer
-from robotteamsim.ros.nodes.object_requests import set_object
-from robotteamsim.ros.nodes.objects_output import ObjectsOutput
+from robotteamsim.ros.nodes.objects import ObjectsOutput, set_object
 from robotteamsim.ros.nodes.team import FreeTeam, LockstepTeam
 from robotteamsim.ros.nodes.team_outputs import TeamOutputs
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.node import ParameterError, on_shutdown, parameter, run, set_parameter
 from robotteamsim.ros.transport.presence import ROBOTS
-from robotteamsim.ros.transport.services import Service
+from robotteamsim.ros.transport.services import Service, command
 from robotteamsim.ros.transport.settings import SEED, Settings, read_settings
 from robotteamsim.ros.transport.topics import Output
 from robotteamsim.scenario import occupancy_grid
 from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
-from robotteamsim.srv import (
-    RemoveObject,
-    RemoveObjectRequest,
-    RemoveObjectResponse,
-    RemoveRobot,
-    RemoveRobotRequest,
-    RemoveRobotResponse,
-    ResetSeed,
-    ResetSeedRequest,
-    ResetSeedResponse,
-    SetDoor,
-    SetDoorRequest,
-    SetDoorResponse,
-    SetObject,
-    SetObjectRequest,
-    SetObjectResponse,
-    SetPose,
-    SetPoseRequest,
-    SetPoseResponse,
-    SetSpeed,
-    SetSpeedRequest,
-    SetSpeedResponse,
-    SpawnRobot,
-    SpawnRobotRequest,
-    SpawnRobotResponse,
-    Step,
-    StepRequest,
-    StepResponse,
-)
 from robotteamsim.world import World
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.placement import placed_robots
@@ -67,19 +36,15 @@ logger = logging.getLogger(__name__)
 
 MAP_RESOLUTION_M = 0.05
 SERVICE_TIMEOUT_S = 5.0
-"""A service waits this long for the step under way [s, wall]."""
+"""A service waits this long for the current step [s, wall]."""
 START_NS = 1_000_000
-"""What the clock shows before the first step; in ROS, 0 means that there is no time yet."""
+"""Time on the clock before the first step; in ROS, 0 means that there is no time yet."""
 QUIET_S = 1.0
-"""The world starts when no subscriber has come for this long [s, wall]."""
+"""The world starts when there was no new subscriber for this time [s, wall]."""
 NAP_S = 0.1
-"""A world that waits for its time looks this often whether the speed has changed [s, wall]."""
+"""While waiting, the world checks at this interval whether the speed has changed [s, wall]."""
 FIRST_STEPS = 2
-"""A reset comes after these: only then do all nodes see stamps jump backwards."""
-
-
-Presence = tuple[np.ndarray | None, tuple[int, ...]]
-"""`World.present` and `World.arrivals` of one step."""
+"""Steps before a reset, so that all nodes see stamps jump backwards."""
 
 
 def main() -> None:
@@ -88,7 +53,7 @@ def main() -> None:
 
 
 class WorldNode:
-    """Steps the world by the team's commands and publishes what the robots sense."""
+    """Steps the world with the team's commands and publishes the robots' readings."""
 
     def __init__(self, settings: Settings) -> None:
         scenario = settings.scenario
@@ -112,10 +77,10 @@ class WorldNode:
         )
         self._objects = ObjectsOutput()
         self._show_objects()
-        # Environment and mission take from it alone whether a door is closed, in lockstep step by step.
+        # The only source of door states for environment and mission.
         self._doors = Output("/world/doors", Doors, latched=True)
         self._presence = Output(ROBOTS, Robots, latched=True)
-        # In lockstep a late subscriber must still get the step that everybody waits for.
+        # In lockstep a late subscriber must still get the step that all nodes wait for.
         self._outputs = TeamOutputs(self._robots, latched=settings.lockstep, localized=localization == "ground_truth")
         self._offer_map()
         self._offer_services()
@@ -139,16 +104,16 @@ class WorldNode:
                 continue
             with self._world_lock:
                 for robot_id in self._arrived:
-                    twists[robot_id] = STOP  # what its controller decided before it left
+                    twists[robot_id] = STOP  # its controller's last decision before the robot left
                 self._arrived.clear()
                 self._world.step(twists)
                 readings, doors = self._sensors.read(), self._world.door_states()
-                presence = self._world.present, self._world.arrivals
-            self._publish(readings, doors, presence)
+                present, arrivals = self._world.present, self._world.arrivals
+            self._publish(readings, doors, present, arrivals)
             self._gate.passed()
 
     def _wait_for_subscribers(self) -> None:
-        """Wait until no new subscriber comes: a recorder must get the first step, too."""
+        """Wait until there are no new subscribers, because a recorder must get the first step, too."""
         connected = -1
         while connected != (now_connected := self._outputs.num_subscribers):
             connected = now_connected
@@ -170,10 +135,10 @@ class WorldNode:
             self._build()
             self._objects.show(self._world)
         self._publish_clock(START_NS)
-        logger.info("the world starts again")
+        logger.info("the world is reset")
 
     def _tick(self) -> None:
-        """Let the clock run up to the next step, whose own tick comes after its data."""
+        """Publish the ticks of the clock up to the next step; the tick of a step follows its data."""
         ticks = self._scenario.run.physics_substeps
         for tick in range(1, ticks + 1):
             time_ns = self._world.sim_time_ns + tick * self._step_ns // ticks
@@ -182,8 +147,10 @@ class WorldNode:
             if tick < ticks:
                 self._publish_clock(time_ns)
 
-    def _publish(self, readings: TeamReadings, doors: DoorStates, presence: Presence) -> None:
-        time_ns, (present, arrivals) = self._world.sim_time_ns, presence
+    def _publish(
+        self, readings: TeamReadings, doors: DoorStates, present: np.ndarray | None, arrivals: tuple[int, ...]
+    ) -> None:
+        time_ns = self._world.sim_time_ns
         everybody = (True,) * len(arrivals)
         self._team.note_presence(time_ns, everybody if present is None else tuple(present.tolist()))
         self._presence.publish(ros_messages.robots(self._make, time_ns, present, arrivals))
@@ -207,114 +174,63 @@ class WorldNode:
         self._static_map = Service("/static_map", GetMap, lambda _: GetMapResponse(map=grid))
 
     def _offer_services(self) -> None:
+        locked = partial(command, lock=self._world_lock)
         self._services = (
-            Service("/pause", Trigger, self._serve_pause),
-            Service("/resume", Trigger, self._serve_resume),
-            Service("/step", Step, self._serve_step),
-            Service("/reset", Trigger, self._serve_reset),
-            Service("/reset_seed", ResetSeed, self._serve_reset_seed),
-            Service("/reset_positions", Empty, self._serve_reset_positions),
-            Service("/set_speed", SetSpeed, self._serve_set_speed),
-            Service("/set_pose", SetPose, self._serve_set_pose),
-            Service("/spawn_robot", SpawnRobot, self._serve_spawn_robot),
-            Service("/remove_robot", RemoveRobot, self._serve_remove_robot),
-            Service("/set_object", SetObject, self._serve_set_object),
-            Service("/remove_object", RemoveObject, self._serve_remove_object),
-            Service("/world/set_door", SetDoor, self._serve_set_door),
+            command("/pause", Trigger, self._pause),
+            command("/resume", Trigger, self._resume),
+            command("/step", srv.Step, self._make_steps),
+            command("/reset", Trigger, self._restart),
+            command("/reset_seed", srv.ResetSeed, self._reset_seed),
+            Service("/reset_positions", Empty, self._reset_positions),
+            command("/set_speed", srv.SetSpeed, lambda request: self._pacer.set_speed(request.speed)),
+            locked("/set_pose", srv.SetPose, self._set_pose),
+            locked("/spawn_robot", srv.SpawnRobot, self._spawn_robot),
+            locked("/remove_robot", srv.RemoveRobot, lambda request: self._world.remove_robot(request.robot_id)),
+            locked("/set_object", srv.SetObject, self._set_object),
+            locked("/remove_object", srv.RemoveObject, self._remove_object),
+            locked("/world/set_door", srv.SetDoor, lambda request: self._world.set_door(request.name, request.closed)),
         )
 
-    def _serve_pause(self, _: object) -> TriggerResponse:
-        done = self._gate.pause(SERVICE_TIMEOUT_S)
-        return TriggerResponse(success=True, message="paused" if done else "pausing after the current step")
+    def _pause(self, _: object) -> str:
+        return "paused" if self._gate.pause(SERVICE_TIMEOUT_S) else "pausing after the current step"
 
-    def _serve_resume(self, _: object) -> TriggerResponse:
+    def _resume(self, _: object) -> str:
         self._gate.resume()
-        return TriggerResponse(success=True, message="resumed")
+        return "resumed"
 
-    def _serve_step(self, request: StepRequest) -> StepResponse:
+    def _make_steps(self, request: srv.StepRequest) -> None:
         if request.steps == 0:
-            return StepResponse(success=False, message="steps: 0; expected at least 1")
-        done = self._gate.step(request.steps)
-        return StepResponse(success=done, message="" if done else "the world is not paused")
+            raise ValueError("steps: 0; expected at least 1")
+        if not self._gate.step(request.steps):
+            raise ValueError("the world is not paused")
 
-    def _serve_reset(self, _: object) -> TriggerResponse:
-        return TriggerResponse(success=True, message=self._restart())
+    def _restart(self, _: object) -> str:
+        return "reset" if self._gate.reset(SERVICE_TIMEOUT_S) else "resetting after the current step"
 
-    def _serve_reset_seed(self, request: ResetSeedRequest) -> ResetSeedResponse:
-        try:
-            self._settings = self._settings.with_seed(request.seed)
-        except ParameterError as error:
-            return ResetSeedResponse(success=False, message=str(error))
-        return ResetSeedResponse(success=True, message=self._restart())
+    def _reset_seed(self, request: srv.ResetSeedRequest) -> str:
+        self._settings = self._settings.with_seed(request.seed)
+        return self._restart(request)
 
-    def _restart(self) -> str:
-        done = self._gate.reset(SERVICE_TIMEOUT_S)
-        return "reset" if done else "resetting after the current step"
-
-    def _serve_reset_positions(self, _: object) -> EmptyResponse:
+    def _reset_positions(self, _: object) -> EmptyResponse:
         with self._world_lock:
             self._world.reset_positions()
         return EmptyResponse()
 
-    def _serve_set_speed(self, request: SetSpeedRequest) -> SetSpeedResponse:
-        try:
-            self._pacer.set_speed(request.speed)
-        except ValueError as error:
-            return SetSpeedResponse(success=False, message=str(error))
-        return SetSpeedResponse(success=True, message="")
+    def _set_pose(self, request: srv.SetPoseRequest) -> None:
+        self._world.set_pose(request.robot_id, Pose(request.pose.x, request.pose.y, request.pose.theta))
 
-    def _serve_set_pose(self, request: SetPoseRequest) -> SetPoseResponse:
-        pose = Pose(request.pose.x, request.pose.y, request.pose.theta)
-        try:
-            with self._world_lock:
-                self._world.set_pose(request.robot_id, pose)
-        except (PlacementError, ValueError) as error:
-            return SetPoseResponse(success=False, message=str(error))
-        return SetPoseResponse(success=True, message="")
-
-    def _serve_spawn_robot(self, request: SpawnRobotRequest) -> SpawnRobotResponse:
+    def _spawn_robot(self, request: srv.SpawnRobotRequest) -> None:
         pose = None if request.at_start else Pose(request.pose.x, request.pose.y, request.pose.theta)
-        try:
-            with self._world_lock:
-                self._world.spawn_robot(request.robot_id, pose)
-                self._arrived.add(request.robot_id)
-        except (PlacementError, ValueError) as error:
-            return SpawnRobotResponse(success=False, message=str(error))
-        return SpawnRobotResponse(success=True, message="")
+        self._world.spawn_robot(request.robot_id, pose)
+        self._arrived.add(request.robot_id)
 
-    def _serve_remove_robot(self, request: RemoveRobotRequest) -> RemoveRobotResponse:
-        try:
-            with self._world_lock:
-                self._world.remove_robot(request.robot_id)
-        except ValueError as error:
-            return RemoveRobotResponse(success=False, message=str(error))
-        return RemoveRobotResponse(success=True, message="")
+    def _set_object(self, request: srv.SetObjectRequest) -> None:
+        set_object(self._world, request)
+        self._objects.show(self._world)  # a paused world makes no step, which would publish it
 
-    def _serve_set_object(self, request: SetObjectRequest) -> SetObjectResponse:
-        try:
-            with self._world_lock:
-                set_object(self._world, request)
-                self._objects.show(self._world)  # a paused world makes no step that would
-        except (PlacementError, ValueError) as error:
-            return SetObjectResponse(success=False, message=str(error))
-        return SetObjectResponse(success=True, message="")
-
-    def _serve_remove_object(self, request: RemoveObjectRequest) -> RemoveObjectResponse:
-        try:
-            with self._world_lock:
-                self._world.remove_object(request.name)
-                self._objects.show(self._world)
-        except ValueError as error:
-            return RemoveObjectResponse(success=False, message=str(error))
-        return RemoveObjectResponse(success=True, message="")
-
-    def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
-        try:
-            with self._world_lock:
-                self._world.set_door(request.name, request.closed)
-        except ValueError as error:
-            return SetDoorResponse(success=False, message=str(error))
-        return SetDoorResponse(success=True, message="")
+    def _remove_object(self, request: srv.RemoveObjectRequest) -> None:
+        self._world.remove_object(request.name)
+        self._objects.show(self._world)
 
 
 def _pacer() -> Pacer:

@@ -1,1 +1,1 @@
-"""What rviz shows of a mission, as markers."""
+"""Markers that show a mission in rviz."""

@@ -1,6 +1,4 @@
-"""Topics as the 3D scene reads them: kept as bytes, decoded only when they are drawn."""
-
-from __future__ import annotations
+"""Subscriptions of the 3D scene: messages are stored as bytes, and decoded only when they are drawn."""
 
 import logging
 import re
@@ -16,21 +14,21 @@ GROUND_TRUTH = "base_pose_ground_truth"
 
 
 class Feed:
-    """What came on a topic since it was last read.
+    """The messages of a topic since it was last read.
 
-    A world that runs flat out sends a hundred times more than can be seen, and decoding is expensive.
+    A world that runs as fast as possible publishes a hundred times more than can be seen, and decoding is expensive.
     """
 
     def __init__(self, topic: str, message_class: Any, keep: int = 1) -> None:
-        """Subscribe; of more than `keep` messages between two readings the oldest are dropped."""
+        """Subscribe. Args: keep: largest number of messages between two calls of a reader; older ones are dropped."""
         self._class = message_class
         self._queue = roscpp.MessageQueue()
         self._queue.subscribe(topic, message_type(message_class), keep)
 
     def take(self, at_most: int = 1_000_000) -> list[Any]:
-        """Return the messages since the last call, oldest first; at most so many, evenly spread, the newest included.
+        """Return the messages since the last call, oldest first: at most `at_most`, evenly spread, with the newest.
 
-        Args: at_most: 1 for the newest alone.
+        Args: at_most: 1 for only the newest.
         """
         raw = [data for _, _, data in self._queue.take(0.0)]
         return [message for data in thinned(raw, at_most) for message in self._decoded(data)]
@@ -45,7 +43,7 @@ class Feed:
         self._queue.unsubscribe()
 
     def _decoded(self, data: bytes) -> list[Any]:
-        """Return the message, or nothing where it cannot be read."""
+        """Return the message, or None if it cannot be read."""
         try:
             return [deserialized(self._class, data)]
         except ValueError:
@@ -54,15 +52,15 @@ class Feed:
 
 
 def thinned(items: Sequence[Any], at_most: int) -> list[Any]:
-    """Return at most so many of the items, evenly spread, with the last one among them; at_most >= 1."""
+    """Return at most `at_most` >= 1 of the items, evenly spread, including the last one."""
     stride = -(-len(items) // at_most) or 1
     return list(items[::-1][::stride][::-1])
 
 
 def robot_topics(published: Iterable[str]) -> dict[int, str]:
-    """Return the prefix of the topics of each robot that somebody publishes, by id, in id order.
+    """Return the prefix of the published topics of each robot, by id, in id order.
 
-    "/robot_3/base_pose_ground_truth" gives {3: "/robot_3/"}; a lone robot without a namespace counts as robot 0.
+    "/robot_3/base_pose_ground_truth" gives {3: "/robot_3/"}; a single robot without a namespace is robot 0.
     """
     pattern = re.compile(rf"(/(?:robot_(\d+)/)?){GROUND_TRUTH}")
     found = {}

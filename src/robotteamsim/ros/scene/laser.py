@@ -1,12 +1,10 @@
 """Laser returns of the whole team as one coloured point cloud in the map frame."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from sensor_msgs.msg import PointCloud2, PointField
+from sensor_msgs.msg import LaserScan, PointCloud2, PointField
 
 from robotteamsim.geometry import Pose
 from robotteamsim.ros.scene.shapes import FRAME
@@ -19,36 +17,33 @@ _POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4")])
 
 @dataclass(frozen=True, slots=True)
 class ScanView:
-    """One scan, and where the laser stood in the map frame when it was taken.
+    """One scan, and the pose of the laser in the map frame at that time.
 
-    ranges_m: shape (beams,); values at or beyond range_max_m, below range_min_m or not finite are no returns.
+    Ranges >= range_max, below range_min or not finite mean no return.
     """
 
     robot_id: int
     laser: Pose
     height_m: float
-    angle_min_rad: float
-    angle_step_rad: float
-    range_min_m: float
-    range_max_m: float
-    ranges_m: np.ndarray
+    scan: LaserScan
 
 
-def scan_points_m(scan: ScanView) -> np.ndarray:
+def scan_points_m(view: ScanView) -> np.ndarray:
     """Return the points that a scan hit, float64, shape (hits, 2), in the map frame [m].
 
-    They lie a little in front of what was hit, or it would cover half of each.
+    They are slightly in front of the obstacle, which would otherwise cover half of each point.
     """
-    ranges_m = np.asarray(scan.ranges_m, dtype=float)
-    hit = np.isfinite(ranges_m) & (ranges_m >= scan.range_min_m) & (ranges_m < scan.range_max_m)
-    angles_rad = scan.laser.yaw_rad + scan.angle_min_rad + scan.angle_step_rad * np.flatnonzero(hit)
+    scan, laser = view.scan, view.laser
+    ranges_m = np.asarray(scan.ranges, dtype=float)
+    hit = np.isfinite(ranges_m) & (ranges_m >= scan.range_min) & (ranges_m < scan.range_max)
+    angles_rad = laser.yaw_rad + scan.angle_min + scan.angle_increment * np.flatnonzero(hit)
     away = np.column_stack((np.cos(angles_rad), np.sin(angles_rad)))
-    points_m: np.ndarray = np.array([scan.laser.x_m, scan.laser.y_m]) + (ranges_m[hit, None] - IN_FRONT_M) * away
+    points_m: np.ndarray = np.array([laser.x_m, laser.y_m]) + (ranges_m[hit, None] - IN_FRONT_M) * away
     return points_m
 
 
 def cloud(scans: Sequence[ScanView]) -> PointCloud2:
-    """Return the returns of all scans in their robots' colours; stamp 0, as every part of the scene."""
+    """Return the returns of all scans in their robots' colours; the stamp is 0, as in all parts of the scene."""
     parts = []
     for scan in scans:
         points_m = scan_points_m(scan)
@@ -62,10 +57,5 @@ def cloud(scans: Sequence[ScanView]) -> PointCloud2:
     message.header.frame_id = FRAME
     message.row_step = len(points) * _POINT.itemsize
     message.data = points.tobytes()
-    message.fields = [
-        PointField("x", 0, PointField.FLOAT32, 1),
-        PointField("y", 4, PointField.FLOAT32, 1),
-        PointField("z", 8, PointField.FLOAT32, 1),
-        PointField("rgb", 12, PointField.FLOAT32, 1),
-    ]
+    message.fields = [PointField(name, 4 * i, PointField.FLOAT32, 1) for i, name in enumerate(_POINT.names or ())]
     return message

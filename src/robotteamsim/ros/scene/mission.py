@@ -1,11 +1,8 @@
-"""The mission in the 3D scene: victims, areas, the voice layer and the line of text above the building."""
-
-from __future__ import annotations
+"""The mission in the 3D scene: victims, areas, the voice layer and the headline above the building."""
 
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 import contourpy
 import numpy as np
@@ -13,6 +10,7 @@ import shapely
 from scipy import ndimage
 from visualization_msgs.msg import Marker
 
+from robotteamsim import msg
 from robotteamsim.ros.scene.plan import AREA_Z_M, VOICE_Z_M
 from robotteamsim.ros.scene.shapes import (
     CONTOUR_LAYER,
@@ -38,7 +36,7 @@ SKIN = colour("#f1d3b8")
 NAME_M = 1.1
 """Height of a capital letter of a victim's name."""
 NAME_Z_M = 1.7
-"""A name stands above walls that are cut at the usual height, so that none hides a part of it."""
+"""Height of names: above walls that are cut at the default height, so that walls do not hide them."""
 
 OPEN_AREA = colour("#c3ccd6")
 TARGET_AREA = colour("#ffffff")
@@ -55,60 +53,40 @@ VOICE_COLOURS = (
 )
 """Colour by voice level [dB]."""
 VOICE_FADE_DB = 8.0
-"""The film's edge, where a voice sinks into the noise, fades over this range instead of showing the cells."""
+"""The voice layer fades out over this range above the noise, so that its edge does not show the cells."""
 VOICE_CONTOUR_DB = 10.0
 VOICE_CONTOUR = colour("#ffd0e4", 0.25)
 MAX_VOICE_CELLS = 12_000
-"""A finer map is thinned to this many: a marker is a list of points, not an image."""
+"""Largest number of cells; a finer map is thinned, because a marker is a list of points and not an image."""
 
 
-@dataclass(frozen=True, slots=True)
-class VictimView:
-    """A victim; state is waiting, heard or saved."""
-
-    name: str
-    position_m: tuple[float, float]
-    state: str = "waiting"
-
-
-@dataclass(frozen=True, slots=True)
-class AreaView:
-    """An area to explore; target: the one to explore now."""
-
-    name: str
-    center_m: tuple[float, float]
-    radius_m: float
-    explored: bool = False
-    target: bool = False
-
-
-def victim_markers(victims: Sequence[VictimView], save_distance_m: float) -> list[Marker]:
-    """Return a lying figure for each victim, within a ring where a robot saves her; coloured by state."""
+def victim_markers(victims: Sequence[msg.Victim], save_distance_m: float) -> list[Marker]:
+    """Return a lying figure for each victim, and a ring within which a robot saves the victim; coloured by state."""
     return [part for i, victim in enumerate(victims) for part in _victim_parts(i, victim, save_distance_m)]
 
 
-def name_spot_m(victim: VictimView, save_distance_m: float) -> tuple[float, float]:
-    """Return where a victim's name stands, south of her ring [m]."""
-    return (victim.position_m[0], victim.position_m[1] - save_distance_m - 1.1)
+def name_spot_m(victim: msg.Victim, save_distance_m: float) -> tuple[float, float]:
+    """Return the position of a victim's name, south of the ring [m]."""
+    return (victim.position.x, victim.position.y - save_distance_m - 1.1)
 
 
-def _victim_parts(index: int, victim: VictimView, save_distance_m: float) -> Iterable[Marker]:
+def _victim_parts(index: int, victim: msg.Victim, save_distance_m: float) -> Iterable[Marker]:
     tint = VICTIM_COLOURS[victim.state]
-    x, y = victim.position_m
-    yaw_rad = 0.6 + 1.9 * index  # no two lie alike
+    x, y = victim.position.x, victim.position.y
+    yaw_rad = 0.6 + 1.9 * index  # each in another direction
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
-    body = (  # along the body, across it, height, size; a figure of 1.75 m
-        ("head", Marker.SPHERE, 0.72, 0.0, 0.13, (0.26, 0.24, 0.26)),
-        ("torso", Marker.SPHERE, 0.22, 0.0, 0.15, (0.85, 0.52, 0.3)),
-        ("left arm", Marker.SPHERE, 0.28, 0.36, 0.08, (0.62, 0.13, 0.13)),
-        ("right arm", Marker.SPHERE, 0.28, -0.36, 0.08, (0.62, 0.13, 0.13)),
-        ("left leg", Marker.SPHERE, -0.5, 0.13, 0.1, (0.95, 0.18, 0.18)),
-        ("right leg", Marker.SPHERE, -0.5, -0.13, 0.1, (0.95, 0.18, 0.18)),
+    body = (  # along the body, across it, height, size; a figure of 1.75 m, of spheres
+        ("head", 0.72, 0.0, 0.13, (0.26, 0.24, 0.26)),
+        ("torso", 0.22, 0.0, 0.15, (0.85, 0.52, 0.3)),
+        ("left arm", 0.28, 0.36, 0.08, (0.62, 0.13, 0.13)),
+        ("right arm", 0.28, -0.36, 0.08, (0.62, 0.13, 0.13)),
+        ("left leg", -0.5, 0.13, 0.1, (0.95, 0.18, 0.18)),
+        ("right leg", -0.5, -0.13, 0.1, (0.95, 0.18, 0.18)),
     )
-    for k, (name, kind, along, across, z, size) in enumerate(body):
+    for k, (name, along, across, z, size) in enumerate(body):
         at = (x + cos * along - sin * across, y + sin * along + cos * across, z)
         skin = SKIN if name == "head" else tint
-        yield marker("victims", 10 * index + k, kind, skin, position=at, yaw_rad=yaw_rad, scale=size)
+        yield marker("victims", 10 * index + k, Marker.SPHERE, skin, position=at, yaw_rad=yaw_rad, scale=size)
     ring = Mesh()
     ring.ring((x, y), 0.0, save_distance_m - 0.1, AREA_Z_M + 0.01, VICTIM_GROUND)
     ring.ring((x, y), save_distance_m - 0.1, save_distance_m, AREA_Z_M + 0.01, tint)
@@ -117,31 +95,32 @@ def _victim_parts(index: int, victim: VictimView, save_distance_m: float) -> Ite
     yield label("victim_names", index, words, tint, (*name_spot_m(victim, save_distance_m), NAME_Z_M), NAME_M)
 
 
-def area_markers(areas: Sequence[AreaView]) -> list[Marker]:
-    """Return a disc for each area: an outline while open, bright as the target, green when explored; numbered."""
+def area_markers(areas: Sequence[msg.Area]) -> list[Marker]:
+    """Return a numbered disc for each area: an outline if unexplored, bright if it is the target, green if explored."""
     return [part for i, area in enumerate(areas) for part in _area_parts(i, area)]
 
 
-def _area_parts(index: int, area: AreaView) -> Iterable[Marker]:
+def _area_parts(index: int, area: msg.Area) -> Iterable[Marker]:
     tint = EXPLORED_AREA if area.explored else TARGET_AREA if area.target else OPEN_AREA
     fill, rim_m = (0.30, 0.14) if area.explored else (0.22, 0.26) if area.target else (0.05, 0.10)
+    center_m = (area.center.x, area.center.y)
     disc = Mesh()
-    disc.ring(area.center_m, 0.0, area.radius_m - rim_m, AREA_Z_M, faded(tint, fill))
-    disc.ring(area.center_m, area.radius_m - rim_m, area.radius_m, AREA_Z_M, faded(tint, 0.95))
+    disc.ring(center_m, 0.0, area.radius_m - rim_m, AREA_Z_M, faded(tint, fill))
+    disc.ring(center_m, area.radius_m - rim_m, area.radius_m, AREA_Z_M, faded(tint, 0.95))
     yield drawn_below(disc.marker("areas", index), DISC_LAYER)
-    yield label("area_numbers", index, f"A{index + 1}", tint, (*area.center_m, 0.3), 1.4)
+    yield label("area_numbers", index, f"A{index + 1}", tint, (*center_m, 0.3), 1.4)
 
 
 def voice_markers(
     origin_m: tuple[float, float], resolution_m: float, levels_db: np.ndarray, solid: np.ndarray | None = None
 ) -> list[Marker]:
-    """Return the voice map as a coloured film over the floor with a contour every 10 dB; nothing where all is silent.
+    """Return the voice map as a coloured layer over the floor with a contour every 10 dB; nothing without voices.
 
     Args:
         origin_m: lower left corner of the lower left cell [m].
         levels_db: shape (rows, cols), row 0 at the lowest y; 0 where silent.
-        solid: bool, of the same shape: cells in walls, which are silent in the map; here they take the level beside
-            them, or every pillar would tear a hole into the film and draw contours around itself.
+        solid: bool, of the same shape: cells in walls, which are silent in the map. Here they take the level of their
+            neighbours; otherwise every pillar would be a hole in the layer, with contours around it.
     """
     levels_db = np.asarray(levels_db, dtype=float)
     if solid is not None and not solid.all():
@@ -179,7 +158,7 @@ def _voice_film(x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray) -> Mesh
 
 
 def _contours(x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray) -> Iterator[tuple[Position, Position, Colour]]:
-    """Yield the edge of what can be heard, and a contour at every multiple of 10 dB within."""
+    """Yield the contour at the noise level, and one at every multiple of 10 dB above it."""
     generator = contourpy.contour_generator(x_m, y_m, levels_db)
     faintest_db = levels_db[levels_db > 0.0].min()
     first = math.floor(faintest_db / VOICE_CONTOUR_DB) + 1
@@ -192,39 +171,23 @@ def _contours(x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray) -> Iterat
                 yield start, end, VOICE_CONTOUR
 
 
-@dataclass(frozen=True, slots=True)
-class Headline:
-    """What the line of text above the building says; time since the mission's start."""
-
-    scenario: str
-    state: str
-    end: str
-    time_s: float
-    areas_explored: int
-    num_areas: int
-    victims_saved: int
-    num_victims: int
-    noise_db: float
-    num_endangered: int
-
-
-def headline_words(headline: Headline) -> str:
-    """Return the line, such as "garage_sar   251.3 s   areas 3/5   victims 2/4   noise 10 dB   running"."""
-    parts = [headline.scenario, f"{headline.time_s:.1f} s"]
-    if headline.num_areas:
-        parts.append(f"areas {headline.areas_explored}/{headline.num_areas}")
-    if headline.num_victims:
-        parts.append(f"victims {headline.victims_saved}/{headline.num_victims}")
-    parts.append(f"noise {headline.noise_db:g} dB")
-    if headline.num_endangered:
-        parts.append(f"links in danger {headline.num_endangered}")
-    parts.append(headline.end.replace("_", " ") if headline.state == "ended" else headline.state)
+def headline_words(status: msg.MissionStatus, num_endangered: int) -> str:
+    """Return the headline, such as "garage_sar   251.3 s   areas 3/5   victims 2/4   noise 10 dB   running"."""
+    parts = [status.scenario, f"{status.time_s:.1f} s"]
+    if status.explored:
+        parts.append(f"areas {sum(map(bool, status.explored))}/{len(status.explored)}")
+    if status.victims:
+        parts.append(f"victims {status.victims.count('saved')}/{len(status.victims)}")
+    parts.append(f"noise {status.noise_db:g} dB")
+    if num_endangered:
+        parts.append(f"links in danger {num_endangered}")
+    parts.append(status.end.replace("_", " ") if status.state == "ended" else status.state)
     return "    ".join(parts)
 
 
-def headline_marker(headline: Headline, bounds: Bounds) -> Marker:
-    """Return the line as a text behind the upper edge of the plan, as large as the plan is wide."""
+def headline_marker(words: str, bounds: Bounds) -> Marker:
+    """Return the headline as a text beyond the upper edge of the plan; its size fits the width of the plan."""
     width_m = bounds.max[0] - bounds.min[0]
     height_m = width_m / 33.0
     at = ((bounds.min[0] + bounds.max[0]) / 2.0, bounds.max[1] + 1.4 * height_m, height_m)
-    return label("headline", 0, headline_words(headline), HEADLINE, at, height_m)
+    return label("headline", 0, words, HEADLINE, at, height_m)

@@ -1,7 +1,5 @@
 """Boxes and barrels in the 3D scene."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 from collections.abc import Sequence
@@ -19,35 +17,29 @@ BARREL = colour("#6f93a8")
 HOOP = colour("#d8dee2")
 GROUND = colour("#0b0e13")
 GROUND_M = 0.035
-"""How far the dark ground reaches from an object: it ties the object to the floor."""
+"""Width of the dark ground around an object, which connects the object with the floor visually."""
 
 TAPE_SHARE = 0.09
 """Half the width of the tape across a box, as a share of its width."""
 BARREL_SIDES = 20
 HOOP_SHARES = (0.04, 0.33, 0.67, 0.96)
-"""How high the hoops of a barrel are."""
+"""Heights of the hoops of a barrel."""
 HOOP_HALF_SHARE = 0.035
 RIM_M = 0.012
-"""How far hoops, rims and tapes stand out."""
+"""How far hoops, rims and tapes protrude."""
 FACE_LIGHTS = (0.62, 0.72, 0.84, 0.66)
-"""Of a box's sides: they turn with it, for rviz does not light triangles that have colours."""
+"""Brightness of a box's sides. It turns with the box, because rviz does not light triangles with colours."""
 
 
 def object_markers(objects: Sequence[MovableObject], poses: Sequence[Pose], *, replace: bool = False) -> MarkerArray:
-    """Return one marker per object, with its place in the list as id; replace: after one that deletes all others."""
+    """Return one marker per object, with its index as id. Args: replace: first delete all other markers."""
     markers = [_marker(i, obj, pose) for i, (obj, pose) in enumerate(zip(objects, poses, strict=True))]
     return MarkerArray([Marker(action=Marker.DELETEALL), *markers] if replace else markers)
 
 
 def _marker(marker_id: int, obj: MovableObject, pose: Pose) -> Marker:
-    result = marker(
-        "objects",
-        marker_id,
-        Marker.TRIANGLE_LIST,
-        WHITE,
-        position=(pose.x_m, pose.y_m, 0.0),
-        yaw_rad=pose.yaw_rad,
-    )
+    at = (pose.x_m, pose.y_m, 0.0)
+    result = marker("objects", marker_id, Marker.TRIANGLE_LIST, WHITE, position=at, yaw_rad=pose.yaw_rad)
     drawn = _drawn(obj.size_m, obj.reach_m, obj.height_m)
     result.points, result.colors = drawn.points, drawn.colors
     return result
@@ -55,13 +47,13 @@ def _marker(marker_id: int, obj: MovableObject, pose: Pose) -> Marker:
 
 @functools.lru_cache(maxsize=256)
 def _drawn(size_m: tuple[float, float] | None, radius_m: float, height_m: float) -> Marker:
-    """Return the triangles of an object around its middle: made once, as each step sends them."""
+    """Return the triangles of an object around its centre; cached, because each step publishes them."""
     shape = _barrel(radius_m, height_m) if size_m is None else _box(*size_m, height_m)
     return shape.marker("objects", 0)
 
 
 def _box(length_m: float, width_m: float, height_m: float) -> Mesh:
-    """Return a carton with a tape along its middle, on a dark patch of ground."""
+    """Return a box with a tape along its middle, on a dark patch of ground."""
     x, y, tape = 0.5 * length_m, 0.5 * width_m, TAPE_SHARE * width_m
     mesh = Mesh()
     mesh.quad([(a * (x + GROUND_M), b * (y + GROUND_M), SHADOW_Z_M) for a, b in _SIGNS], [GROUND] * 4)
@@ -75,7 +67,7 @@ def _box(length_m: float, width_m: float, height_m: float) -> Mesh:
 
 
 def _barrel(radius_m: float, height_m: float) -> Mesh:
-    """Return a drum with hoops and a sunk lid, on a dark patch of ground."""
+    """Return a barrel with hoops and a recessed lid, on a dark patch of ground."""
     mesh = Mesh()
     mesh.ring((0.0, 0.0), 0.0, radius_m + GROUND_M, SHADOW_Z_M, GROUND)
     _wall(mesh, radius_m, 0.0, height_m, BARREL)

@@ -1,7 +1,5 @@
 """The building in the 3D scene: floor, walls, pillars and doors."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Mapping
@@ -41,11 +39,11 @@ FIREPROOF_DOOR = colour("#b8503c")
 FLOOR_MARGIN_M = 1.2
 FLOOR_LINE_SPACING_M = 5.0
 SHADOW_PER_HEIGHT = (0.55, -0.45)
-"""Where the shadow of a point 1 m above the floor falls [m, m]: the sun stands in the north-west."""
+"""Offset of the shadow of a point 1 m above the floor [m, m]: the sun is in the north-west."""
 
 _SUN_AZIMUTH_RAD = math.atan2(-SHADOW_PER_HEIGHT[1], -SHADOW_PER_HEIGHT[0])
 
-# Layers near the floor; far enough apart for the depth buffer of a camera 60 m away.
+# Heights of layers near the floor; far enough apart for the depth buffer of a camera 60 m away.
 FLOOR_Z_M = 0.0
 FLOOR_LINE_Z_M = 0.006
 SHADOW_Z_M = 0.012
@@ -54,13 +52,13 @@ AREA_Z_M = 0.03
 TRAIL_Z_M = 0.05
 
 LABEL_Z_M = 1.0
-"""Words stand high enough for walls, cut at the usual height, to hide little of them."""
+"""Height of texts: walls that are cut at the default height hide little of them."""
 
 
 def building_markers(plan: FloorPlan, cut_height_m: float) -> list[Marker]:
-    """Return floor, shadows, walls, blocks and pillars; what is taller than `cut_height_m` is cut there.
+    """Return floor, shadows, walls, blocks and pillars; taller ones are cut at `cut_height_m`.
 
-    The cut lets a viewer from above see robots behind walls; doors are drawn by `door_markers`.
+    The cut lets a viewer see robots behind walls from above; `door_markers` draws doors.
     """
     fixed = [solid for solid in solids(plan) if solid.kind != "door"]
     return [
@@ -71,20 +69,20 @@ def building_markers(plan: FloorPlan, cut_height_m: float) -> list[Marker]:
 
 
 def openings_at_start(plan: FloorPlan) -> dict[str, float]:
-    """Return how far each door is open at the start, by name: 0 closed, 1 open."""
+    """Return the initial opening of each door, by name: 0 closed, 1 open."""
     return {door.name: 0.0 if door.closed else 1.0 for door in plan.doors}
 
 
 def door_markers(plan: FloorPlan, openings: Mapping[str, float], cut_height_m: float) -> list[Marker]:
-    """Return one leaf per door where it is; an instant door's open leaf, which is nowhere, swung by a right angle.
+    """Return one leaf per door. The open leaf of an instant door, which does not exist, is drawn at a right angle.
 
-    Args: openings: how far each door is open, by name: 0 closed .. 1 open.
+    Args: openings: opening of each door, by name: 0 closed .. 1 open.
     """
     return [_door_marker(i, door, openings[door.name], cut_height_m) for i, door in enumerate(plan.doors)]
 
 
 def door_change(event: MissionEvent) -> tuple[str, float] | None:
-    """Return the name of a door and how far it is open now, if an event says that it was opened or closed."""
+    """Return name and opening of a door if an event reports that it was opened or closed; else None."""
     return (event.subject, 0.0 if event.detail.endswith("closed") else 1.0) if event.kind == "door" else None
 
 
@@ -110,7 +108,7 @@ def _multiples(spacing: float, low: float, high: float) -> list[float]:
 
 
 def _shadow_markers(fixed: list[Solid], cut_height_m: float) -> Iterator[Marker]:
-    """Yield what the walls keep from the sun: the floor under every edge moved along the light."""
+    """Yield the shadows of the walls: the floor swept by every edge along the light."""
     cast = []
     for solid in fixed:
         height_m = min(solid.element.height_m, cut_height_m)
@@ -131,7 +129,7 @@ def _shadow_markers(fixed: list[Solid], cut_height_m: float) -> Iterator[Marker]
 
 
 def _wall_markers(fixed: list[Solid], cut_height_m: float) -> Iterator[Marker]:
-    """Yield one mesh of all solids and their upper edges; equal heights and colours are joined without inner faces."""
+    """Yield one mesh of all solids and their upper edges; solids of equal height and colour have no inner faces."""
     groups: dict[tuple[float, str], list[shapely.Polygon]] = {}
     for solid in fixed:
         height_m = min(solid.element.height_m, cut_height_m)
@@ -151,12 +149,12 @@ def _wall_markers(fixed: list[Solid], cut_height_m: float) -> Iterator[Marker]:
 
 
 def _polygons(shape: shapely.Geometry) -> list[shapely.Polygon]:
-    """Return the parts of a union with their inside to the left of every outline."""
+    """Return the parts of a union, oriented with their inside to the left of every outline."""
     return [orient(part) for part in shapely.get_parts(shape) if part.geom_type == "Polygon"]
 
 
 def _add_sides(body: Mesh, loop: list[tuple[float, float]], height_m: float, tint: Colour) -> None:
-    """Add the upright faces over an outline with its inside to the left: bright toward the sun, darker below."""
+    """Add the vertical faces over an outline with its inside to the left: bright towards the sun, darker below."""
     for (x0, y0), (x1, y1) in itertools.pairwise(loop):
         facing_rad = math.atan2(y1 - y0, x1 - x0) - math.pi / 2.0
         light = 0.62 + 0.2 * math.cos(facing_rad - _SUN_AZIMUTH_RAD)

@@ -1,11 +1,8 @@
-"""What the node `scene` receives of one robot."""
-
-from __future__ import annotations
+"""The topics of one robot, as received by the node `scene`."""
 
 from collections import deque
 from collections.abc import Iterable
 
-import numpy as np
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan, NavSatFix, Range
 
@@ -24,7 +21,7 @@ FIXES_KEPT = 30
 
 
 class RobotFeed:
-    """What the scene knows of one robot."""
+    """The latest messages of one robot."""
 
     def __init__(self, robot_id: int, prefix: str, robot: Robot, several_swarms: bool = False) -> None:
         self._id = robot_id
@@ -48,7 +45,7 @@ class RobotFeed:
         self.trail = scene_team.Trail()
 
     def look(self, trail_points: int) -> bool:
-        """Take in new messages; return whether there were any."""
+        """Process new messages; return whether there were any."""
         truths = self._truth.take(at_most=20)
         for truth in truths:
             pose = msg_conversion.odometry_reading(truth).pose.pose
@@ -71,12 +68,8 @@ class RobotFeed:
             self._contact_angles_rad = tuple(contact.angles_rad)
         return bool(truths) or status is not None
 
-    def begin_trail(self) -> None:
-        """Start a new trail: the robot has arrived (again)."""
-        self.trail = scene_team.Trail()
-
     def view(self) -> scene_team.RobotView | None:
-        """Return what to draw of it; None before its first pose."""
+        """Return the view of the robot; None before its first pose."""
         if not self._recent:
             return None
         robot = self._robot
@@ -93,7 +86,7 @@ class RobotFeed:
         )
 
     def scans(self, wanted: bool) -> dict[str, ScanView]:
-        """Return new scans by topic, from where they were taken; they are subscribed to only while they are wanted."""
+        """Return new scans with their poses, by topic; the topics are subscribed to only while rviz shows them."""
         return {
             name: self._scan_view(self._lasers[name], scan)
             for name, scan in self._scans.newest(wanted).items()
@@ -101,7 +94,7 @@ class RobotFeed:
         }
 
     def sonars(self, wanted: bool) -> list[SonarView]:
-        """Return the last range of each sonar, where the robot is now; subscribed to only while they are wanted."""
+        """Return the last range of each sonar at the robot's current pose; subscribed to only while rviz shows them."""
         self._sonars_m |= {name: message.range for name, message in self._sonars.newest(wanted).items()}
         if not self._recent:
             return []
@@ -129,7 +122,7 @@ class RobotFeed:
         return tuple(self._fixes)
 
     def close(self) -> None:
-        """Unsubscribe from everything."""
+        """Unsubscribe from all topics."""
         for feed in (self._truth, self._status, self._contact, self._fix, self._scans, self._sonars):
             if feed is not None:
                 feed.close()
@@ -140,20 +133,11 @@ class RobotFeed:
 
     def _scan_view(self, laser: Laser, scan: LaserScan) -> ScanView:
         base = self._recent.get(msg_conversion.stamp_ns(scan), self._newest_pose)
-        return ScanView(
-            robot_id=self._id,
-            laser=base @ _mount(laser),
-            height_m=laser.height_m,
-            angle_min_rad=scan.angle_min,
-            angle_step_rad=scan.angle_increment,
-            range_min_m=scan.range_min,
-            range_max_m=scan.range_max,
-            ranges_m=np.asarray(scan.ranges),
-        )
+        return ScanView(self._id, base @ _mount(laser), laser.height_m, scan)
 
 
 class _Wanted:
-    """Topics of one type that are subscribed to only while somebody looks at them."""
+    """Topics of one type that are subscribed to only while rviz shows them."""
 
     def __init__(self, prefix: str, names: Iterable[str], message_class: type) -> None:
         self._prefix, self._names, self._class = prefix, tuple(names), message_class
@@ -176,7 +160,7 @@ class _Wanted:
 
 
 def _mount(laser: Laser) -> Pose:
-    """Return where a laser sits in base_link."""
+    """Return the position of a laser in base_link."""
     if isinstance(laser, MountedLaser):
         return Pose(laser.forward_m, laser.left_m, laser.yaw_rad)
     return Pose(laser.forward_m, 0.0, 0.0)

@@ -1,6 +1,4 @@
-"""Sonars and satellite navigation in the 3D scene."""
-
-from __future__ import annotations
+"""Sonars and GPS in the 3D scene."""
 
 import itertools
 import math
@@ -36,7 +34,7 @@ MIN_DISC_M = 0.15
 
 @dataclass(frozen=True, slots=True)
 class SonarView:
-    """What one sonar measured, and its pose in the map frame: its x axis is the middle of the cone."""
+    """The range of one sonar, and its pose in the map frame; its x axis is the axis of the cone."""
 
     sonar: Pose
     height_m: float
@@ -46,7 +44,7 @@ class SonarView:
 
     @property
     def returned(self) -> bool:
-        """Whether something is within its reach."""
+        """Whether there is a return."""
         return self.range_m < self.range_max_m
 
 
@@ -59,7 +57,7 @@ class FixView:
 
 
 def sonar_markers(views: Mapping[int, Sequence[SonarView]]) -> list[Marker]:
-    """Return the cones of each robot's sonars, by its id: up to what returns, with an arc; faint where nothing does."""
+    """Return the cones of each robot's sonars, by id: up to the return, which is an arc; faint without a return."""
     result = []
     for robot_id, sonars in views.items():
         tint = robot_colour(robot_id)
@@ -83,14 +81,8 @@ def _rim(view: SonarView) -> list[Position]:
     count = max(2, math.ceil(view.opening_rad / CONE_STEP_RAD))
     low_rad = view.sonar.yaw_rad - 0.5 * view.opening_rad
     angles_rad = [low_rad + view.opening_rad * i / count for i in range(count + 1)]
-    return [
-        (
-            view.sonar.x_m + view.range_m * math.cos(angle_rad),
-            view.sonar.y_m + view.range_m * math.sin(angle_rad),
-            view.height_m,
-        )
-        for angle_rad in angles_rad
-    ]
+    x_m, y_m, reach_m = view.sonar.x_m, view.sonar.y_m, view.range_m
+    return [(x_m + reach_m * math.cos(a), y_m + reach_m * math.sin(a), view.height_m) for a in angles_rad]
 
 
 def fix_markers(views: Mapping[int, Sequence[FixView]]) -> list[Marker]:
@@ -114,7 +106,7 @@ def fix_markers(views: Mapping[int, Sequence[FixView]]) -> list[Marker]:
 
 
 def _dots(robot_id: int, fixes: Sequence[FixView], tint: Colour) -> Marker:
-    """Return older fixes, the oldest the faintest."""
+    """Return older fixes, which fade with age."""
     dots = marker("old_fixes", robot_id, Marker.SPHERE_LIST, faded(tint, 0.99), scale=(DOT_M,) * 3)
     for i, fix in enumerate(fixes):
         dots.points.append(Point(*fix.place_m, AREA_Z_M))

@@ -1,6 +1,4 @@
-"""Building blocks of the 3D scene: colours, markers, triangle meshes, and what has to be deleted."""
-
-from __future__ import annotations
+"""Building blocks of the 3D scene: colours, markers, triangle meshes, and deletion of markers."""
 
 import itertools
 import math
@@ -13,7 +11,7 @@ from visualization_msgs.msg import Marker
 
 FRAME = "map"
 
-# What is flat and see-through on the floor, from the top to the bottom: see `drawn_below`.
+# Flat transparent layers on the floor, from top to bottom; see `drawn_below`.
 TRAIL_LAYER = 1
 DISC_LAYER = 2
 CONTOUR_LAYER = 3
@@ -48,13 +46,13 @@ def shaded(base: Colour, factor: float) -> Colour:
 
 
 def mixed(low: Colour, high: Colour, share: float) -> Colour:
-    """Return the colour that is `share` (0..1) of the way from `low` to `high`."""
+    """Return the colour at a fraction `share` (0..1) from `low` to `high`."""
     red, green, blue, alpha = (a + share * (b - a) for a, b in zip(low, high, strict=True))
     return (red, green, blue, alpha)
 
 
 def gradient(stops: Sequence[tuple[float, Colour]], value: float) -> Colour:
-    """Return the colour of a value on a scale of (value, colour) stops in rising order, clamped at both ends."""
+    """Return the colour of a value on a scale of ascending (value, colour) stops, clamped at both ends."""
     for (low, low_colour), (high, high_colour) in itertools.pairwise(stops):
         if value < high:
             return mixed(low_colour, high_colour, max(0.0, (value - low) / (high - low)))
@@ -73,7 +71,7 @@ def marker(
 ) -> Marker:
     """Return a marker of a kind such as Marker.CYLINDER in the map frame.
 
-    Its stamp is 0, "at any time": rviz then needs no transform of the present, which a paused or slow world lacks.
+    Its stamp is 0, "at any time", so that rviz needs no current transform, which a paused or slow world lacks.
     """
     result = Marker(ns=namespace, id=marker_id, type=kind, action=Marker.ADD, color=ColorRGBA(*tint))
     result.header.frame_id = FRAME
@@ -85,7 +83,7 @@ def marker(
 
 
 def label(namespace: str, marker_id: int, words: str, tint: Colour, position: Position, height_m: float) -> Marker:
-    """Return a text that always faces the viewer, in a light tone of `tint` that reads well on a dark ground.
+    """Return a text that always faces the viewer, in a light tone of `tint` that is readable on a dark ground.
 
     `height_m` is the height of a capital letter.
     """
@@ -111,11 +109,11 @@ def lines(
 
 
 def drawn_below(item: Marker, layer: int) -> Marker:
-    """Return the marker such that rviz paints it before what is see-through in lower layers, or in none (0).
+    """Return the marker, changed so that rviz paints it before transparent markers in lower layers or in none.
 
-    rviz paints what is see-through from the farthest to the nearest, by the origins of the poses. So the
-    origin is sunk into the ground and the points are raised by as much; no deeper than needed, as rviz computes with
-    24 bits and the layers are a centimetre apart. Changes and returns the marker.
+    rviz paints transparent markers from the farthest to the nearest origin of their poses. The origin is therefore
+    lowered below the floor, and the points are raised by the same amount. It is not lower than necessary, because rviz
+    computes with 24 bits and the layers are a centimetre apart.
     """
     depth_m = 100.0 + 5.0 * layer
     item.pose.position.z -= depth_m
@@ -133,7 +131,7 @@ def circle_points(radius_m: float, sides: int, closed: bool = False) -> list[tup
 class Mesh:
     """Triangles with a colour per corner, collected into one marker.
 
-    rviz does not light triangles that carry colours, so light and shade are what the colours say.
+    rviz does not light triangles with colours, so the colours include light and shade.
     """
 
     def __init__(self) -> None:
@@ -168,7 +166,7 @@ class Mesh:
             self.triangle([(x, y, z_m) for x, y in part.exterior.coords[:3]], [tint] * 3)
 
     def prism(self, corners: Sequence[tuple[float, float]], low_m: float, high_m: float, tint: Colour) -> None:
-        """Add the top and the sides of an upright prism over a convex polygon, counter-clockwise; sides are darker."""
+        """Add the top and the darker sides of a vertical prism over a convex polygon, counter-clockwise."""
         top = [(x, y, high_m) for x, y in corners]
         for second, third in itertools.pairwise(top[1:]):
             self.triangle((top[0], second, third), [tint] * 3)
@@ -177,7 +175,7 @@ class Mesh:
             self.quad([(x0, y0, low_m), (x1, y1, low_m), (x1, y1, high_m), (x0, y0, high_m)], [dark] * 4)
 
     def ring(self, center_m: tuple[float, float], inner_m: float, outer_m: float, z_m: float, tint: Colour) -> None:
-        """Add a flat ring; a disc when the inner radius is 0."""
+        """Add a flat ring, or a disc if the inner radius is 0."""
         x_m, y_m = center_m
         inside, outside = (circle_points(radius_m, 48, closed=True) for radius_m in (inner_m, outer_m))
         for i, j in itertools.pairwise(range(len(inside))):
@@ -192,13 +190,13 @@ class Mesh:
 
 
 class Shown:
-    """Knows which markers a display holds, to delete those that are drawn no more."""
+    """Keeps track of the markers on a display, to delete those that are no longer drawn."""
 
     def __init__(self) -> None:
         self._keys: dict[tuple[str, int], None] | None = None
 
     def update(self, markers: Iterable[Marker]) -> list[Marker]:
-        """Return the markers, preceded by what must go: at first everything that an earlier run may have left."""
+        """Return the markers, preceded by deletions; the first time, of all markers of an earlier run."""
         wanted = list(markers)
         keys = dict.fromkeys((item.ns, item.id) for item in wanted)
         if self._keys is None:

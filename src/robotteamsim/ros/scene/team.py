@@ -1,7 +1,5 @@
 """The team in the 3D scene: robots, their trails and the radio links between them."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import deque
@@ -36,7 +34,7 @@ from robotteamsim.ros.scene.shapes import (
 from robotteamsim.scenario.body import corners_at
 from robotteamsim.scenario.plan import Corners
 
-# After Okabe and Ito's colour-blind-safe palette, without the green and red that say how victims and links are.
+# From Okabe and Ito's colour-blind-safe palette, without green and red, which show the states of victims and links.
 ROBOT_COLOURS = tuple(map(colour, ("#56b4e9", "#f0e442", "#f08cc8", "#ffffff", "#e69f00", "#9b8cff", "#2f7fd0")))
 EXCLUDED = colour("#9aa0a8")
 BODY = colour("#14171c")
@@ -47,21 +45,21 @@ LINK_COLOURS = (
     (-70.0, colour("#ffe14d")),
     (-55.0, colour("#4dff88")),
 )
-"""Colour by signal [dBm]: red at the threshold below which a link is in danger."""
+"""Colour by signal [dBm]: red at the endangered threshold."""
 RELAYED = colour("#8d97a3")
 LINK_HEIGHT_M = 0.36
 DASH_M = 0.8
 FEW_ROBOTS = 8
-"""So many still get every pair's link and hop count; beyond that they would hide the scene."""
+"""Largest team for which links and hop counts of all pairs are shown; more would hide the scene."""
 
 RING_MARGIN_M = 0.55
-"""A robot is a few pixels wide when the whole building is in view; a ring this far around it shows where it is."""
+"""Radius of the ring that shows where a robot is: with the whole building in view, a robot is a few pixels wide."""
 RING_WIDTH_M = 0.14
 RING_Z_M = TRAIL_Z_M - 0.01
 BUMPER_HALF_RAD = 0.35
 HIT_WIDTH_M = 0.3
 TURRET_M = 0.25
-"""Lasers of large robots are no larger than this allows."""
+"""Limit of the size of lasers on large robots."""
 MAX_LASERS = 17
 """That a robot can have: `robots.laser` and sixteen of `robots.lasers`."""
 LABEL_DISTANCE_M = 1.6
@@ -70,7 +68,7 @@ LABEL_M = 1.1
 
 @dataclass(frozen=True, slots=True)
 class RobotView:
-    """What is drawn of a robot; pose in the map frame, excluded: socially excluded, contacts as `Contact` has them."""
+    """A robot as drawn; pose in the map frame, excluded: socially excluded, contacts as in `Contact`."""
 
     robot_id: int
     pose: Pose
@@ -78,26 +76,21 @@ class RobotView:
     height_m: float = 0.25
     excluded: bool = False
     corners_m: Corners = ()
-    """Of a body that is no disc, counter-clockwise in base_link; radius_m is then how far it reaches."""
+    """Of a body that is not a disc, counter-clockwise in base_link; radius_m is then its reach."""
     contact_angles_rad: tuple[float, ...] = ()
     lasers_m: tuple[tuple[float, float], ...] = ()
-    """Where its lasers sit in base_link; none known: one, a little ahead."""
+    """Positions of its lasers in base_link; if none are known, one slightly ahead of the centre."""
     swarm: int | None = None
-    """Its swarm, where there are several; None: there is but one."""
+    """Its swarm; None if there is only one swarm."""
 
 
-def robot_colour(robot_id: int) -> Colour:
-    """Return the robot's colour; they repeat after the palette's length."""
-    return ROBOT_COLOURS[robot_id % len(ROBOT_COLOURS)]
-
-
-def swarm_colour(swarm: int) -> Colour:
-    """Return the colour of a swarm's rings; they repeat after the palette's length."""
-    return ROBOT_COLOURS[swarm % len(ROBOT_COLOURS)]
+def robot_colour(number: int) -> Colour:
+    """Return the colour of a robot, or of a swarm's rings, by its number; colours repeat after the palette's length."""
+    return ROBOT_COLOURS[number % len(ROBOT_COLOURS)]
 
 
 def label_offset(position_m: tuple[float, float], others_m: Iterable[tuple[float, float]]) -> tuple[float, float]:
-    """Return where a robot's number stands relative to it [m]: away from what is near, north when alone."""
+    """Return the offset of a robot's number from the robot [m]: away from nearby robots and texts, north by default."""
     x, y = 0.0, 0.25
     for other_x, other_y in others_m:
         dx, dy = position_m[0] - other_x, position_m[1] - other_y
@@ -108,9 +101,9 @@ def label_offset(position_m: tuple[float, float], others_m: Iterable[tuple[float
 
 
 def team_markers(views: Sequence[RobotView], written_m: Sequence[tuple[float, float]] = ()) -> list[Marker]:
-    """Return the markers of all robots; their numbers stand clear of each other.
+    """Return the markers of all robots; their numbers do not overlap.
 
-    Args: written_m: where other words stand, to keep clear of [m].
+    Args: written_m: positions of other texts, which numbers avoid [m].
     """
     spots = [(view.pose.x_m, view.pose.y_m) for view in views]
     label_m = LABEL_M if len(views) <= FEW_ROBOTS else 0.65 * LABEL_M
@@ -126,12 +119,11 @@ def robot_markers(
 ) -> list[Marker]:
     """Return body, deck, heading wedge, lasers, number, and a ring with an arrow to find the robot from far away.
 
-    An excluded robot has a grey ring, arrow and number, one of several swarms has them in the colour of the swarm; its
-    deck keeps its own. Where it touches something, its rim
-    is red, and a red arc lies before its ring.
+    Ring, arrow and number are grey if the robot is excluded, and have the colour of its swarm if there are several; the
+    deck always has the colour of the robot. At contacts the rim is red, with a red arc outside the ring.
     """
     tint = robot_colour(view.robot_id)
-    sign = EXCLUDED if view.excluded else tint if view.swarm is None else swarm_colour(view.swarm)
+    sign = EXCLUDED if view.excluded else tint if view.swarm is None else robot_colour(view.swarm)
     pose, radius_m, height_m = view.pose, view.radius_m, view.height_m
     x, y = pose.x_m, pose.y_m
     ring_m = radius_m + RING_MARGIN_M
@@ -218,7 +210,7 @@ def _bumper(view: RobotView, angle_rad: float) -> list[tuple[float, float]]:
 
 
 def _rim_m(outline: shapely.LinearRing, angle_rad: float) -> float:
-    """Return how far a body reaches in a direction."""
+    """Return the extent of a body in a direction."""
     far_m = 2.0 * max(math.hypot(x, y) for x, y in outline.coords)
     beam = shapely.LineString([(0.0, 0.0), (far_m * math.cos(angle_rad), far_m * math.sin(angle_rad))])
     return float(shapely.hausdorff_distance(shapely.Point(0.0, 0.0), shapely.intersection(outline, beam)))
@@ -245,7 +237,7 @@ def _arrow(ring_m: float) -> list[tuple[float, float]]:
 
 
 class Trail:
-    """Where a robot has been: points at least `spacing_m` apart."""
+    """The path of a robot so far: points at least `spacing_m` apart."""
 
     def __init__(self, spacing_m: float = 0.2) -> None:
         self._spacing_m = spacing_m
@@ -254,14 +246,13 @@ class Trail:
 
     @property
     def points_m(self) -> tuple[tuple[float, float], ...]:
-        """From the oldest to the newest, in the map frame [m]."""
+        """Points from the oldest to the newest, in the map frame [m]."""
         return tuple(self._points)
 
     def add(self, x_m: float, y_m: float, time_s: float, max_speed_mps: float, max_points: int) -> None:
-        """Take in where the robot is now; beyond `max_points` the oldest are forgotten.
+        """Add the current position; beyond `max_points` the oldest points are removed.
 
-        When time runs backwards, or the robot is farther away than it could have driven, it was put there: the
-        trail starts again.
+        If time jumps backwards, or the robot is farther away than it could have driven, the trail restarts.
         """
         elapsed_s, self._time_s = time_s - self._time_s, time_s
         if self._points:
@@ -276,10 +267,10 @@ class Trail:
 
 
 def trail_marker(robot_id: int, points_m: Sequence[tuple[float, float]]) -> Marker:
-    """Return a line that fades toward its oldest point; at least two points."""
+    """Return a line that fades towards its oldest point; needs at least two points."""
     tint = robot_colour(robot_id)
     result = marker("trails", robot_id, Marker.LINE_STRIP, faded(tint, 0.99), scale=(0.16, 0.0, 0.0))
-    # Neighbouring trails lie at slightly different heights, or they would flicker where they cross.
+    # Trails have slightly different heights; otherwise they would flicker where they cross.
     z_m = TRAIL_Z_M + 0.003 * (robot_id % 8)
     for i, (x_m, y_m) in enumerate(points_m):
         result.points.append(Point(x_m, y_m, z_m))
@@ -299,10 +290,10 @@ class LinkView:
 
 
 def link_views(network: NetworkState) -> list[LinkView]:
-    """Return every pair of robots once, ordered by their ids; of many robots only the links that hold them together.
+    """Return every pair of robots once, ordered by ids; for many robots only the links that connect them.
 
-    Those are the links that no third robot offers a better way around (the relative neighbourhood graph by signal):
-    few, hardly crossing each other, and they connect whatever all links connect.
+    These are the links without a better detour over a third robot (the relative neighbourhood graph by signal): they
+    are few, rarely cross each other, and connect the same robots as all links.
     """
     pairs = list(itertools.combinations(range(len(network.adjacency)), 2))
     if len(network.adjacency) > FEW_ROBOTS:
@@ -315,9 +306,9 @@ def link_views(network: NetworkState) -> list[LinkView]:
 
 
 def link_markers(links: Sequence[LinkView], positions_m: Mapping[int, tuple[float, float]]) -> list[Marker]:
-    """Return direct links coloured by signal, pairs that reach each other over others dashed, lost pairs not at all.
+    """Return direct links coloured by signal, and dashed lines for pairs that are connected over other robots.
 
-    Args: positions_m: of each robot in the map frame [m]; pairs of unknown robots are left out.
+    Args: positions_m: of each robot in the map frame [m]; pairs of unknown robots are omitted.
     """
     known = [link for link in links if link.first in positions_m and link.second in positions_m]
     reachable = [link for link in known if link.linked or link.hop_count > 0]
@@ -330,7 +321,7 @@ def link_markers(links: Sequence[LinkView], positions_m: Mapping[int, tuple[floa
         else:
             dashed += [(a, b, tint) for a, b in _dashes(start, end)]
         if len(positions_m) <= FEW_ROBOTS and math.dist(start, end) > 3.0:
-            # Not both at the middle: in a chain of robots the long pair lies on the short ones.
+            # Not both at the middle: in a chain of robots, the line of a distant pair covers those of others.
             x, y, _ = _between(start, end, 0.5 if link.linked else 0.4)
             numbers.append(label("hops", i, str(link.hop_count), tint, (x, y, LINK_HEIGHT_M + 0.5), 0.9))
     bundles = [("links", 0, solid, 0.12), ("links", 1, dashed, 0.07)]
@@ -343,7 +334,7 @@ def _between(start: Position, end: Position, share: float) -> Position:
 
 
 def _clear_of_robots(first_m: tuple[float, float], second_m: tuple[float, float]) -> tuple[Position, Position]:
-    """Return the ends of a link, cut short so that it does not cover the robots."""
+    """Return the ends of a link, shortened so that it does not cover the robots."""
     start, end = (*first_m, LINK_HEIGHT_M), (*second_m, LINK_HEIGHT_M)
     cut = min(0.3, 0.4 / max(math.dist(start, end), 1e-6))
     return _between(start, end, cut), _between(start, end, 1.0 - cut)

@@ -1,1 +1,1 @@
-"""How nodes subscribe, publish and wait for the messages of one step."""
+"""Subscribing, publishing, and waiting for the messages of one step."""

@@ -1,9 +1,7 @@
-"""From ROS messages to our values. Our values become messages in `recording.ros_messages`, for bags as well."""
+"""Converts ROS messages to our values. `recording.ros_messages` does the reverse, also for bags."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
-from typing import Any, cast
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import geometry_msgs.msg
 import nav_msgs.msg
@@ -18,7 +16,6 @@ import robotteamsim.msg
 from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Discovery, Task
-from robotteamsim.mission.status import DeliveredDiscoveries, MissionEnd, MissionState, MissionStatus
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
 from robotteamsim.world.doors import DoorState, DoorStates
@@ -38,7 +35,9 @@ class RosTypes:
         # All fields are given, so the defaults that __init__ would fill in first are not needed.
         message = message_class.__new__(message_class)
         for name, value in fields.items():
-            setattr(message, name, _plain(value) if type(value) is np.ndarray else value)
+            if type(value) is np.ndarray:  # uint8[] is bytes in genpy; other arrays are serialized fastest from lists.
+                value = value.tobytes() if value.dtype == np.uint8 else value.tolist()
+            setattr(message, name, value)
         return message
 
     def time(self, time_ns: int) -> Time:
@@ -52,32 +51,19 @@ class RosTypes:
         return self._classes.setdefault(type_name, getattr(package.msg, class_name))
 
 
-def _plain(values: np.ndarray) -> Any:
-    """uint8[] is bytes in genpy; other arrays are written fastest from lists."""
-    return values.tobytes() if values.dtype == np.uint8 else values.tolist()
-
-
 def stamp_ns(message: Any) -> int:
     """Return the stamp of a message with a header [ns]."""
     stamp = message.header.stamp
     return int(stamp.secs * 10**9 + stamp.nsecs)
 
 
-def pose_reading(message: geometry_msgs.msg.Pose) -> PoseReading:
-    """Return a pose in the plane; height, roll and pitch are dropped."""
-    return PoseReading(message.position.x, message.position.y, message.orientation.z, message.orientation.w)
-
-
-def _twist(message: geometry_msgs.msg.Twist) -> Twist:
-    return Twist(message.linear.x, message.linear.y, message.angular.z)
-
-
 def odometry_reading(message: nav_msgs.msg.Odometry) -> OdometryReading:
-    """Return pose and twist of `odom` or `base_pose_ground_truth`."""
+    """Return pose and twist in the plane of `odom` or `base_pose_ground_truth`; height, roll and pitch are ignored."""
+    pose, twist = message.pose.pose, message.twist.twist
     of_pose, of_twist = message.pose.covariance, message.twist.covariance
     return OdometryReading(
-        pose_reading(message.pose.pose),
-        _twist(message.twist.twist),
+        PoseReading(pose.position.x, pose.position.y, pose.orientation.z, pose.orientation.w),
+        Twist(twist.linear.x, twist.linear.y, twist.angular.z),
         pose_covariance=(of_pose[0], of_pose[1], of_pose[5], of_pose[7], of_pose[11], of_pose[35]),
         twist_variances=(of_twist[0], of_twist[7], of_twist[35]),
     )
@@ -104,24 +90,19 @@ def read_twist_stamped(data: bytes) -> Twist:
     return Twist(*roscpp.read_twist_stamped(data))
 
 
-def sonar_m(message: sensor_msgs.msg.Range) -> float:
-    """Return the range that a sonar measured, a float32 [m]."""
-    return float(message.range)
-
-
 def fix(message: sensor_msgs.msg.NavSatFix) -> Fix:
-    """Return what a GPS receiver measured."""
+    """Return a GPS fix."""
     return Fix(message.latitude, message.longitude, message.altitude, message.position_covariance[0])
 
 
 def voice_reading(message: robotteamsim.msg.Voice) -> VoiceReading:
-    """Return what a robot hears."""
+    """Return a voice reading."""
     return VoiceReading(message.level_db, message.heard, _point(message.local_best), message.local_best_level_db)
 
 
-def network_messages(message: robotteamsim.msg.NetworkMessages) -> tuple[Message, ...]:
+def network_messages(received: Iterable[robotteamsim.msg.NetworkMessages]) -> list[Message]:
     """Return the messages of `network/tx` or `network/rx`, in their order."""
-    return tuple(Message(m.sender, m.receiver, m.payload) for m in message.messages)
+    return [Message(m.sender, m.receiver, m.payload) for batch in received for m in batch.messages]
 
 
 def network_state(message: robotteamsim.msg.NetworkState) -> NetworkState:
@@ -153,7 +134,7 @@ def network_state(message: robotteamsim.msg.NetworkState) -> NetworkState:
 
 
 def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
-    """Return what is published of a decision; its twist and outbox travel on topics of their own."""
+    """Return the published part of a decision; twist and outbox have topics of their own."""
     return Decision(
         excluded=message.excluded,
         swarm=message.swarm,
@@ -164,23 +145,8 @@ def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
     )
 
 
-def mission_status(message: robotteamsim.msg.MissionStatus) -> MissionStatus:
-    """Return the mission and the task it sets."""
-    return MissionStatus(
-        state=cast("MissionState", message.state),
-        end=cast("MissionEnd", message.end),
-        time_s=message.time_s,
-        explored=tuple(map(bool, message.explored)),
-        victims=tuple(message.victims),
-        target_area=message.target_area,
-        endangered_links=message.endangered_links,
-        task=task(message),
-        delivered=delivered(message),
-    )
-
-
 def task(message: robotteamsim.msg.MissionStatus) -> Task:
-    """Return what the mission asks of the team."""
+    """Return the task of the team."""
     return Task(
         running=message.running,
         epoch=message.epoch,
@@ -193,21 +159,12 @@ def task(message: robotteamsim.msg.MissionStatus) -> Task:
     )
 
 
-def delivered(message: robotteamsim.msg.MissionStatus) -> DeliveredDiscoveries | None:
-    """Return what the base has received; None: there is no base."""
-    if not message.has_base:
-        return None
-    return DeliveredDiscoveries(
-        message.discoveries_delivered, message.mean_delivery_delay_s, message.max_delivery_delay_s
-    )
-
-
 def _point(message: geometry_msgs.msg.Point) -> tuple[float, float]:
     return message.x, message.y
 
 
 def door_states(message: robotteamsim.msg.Doors) -> DoorStates:
-    """Return the state of all doors of the world; the version is the message's stamp, so it grows with each change."""
+    """Return the states of the world's doors; the version is the message's stamp, so it increases with each change."""
     states = {door.name: DoorState(bool(door.closed), door.opening, door.motion) for door in message.doors}
     # 0 is the version at the start, before any message.
     return DoorStates(states, version=stamp_ns(message) + 1)

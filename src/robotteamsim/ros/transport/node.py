@@ -1,6 +1,4 @@
-"""How a node starts, logs, reads parameters and ends. A process is one node, and roscpp its only ROS client."""
-
-from __future__ import annotations
+"""Start, log, parameters and end of a node. A process is one node, and roscpp its only ROS client."""
 
 import contextlib
 import logging
@@ -17,9 +15,9 @@ from robotteamsim import _ros_transport as roscpp
 from robotteamsim.errors import RobotTeamSimError
 
 MASTER_PERIOD_S = 0.2
-"""A node checks this often whether the master has started [s, wall]."""
+"""Interval of checks whether the master has started [s, wall]."""
 WATCH_PERIOD_S = 0.1
-"""A node checks this often whether the master has asked it to stop [s, wall]."""
+"""Interval of checks whether the master has requested a shutdown [s, wall]."""
 
 logger = logging.getLogger(__name__)
 
@@ -29,7 +27,7 @@ class ParameterError(RobotTeamSimError):
 
 
 class _Shutdown:
-    """Whether the node is to stop, and what must be closed for that."""
+    """Whether the node should stop, and what to close then."""
 
     def __init__(self) -> None:
         self._begun = threading.Event()
@@ -43,17 +41,17 @@ class _Shutdown:
                 self._to_close.popleft()()
 
     def wait(self, timeout_s: float) -> bool:
-        """Wait until it begins, but not longer than a time [s, wall]; return whether it has."""
+        """Wait until the node is shut down, with a timeout [s, wall]; return whether it was."""
         return self._begun.wait(timeout_s)
 
     def call(self, close: Callable[[], None]) -> None:
-        """Have something closed, now if it has begun."""
+        """Register a callback for the shutdown; it must not block, because a signal handler may call it."""
         self._to_close.append(close)
         if self._begun.is_set():
             self.begin()
 
     def watch(self) -> None:
-        """Begin it when roscpp does: the master, or a node of the same name, has asked for it."""
+        """Shut down when roscpp does, on request of the master or of a new node with the same name."""
         while not self.wait(WATCH_PERIOD_S):
             if not roscpp.is_ok():
                 self.begin()
@@ -63,7 +61,7 @@ _shutdown = _Shutdown()
 
 
 def run(name: str, serve: Callable[[], None]) -> None:
-    """Run a node until it is done or asked to stop; a user's mistake ends it in one line and status 2."""
+    """Run a node until it is done or shut down; a user's mistake ends it with one line and status 2."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: _shutdown.begin())
     _wait_for_master()
@@ -84,18 +82,12 @@ def run(name: str, serve: Callable[[], None]) -> None:
 
 
 def is_running() -> bool:
-    """Whether the node has not been asked to stop."""
+    """Whether the node is running and not shutting down."""
     return not _shutdown.wait(0.0)
 
 
-def on_shutdown(close: Callable[[], None]) -> None:
-    """Have something called when the node is asked to stop; it must not block, as a signal handler may call it."""
-    _shutdown.call(close)
-
-
-def wait_for_shutdown(timeout_s: float) -> bool:
-    """Wait until the node is asked to stop, but not longer than a time [s, wall]; return whether it was."""
-    return _shutdown.wait(timeout_s)
+on_shutdown = _shutdown.call
+wait_for_shutdown = _shutdown.wait
 
 
 def node_name() -> str:
@@ -104,7 +96,7 @@ def node_name() -> str:
 
 
 def parameter(name: str, default: Any) -> Any:
-    """Return a parameter, of its default's type. Raises: ParameterError."""
+    """Return a parameter of the type of its default. Raises: ParameterError."""
     value = read_parameter(name, default)
     if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
@@ -116,7 +108,7 @@ def parameter(name: str, default: Any) -> Any:
 
 
 def read_parameter(name: str, default: Any) -> Any:
-    """Return a parameter as the master has it."""
+    """Return a parameter from the master."""
     try:
         return _master().getParam(roscpp.resolved_name(name))
     except rosgraph.MasterError:  # It is not set.
@@ -129,7 +121,7 @@ def set_parameter(name: str, value: Any) -> None:
 
 
 def published_topics() -> list[str]:
-    """Return the full names of all topics that somebody publishes."""
+    """Return the full names of all published topics."""
     return [name for name, _ in _master().getPublishedTopics("")]
 
 
@@ -146,7 +138,7 @@ def _wait_for_master() -> None:
 
 
 def _forward_logging() -> None:
-    """Send what the package logs to the console and to rosout."""
+    """Send the package's log to the console and to rosout."""
     package = logging.getLogger("robotteamsim")
     package.addHandler(_Rosout())
     package.setLevel(logging.INFO)

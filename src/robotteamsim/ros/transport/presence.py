@@ -1,6 +1,4 @@
-"""Which robots are present, as the world reports it."""
-
-from __future__ import annotations
+"""The robots present, as published by the world."""
 
 import numpy as np
 
@@ -10,20 +8,20 @@ from robotteamsim.ros.transport.topics import Input
 
 ROBOTS = "/world/robots"
 PRESENCE = Input(Channel(ROBOTS, has_presence=True), Robots)
-"""Which robots are present; in a world that does not report it, all are."""
+"""The input with the robots present; if the world does not publish it, all are."""
 
 
 class Presence:
-    """Which robots are present, by the world's last report."""
+    """The robots present according to the last message of the world."""
 
     def __init__(self) -> None:
         self.present: np.ndarray | None = None
-        """Whether each robot is present, bool, shape (n,); None: all are. The same object until that changes."""
+        """Whether each robot is present, bool, shape (n,); None if all are. The same object until that changes."""
         self.arrivals: tuple[int, ...] | None = None
-        """How often each has arrived; None: not reported so far."""
+        """Number of arrivals of each robot; None if not published yet."""
 
     def follow(self, step: Step) -> None:
-        """Take in the report of a step."""
+        """Update from the message of a step."""
         message = step.latest(ROBOTS)
         if message is None:
             return

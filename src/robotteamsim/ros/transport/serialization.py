@@ -1,6 +1,4 @@
-"""Messages and services of genpy's classes as bytes."""
-
-from __future__ import annotations
+"""Serialization of genpy's messages and services."""
 
 from io import BytesIO
 from typing import Any
@@ -26,12 +24,12 @@ def deserialized(message_class: Any, data: bytes) -> Any:
 
 
 def message_type(message_class: Any) -> roscpp.MessageType:
-    """Return what roscpp needs to know of a message class."""
+    """Return the description of a message class for roscpp."""
     return roscpp.MessageType(
         message_class._type, message_class._md5sum, message_class._full_text, message_class._has_header
     )
 
 
 def service_type(service_class: Any) -> roscpp.ServiceType:
-    """Return what roscpp needs to know of a service class."""
+    """Return the description of a service class for roscpp."""
     return roscpp.ServiceType(service_class._type, service_class._md5sum)

@@ -1,27 +1,25 @@
-"""What all nodes of a launch must agree on, from the parameter server."""
+"""Common settings of all nodes of a launch, from the parameter server."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from pydantic import ValidationError
-
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.ros.transport.node import ParameterError, node_name, parameter, wait_for_shutdown
 from robotteamsim.scenario import Scenario, load
-from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.sections import Run, Team
 
 PARAMETERS = "/robotteamsim"
 """Namespace of the parameters that all nodes read."""
 
 SEED = f"{PARAMETERS}/seed"
-"""The parameter by which a seed reaches all nodes; a string, as XML-RPC has integers of 32 bits only."""
+"""The parameter of the seed for all nodes; a string, because XML-RPC has only 32-bit integers."""
 
 WORLD_REPORTS_S = 5.0
-"""How long other nodes leave it to the world to report a mistake in the settings [s, wall]."""
+"""Delay before nodes other than the world report a mistake in the settings [s, wall]."""
 NOT_SET = -1
-"""Number of robots, or id of the one driven by hand, where none is given."""
+"""Default for the number of robots and for the id of the one driven by hand: not given."""
 
 NO_CONTROLLERS = "false"
 HOSTED = ("per_robot", "team", NO_CONTROLLERS)
@@ -30,7 +28,7 @@ HOSTED = ("per_robot", "team", NO_CONTROLLERS)
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What all nodes must agree on; see docs/ros_api.md for the parameters."""
+    """Common settings of all nodes; docs/ros_api.md describes the parameters."""
 
     scenario: Scenario
     lockstep: bool
@@ -47,26 +45,22 @@ class Settings:
 
     def with_seed(self, seed: int | str) -> Settings:
         """Return the same settings with another seed. Raises: ParameterError."""
-        try:
-            run = Run.model_validate(self.scenario.run.model_dump() | {"seed": seed})
-        except ValidationError as error:
-            raise ParameterError(str(problems(error, Run)[0])) from None
+        run = checked(Run, self.scenario.run.model_dump() | {"seed": seed}, ParameterError)
         return replace(self, scenario=self.scenario.model_copy(update={"run": run}))
 
     def drives(self, robot_id: int) -> bool:
-        """Whether the robot's own controller drives it, and not somebody by hand."""
+        """Whether the robot is driven by its own controller and not by hand."""
         return robot_id in self.controlled and robot_id != self.teleop
 
     @property
     def step_ns(self) -> int:
         """Length of a step [ns]."""
-        return round(self.scenario.run.step_s * 1e9)
+        return self.scenario.run.step_ns
 
     @property
     def num_robots(self) -> int:
         """Number of robots."""
-        robots = self.scenario.robots
-        return robots.count if isinstance(robots, Team) else len(robots)
+        return self.scenario.num_robots
 
 
 def read_settings() -> Settings:
@@ -101,16 +95,19 @@ def _read_settings() -> Settings:
     num_robots = parameter(f"{PARAMETERS}/robots", NOT_SET)
     if num_robots != NOT_SET and isinstance(scenario.robots, Team) and scenario.robots.count != num_robots:
         scenario = load(name, [*overrides, f"robots.count={num_robots}"])
+    hosted = parameter(f"{PARAMETERS}/controllers", "per_robot")
+    if hosted.lower() not in HOSTED:
+        raise ParameterError(f"{PARAMETERS}/controllers: {hosted}; expected {', '.join(HOSTED)}")
     settings = Settings(
         scenario,
         lockstep=parameter(f"{PARAMETERS}/lockstep", False),
-        controllers=_has_controllers(),
+        controllers=hosted.lower() != NO_CONTROLLERS,
         teleop=parameter(f"{PARAMETERS}/teleop", NOT_SET),
         silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
         mission=parameter(f"{PARAMETERS}/mission", True),
     )
     if settings.lockstep and not settings.mission:
-        raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False where there is no mission")
+        raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False without a mission")
     if num_robots not in (NOT_SET, settings.num_robots):
         raise ParameterError(
             f"{PARAMETERS}/robots: {num_robots}; expected {settings.num_robots}, the length of the robots' list in"
@@ -119,11 +116,3 @@ def _read_settings() -> Settings:
     if settings.teleop not in range(NOT_SET, settings.num_robots):
         raise ParameterError(f"{PARAMETERS}/teleop: {settings.teleop}; expected 0 to {settings.num_robots - 1}")
     return read_seed(settings)
-
-
-def _has_controllers() -> bool:
-    """Return whether there are controllers, in whichever processes. Raises: ParameterError."""
-    hosted = parameter(f"{PARAMETERS}/controllers", "per_robot")
-    if hosted.lower() not in HOSTED:
-        raise ParameterError(f"{PARAMETERS}/controllers: {hosted}; expected {', '.join(HOSTED)}")
-    return bool(hosted.lower() != NO_CONTROLLERS)

@@ -1,6 +1,4 @@
-"""Waits for the messages of the next step. Knows no ROS."""
-
-from __future__ import annotations
+"""Waits for the messages of the next step. Independent of ROS."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -9,21 +7,21 @@ from typing import Any, Protocol
 from robotteamsim.ros.transport.synchronizer import Step, StepSynchronizer
 
 CHECK_PERIOD_S = 1.0
-"""During a wait a node checks this often what is missing [s, wall]."""
+"""Interval of checks for missing messages during a wait [s, wall]."""
 
 Decode = Callable[[bytes], Any]
-"""Makes a value of a serialized message; raises ValueError where it cannot."""
+"""Converts a serialized message to a value; raises ValueError if that is impossible."""
 
 
 class MessageSource(Protocol):
-    """Where messages come from, as `_ros_transport.MessageQueue`."""
+    """The source of messages, such as `_ros_transport.MessageQueue`."""
 
     @property
     def is_closed(self) -> bool:
-        """Whether nothing comes any more."""
+        """Whether there will be no more messages."""
 
     def take(self, timeout_s: float) -> list[tuple[int, int, bytes]]:
-        """Return index of the topic, stamp [ns] and bytes of all that has come; waits for the first one [s, wall]."""
+        """Return topic index, stamp [ns] and bytes of all new messages; waits for the first one [s, wall]."""
 
 
 class StepReceiver:
@@ -36,7 +34,7 @@ class StepReceiver:
         channels: Sequence[tuple[str, Decode]],
         warn: Callable[[str], object],
     ) -> None:
-        """Args: channels: by the source's index, a channel's name and how its messages are read."""
+        """Args: channels: by topic index, the name of a channel and the function that reads its messages."""
         self._synchronizer = synchronizer
         self._source = source
         self._channels = channels
@@ -44,7 +42,7 @@ class StepReceiver:
         self._unreadable: set[str] = set()
 
     def take(self) -> Step | None:
-        """Wait for the next step and return it; None when the source is closed."""
+        """Wait for the next step and return it; None if the source is closed."""
         started_s = time.monotonic()
         check_s = started_s + CHECK_PERIOD_S
         self._receive(0.0)
@@ -66,12 +64,8 @@ class StepReceiver:
             try:
                 message = decode(data)
             except ValueError as error:
-                self._warn_unreadable(name, error)
+                if name not in self._unreadable:
+                    self._unreadable.add(name)
+                    self._warn(f"{name}: ignoring messages that cannot be read: {error}")
             else:
                 self._synchronizer.add(name, stamp_ns, message)
-
-    def _warn_unreadable(self, name: str, error: ValueError) -> None:
-        """Warn once per channel."""
-        if name not in self._unreadable:
-            self._unreadable.add(name)
-            self._warn(f"{name}: ignoring messages that cannot be read: {error}")

@@ -1,6 +1,4 @@
-"""Puts the stamped messages of several channels together to steps. Knows neither ROS nor threads."""
-
-from __future__ import annotations
+"""Combines the stamped messages of several channels to steps. Independent of ROS and threads."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -8,20 +6,20 @@ from dataclasses import dataclass, field
 from typing import Any
 
 REPORT_TIMEOUT_S = 10.0
-"""A wait that is longer than this is reported once [s, wall]."""
+"""A longer wait is reported once [s, wall]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Channel:
     """One stream of stamped messages into a node.
 
-    needed:         out of lockstep, a step waits until this channel has brought something new.
-    of_last_step:   in lockstep, the step at t takes the message of the step before t.
-    may_be_silent:  in lockstep, this channel is not waited for while it has been silent for too long.
-    due:            in lockstep, returns by a step's stamp whether there is a message then; None: in every step. Such a
-                    channel has no message in the first step.
-    robot_id:       whose channel it is: silent in the steps in which that robot is not present; None: of no robot.
-    has_presence:   `present` of its messages says which robots are present in the step of their stamp.
+    needed:         without lockstep, a step waits for a new message of this channel.
+    of_last_step:   in lockstep, the step at t uses the message of the step before t.
+    may_be_silent:  in lockstep, steps do not wait for this channel while it has been silent for too long.
+    due:            in lockstep, a function of a step's stamp: whether there is a message then; None for every step. A
+                    channel with it has no message in the first step.
+    robot_id:       the channel's robot; the channel is silent while that robot is absent. None if it has no robot.
+    has_presence:   `present` of its messages states which robots are present in the step of their stamp.
     """
 
     name: str
@@ -35,11 +33,11 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What a node makes one step from.
+    """The inputs of a node for one step.
 
     stamp_ns:  of the step.
-    restarted: time has jumped backwards since the last step, so the node has to start again.
-    messages:  per channel what came since the last step, oldest first.
+    restarted: time has jumped backwards since the last step, so the node must restart.
+    messages:  per channel the messages since the last step, oldest first.
     """
 
     stamp_ns: int
@@ -47,14 +45,14 @@ class Step:
     messages: Mapping[str, Sequence[Any]]
 
     def latest(self, channel: str) -> Any:
-        """Return the newest message of a channel, or None."""
-        messages = self.messages[channel]
+        """Return the newest message of a channel; None: nothing came, or the node has no such channel."""
+        messages = self.messages.get(channel)
         return messages[-1] if messages else None
 
 
 @dataclass(slots=True)
 class _Queue:
-    """Messages of one channel; `life` counts how often its stamps have jumped backwards."""
+    """Messages of one channel; `life` counts the backward jumps of its stamps."""
 
     channel: Channel
     life: int = 0
@@ -64,19 +62,19 @@ class _Queue:
     waiting: list[tuple[int, Any]] = field(default_factory=list)
 
     def has(self, stamp_ns: int) -> bool:
-        """Whether the message of a stamp has come; forgets older ones."""
+        """Whether the message with a stamp has arrived; discards older ones."""
         while self.waiting and self.waiting[0][0] < stamp_ns:
             del self.waiting[0]
         return bool(self.waiting) and self.waiting[0][0] == stamp_ns
 
     def skip(self, stamp_ns: int, life: int) -> None:
-        """Count a step without this robot as if its message had come: later stamps then show whether time jumps."""
+        """Count a step without this robot as if its message had arrived, so that later stamps show jumps of time."""
         self.last_ns = max(self.last_ns, stamp_ns) if self.life == life else stamp_ns
         self.life, self.skipped = life, True
 
 
 class StepSynchronizer(ABC):
-    """Collects messages and hands them out, a step's worth at a time."""
+    """Collects messages and returns them step by step."""
 
     def __init__(self, channels: Iterable[Channel]) -> None:
         """Start without messages."""
@@ -84,18 +82,18 @@ class StepSynchronizer(ABC):
         self._life = 0
         self._restarted = False
         self._present: dict[int, Sequence[int]] = {}
-        """Which robots are present, by the stamps of steps; where a stamp is missing, all are."""
+        """The robots present, by stamp of the step; all are if the stamp is missing."""
         self._wait_reported = False
 
     def add(self, channel: str, stamp_ns: int, message: Any) -> None:
-        """Take a message in."""
+        """Add a message."""
         queue = self._queues[channel]
         self._accept(queue, stamp_ns, message)
         if queue.channel.has_presence:
             self.note_presence(stamp_ns, message.present)
 
     def note_presence(self, stamp_ns: int, present: Sequence[int]) -> None:
-        """Note which robots are present in a step; for the node that decides it."""
+        """Set which robots are present in a step; for the node that decides this."""
         if self._present and stamp_ns < next(reversed(self._present)):
             self._present.clear()
         self._present[stamp_ns] = present
@@ -138,11 +136,11 @@ class StepSynchronizer(ABC):
 
 
 class LatestSynchronizer(StepSynchronizer):
-    """A step is complete when every needed channel has brought something new; it gets all that came meanwhile.
+    """A step is complete when every needed channel has a new message; it contains all messages since the last step.
 
-    When the stamps of a needed channel jump back, time has been reset: messages with later stamps are from the time
-    before and are dropped. A channel that lags behind may still bring something of that time; the step that it gets
-    into is followed by another restart as soon as that channel, too, jumps back.
+    When the stamps of a needed channel jump back, time has been reset: messages with later stamps are from before the
+    reset and are dropped. A slow channel may still deliver such messages; the step that contains them is followed by
+    another restart when that channel jumps back, too.
     """
 
     def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
@@ -158,11 +156,11 @@ class LatestSynchronizer(StepSynchronizer):
         return not queue.channel.needed or bool(queue.waiting) or self._is_absent(queue, self._newest_presence())
 
     def _has_step(self) -> bool:
-        # With no robot present all may be ready, but nothing new has come.
+        # With no robot present all channels may be ready without a new message.
         return super()._has_step() and any(queue.waiting for queue in self._pacing())
 
     def _pacing(self) -> list[_Queue]:
-        """Return the queues that a step is made from: those needed; with no robot present, those with presence."""
+        """Return the queues that determine a step: those needed or, with no robot present, those with presence."""
         present, queues = self._newest_presence(), self._queues.values()
         needed = [queue for queue in queues if queue.channel.needed and not self._is_absent(queue, present)]
         return needed or [queue for queue in queues if queue.channel.has_presence]
@@ -184,11 +182,11 @@ class LatestSynchronizer(StepSynchronizer):
 
 
 class LockstepSynchronizer(StepSynchronizer):
-    """A step is complete when every channel has brought the message of the wanted stamp, and gets exactly that one.
+    """A step is complete when every channel has the message with the expected stamp, and contains exactly those.
 
-    Every node thus computes on the same inputs in every run. The first step is at `step_ns`, each next one `step_ns`
-    later. A silent channel, and in the first step a channel of the last step, gives nothing. Messages with stamp 0, by
-    which a node announces itself, are never handed out.
+    Every node therefore has the same inputs in every run. The first step is at `step_ns`, each next one `step_ns`
+    later. Silent channels, and channels of the last step in the first step, have no message. Messages with stamp 0,
+    which announce that a node has started, are not part of steps.
     """
 
     def __init__(self, channels: Iterable[Channel], *, step_ns: int, silence_limit_s: float) -> None:
@@ -196,39 +194,39 @@ class LockstepSynchronizer(StepSynchronizer):
 
         Args:
             step_ns: length of a step [ns].
-            silence_limit_s: when a wait is longer than this [s, wall] and only for channels that may be silent, they
-                are given up until they speak again; channels that have not spoken yet are waited for without limit.
+            silence_limit_s: if a wait is longer than this [s, wall] and only for channels that may be silent, steps do
+                not wait for them until they have a message again; the first message of a channel has no time limit.
         """
         super().__init__(channels)
         self._step_ns = step_ns
         self._next_ns = step_ns
         self._silence_limit_s = silence_limit_s
         self._only_silent = False
-        """Whether at the last check of this wait only channels were missing that may be silent."""
+        """Whether at the last check of this wait only channels that may be silent were missing."""
 
     def restart(self) -> None:
-        """Wait for the first stamp again, in messages yet to come. For the node that turns time back itself."""
+        """Restart with the first stamp, in messages yet to come; for the node that resets time itself."""
         self._life += 1
         self._next_ns = self._step_ns
         self._present.clear()
 
     def check_wait(self, waited_s: float) -> list[str]:
-        """As for every synchronizer; gives channels up that have been silent for too long."""
+        """As for every synchronizer; stops waiting for channels that have been silent for too long."""
         missing, lines = self._missing(), []
         only_silent = all(queue.channel.may_be_silent and queue.last_ns > 0 for queue in missing)
-        # Seen twice in a row: it may be others that have only just stopped keeping this node waiting.
+        # Only if seen twice in a row, because another channel may have caused the wait until just now.
         if only_silent and self._only_silent and waited_s >= self._silence_limit_s:
             for queue in missing:
                 queue.silent = True
-                lines.append(f"{queue.channel.name} has been silent for {waited_s:.0f} s; going on without it")
+                lines.append(f"{queue.channel.name} has been silent for {waited_s:.0f} s; continuing without it")
         self._only_silent = only_silent
         return lines or super().check_wait(waited_s)
 
     def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
         if stamp_ns == queue.last_ns and queue.life == self._life:
-            return  # a latched message can arrive twice at a late subscriber
+            return  # a late subscriber may receive a latched message twice
         if stamp_ns == 0 and queue.skipped:
-            return  # the node of a robot that is not present is late; no step has waited for it
+            return  # late message of an absent robot; no step has waited for it
         queue.skipped = False
         if queue.channel.due is not None:
             # It may have had no message before time jumped back, so its stamps do not show that it did. Those of the

@@ -1,7 +1,5 @@
 """The topics that a node subscribes to and publishes."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -34,14 +32,14 @@ class Input:
 
 
 class Output:
-    """A topic that a node publishes; a message that nobody gets need not be built."""
+    """A topic that a node publishes; without receivers, messages need not be built."""
 
     def __init__(
         self, topic: str, message_class: type, *, latched: bool = False, greeting: Callable[[], Any] | None = None
     ) -> None:
-        """Advertise. greeting: makes what a new subscriber gets at once, or None for nothing; in a thread of its own.
+        """Advertise. greeting: makes the first message for a new subscriber, or None; called in a new thread.
 
-        No message is dropped, however slow a subscriber is: lockstep waits for each.
+        No message is dropped, even for slow subscribers, because lockstep waits for each.
         """
         self._publisher = roscpp.Publisher(
             topic,
@@ -52,12 +50,12 @@ class Output:
 
     @property
     def wanted(self) -> bool:
-        """Whether somebody gets the next message, now or (latched) later."""
+        """Whether there is a receiver for the next message, now or (latched) later."""
         return self._publisher.is_wanted
 
     @property
     def num_subscribers(self) -> int:
-        """How many nodes are connected."""
+        """Number of connected nodes."""
         return self._publisher.num_subscribers
 
     def publish(self, message: Any) -> None:
@@ -66,7 +64,7 @@ class Output:
 
 
 def make_synchronizer(settings: Settings, inputs: Iterable[Input]) -> StepSynchronizer:
-    """Return how messages become steps: in lockstep, or from the latest of everything."""
+    """Return the synchronizer: in lockstep, or with the newest messages."""
     channels = [an_input.channel for an_input in inputs]
     if settings.lockstep:
         return LockstepSynchronizer(channels, step_ns=settings.step_ns, silence_limit_s=settings.silence_limit_s)
@@ -74,7 +72,7 @@ def make_synchronizer(settings: Settings, inputs: Iterable[Input]) -> StepSynchr
 
 
 def receive_steps(synchronizer: StepSynchronizer, inputs: Iterable[Input]) -> StepReceiver:
-    """Subscribe to all inputs without limit, and return what gives the steps until the node shuts down."""
+    """Subscribe to all inputs with unlimited queues, and return the receiver of steps until the node shuts down."""
     queue = message_queue()
     channels = []
     for an_input in inputs:
@@ -93,7 +91,7 @@ def message_queue() -> roscpp.MessageQueue:
 def _serialized_greeting(greeting: Callable[[], Any]) -> bytes | None:
     try:
         message = greeting()
-    except Exception:  # The subscriber gets what is published later; the node goes on.
-        logger.exception("a new subscriber gets no message")
+    except Exception:  # The subscriber still receives later messages; the node continues.
+        logger.exception("the first message for a new subscriber could not be made")
         return None
     return None if message is None else serialized(message)
