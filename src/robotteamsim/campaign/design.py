@@ -44,13 +44,18 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """All cells, with `trials` trials of each. keys: those whose values differ between cells."""
+    """All cells, with `trials` trials of each.
+
+    keys:   those whose values differ between cells.
+    paired: whether trials of equal number have the same seed in all cells.
+    """
 
     scenario: Scenario
     seed: int
     trials: int
     keys: tuple[str, ...]
     cells: tuple[Cell, ...]
+    paired: bool = False
 
     def all_trials(self) -> Iterator[Trial]:
         """Yield every trial: the first of each cell, then the second of each cell, and so on."""
@@ -64,6 +69,7 @@ class Design:
         return {
             "seed": self.seed,
             "trials": self.trials,
+            "paired": self.paired,
             "keys": list(self.keys),
             "cells": [list(cell.values) for cell in self.cells],
             "scenario": _without_seed(self.scenario),
@@ -73,7 +79,8 @@ class Design:
 
     def _trial_seed(self, cell: Cell, number: int) -> int:
         # A cell is identified by its settings: its seeds do not depend on the other cells.
-        named = sorted(f"{key}={json.dumps(value)}" for key, value in zip(self.keys, cell.values, strict=True))
+        values = () if self.paired else zip(self.keys, cell.values, strict=True)
+        named = sorted(f"{key}={json.dumps(value)}" for key, value in values)
         return int(rng.stream(self.seed, "campaign", *named, number).integers(_NUM_SEEDS))
 
 
@@ -85,12 +92,14 @@ def make_design(
     overrides: Sequence[Factor] = (),
     factors: Sequence[Factor] = (),
     groups: Sequence[Sequence[Factor]] = ((),),
+    paired: bool = False,
 ) -> Design:
     """Return the design of all combinations of the factors' values, each with every group; all cells are checked.
 
     Args:   scenario_name: a file or a shipped name.
             overrides: of one value each, for all cells; of equal keys the last one counts.
             groups: selected combinations, each of factors with one value.
+            paired: trials of equal number have the same seed in all cells.
     Raises: CampaignError, ScenarioError: one line with place, key and value.
     """
     keys = _checked_keys(overrides, factors, groups)
@@ -117,7 +126,7 @@ def make_design(
                 place = (chosen or group)[-1].place
                 raise CampaignError(f"{place}: duplicate cell: {_settings_text(keys, cell.values)}")
             cells[name] = cell
-    return Design(base, seed, trials, keys, tuple(cells.values()))
+    return Design(base, seed, trials, keys, tuple(cells.values()), paired)
 
 
 def _checked_keys(
