@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -10,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from robotteamsim.analysis.report.comparison import Shares
-from robotteamsim.analysis.report.rank_tests import mann_whitney
+from robotteamsim.analysis.report.rank_tests import mann_whitney, mean_shift
 from robotteamsim.analysis.report.statistics import Equivalence
 from robotteamsim.analysis.report.wording import interval_text, p_text, percents, share_text
 
@@ -70,10 +71,16 @@ def falls(samples: Sequence[np.ndarray], names: Sequence[str], digits: int, unit
         if p is not None and p < LEVEL:
             verdicts.append("reproduced")
         else:
-            verdicts.append("not shown" if p is None or np.mean(a) > np.mean(b) else "not reproduced")
+            verdicts.append("not shown" if p is None or not _is_no_larger(a, b) else "not reproduced")
         means = " and ".join(f"{np.mean(values):.{digits}f}{unit}" if len(values) else "none" for values in (a, b))
         parts.append(f"{first} against {second}: {means} on average ({p_text(p)})")
     return Finding(worst(verdicts), f"{'; '.join(parts)}; Mann-Whitney, one-sided.")
+
+
+def _is_no_larger(a: np.ndarray, b: np.ndarray) -> bool:
+    """Whether the 95 % interval of the difference of means excludes that a is larger."""
+    difference = mean_shift(b, a, paired=False)
+    return difference.value <= 0.0 if math.isnan(difference.high) else difference.high <= 0.0
 
 
 def together(findings: Sequence[tuple[str, Finding]]) -> Finding:

@@ -85,7 +85,7 @@ def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: Voi
 def _draw_victim(axes: Axes, name: str, position_m: tuple[float, float], middle_m: float) -> None:
     """Draw a victim with a name on the side of the middle of the map, where there is room."""
     to_the_left = position_m[0] > middle_m
-    axes.plot(*position_m, "X", color=VICTIM, markersize=11, markeredgecolor="white", zorder=6)
+    axes.plot(*position_m, "X", color=INK, markersize=11, markeredgecolor="white", zorder=6)
     axes.annotate(
         name,
         position_m,

@@ -23,13 +23,15 @@ def calibration(claims: Sequence[Claim]) -> tuple[str, ...]:
     fitted, tested = ([claim for claim in claims if claim.fitted is kind] for kind in (True, False))
     reproduced = sum(claim.verdict == "reproduced" for claim in tested)
     denied = sum(claim.verdict == "not reproduced" for claim in tested)
+    unsure = len(tested) - reproduced - denied
     agree = sum(claim.verdict == "reproduced" for claim in fitted)
     return (
         "The floor plan is ours, because that of the dissertation is lost, and its areas and victims were placed so "
         "that mean durations and mean numbers of saved victims come near Table 8 of the dissertation. "
-        f"That these means agree ({agree} of {len(fitted)} do) is therefore calibration and confirms nothing. "
+        f"Agreement of these means ({agree} of {len(fitted)} agree) is therefore calibration and confirms nothing. "
         "The test is what was not fitted: trend, spread, medians, the cost of a rescue, and the other claims below. "
-        f"Of these {len(tested)} claims, {reproduced} are reproduced and {denied} are not.",
+        f"Of these {len(tested)} claims, {reproduced} are reproduced, {denied} are not, and {unsure} "
+        "are undecided.",
     )
 
 

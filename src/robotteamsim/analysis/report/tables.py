@@ -147,7 +147,9 @@ def _victims(campaign: Campaign) -> Table:
         (name, *(str(int(np.count_nonzero(sample.victims_saved == count))) for count in counts))
         for name, sample in labelled
     )
-    return Table("victims", "Missions by the number of victims saved", ("", *map(str, counts)), tuple(rows))
+    return Table(
+        "victims", "Missions by the number of victims saved", ("", *(f"{count} saved" for count in counts)), tuple(rows)
+    )
 
 
 def _given_victims(campaign: Campaign) -> Table:
