@@ -31,6 +31,9 @@ from robotteamsim.scenario import Scenario
 MIN_TRIALS = 100
 """Missions needed at each noise level before a claim counts as reproduced."""
 
+TRENDS = ("The more noise, the shorter the mission.", "The more noise, the fewer victims are saved.")
+"""Claims whose values were not fitted, but whose order follows from fitted means."""
+
 _MINUS = "\N{MINUS SIGN}"
 _RANGES_M = {-60.0: 4.5, -70.0: 10.0, -80.0: 25.0}
 """Radio range that Section 5.3 reads from Figure 18, by connection threshold [dBm]."""
@@ -126,9 +129,9 @@ def _trends(campaign: Campaign) -> list[_Judged]:
     times = falls([cell.ours.restricted_s for cell in cells], names, 0, " s")
     fitted = " The means of the levels were fitted, so their order is not independent evidence."
     return [
-        ("The more noise, the shorter the mission.", "Sec. 5.4.2; Fig. 20", Finding(times.verdict, times.why + fitted)),
+        (TRENDS[0], "Sec. 5.4.2; Fig. 20", Finding(times.verdict, times.why + fitted)),
         (
-            "The more noise, the fewer victims are saved.",
+            TRENDS[1],
             "Sec. 5.4.1; Fig. 19",
             _with(falls([cell.ours.victims_saved for cell in cells], names, 2), fitted),
         ),
@@ -243,7 +246,7 @@ def _cut_short(campaign: Campaign) -> list[_Judged]:
     finding = at_most(
         shares(ours, theirs), "Missions that are cut short, by the limit or because all robots are excluded"
     )
-    why = f"{finding.why} {at_limit} of our {len(ours)} missions reach the limit."
+    why = f"{finding.why} {at_limit} of our {len(ours):,} missions reach the limit."
     if len(saved):
         why += f" All victims are saved in {int(saved.sum())} of the {len(saved)} that are cut short."
     verdict: Verdict = finding.verdict if saved.all() else "not reproduced"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 
-from robotteamsim.analysis.report.claims import Claim
+from robotteamsim.analysis.report.claims import TRENDS, Claim
 from robotteamsim.analysis.report.contrasts import Contrast
 from robotteamsim.analysis.report.wording import interval_text, p_text
 
@@ -24,14 +24,16 @@ def calibration(claims: Sequence[Claim]) -> tuple[str, ...]:
     reproduced = sum(claim.verdict == "reproduced" for claim in tested)
     denied = sum(claim.verdict == "not reproduced" for claim in tested)
     unsure = len(tested) - reproduced - denied
+    trends = sum(claim.text in TRENDS for claim in tested)
     agree = sum(claim.verdict == "reproduced" for claim in fitted)
     return (
-        "The floor plan is ours, because that of the dissertation is lost, and its areas and victims were placed so "
-        "that mean durations and mean numbers of saved victims come near Table 8 of the dissertation. "
+        "The floor plan is ours, because that of the dissertation is lost. Its areas and victims, and the constants of "
+        "the controller that the dissertation does not print, were chosen so that mean durations and mean numbers of "
+        "saved victims come near Table 8 of the dissertation. "
         f"Agreement of these means ({agree} of {len(fitted)} agree) is therefore calibration and confirms nothing. "
         "The test is what was not fitted: trend, spread, medians, the cost of a rescue, and the other claims below. "
         f"Of these {len(tested)} claims, {reproduced} are reproduced, {denied} are not, and {unsure} "
-        "are undecided.",
+        "are undecided." + (f" The {trends} trends among them follow from the fitted means." if trends else ""),
     )
 
 
@@ -49,7 +51,8 @@ def _paragraph(contrasts: Sequence[Contrast]) -> str:
     parts = []
     for c in contrasts[:_MAX_SUMMARISED]:
         a, b = (f"{value:.{c.decimals}f}" for value in c.values)
-        shift = interval_text(c.difference, c.decimals).replace("-", "\N{MINUS SIGN}")
+        shift = interval_text(c.difference, c.decimals).replace(" [-, -]", ", no interval")
+        shift = shift.replace("-", "\N{MINUS SIGN}")
         parts.append(
             f"{c.quantity} {b} instead of {a} (difference {shift}, larger in {100.0 * c.superiority:.0f} % of "
             f"comparisons, {p_text(c.p)})"
