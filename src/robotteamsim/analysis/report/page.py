@@ -250,7 +250,7 @@ def _page(
         pictures=pictures,
         comparison=[table for table in tables if table.name in opening],
         tables=[table for table in tables if table.name not in ("claims", *opening)],
-        missions=sum(cell.trials for cell in campaign.cells),
+        missions=f"{sum(cell.trials for cell in campaign.cells):,}",
         dissertation=DISSERTATION,
         min_trials=MIN_TRIALS,
         sd_factor=f"{SD_FACTOR:g}",
