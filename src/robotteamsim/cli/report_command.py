@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> None:
         document = {"report": str(path), "opening": report.opening, "notes": report.notes, "claims": claims}
         print(json.dumps(document, ensure_ascii=False))
         return
-    for paragraph in (*report.notes, *report.opening):
+    for paragraph in (*report.opening, *report.notes):
         print(textwrap.fill(paragraph, 100))
     width = max((len(claim.verdict) for claim in report.claims), default=0)
     for title, fitted in (("Not fitted: the test", False), ("Fitted: calibration", True)):

@@ -51,7 +51,7 @@ def test_unfinished_campaign_gets_a_report_that_says_so(capsys, campaign_folder)
     folder = campaign_folder(1)
     assert main(["report", str(folder)]) == 0
     out = capsys.readouterr().out
-    assert out.startswith("This campaign is unfinished: 1 of 4 trials are done.")
+    assert "\nThis campaign is unfinished: 1 of 4 trials are done." in out
     assert "\nOmitted, because no mission has ended: 20 dB.\n" in out
 
 
