@@ -19,7 +19,7 @@ ARGS ?=
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness build_fuzz fuzz sanitize wheel pictures clean
+.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize wheel pictures clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -92,6 +92,9 @@ bench_ros: build ## measure the speed of worlds and missions in ROS, with a clie
 exactness: build ## compare 50 million cells of maps with one ray each, and links with their reverse
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_exactness > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@set -o pipefail; $(BUILD)/devel/lib/robotteamsim/robotteamsim_exactness $(ARGS) | tee bench/results/exactness.txt
+
+report: build ## run the five campaigns of docs/report (1,500 missions) and write the report; ARGS=--resume continues
+	@$(ENV) nice $(PYTHON) bench/report_campaigns.py $(ARGS)
 
 build_fuzz: build
 	@command -v clang++-14 > /dev/null || { echo "this needs clang-14 and libclang-rt-14-dev (apt-get install)"; exit 1; }

@@ -42,13 +42,18 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """All cells, with `trials` trials of each. keys: those whose values differ between cells."""
+    """All cells, with `trials` trials of each.
+
+    keys:   those whose values differ between cells.
+    paired: whether trials of equal number have the same seed in all cells.
+    """
 
     scenario: Scenario
     seed: int
     trials: int
     keys: tuple[str, ...]
     cells: tuple[Cell, ...]
+    paired: bool = False
 
     def all_trials(self) -> Iterator[Trial]:
         """Yield every trial: the first of each cell, then the second of each cell, and so on."""
@@ -62,6 +67,7 @@ class Design:
         return {
             "seed": self.seed,
             "trials": self.trials,
+            "paired": self.paired,
             "keys": list(self.keys),
             "cells": [list(cell.values) for cell in self.cells],
             "scenario": _without_seed(self.scenario),
@@ -71,7 +77,8 @@ class Design:
 
     def _trial_seed(self, cell: Cell, number: int) -> int:
         # A cell is identified by its settings: its seeds do not depend on the other cells.
-        named = sorted(f"{key}={json.dumps(value)}" for key, value in zip(self.keys, cell.values, strict=True))
+        values = () if self.paired else zip(self.keys, cell.values, strict=True)
+        named = sorted(f"{key}={json.dumps(value)}" for key, value in values)
         return int(rng.stream(self.seed, "campaign", *named, number).integers(_NUM_SEEDS))
 
 
@@ -83,12 +90,14 @@ def make_design(
     overrides: Sequence[Factor] = (),
     factors: Sequence[Factor] = (),
     groups: Sequence[Sequence[Factor]] = ((),),
+    paired: bool = False,
 ) -> Design:
     """Return the design of all combinations of the factors' values, each with every group; all cells are checked.
 
     Args:   scenario_name: a file or a shipped name.
             overrides: with one value each, for all cells; the last one of a key counts.
             groups: selected combinations, each of factors with one value.
+            paired: trials of equal number have the same seed in all cells.
     Raises: CampaignError, ScenarioError: one line with place, key and value.
     """
     keys = _checked_keys(overrides, factors, groups)
@@ -118,7 +127,7 @@ def make_design(
                 said = ", ".join(f"{key}={shown(value)}" for key, value in zip(keys, cell.values, strict=True))
                 raise CampaignError(f"{place}: duplicate cell: {said or 'no settings'}")
             cells[name] = cell
-    return Design(base, seed, trials, keys, tuple(cells.values()))
+    return Design(base, seed, trials, keys, tuple(cells.values()), paired)
 
 
 def _checked_keys(

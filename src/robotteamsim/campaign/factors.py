@@ -28,6 +28,7 @@ class DesignFile(Model):
 
     trials: int | None = Field(default=None, ge=1, le=MAX_TRIALS, description="of each cell")
     seed: int | None = Field(default=None, ge=0, le=2**53, description="the seeds of all trials are derived from it")
+    paired: bool | None = Field(default=None, description="trials of equal number have the same seed in all cells")
     overrides: dict[str, Any] = Field(default={}, alias="set", description="key: value for all cells")
     sweep: dict[str, Many[Any]] = Field(default={}, description="key: list of values; all combinations are run")
     cells: Many[dict[str, Any]] = Field(

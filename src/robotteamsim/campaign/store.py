@@ -3,6 +3,7 @@
 import contextlib
 import csv
 import dataclasses
+import datetime
 import io
 import json
 import os
@@ -56,11 +57,15 @@ class StoredCampaign:
 
     settings: `Design.settings`.     versions: of the program and libraries that started the campaign.
     outcomes: of the trials that are done, by cell, then number.
+    started:  date of its start, as YYYY-MM-DD; "" in older stores.
+    command:  command line that runs it; "" if it was not run by the command line.
     """
 
     settings: dict[str, Any]
     versions: dict[str, str]
     outcomes: tuple[Outcome, ...]
+    started: str = ""
+    command: str = ""
 
 
 class Store:
@@ -105,9 +110,10 @@ def check_folder(folder: Path, design: Design) -> None:
 
 
 @contextlib.contextmanager
-def open_store(folder: Path, design: Design) -> Iterator[Store]:
+def open_store(folder: Path, design: Design, command: str = "") -> Iterator[Store]:
     """Open the store of a folder for a design, or create it; the design may have more trials per cell than before.
 
+    Args:   command: command line that runs this campaign, for its report.
     Raises: CampaignError: the folder contains something else, another campaign, or one that is running now;
             the message names the difference. RecordingError: the folder cannot be written.
     """
@@ -124,9 +130,8 @@ def open_store(folder: Path, design: Design) -> Iterator[Store]:
             with _as_campaign_errors(path):
                 # The design may have more trials than before.
                 with database:
-                    database.execute(
-                        "UPDATE campaign SET value = ? WHERE name = 'settings'", (json.dumps(design.settings()),)
-                    )
+                    changed = {"settings": json.dumps(design.settings())} | ({"command": command} if command else {})
+                    database.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", changed.items())
                 database.execute("PRAGMA journal_mode = WAL")
                 # A stored row survives a power failure.
                 database.execute("PRAGMA synchronous = FULL")
@@ -145,7 +150,12 @@ def read_store(folder: Path) -> StoredCampaign:
         if (number := int(known["format"])) != _FORMAT:
             lacks = f", which lacks {_LACKS[number]}" if number in _LACKS else ""
             raise CampaignError(f"{path}: has format {number}{lacks}; expected {_FORMAT}: choose another folder")
-        return StoredCampaign(json.loads(known["settings"]), json.loads(known["versions"]), _outcomes(database))
+        settings, of_versions = json.loads(known["settings"]), json.loads(known["versions"])
+        # Rows that older stores lack have the value that was the only one then.
+        settings = {"paired": False} | settings
+        return StoredCampaign(
+            settings, of_versions, _outcomes(database), known.get("started", ""), known.get("command", "")
+        )
 
 
 def trials_csv(design: Design, outcomes: tuple[Outcome, ...]) -> str:
@@ -165,7 +175,12 @@ def _make(path: Path, design: Design) -> None:
         part.unlink(missing_ok=True)
         with contextlib.closing(sqlite3.connect(part)) as database:
             database.executescript(_SCHEMA)
-            rows = {"format": _FORMAT, "settings": json.dumps(design.settings()), "versions": json.dumps(versions())}
+            rows = {
+                "format": _FORMAT,
+                "settings": json.dumps(design.settings()),
+                "versions": json.dumps(versions()),
+                "started": datetime.date.today().isoformat(),
+            }
             with database:
                 database.executemany("INSERT INTO campaign VALUES (?, ?)", rows.items())
 

@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import json
+import shlex
 import sys
 import textwrap
 from dataclasses import asdict
@@ -56,13 +57,18 @@ def add_to(commands: Any) -> None:
         metavar="K=A,B,C",
         help="values of a scenario key; repeatable: all combinations are run",
     )
-    parser.add_argument("--design", type=Path, metavar="FILE", help="YAML with trials, seed, set, sweep, cells")
+    parser.add_argument("--design", type=Path, metavar="FILE", help="YAML with trials, seed, paired, set, sweep, cells")
     parser.add_argument("--trials", type=whole_number, metavar="N", help=f"trials per cell; default {DEFAULT_TRIALS}")
     parser.add_argument(
         "--seed",
         type=whole_number,
         metavar="N",
         help=f"seed of the campaign, which determines the seeds of all trials; default {DEFAULT_SEED}",
+    )
+    parser.add_argument(
+        "--paired",
+        action="store_true",
+        help="trials of equal number have the same seed in all cells; the report then compares them in pairs",
     )
     add_set_option(parser)
     places = parser.add_mutually_exclusive_group()
@@ -84,7 +90,7 @@ def run(options: argparse.Namespace) -> int:
     with contextlib.ExitStack() as stack:
         # Connect first, so that a scheduler that does not answer leaves no store behind.
         client = stack.enter_context(scheduler_at(options.scheduler)) if options.scheduler else None
-        store = stack.enter_context(open_store(options.out, design))
+        store = stack.enter_context(open_store(options.out, design, _command(options, design)))
         given_up = _run_missing(options, design, store, client)
         outcomes, csv_path = store.outcomes(), store.export()
     failed = [outcome for outcome in outcomes if outcome.failed]
@@ -130,7 +136,22 @@ def _design(options: argparse.Namespace) -> Design:
             *map(parse_sweep, options.sweep),
         ],
         groups=[[Factor(key, (value,), place) for key, value in cell.items()] for cell in file.cells or ({},)],
+        paired=options.paired or bool(file.paired),
     )
+
+
+def _command(options: argparse.Namespace, design: Design) -> str:
+    """Return the command line that runs this campaign in a folder DIR."""
+    words = ["robotteamsim", "campaign", options.scenario]
+    for noise_db in options.noise or ():
+        words += ["--noise", f"{noise_db:g}"]
+    for name, values in (("--sweep", options.sweep), ("--set", options.overrides)):
+        for value in values:
+            words += [name, value]
+    if options.design:
+        words += ["--design", str(options.design)]
+    words += ["--trials", str(design.trials), "--seed", str(design.seed), *(["--paired"] if design.paired else [])]
+    return shlex.join([*words, "--out", "DIR"])
 
 
 def _run_missing(options: argparse.Namespace, design: Design, store: Store, client: Any) -> tuple[Trial, ...]:

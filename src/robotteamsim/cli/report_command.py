@@ -2,29 +2,40 @@
 
 import argparse
 import json
+import textwrap
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from robotteamsim.campaign import read_store
+from robotteamsim.errors import CampaignError
 
 _DESCRIPTION = """\
 Make the report of a campaign: report.html, which needs no other file, the figures as PNG,
 and the tables as CSV and LaTeX. The same store always gives the same bytes. Campaigns of
-the garage with 10, 20 or 30 dB of noise are compared with the dissertation."""
+the garage with 10, 20 or 30 dB of noise are compared with the dissertation. Each claim is
+judged by all missions together, and by each campaign alone."""
 
 _EPILOG = """\
 examples:
   robotteamsim report DIR
-  robotteamsim report DIR --out docs/report"""
+  robotteamsim report DIR --out docs/report
+  robotteamsim report garage_1 garage_2 garage_3 --out garage_report"""
 
 
 def add_to(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser("report", help="make a campaign's report", description=_DESCRIPTION, epilog=_EPILOG)
-    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the campaign (--out of `campaign`)")
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder for the report; default the folder of the campaign"
+        "folders",
+        type=Path,
+        nargs="+",
+        metavar="DIR",
+        help="folder of the campaign (--out of `campaign`); several campaigns of one design, with different seeds, "
+        "get one report",
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder for the report; default the folder of the only campaign"
     )
     parser.add_argument("--json", action="store_true", help="print notes and claims as one JSON object")
     parser.set_defaults(command=run)
@@ -32,19 +43,27 @@ def add_to(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Make the report and print its verdicts."""
-    stored = read_store(options.folder)
+    if len(options.folders) > 1 and options.out is None:
+        raise CampaignError("--out: missing; expected a folder for the report of several campaigns")
+    stored = [read_store(folder) for folder in options.folders]
     # Imported late, because Matplotlib and statsmodels take longer to load than a short mission takes to run.
-    from robotteamsim.analysis.report import make_report
+    from robotteamsim.analysis.report import make_report, passed_text
 
-    report = make_report(stored, str(options.folder))
-    path = report.write(options.out or options.folder)
+    report = make_report(stored, [str(folder) for folder in options.folders])
+    path = report.write(options.out or options.folders[0])
     if options.json:
         claims = [asdict(claim) for claim in report.claims]
-        print(json.dumps({"report": str(path), "notes": list(report.notes), "claims": claims}, ensure_ascii=False))
+        document = {"report": str(path), "opening": report.opening, "notes": report.notes, "claims": claims}
+        print(json.dumps(document, ensure_ascii=False))
         return
-    for note in report.notes:
-        print(note)
+    for paragraph in (*report.opening, *report.notes):
+        print(textwrap.fill(paragraph, 100))
     width = max((len(claim.verdict) for claim in report.claims), default=0)
-    for claim in report.claims:
-        print(f"{claim.verdict:<{width}}  {claim.text}")
+    for title, fitted in (("Not fitted: the test", False), ("Fitted: calibration", True)):
+        shown = [claim for claim in report.claims if claim.fitted is fitted]
+        if shown:
+            print(f"\n{title}")
+        for claim in shown:
+            passed = f"{passed_text(claim):10}  " if len(options.folders) > 1 else ""
+            print(f"{claim.verdict:<{width}}  {passed}{claim.text}")
     print(f"{chr(10) if report.claims or report.notes else ''}written {path}")

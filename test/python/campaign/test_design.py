@@ -70,6 +70,14 @@ def test_a_cells_seeds_depend_neither_on_other_cells_nor_on_the_form_of_its_valu
     assert of_20_db("voice.noise_db=20.0", trials=3)[:2] == of_20_db("voice.noise_db=20")
 
 
+def test_paired_trials_of_equal_number_have_the_same_seed_in_all_cells(short_design):
+    seeds = {}
+    for trial in short_design("voice.noise_db=10,20", paired=True).all_trials():
+        seeds.setdefault(trial.number, set()).add(trial.seed)
+    assert [len(of_number) for of_number in seeds.values()] == [1, 1]
+    assert seeds[1] != seeds[2]
+
+
 @pytest.mark.parametrize(
     ("sweeps", "wanted"),
     [
@@ -118,6 +126,7 @@ def test_settings_are_plain_and_equal_for_equal_designs(short_design):
     [
         ({"trials": 3}, "trials = 2, not 3"),
         ({"seed": 4}, "seed = 1, not 4"),
+        ({"paired": True}, "paired = false, not true"),
         ({"overrides": (parse_override("control.alpha=0.5"),)}, "control.alpha = 0.38, not 0.5"),
         ({"overrides": (parse_override("plan.doors=[]"),)}, None),
         ({"overrides": (parse_override("mission.victims=[]"),)}, "mission.victims = nothing, not []"),

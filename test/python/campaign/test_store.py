@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import contextlib
+import datetime
 import os
 import sqlite3
 
@@ -33,6 +34,15 @@ def test_store_gives_back_what_it_keeps(short_design, outcome_of, failed_outcome
     assert stored.outcomes == (outcomes[1], outcomes[0])
     assert stored.versions["robotteamsim"] == robotteamsim.__version__
     assert stored.settings["trials"] == 2
+
+
+def test_store_knows_when_it_was_started_and_the_last_command_that_ran_it(short_design, tmp_path):
+    for command in ("first", "second", ""):
+        with open_store(tmp_path, short_design(SWEEP), command):
+            pass
+    stored = read_store(tmp_path)
+    assert stored.started == datetime.date.today().isoformat()
+    assert stored.command == "second"
 
 
 def test_trial_is_kept_only_once(short_design, outcome_of, tmp_path):

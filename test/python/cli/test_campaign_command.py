@@ -84,6 +84,18 @@ def test_design_file_and_options_make_one_design(capsys, tmp_path, on_two_worker
     ]
 
 
+def test_paired_campaign_gives_its_cells_the_same_seeds_and_knows_its_command(capsys, tmp_path, on_two_workers):
+    arguments = ["tutorial_arena", "--sweep", "control.algorithm=rdpso,random_walk", *SHORT, "--trials", "2"]
+    assert main(["campaign", *arguments, "--paired", "--out", str(tmp_path), "--quiet"]) == 0
+    stored = read_store(tmp_path)
+    seeds = [[outcome.seed for outcome in stored.outcomes if outcome.cell == cell] for cell in (0, 1)]
+    assert seeds[0] == seeds[1]
+    assert stored.command == (
+        "robotteamsim campaign tutorial_arena --sweep control.algorithm=rdpso,random_walk --set mission.time_limit_s=1 "
+        "--trials 2 --seed 1 --paired --out DIR"
+    )
+
+
 def test_failed_trials_are_reported_and_the_rest_runs(capsys, tmp_path, monkeypatch, failed_outcome_of, outcome_of):
     def run(client, design, trials, keep):
         for trial in trials[:-1]:

@@ -16,9 +16,10 @@ from robotteamsim.cli import main
 def campaign_folder(tmp_path, outcome_of):
     """The folder of a campaign of the garage, of which some trials are done."""
 
-    def make(done: int):
-        design = make_design("garage_sar", trials=2, factors=[Factor("voice.noise_db", (10.0, 20.0), "--noise")])
-        folder = tmp_path / "campaign"
+    def make(done: int, seed: int = 1):
+        noise = Factor("voice.noise_db", (10.0, 20.0), "--noise")
+        design = make_design("garage_sar", trials=2, seed=seed, factors=[noise])
+        folder = tmp_path / (f"campaign_{seed}" if seed > 1 else "campaign")
         with open_store(folder, design) as store:
             for trial in list(design.all_trials())[:done]:
                 store.keep(outcome_of(trial, time_s=400.0, num_areas=5, areas_explored=5, num_victims=4))
@@ -31,12 +32,17 @@ def test_report_goes_beside_the_store_or_where_it_is_wanted(capsys, campaign_fol
     folder = campaign_folder(4)
     assert main(["report", str(folder)]) == 0
     captured = capsys.readouterr()
-    assert captured.out.splitlines()[0].startswith("not reproduced  With 10 dB of noise all four victims")
+    assert captured.out.startswith("The floor plan is ours, because that of the dissertation is lost")
+    lines = captured.out.splitlines()
+    tested, fitted = lines.index("Not fitted: the test"), lines.index("Fitted: calibration")
+    assert tested < fitted
+    assert lines[fitted + 1].startswith("not reproduced  With 10 dB of noise all four victims")
     assert captured.out.endswith(f"\n\nwritten {folder}/report.html\n")
     assert main(["report", str(folder), "--out", str(tmp_path / "docs"), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["report"] == str(tmp_path / "docs" / "report.html")
-    assert document["claims"][0]["verdict"] == "not reproduced"
+    assert document["opening"][0].startswith("The floor plan is ours")
+    assert {claim["verdict"] for claim in document["claims"] if claim["fitted"]} == {"not reproduced", "not shown"}
     for name in ("report.html", "figures/fig20_times.png", "tables/missions.tex"):
         assert (tmp_path / "docs" / name).read_bytes() == (folder / name).read_bytes()
 
@@ -45,8 +51,16 @@ def test_unfinished_campaign_gets_a_report_that_says_so(capsys, campaign_folder)
     folder = campaign_folder(1)
     assert main(["report", str(folder)]) == 0
     out = capsys.readouterr().out
-    assert out.startswith("This campaign is unfinished: 1 of 4 trials are done.")
+    assert "\nThis campaign is unfinished: 1 of 4 trials are done." in out
     assert "\nOmitted, because no mission has ended: 20 dB.\n" in out
+
+
+def test_several_campaigns_get_one_report_with_their_pass_rates(capsys, refusal, campaign_folder, tmp_path):
+    folders = [str(campaign_folder(4, seed)) for seed in (1, 2)]
+    assert refusal("report", *folders) == "--out: missing; expected a folder for the report of several campaigns"
+    assert main(["report", *folders, "--out", str(tmp_path / "docs")]) == 0
+    assert "\nnot reproduced  0 of 2      With 10 dB of noise all four victims" in capsys.readouterr().out
+    assert "4 trials each in 2 campaigns, seeds 1, 2." in (tmp_path / "docs" / "report.html").read_text()
 
 
 def test_campaign_without_missions_is_refused_and_nothing_is_written(refusal, campaign_folder, tmp_path):

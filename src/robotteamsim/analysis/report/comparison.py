@@ -1,32 +1,43 @@
-"""The statistics of a report: intervals of each cell, tests between cells and against the dissertation's missions."""
+"""Our missions compared with the dissertation's, and intervals of each cell."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Mapping
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from robotteamsim import rng
-from robotteamsim.analysis.report.samples import Campaign, Sample
+from robotteamsim.analysis.report.rank_tests import holm
+from robotteamsim.analysis.report.samples import Campaign, Cell, Sample
 from robotteamsim.analysis.report.statistics import (
+    Equivalence,
     Interval,
-    Ratio,
     bootstrap_mean,
     clopper_pearson,
+    equivalence,
     fisher_freeman_halton,
-    holm,
-    kruskal_wallis,
-    mann_whitney,
+    mean_difference,
     mean_ratio,
+    median_ratio,
+    sd_ratio,
 )
 
 MARGIN = 0.1
-"""Relative difference up to which mean times count as equivalent."""
+"""Relative difference up to which mean and median times count as equivalent."""
+
+SD_FACTOR = 1.5
+"""Ratio up to which standard deviations of times count as equivalent."""
+
+VICTIMS_MARGIN = 0.5
+"""Difference up to which mean numbers of saved victims count as equivalent."""
+
+RATES: Mapping[float, tuple[int, ...]] = {10.0: (4,), 20.0: (3, 4), 30.0: (3,)}
+"""Numbers of saved victims whose rates Table 6 determines best, by noise [dB]."""
 
 _SEED = 2013
-_MAX_PAIRS = 66
+_TIME_LIMITS = (1.0 - MARGIN, 1.0 + MARGIN)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,55 +50,35 @@ class Means:
 
 
 @dataclass(frozen=True, slots=True)
-class Rate:
-    """Share of missions that saved at least `saved` victims: ours and theirs, with Clopper-Pearson intervals."""
+class Shares:
+    """Share of missions with some property, ours and theirs; each bound is a one-sided exact 95 % bound."""
 
-    saved: int
     ours: Interval
     theirs: Interval
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """A cell compared with the dissertation's missions.
+    """A cell compared with the dissertation's missions; p values have Holm's correction over all cells.
 
-    time:               ratio of mean times.
-    time_p, victims_p:  p of the equivalence test and of the Fisher-Freeman-Halton test, Holm-corrected over all cells.
-    areas, endangered:  shares of missions with all areas explored, and with an endangered link: ours, theirs.
+    mean, median, sd: ratios of times, ours over theirs.
+    victims:          difference of the mean numbers of saved victims, ours minus theirs.
+    victims_p:        p of the Fisher-Freeman-Halton test of the numbers of saved victims.
+    rates:            missions that saved at least a number of victims, by that number.
+    areas, endangered: missions with all areas explored, and with an endangered link.
     """
 
     name: str
     noise_db: float
     trials: int
-    time: Ratio
-    time_p: float
+    mean: Equivalence
+    median: Equivalence
+    sd: Equivalence
+    victims: Equivalence
     victims_p: float | None
-    rates: tuple[Rate, ...]
-    areas: tuple[Interval, Interval]
-    endangered: tuple[Interval, Interval]
-
-
-@dataclass(frozen=True, slots=True)
-class Pair:
-    """A Mann-Whitney test of two cells' times; p is Holm-corrected over all pairs."""
-
-    first: str
-    second: str
-    p: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class Differences:
-    """Tests between our own cells: Kruskal-Wallis of times, Fisher-Freeman-Halton of victims and of areas."""
-
-    time_p: float | None
-    victims_p: float | None
-    areas_p: float | None
-    pairs: tuple[Pair, ...]
-
-
-RATES: Mapping[float, tuple[int, ...]] = {10.0: (4,), 20.0: (3, 4), 30.0: (3,)}
-"""Numbers of saved victims whose rates Table 6 determines best, by noise [dB]."""
+    rates: Mapping[int, Shares]
+    areas: Shares
+    endangered: Shares
 
 
 def generator(*name: str | int) -> np.random.Generator:
@@ -107,58 +98,87 @@ def means(sample: Sample, name: str) -> Means:
 def compare(campaign: Campaign) -> tuple[Comparison, ...]:
     """Compare each cell that the dissertation also has with the dissertation's missions."""
     pairs = campaign.compared
-    times = [
-        mean_ratio(cell.ours.restricted_s, theirs.restricted_s, MARGIN, generator("ratio", cell.name))
-        for cell, theirs in pairs
-    ]
-    victims = [
-        fisher_freeman_halton([cell.ours.victims_saved, theirs.victims_saved], generator("table", cell.name))
-        for cell, theirs in pairs
-    ]
-    comparisons = []
-    for (cell, theirs), time, time_p, victims_p in zip(
-        pairs, times, holm([time.p for time in times]), holm(victims), strict=True
-    ):
-        assert cell.scenario is not None
-        assert time_p is not None
-        noise_db = cell.scenario.voice.noise_db
-        rates = (
-            Rate(saved, _share(cell.ours.victims_saved >= saved), _share(theirs.victims_saved >= saved))
-            for saved in RATES.get(noise_db, ())
+    mean, median, sd = (
+        _time_ratios(pairs, name, statistic, limits)
+        for name, statistic, limits in (
+            ("mean", mean_ratio, _TIME_LIMITS),
+            ("median", median_ratio, _TIME_LIMITS),
+            ("sd", sd_ratio, (1.0 / SD_FACTOR, SD_FACTOR)),
         )
-        areas = [_share(sample.areas_explored == sample.num_areas) for sample in (cell.ours, theirs)]
-        endangered = [_share(sample.endangered > 0) for sample in (cell.ours, theirs)]
-        comparisons.append(
-            Comparison(
-                name=cell.name,
-                noise_db=noise_db,
-                trials=len(cell.ours),
-                time=time,
-                time_p=time_p,
-                victims_p=victims_p,
-                rates=tuple(rates),
-                areas=(areas[0], areas[1]),
-                endangered=(endangered[0], endangered[1]),
+    )
+    victims = _corrected(
+        [
+            equivalence(
+                (cell.ours.victims_saved, theirs.victims_saved),
+                mean_difference,
+                (-VICTIMS_MARGIN, VICTIMS_MARGIN),
+                generator("mean victims", cell.name),
             )
-        )
-    return tuple(comparisons)
-
-
-def differences(campaign: Campaign) -> Differences | None:
-    """Test whether our cells differ; None for a single cell. Pairs are omitted if there are too many to read."""
-    cells = campaign.cells
-    if len(cells) < 2:
-        return None
-    pairs = list(itertools.combinations(cells, 2))
-    pairs = pairs if len(pairs) <= _MAX_PAIRS else []
-    p_values = holm([mann_whitney(a.ours.restricted_s, b.ours.restricted_s) for a, b in pairs])
-    return Differences(
-        time_p=kruskal_wallis([cell.ours.restricted_s for cell in cells]),
-        victims_p=fisher_freeman_halton([cell.ours.victims_saved for cell in cells], generator("cells", "victims")),
-        areas_p=fisher_freeman_halton([cell.ours.areas_explored for cell in cells], generator("cells", "areas")),
-        pairs=tuple(Pair(a.name, b.name, p) for (a, b), p in zip(pairs, p_values, strict=True)),
+            for cell, theirs in pairs
+        ]
+    )
+    counts = holm(
+        [
+            fisher_freeman_halton([cell.ours.victims_saved, theirs.victims_saved], generator("table", cell.name))
+            for cell, theirs in pairs
+        ]
+    )
+    return tuple(
+        _comparison(cell, theirs, mean[index], median[index], sd[index], victims[index], counts[index])
+        for index, (cell, theirs) in enumerate(pairs)
     )
 
 
-def _share(holds: np.ndarray) -> Interval:
-    return clopper_pearson(int(np.count_nonzero(holds)), len(holds))
+def shares(ours: np.ndarray, theirs: np.ndarray) -> Shares:
+    """Return the shares of missions for which something holds."""
+    both = (
+        clopper_pearson(int(np.count_nonzero(holds)), len(holds), 0.9)  # Each bound alone has 95 %.
+        for holds in (ours, theirs)
+    )
+    return Shares(*both)
+
+
+def _comparison(
+    cell: Cell,
+    theirs: Sample,
+    mean: Equivalence,
+    median: Equivalence,
+    sd: Equivalence,
+    victims: Equivalence,
+    victims_p: float | None,
+) -> Comparison:
+    assert cell.scenario is not None
+    ours, noise_db = cell.ours, cell.scenario.voice.noise_db
+    return Comparison(
+        name=cell.name,
+        noise_db=noise_db,
+        trials=len(ours),
+        mean=mean,
+        median=median,
+        sd=sd,
+        victims=victims,
+        victims_p=victims_p,
+        rates={
+            saved: shares(ours.victims_saved >= saved, theirs.victims_saved >= saved)
+            for saved in RATES.get(noise_db, ())
+        },
+        areas=shares(ours.areas_explored == ours.num_areas, theirs.areas_explored == theirs.num_areas),
+        endangered=shares(ours.endangered > 0, theirs.endangered > 0),
+    )
+
+
+def _time_ratios(
+    pairs: Sequence[tuple[Cell, Sample]], name: str, statistic: Callable[..., np.ndarray], limits: tuple[float, float]
+) -> list[Equivalence]:
+    return _corrected(
+        [
+            equivalence((cell.ours.restricted_s, theirs.restricted_s), statistic, limits, generator(name, cell.name))
+            for cell, theirs in pairs
+        ]
+    )
+
+
+def _corrected(found: Sequence[Equivalence]) -> list[Equivalence]:
+    """Return the same with Holm's correction of the p values."""
+    p_values = holm([each.p for each in found])
+    return [dataclasses.replace(each, p=p) for each, p in zip(found, p_values, strict=True) if p is not None]

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Sequence
 
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import PowerNorm
+from matplotlib.colors import BoundaryNorm, ListedColormap, PowerNorm
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Patch
 from matplotlib.patheffects import withStroke
 
-from robotteamsim.analysis.fields.maps import VoiceRange, radio_panel, radio_style, voice_panel, voice_style
+from robotteamsim.analysis.fields.maps import VoiceRange, radio_panel, radio_style, voice_panel
 from robotteamsim.analysis.fields.picture import draw_fields
-from robotteamsim.analysis.plan_picture import VICTIM, draw_doors, draw_solids
+from robotteamsim.analysis.plan_picture import FLOOR, VICTIM, draw_doors, draw_solids
 from robotteamsim.analysis.report.figures import INK, styled
 from robotteamsim.analysis.report.samples import Campaign, Cell
 from robotteamsim.propagation import FieldMap, VoiceField, VoiceSource
@@ -35,6 +34,7 @@ _CELLS = 300
 _HEAT_CELLS = 120
 _MIN_HEAT_CELL_M = 0.25
 _PAGE_INCHES = 10.5
+_MAP_INCHES = 8.0
 _DPI = 160
 
 
@@ -45,24 +45,66 @@ def noises_db(campaign: Campaign) -> list[float]:
 
 @styled
 def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: VoiceRange) -> Figure:
-    """Draw where victims are heard at each noise level, with all voices quiet or all loud [Fig. 16, 17]."""
-    chosen = [
-        scenario.model_copy(update={"voice": scenario.voice.model_copy(update={"noise_db": noise_db})})
-        for noise_db in levels_db[:MAX_MAPS]
-    ]
-    resolution_m = _resolution_m(scenario, _CELLS)
-    panels = [
-        dataclasses.replace(
-            voice_panel(each, (), resolution_m, voice_range), title=f"{each.voice.noise_db:g} dB of noise"
-        )
-        for each in chosen
-    ]
+    """Draw where victims are heard at each noise level, with all voices quiet or all loud [Fig. 16, 17].
+
+    A voice that is heard at one level is heard at all lower ones, so one map shows them all.
+    """
+    shown_db = list(levels_db[:MAX_MAPS])
+    quietest = scenario.model_copy(update={"voice": scenario.voice.model_copy(update={"noise_db": shown_db[0]})})
+    panel = voice_panel(quietest, (), _resolution_m(scenario, _CELLS), voice_range)
+    colours = matplotlib.colormaps["YlOrRd"](np.linspace(0.12, 0.62, len(shown_db)))
+    (min_x, min_y), (max_x, max_y) = scenario.plan.bounds.min, scenario.plan.bounds.max
+    rows, columns = panel.field.values.shape
+    x0, y0 = panel.field.origin_m
+    extent = (x0, x0 + columns * panel.field.resolution_m, y0, y0 + rows * panel.field.resolution_m)
+    height = _MAP_INCHES * (max_y - min_y) / (max_x - min_x)
+    figure = Figure(figsize=(_MAP_INCHES, height + 0.9), dpi=_DPI, layout="constrained")
+    axes = figure.subplots()
+    values = np.ma.masked_less(panel.field.values, panel.silent_below)
+    axes.imshow(
+        values,
+        origin="lower",
+        extent=extent,
+        cmap=ListedColormap(colours).with_extremes(bad=FLOOR),
+        norm=BoundaryNorm([*shown_db, max(float(values.max()), shown_db[-1]) + 1.0], len(shown_db)),
+        interpolation="nearest",
+    )
+    draw_solids(axes, scenario.plan)
+    draw_doors(axes, scenario.plan)
+    for victim in scenario.mission.victims:
+        _draw_victim(axes, victim.name, victim.position, middle_m=0.5 * (min_x + max_x))
+    axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), aspect="equal", xlabel="x [m]", ylabel="y [m]")
+    axes.spines[:].set_visible(False)
+    names = [f"{low:g} dB of noise" if low == shown_db[0] else f"{low:g} dB" for low in shown_db]
+    names = [f"heard at up to {name}" if index == 0 else f"up to {name}" for index, name in enumerate(names)]
+    patches = [Patch(facecolor=colour, edgecolor="#8a94a3", linewidth=0.6) for colour in colours]
+    figure.legend(patches, names, loc="outside lower center", ncols=min(len(names), 3), frameon=False, fontsize=11)
+    return figure
+
+
+def _draw_victim(axes: Axes, name: str, position_m: tuple[float, float], middle_m: float) -> None:
+    """Draw a victim with a name on the side of the middle of the map, where there is room."""
+    to_the_left = position_m[0] > middle_m
+    axes.plot(*position_m, "X", color=INK, markersize=11, markeredgecolor="white", zorder=6)
+    axes.annotate(
+        name,
+        position_m,
+        xytext=(-10 if to_the_left else 10, 0),
+        textcoords="offset points",
+        ha="right" if to_the_left else "left",
+        va="center",
+        fontsize=11,
+        color=INK,
+        path_effects=_HALO,
+        zorder=6,
+    )
+
+
+def voice_text(scenario: Scenario, voice_range: VoiceRange) -> str:
+    """Return the parameters of all voices at one end of their range."""
     end = 1 if voice_range == "lowest" else 0
     constant = f"{scenario.voice.constant_db[end]:g}".replace("-", "\N{MINUS SIGN}")
-    how = f"$l_c$ = {constant} dB, \N{GREEK SMALL LETTER GAMMA} = {scenario.voice.exponent[end]:g} for all victims"
-    figure = draw_fields(panels, voice_style(chosen, ()), how)
-    figure.set_dpi(_DPI)
-    return figure
+    return f"constant {constant} dB, exponent {scenario.voice.exponent[end]:g}"
 
 
 def heard_shares(scenario: Scenario, levels_db: Sequence[float], voice_range: VoiceRange) -> list[float]:

@@ -5,23 +5,30 @@ from __future__ import annotations
 import base64
 import io
 import json
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import get_args
 
 import jinja2
 import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
+from robotteamsim.analysis.fields.maps import VoiceRange
 from robotteamsim.analysis.report import figures, maps
 from robotteamsim.analysis.report.claims import MIN_TRIALS, Claim, judge
-from robotteamsim.analysis.report.comparison import MARGIN, Comparison, compare, differences
-from robotteamsim.analysis.report.samples import Campaign, read_campaign
+from robotteamsim.analysis.report.comparison import MARGIN, SD_FACTOR, VICTIMS_MARGIN, Comparison, compare
+from robotteamsim.analysis.report.contrasts import contrasts, overall
+from robotteamsim.analysis.report.criteria import Verdict
+from robotteamsim.analysis.report.opening import DISSERTATION, calibration, compared_settings
+from robotteamsim.analysis.report.rank_tests import PERMUTATIONS
+from robotteamsim.analysis.report.samples import Campaign, pooled, read_campaign
 from robotteamsim.analysis.report.statistics import RESAMPLES, TABLES
-from robotteamsim.analysis.report.tables import Table, all_tables
+from robotteamsim.analysis.report.tables import Table, all_tables, passed_text
 from robotteamsim.analysis.report.wording import listed, percents, unbroken
 from robotteamsim.campaign import StoredCampaign
 from robotteamsim.recording.files import atomically, prepare_folder
@@ -40,11 +47,13 @@ class Report:
     """A report in memory.
 
     claims: claims with their verdicts; empty if the dissertation has no such missions.
-    notes:  what a reader must know first, such as missing trials.
+    opening: first paragraphs: how to read the verdicts, or how the settings compare.
+    notes:  what is missing or omitted.
     files:  contents by path below the report's folder; the page is last.
     """
 
     claims: tuple[Claim, ...]
+    opening: tuple[str, ...]
     notes: tuple[str, ...]
     files: dict[str, bytes]
 
@@ -71,29 +80,30 @@ class _Picture:
         return "data:image/png;base64," + base64.b64encode(self.png).decode()
 
 
-def make_report(stored: StoredCampaign, place: str) -> Report:
-    """Return the report of a stored campaign; the same store gives the same bytes.
+def make_report(stored: Sequence[StoredCampaign], places: Sequence[str]) -> Report:
+    """Return the report of one stored campaign, or of several of one design; the same stores give the same bytes.
 
-    Args:   place: the store's folder, for messages.
-    Raises: CampaignError: no mission has ended, or this version cannot read its scenario.
+    Args:   places: the stores' folders, for messages.
+    Raises: CampaignError: no mission has ended, this version cannot read the scenario, or the campaigns differ.
     """
-    campaign = read_campaign(stored, place)
-    comparisons = compare(campaign)
-    between = differences(campaign)
-    claims = judge(campaign, comparisons)
-    tables = all_tables(campaign, comparisons, between, claims)
+    campaign = pooled(stored, places)
+    parts = [read_campaign(one, place) for one, place in zip(stored, places, strict=True)]
+    comparisons, between = compare(campaign), contrasts(campaign)
+    claims = judge(campaign, parts)
+    tables = all_tables(campaign, comparisons, between, overall(campaign), claims)
     pictures = list(_pictures(campaign, comparisons))
     notes = _notes(campaign)
-    page = _page(campaign, claims, notes, pictures, tables)
+    first = calibration(claims) if claims else compared_settings(between)
+    page = _page(campaign, claims, [*first, *notes], pictures, tables)
     files = {f"{_FIGURES}/{picture.name}.png": picture.png for picture in pictures}
     for table in tables:
         files[f"{_TABLES}/{table.name}.csv"] = table.csv().encode()
         files[f"{_TABLES}/{table.name}.tex"] = table.latex().encode()
-    return Report(claims, notes, files | {PAGE_NAME: page.encode()})
+    return Report(claims, first, notes, files | {PAGE_NAME: page.encode()})
 
 
 def _notes(campaign: Campaign) -> tuple[str, ...]:
-    """Return what a reader must know first."""
+    """Return what is missing or omitted."""
     notes = []
     if campaign.done < campaign.total:
         notes.append(
@@ -106,8 +116,8 @@ def _notes(campaign: Campaign) -> tuple[str, ...]:
         notes.append(f"Omitted, because no mission has ended: {listed(list(campaign.empty))}.")
     if not campaign.compared:
         notes.append(
-            "The dissertation has no missions of these settings: it has garage_sar with 10, 20 and 30 dB of noise. "
-            "Therefore nothing is compared with it, and none of its claims is judged."
+            f"The dissertation ({DISSERTATION}) has no missions of these settings: it has garage_sar with 10, 20 and "
+            "30 dB of noise. Therefore nothing is compared with it, and none of its claims is judged."
         )
     elif missing := [cell.name for cell in campaign.cells if cell.theirs is None]:
         notes.append(f"The dissertation has no missions with {listed(missing)}; these are not compared.")
@@ -134,7 +144,7 @@ def _pictures(campaign: Campaign, comparisons: Sequence[Comparison]) -> Iterator
         "was cut short counts as the time limit."
     )
     yield _picture("fig20_times", f"Mission durations{_number(campaign, 20)}", caption, figures.draw_times(cells))
-    if comparisons:
+    if any(math.isfinite(comparison.mean.interval.high) for comparison in comparisons):
         caption = (
             "Mean duration, ours over the dissertation's, with its 90 % bootstrap interval. If the whole interval is "
             f"within the green band of {100.0 * MARGIN:g} %, the means are equivalent (two one-sided tests)."
@@ -172,12 +182,16 @@ def _map_pictures(campaign: Campaign) -> Iterator[_Picture]:
     """Yield the voice and radio maps of this scenario, which need no mission."""
     scenario, noises_db = campaign.scenario, maps.noises_db(campaign)
     if scenario.mission.victims and noises_db:
-        for number, voice_range in ((16, "lowest"), (17, "highest")):
-            shares = maps.heard_shares(scenario, noises_db, voice_range)  # type: ignore[arg-type]
+        ranges: tuple[tuple[int, VoiceRange], ...] = ((16, "lowest"), (17, "highest"))
+        for number, voice_range in ranges:
+            shares = maps.heard_shares(scenario, noises_db, voice_range)
             heard = listed(
                 [f"{share} of the floor at {db:g} dB" for share, db in zip(percents(*shares), noises_db, strict=True)]
             )
-            caption = f"A victim is heard in {heard} if all voices have the {voice_range} range of the voice model."
+            caption = (
+                f"A victim is heard in {heard} if all voices have the {voice_range} range of the voice model "
+                f"({maps.voice_text(scenario, voice_range)})."
+            )
             if campaign.compared:
                 caption += " The dissertation prints this figure without numbers, on a floor plan that is lost."
             drawn = maps.draw_voices(scenario, noises_db, voice_range)
@@ -213,7 +227,7 @@ def _picture(name: str, title: str, caption: str, figure: Figure) -> _Picture:
 def _page(
     campaign: Campaign,
     claims: Sequence[Claim],
-    notes: Sequence[str],
+    first: Sequence[str],
     pictures: Sequence[_Picture],
     tables: Sequence[Table],
 ) -> str:
@@ -221,19 +235,32 @@ def _page(
     environment = jinja2.Environment(
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
-    environment.filters["unbroken"] = unbroken
+    environment.filters |= {"unbroken": unbroken, "passed": passed_text}
+    not_fitted = [claim for claim in claims if not claim.fitted]
+    opening = () if claims else ("differences",)
     return environment.from_string(text).render(
         campaign=campaign,
-        claims=claims,
-        counts=Counter(claim.verdict for claim in claims),
-        notes=notes,
+        groups=(
+            ("not-fitted", "Claims that were not fitted: the test", not_fitted),
+            ("fitted", "Claims that were fitted: calibration", [claim for claim in claims if claim.fitted]),
+        ),
+        counts=Counter(claim.verdict for claim in not_fitted),
+        verdicts=[name for name in get_args(Verdict) if any(claim.verdict == name for claim in claims)],
+        first=first,
         pictures=pictures,
-        tables=[table for table in tables if table.name != "claims"],
-        missions=sum(cell.trials for cell in campaign.cells),
+        comparison=[table for table in tables if table.name in opening],
+        tables=[table for table in tables if table.name not in ("claims", *opening)],
+        missions=f"{sum(cell.trials for cell in campaign.cells):,}",
+        dissertation=DISSERTATION,
         min_trials=MIN_TRIALS,
+        sd_factor=f"{SD_FACTOR:g}",
+        victims_margin=f"{VICTIMS_MARGIN:g}",
         resamples=f"{RESAMPLES:,}",
         random_tables=f"{TABLES:,}",
-        settings=json.dumps({key: campaign.settings[key] for key in ("keys", "cells", "seed", "trials")}),
+        permutations=f"{PERMUTATIONS:,}",
+        settings=json.dumps({key: campaign.settings[key] for key in ("keys", "cells", "paired", "trials")}),
         fingerprint=campaign.settings["fingerprint"],
+        dates=listed(sorted(set(campaign.started))),
+        version=campaign.versions["robotteamsim"],
         versions=", ".join(f"{name} {version}" for name, version in campaign.versions.items()),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from robotteamsim.campaign import Outcome, StoredCampaign, decode_paths
+from robotteamsim.campaign.design import settings_difference
 from robotteamsim.campaign.reference import dissertation_missions
 from robotteamsim.errors import CampaignError, RobotTeamSimError
 from robotteamsim.scenario import Scenario
@@ -28,6 +30,8 @@ class Sample:
     time_s:     time at which the mission ended.
     finished:   whether it ended because all areas were explored; otherwise it was cut short.
     endangered: how often a link fell below the network's threshold.
+    distance_m: driven by all robots; NaN where unknown.
+    numbers:    of the trials: trials of equal number form a pair in a paired campaign.
     limit_s:    time limit of the mission.
     """
 
@@ -36,6 +40,8 @@ class Sample:
     victims_saved: np.ndarray
     areas_explored: np.ndarray
     endangered: np.ndarray
+    distance_m: np.ndarray
+    numbers: np.ndarray
     num_victims: int
     num_areas: int
     limit_s: float
@@ -47,6 +53,11 @@ class Sample:
     def restricted_s(self) -> np.ndarray:
         """Time to finish; a mission that was cut short counts as the limit."""
         return np.where(self.finished, self.time_s, self.limit_s)
+
+    def time_given_s(self, victims_saved: int) -> np.ndarray:
+        """Return `restricted_s` of the missions that saved so many victims."""
+        times_s: np.ndarray = self.restricted_s[self.victims_saved == victims_saved]
+        return times_s
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,13 +84,17 @@ class Cell:
 class Campaign:
     """The data of a campaign.
 
+    seeds:   several for several campaigns of one design.
     planned: trials of each cell.    cells: cells with at least one finished mission, in the order of the design.
+    paired:  whether trials of equal number have the same seed in all cells.
     empty:   names of the other cells.
+    started: dates of the starts of its campaigns, as far as known.    commands: that run them, as far as known.
     """
 
     scenario: Scenario
-    seed: int
+    seeds: tuple[int, ...]
     planned: int
+    paired: bool
     keys: tuple[str, ...]
     cells: tuple[Cell, ...]
     empty: tuple[str, ...]
@@ -87,6 +102,8 @@ class Campaign:
     failed: int
     settings: dict[str, Any]
     versions: dict[str, str]
+    started: tuple[str, ...]
+    commands: tuple[str, ...]
 
     @property
     def total(self) -> int:
@@ -133,8 +150,9 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
         raise CampaignError(f"{place}: no mission of this campaign has ended yet; nothing to report")
     return Campaign(
         scenario=base,
-        seed=settings["seed"],
+        seeds=(settings["seed"],),
         planned=settings["trials"],
+        paired=settings["paired"],
         keys=keys,
         cells=tuple(cells),
         empty=tuple(empty),
@@ -142,6 +160,37 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
         failed=sum(outcome.failed for outcome in stored.outcomes),
         settings=settings,
         versions=stored.versions,
+        started=(stored.started,) if stored.started else (),
+        commands=(stored.command,) if stored.command else (),
+    )
+
+
+def pooled(stored: Sequence[StoredCampaign], places: Sequence[str]) -> Campaign:
+    """Return several campaigns of one design as one campaign; each has its own seed.
+
+    Raises: CampaignError: as `read_campaign`; or two have different settings, or the same seed.
+    """
+    first, offset, outcomes = stored[0], 0, []
+    known: dict[int, str] = {}
+    for one, place in zip(stored, places, strict=True):
+        seed = one.settings["seed"]
+        if seed in known:
+            raise CampaignError(f"{place}: has the seed {seed} of {known[seed]}; expected campaigns of different seeds")
+        known[seed] = place
+        if difference := settings_difference({**one.settings, "seed": 0}, {**first.settings, "seed": 0}):
+            raise CampaignError(f"{place}: has {difference} as in {places[0]}; expected campaigns of one design")
+        if one.versions != first.versions:
+            raise CampaignError(f"{place}: was run by other versions than {places[0]}; expected the same")
+        outcomes += [dataclasses.replace(outcome, number=offset + outcome.number) for outcome in one.outcomes]
+        offset += one.settings["trials"]
+    outcomes.sort(key=lambda outcome: (outcome.cell, outcome.number))
+    settings = first.settings | {"trials": offset}
+    campaign = read_campaign(dataclasses.replace(first, settings=settings, outcomes=tuple(outcomes)), places[0])
+    return dataclasses.replace(
+        campaign,
+        seeds=tuple(known),
+        started=tuple(one.started for one in stored if one.started),
+        commands=tuple(one.command for one in stored if one.command),
     )
 
 
@@ -181,6 +230,8 @@ def _our_sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:
         victims_saved=column("victims_saved"),
         areas_explored=column("areas_explored"),
         endangered=column("endangered_links"),
+        distance_m=column("distance_m").astype(float),
+        numbers=column("number"),
         num_victims=int(column("num_victims")[0]),
         num_areas=int(column("num_areas")[0]),
         limit_s=limit_s,
@@ -201,6 +252,8 @@ def _their_sample(base: Scenario, keys: Sequence[str], scenario: Scenario | None
         victims_saved=np.array([mission.victims_saved for mission in missions]),
         areas_explored=np.array([mission.areas_explored for mission in missions]),
         endangered=np.array([mission.endangered_links for mission in missions]),
+        distance_m=np.full(len(missions), np.nan),
+        numbers=np.arange(1, len(missions) + 1),
         num_victims=_DISSERTATION_VICTIMS,
         num_areas=_DISSERTATION_AREAS,
         limit_s=DISSERTATION_LIMIT_S,

@@ -1,15 +1,15 @@
-"""Confidence intervals and tests, computed by SciPy and statsmodels."""
+"""Confidence intervals, tests of equivalence and of counts, computed by SciPy and statsmodels."""
 
 from __future__ import annotations
 
+import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
 from statsmodels.duration.survfunc import SurvfuncRight
-from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.proportion import proportion_confint
 
 RESAMPLES = 9_999
@@ -36,15 +36,21 @@ class Interval:
 
 
 @dataclass(frozen=True, slots=True)
-class Ratio:
-    """The ratio of our mean to theirs.
+class Equivalence:
+    """A statistic that compares samples, and whether it is between two limits.
 
     interval: 90 % bootstrap interval.
-    p:        p of the two one-sided tests for a ratio within the margin.
+    p:        p of the two one-sided tests for a value between the limits.
     """
 
     interval: Interval
+    limits: tuple[float, float]
     p: float
+
+    @property
+    def outside(self) -> bool:
+        """Whether the whole interval is outside the limits."""
+        return self.interval.high < self.limits[0] or self.interval.low > self.limits[1]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,27 +93,30 @@ def bootstrap_mean(values: np.ndarray, generator: np.random.Generator, confidenc
     return Interval(mean, float(low), float(high))
 
 
-def mean_ratio(ours: np.ndarray, theirs: np.ndarray, margin: float, generator: np.random.Generator) -> Ratio:
-    """Return the ratio of two means, with two one-sided tests that it is between 1 - margin and 1 + margin.
+def equivalence(
+    samples: Sequence[np.ndarray],
+    statistic: Callable[..., np.ndarray],
+    limits: tuple[float, float],
+    generator: np.random.Generator,
+) -> Equivalence:
+    """Return a statistic of several samples, with two one-sided tests that it is between two limits.
 
-    Both samples are resampled. p is the larger share of resampled ratios beyond either limit; if it is below 0.05, the
-    90 % interval is within the margin. Raises: ValueError: a sample is empty.
+    All samples are resampled. p is the larger share of resampled values beyond either limit; if it is below 0.05, the
+    90 % interval is within the limits. With a sample of one value, the interval is unbounded.
+
+    Args:   statistic: of the samples, each with `axis` as its axis of values.
+    Raises: ValueError: a sample is empty.
     """
-    if not (len(ours) and len(theirs)):
+    if not all(map(len, samples)):
         raise ValueError("samples must not be empty")
-    value = float(np.mean(ours) / np.mean(theirs))
-    if max(len(ours), len(theirs)) < 2:
-        return Ratio(Interval(value, 0.0, float("inf")), 1.0)
-
-    def ratio(a: np.ndarray, b: np.ndarray, axis: int) -> np.ndarray:
-        return np.asarray(np.mean(a, axis=axis) / np.mean(b, axis=axis))
-
-    pair = [np.repeat(sample, 2) if len(sample) < 2 else sample for sample in (ours, theirs)]
+    value = float(statistic(*samples, axis=-1)) if min(map(len, samples)) > 1 else math.nan
+    if math.isnan(value):
+        return Equivalence(Interval(value, -math.inf, math.inf), limits, 1.0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", stats.DegenerateDataWarning)
         result = stats.bootstrap(
-            pair,
-            ratio,
+            tuple(samples),
+            statistic,
             n_resamples=RESAMPLES,
             batch=_BATCH,
             confidence_level=0.9,
@@ -115,10 +124,30 @@ def mean_ratio(ours: np.ndarray, theirs: np.ndarray, margin: float, generator: n
             vectorized=True,
             rng=generator,
         )
-    ratios = result.bootstrap_distribution
-    beyond = max(np.count_nonzero(ratios <= 1.0 - margin), np.count_nonzero(ratios >= 1.0 + margin))
+    values = result.bootstrap_distribution
+    beyond = max(np.count_nonzero(values <= limits[0]), np.count_nonzero(values >= limits[1]))
     low, high = result.confidence_interval
-    return Ratio(Interval(value, float(low), float(high)), (1.0 + float(beyond)) / (RESAMPLES + 1.0))
+    return Equivalence(Interval(value, float(low), float(high)), limits, (1.0 + float(beyond)) / (RESAMPLES + 1.0))
+
+
+def mean_ratio(a: np.ndarray, b: np.ndarray, axis: int) -> np.ndarray:
+    """Return the ratio of means."""
+    return np.asarray(np.mean(a, axis=axis) / np.mean(b, axis=axis))
+
+
+def median_ratio(a: np.ndarray, b: np.ndarray, axis: int) -> np.ndarray:
+    """Return the ratio of medians."""
+    return np.asarray(np.median(a, axis=axis) / np.median(b, axis=axis))
+
+
+def sd_ratio(a: np.ndarray, b: np.ndarray, axis: int) -> np.ndarray:
+    """Return the ratio of sample standard deviations."""
+    return np.asarray(np.std(a, axis=axis, ddof=1) / np.std(b, axis=axis, ddof=1))
+
+
+def mean_difference(a: np.ndarray, b: np.ndarray, axis: int) -> np.ndarray:
+    """Return the difference of means, a - b."""
+    return np.asarray(np.mean(a, axis=axis) - np.mean(b, axis=axis))
 
 
 def fisher_freeman_halton(samples: Sequence[np.ndarray], generator: np.random.Generator) -> float | None:
@@ -141,32 +170,6 @@ def fisher_freeman_halton(samples: Sequence[np.ndarray], generator: np.random.Ge
         drawn = tables.rvs(size=min(_BATCH, count - start), random_state=generator)
         no_likelier += int(np.count_nonzero(tables.logpmf(drawn) <= seen))
     return (1.0 + no_likelier) / (1.0 + count)
-
-
-def kruskal_wallis(samples: Sequence[np.ndarray]) -> float | None:
-    """Return p of the hypothesis that all samples have one distribution, or None if there is nothing to test."""
-    if len(samples) < 2 or np.ptp(np.concatenate(list(samples))) == 0 or min(map(len, samples)) < 2:
-        return None
-    return float(stats.kruskal(*samples).pvalue)
-
-
-def mann_whitney(a: np.ndarray, b: np.ndarray, alternative: str = "two-sided") -> float | None:
-    """Return p of the hypothesis that two samples have one distribution, or None if there are too few values.
-
-    Args: alternative: "two-sided", or "greater" for the alternative that a is larger.
-    """
-    if min(len(a), len(b)) < 2:
-        return None
-    return float(stats.mannwhitneyu(a, b, alternative=alternative).pvalue)
-
-
-def holm(p_values: Sequence[float | None]) -> list[float | None]:
-    """Return p values with Holm's correction; None stays None."""
-    known = [p for p in p_values if p is not None]
-    if not known:
-        return list(p_values)
-    corrected = iter(multipletests(known, method="holm")[1].tolist())
-    return [None if p is None else next(corrected) for p in p_values]
 
 
 def survival(time_s: np.ndarray, finished: np.ndarray, until_s: float) -> Survival:

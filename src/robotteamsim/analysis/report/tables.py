@@ -13,8 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from robotteamsim.analysis.report.claims import Claim
-from robotteamsim.analysis.report.comparison import Comparison, Differences, means
+from robotteamsim.analysis.report.comparison import Comparison, generator, means
+from robotteamsim.analysis.report.contrasts import Contrast, Overall
 from robotteamsim.analysis.report.samples import Campaign, Cell, Sample
+from robotteamsim.analysis.report.statistics import bootstrap_mean
 from robotteamsim.analysis.report.wording import interval_text, p_text, share_text
 
 _LATEX = {
@@ -88,10 +90,22 @@ class Table:
 
 
 def all_tables(
-    campaign: Campaign, comparisons: Sequence[Comparison], differences: Differences | None, claims: Sequence[Claim]
+    campaign: Campaign,
+    comparisons: Sequence[Comparison],
+    between: Sequence[Contrast],
+    all_cells: Overall | None,
+    claims: Sequence[Claim],
 ) -> tuple[Table, ...]:
     """Return the tables of a report, without empty ones."""
-    tables = [_claims(claims), _missions(campaign), _victims(campaign), _against(comparisons), _between(differences)]
+    tables = [
+        _claims(claims),
+        _contrasts(between),
+        _missions(campaign),
+        _victims(campaign),
+        _given_victims(campaign),
+        _against(comparisons),
+        _overall(all_cells),
+    ]
     return tuple(table for table in tables if table.rows)
 
 
@@ -133,45 +147,104 @@ def _victims(campaign: Campaign) -> Table:
         (name, *(str(int(np.count_nonzero(sample.victims_saved == count))) for count in counts))
         for name, sample in labelled
     )
-    return Table("victims", "Missions by the number of victims saved", ("", *map(str, counts)), tuple(rows))
+    return Table(
+        "victims", "Missions by the number of victims saved", ("", *(f"{count} saved" for count in counts)), tuple(rows)
+    )
+
+
+def _given_victims(campaign: Campaign) -> Table:
+    """Durations of the missions that saved each number of victims."""
+    compared = bool(campaign.compared)
+    head: tuple[str, ...] = ("", "saved", "missions", "time [s]", "SD")
+    if compared:
+        head += ("dissertation: missions", "dissertation: time [s]", "dissertation: SD")
+    rows = []
+    for cell in campaign.cells:
+        samples = [cell.ours, *([cell.theirs] if cell.theirs is not None else [])]
+        for saved in sorted({int(count) for sample in samples for count in sample.victims_saved}):
+            row = [cell.name, str(saved)]
+            for whose, sample in zip(("ours", "theirs"), samples, strict=False):
+                row += _time_texts(sample.time_given_s(saved), f"{cell.name}, {whose}, {saved}")
+            rows.append((*row, *["-"] * (len(head) - len(row))))
+    title = "Duration given the number of victims saved: means with 95 % bootstrap intervals"
+    return Table("durations_by_victims", title, head, tuple(rows), 2)
+
+
+def _time_texts(times_s: np.ndarray, name: str) -> list[str]:
+    """Return number, mean with interval, and standard deviation of times."""
+    if not len(times_s):
+        return ["0", "-", "-"]
+    mean = (
+        interval_text(bootstrap_mean(times_s, generator("given", name)), 1) if len(times_s) > 1 else f"{times_s[0]:.1f}"
+    )
+    return [str(len(times_s)), mean, f"{np.std(times_s, ddof=1):.1f}" if len(times_s) > 1 else "-"]
 
 
 def _against(comparisons: Sequence[Comparison]) -> Table:
     """Tests against the dissertation's missions."""
     rows = []
     for comparison in comparisons:
-        interval = interval_text(comparison.time.interval, 3)
-        rows.append((comparison.name, "mean time, ours over theirs [90 %]", interval, "0.9 to 1.1"))
-        rows.append((comparison.name, "equivalence of mean times, after Holm", p_text(comparison.time_p), "p < 0.05"))
-        rows.append(
-            (
-                comparison.name,
-                "victims, Fisher-Freeman-Halton, after Holm",
-                p_text(comparison.victims_p),
-                "p \N{GREATER-THAN OR EQUAL TO} 0.05",
-            )
-        )
-        for rate in comparison.rates:
-            what = f"missions with at least {rate.saved} victims saved [95 %]"
-            rows.append((comparison.name, what, share_text(rate.ours), share_text(rate.theirs)))
-    return Table("tests", "Tests against the dissertation", ("", "test", "ours", "required, or theirs"), tuple(rows), 2)
+        for what, found in (
+            ("mean time, ours over theirs [90 %]", comparison.mean),
+            ("median time, ours over theirs [90 %]", comparison.median),
+            ("SD of times, ours over theirs [90 %]", comparison.sd),
+            ("mean number of victims saved, ours minus theirs [90 %]", comparison.victims),
+        ):
+            low, high = (f"{limit:.2f}".rstrip("0").rstrip(".") for limit in found.limits)
+            rows.append((comparison.name, what, interval_text(found.interval, 3), f"{low} to {high}", p_text(found.p)))
+        what = "numbers of victims saved, Fisher-Freeman-Halton"
+        rows.append((comparison.name, what, "-", "-", p_text(comparison.victims_p)))
+        for saved, shares in comparison.rates.items():
+            what = f"missions with at least {saved} victims saved [90 %]"
+            rows.append((comparison.name, what, share_text(shares.ours), share_text(shares.theirs), "-"))
+    head = ("", "what", "ours", "limits, or theirs", "p after Holm")
+    return Table("tests", "Tests against the dissertation", head, tuple(rows), 2)
 
 
-def _between(differences: Differences | None) -> Table:
-    """Tests between our own cells."""
+def _contrasts(contrasts: Sequence[Contrast]) -> Table:
+    """Differences between our own cells."""
+    rows = []
+    for c in contrasts:
+        means = tuple(f"{value:.{c.decimals}f}" for value in c.values)
+        shift = interval_text(c.difference, c.decimals)
+        pair = f"{c.first}, {c.second}" + (f" ({c.where})" if c.where else "")
+        rows.append((pair, c.quantity, *means, shift, f"{c.superiority:.2f}", p_text(c.p)))
+    paired = any(c.pairs is not None for c in contrasts)
+    test = "Wilcoxon, pairs of equal seed" if paired else "Mann-Whitney"
+    title = f"Differences between settings: second minus first with 95 % t interval; {test}, p after Holm"
+    head = ("first, second", "", "first", "second", "difference", "P(second larger)", "p")
+    return Table("differences", title, head, tuple(rows), 2)
+
+
+def _overall(overall: Overall | None) -> Table:
+    """Tests of all our cells at once."""
     rows: list[tuple[str, ...]] = []
-    if differences:
-        rows.append(("time", "all settings equal (Kruskal-Wallis)", p_text(differences.time_p)))
-        rows.append(("victims saved", "all settings equal (Fisher-Freeman-Halton)", p_text(differences.victims_p)))
-        rows.append(("areas explored", "all settings equal (Fisher-Freeman-Halton)", p_text(differences.areas_p)))
-        for pair in differences.pairs:
-            rows.append(("time", f"{pair.first} against {pair.second} (Mann-Whitney, after Holm)", p_text(pair.p)))
-    return Table("differences", "Tests between settings", ("", "hypothesis", "p"), tuple(rows), 2)
+    if overall:
+        rows.append(("time", "all settings equal (Kruskal-Wallis)", p_text(overall.time_p)))
+        rows.append(("victims saved", "all settings equal (Fisher-Freeman-Halton)", p_text(overall.victims_p)))
+        rows.append(("areas explored", "all settings equal (Fisher-Freeman-Halton)", p_text(overall.areas_p)))
+    return Table("overall", "Tests of all settings at once", ("", "hypothesis", "p"), tuple(rows), 2)
 
 
 def _claims(claims: Sequence[Claim]) -> Table:
-    rows = tuple((claim.text, claim.source, claim.verdict, claim.why) for claim in claims)
-    return Table("claims", "The dissertation's claims", ("claim", "source", "verdict", "reason"), rows, 4)
+    rows = tuple(
+        (
+            claim.text,
+            claim.source,
+            "fitted" if claim.fitted else "not fitted",
+            claim.verdict,
+            passed_text(claim),
+            claim.why,
+        )
+        for claim in claims
+    )
+    head = ("claim", "source", "basis", "verdict", "campaigns that reproduce it", "reason")
+    return Table("claims", "The dissertation's claims", head, rows, 6)
+
+
+def passed_text(claim: Claim) -> str:
+    """Return in how many campaigns a claim is reproduced, or that it needs none."""
+    return f"{claim.passed} of {len(claim.campaigns)}" if claim.campaigns else "needs none"
 
 
 def _labelled(cells: Sequence[Cell]) -> list[tuple[str, Sample]]:
@@ -185,13 +258,16 @@ def _labelled(cells: Sequence[Cell]) -> list[tuple[str, Sample]]:
 
 
 def _parted(name: str, cells: Sequence[str]) -> list[tuple[str, ...]]:
-    """Return a column of intervals as three columns: values, lower and upper bounds; [] if not all are intervals."""
+    """Return a column of intervals as three columns: values, lower and upper bounds; [] if none are intervals.
+
+    A cell without an interval is a value without bounds.
+    """
     found = [_INTERVAL.fullmatch(cell) for cell in cells]
-    matches = [match for match in found if match is not None]
-    if len(matches) < len(cells):
+    if not any(found) or any(" " in cell for cell, match in zip(cells, found, strict=True) if match is None):
         return []
+    parts = [match.groups() if match else (cell, "", "") for cell, match in zip(cells, found, strict=True)]
     names = (name, f"{name} low", f"{name} high")
-    return [(part, *(match[group] for match in matches)) for group, part in enumerate(names, 1)]
+    return [(part, *(each[group] for each in parts)) for group, part in enumerate(names)]
 
 
 def _text_columns(rows: Sequence[Sequence[str]]) -> str:

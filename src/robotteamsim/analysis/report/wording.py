@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 from robotteamsim.analysis.report.statistics import Interval
@@ -28,14 +29,16 @@ def share_text(share: Interval) -> str:
 
 
 def interval_text(interval: Interval, digits: int) -> str:
-    """Return a value with its interval in brackets."""
+    """Return a value with its interval in brackets, or "[-, -]" where there is none."""
+    if math.isnan(interval.low):
+        return f"{interval.value:.{digits}f} [-, -]"
     return f"{interval.value:.{digits}f} [{interval.low:.{digits}f}, {interval.high:.{digits}f}]"
 
 
 def p_text(p: float | None) -> str:
-    """Return a text such as "p = 0.012"; None means that there is no difference to test."""
+    """Return a text such as "p = 0.012"; None means that the samples allow no test."""
     if p is None:
-        return "no difference to test"
+        return "no test possible"
     return "p < 0.001" if p < 0.001 else f"p = {p:.3f}" if p < 0.1 else f"p = {p:.2f}"
 
 

@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 
 from robotteamsim.analysis.report import make_report
+from robotteamsim.analysis.report.opening import DISSERTATION
 from robotteamsim.campaign.factors import Factor
 
 NOISES_DB = (10.0, 20.0, 30.0)
@@ -16,7 +17,7 @@ NOISES_DB = (10.0, 20.0, 30.0)
 
 @pytest.fixture(scope="module")
 def garage_report(garage):
-    return make_report(garage(*NOISES_DB, trials=30), "here")
+    return make_report([garage(*NOISES_DB, trials=30)], ["here"])
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +27,7 @@ def sweep_report(arena):
         Factor("control.alpha", (0.3, 0.5), "--sweep"),
         Factor("control.algorithm", ("rdpso", "random_walk"), "--sweep"),
     )
-    return make_report(arena(*factors, trials=1), "here")
+    return make_report([arena(*factors, trials=1)], ["here"])
 
 
 def text(report):
@@ -55,18 +56,78 @@ def test_report_has_figures_16_to_22_and_the_others(garage_report):
 def test_page_needs_no_other_file(garage_report):
     page = text(garage_report)
     assert page.count('src="data:image/png;base64,') == 10
-    assert not re.search(r'(src|href)="(?!data:)', page)
+    assert not re.search(r'(src|href)="(?!data:|#)', page)
 
 
 def test_page_says_each_claim_with_its_verdict(garage_report):
     page = text(garage_report)
-    assert len(garage_report.claims) == 12
-    assert page.count('class="badge ') == 12
+    assert len(garage_report.claims) == 22
+    assert page.count('class="badge ') == 22
     assert "With 10\N{NO-BREAK SPACE}dB of noise all four victims are saved in each mission." in page
 
 
+def test_first_paragraph_says_that_agreement_of_means_is_calibration(garage_report):
+    page = text(garage_report)
+    first = re.sub("<[^>]*>", "", page[page.index("<p ") : page.index("</p>")])
+    assert first.startswith("The floor plan is ours, because that of the dissertation is lost")
+    assert "is therefore calibration and confirms nothing. The test is what was not fitted: trend, spread," in first
+    assert first.endswith("The 2 trends among them follow from the fitted means.")
+    assert page.index("</p>") < page.index('class="badge ')
+    assert page.index('id="not-fitted"') < page.index('id="fitted"')
+
+
+def test_table_of_durations_by_victims_saved_has_those_of_table_6(garage_report):
+    rows = csv.DictReader(io.StringIO(garage_report.files["tables/durations_by_victims.csv"].decode()))
+    theirs = {(row[""], row["saved"]): row for row in rows}
+    assert theirs["20 dB", "3"]["dissertation: missions"] == "9"
+    assert [theirs["20 dB", saved]["dissertation: time [s]"] for saved in "34"] == ["351.0", "418.2"]
+    assert [theirs["20 dB", saved]["dissertation: SD"] for saved in "34"] == ["13.1", "23.8"]
+    single = theirs["30 dB", "4"]
+    assert (single["dissertation: time [s]"], single["dissertation: time [s] low"]) == ("390.0", "")
+
+
+def test_page_has_contents_date_version_and_the_commands_that_repeat_it(garage):
+    stored = dataclasses.replace(
+        garage(10.0, 20.0, trials=3), started="2026-01-02", command="robotteamsim campaign garage_sar --out DIR"
+    )
+    other = dataclasses.replace(stored, settings=stored.settings | {"seed": 2}, command="the second <command>")
+    page = text(make_report([stored, other], ["first", "second"]))
+    links = re.findall(r'href="#([^"]*)"', page)
+    assert {"not-fitted", "fitted", "figures", "tables", "reading", "repeating", "fig20_times"} <= set(links)
+    assert all(f'id="{link}"' in page for link in links)
+    assert "6 trials each in 2 campaigns, seeds 1, 2. Run on 2026-01-02 by robotteamsim 0.1.0." in page
+    assert "University of Coimbra, 2013" in page
+    assert "<code>robotteamsim campaign garage_sar --out DIR</code>" in page
+    assert "<code>the second &lt;command&gt;</code>" in page
+
+
+def test_comparison_of_two_algorithms_opens_the_report(arena):
+    algorithms = Factor("control.algorithm", ("rdpso", "random_walk"), "--sweep")
+    stored = arena(algorithms, trials=3)
+    report = make_report([stored], ["here"])
+    # Of 20 partitions of the durations 21, 22, 23 and 26, 27, 28 two are as extreme; all other quantities are equal.
+    assert report.opening == (
+        "random_walk compared with rdpso: victims saved 1.00 instead of 0.00 (difference 1.00, no interval, "
+        "larger in 100 % of comparisons, p = 0.10); time [s] 27.0 instead of 22.0 (difference 5.0 "
+        "[2.7, 7.3], larger in 100 % of comparisons, p = 0.10).",
+    )
+    page = text(report)
+    assert page.index("random_walk compared with") < page.index("The dissertation (G. N. S. Augusto")
+    assert page.index('id="table-differences"') < page.index('id="figures"')
+
+
+def test_paired_campaign_is_compared_in_pairs(arena):
+    stored = arena(Factor("control.algorithm", ("rdpso", "random_walk"), "--sweep"), trials=4)
+    paired = dataclasses.replace(stored, settings=stored.settings | {"paired": True})
+    (opening,) = make_report([paired], ["here"]).opening
+    assert opening.startswith("random_walk compared with rdpso, in 4 pairs of missions with the same seed: ")
+    # All differences of pairs are 5 s: two of the 16 assignments of signs are as extreme.
+    assert "time [s] 27.5 instead of 22.5 (difference 5.0, no interval, larger in 100 % of" in opening
+    assert "p = 0.12" in opening
+
+
 def test_same_store_gives_the_same_bytes(garage, garage_report):
-    assert make_report(garage(*NOISES_DB, trials=30), "here").files == garage_report.files
+    assert make_report([garage(*NOISES_DB, trials=30)], ["here"]).files == garage_report.files
 
 
 def test_table_of_missions_has_the_figures_of_tables_8_and_9(garage_report):
@@ -82,8 +143,8 @@ def test_table_of_missions_has_the_figures_of_tables_8_and_9(garage_report):
 
 def test_latex_tables_escape_what_latex_reads(garage_report):
     tests = garage_report.files["tables/tests.tex"].decode()
-    assert r"95 \%" in tests
-    assert r"p $\ge$ 0.05" in tests
+    assert r"90 \%" in tests
+    assert r"p $<$ 0.001" in tests
     assert tests.count(r"\begin{tabular}") == tests.count(r"\end{tabular}") == 1
     body = [line for line in tests.splitlines() if line.endswith(r" \\")]
     assert len({line.count("&") for line in body}) == 1
@@ -94,24 +155,25 @@ def test_latex_tables_fit_the_width_of_the_text_and_say_what_they_need(garage_re
     assert missions.startswith("% \\usepackage{adjustbox,booktabs}\n")
     assert r"\begin{adjustbox}{max width=\linewidth}" in missions
     assert claims.startswith("% \\usepackage{array,booktabs,longtable}\n")
-    shares = [float(share) for share in re.findall(r"p\{([\d.]+)\\dimexpr\\linewidth-8\\tabcolsep\\relax\}", claims)]
-    assert len(shares) == 4
+    shares = [float(share) for share in re.findall(r"p\{([\d.]+)\\dimexpr\\linewidth-12\\tabcolsep\\relax\}", claims)]
+    assert len(shares) == 6
     assert sum(shares) == pytest.approx(1.0, abs=0.002)
-    assert shares[3] > shares[0] > max(shares[1:3])
+    assert shares[5] > shares[0] > max(shares[1:5])
     for table in (missions, claims):
         assert re.findall(r"\\begin\{(\w+)\}", table) == re.findall(r"\\end\{(\w+)\}", table)[::-1]
 
 
 def test_page_breaks_no_line_within_an_interval_or_before_a_unit(garage_report):
     page = re.sub(r'src="[^"]*"', "", text(garage_report))
-    for unbroken in ("100 % [88 %, 100 %]", "p = 0.006", "−80 dBm"):
+    for unbroken in ("100 % [90 %, 100 %]", "p = 0.006", "−80 dBm"):
         assert unbroken.replace(" ", "\N{NO-BREAK SPACE}") in page
 
 
 def test_unfinished_campaign_is_reported_as_such(garage):
     stored = garage(10.0, trials=4)
     failed = dataclasses.replace(stored.outcomes[1], error="KeyError: 7", time_s=None)
-    report = make_report(dataclasses.replace(stored, outcomes=(stored.outcomes[0], failed, stored.outcomes[2])), "here")
+    some = dataclasses.replace(stored, outcomes=(stored.outcomes[0], failed, stored.outcomes[2]))
+    report = make_report([some], ["here"])
     assert report.notes[0].startswith("This campaign is unfinished: 3 of 4 trials are done.")
     assert report.notes[1].startswith("Omitted: 1 failed trial;")
     assert report.notes[0].partition(" The same")[0] in text(report)
@@ -121,8 +183,8 @@ def test_unfinished_campaign_is_reported_as_such(garage):
 def test_other_campaigns_get_all_but_the_comparison(sweep_report):
     assert sweep_report.claims == ()
     assert sweep_report.notes == (
-        "The dissertation has no missions of these settings: it has garage_sar with 10, 20 and 30 dB of noise. "
-        "Therefore nothing is compared with it, and none of its claims is judged.",
+        f"The dissertation ({DISSERTATION}) has no missions of these settings: it has garage_sar with 10, 20 and 30 dB "
+        "of noise. Therefore nothing is compared with it, and none of its claims is judged.",
     )
     page = text(sweep_report)
     assert "dissertation’s claims" not in page
@@ -136,7 +198,7 @@ def test_other_campaigns_get_all_but_the_comparison(sweep_report):
 def test_names_of_settings_cannot_break_the_page(arena):
     stored = arena(trials=2)
     settings = {**stored.settings, "scenario": {**stored.settings["scenario"], "name": "<b>&_x"}}
-    report = make_report(dataclasses.replace(stored, settings=settings), "here")
+    report = make_report([dataclasses.replace(stored, settings=settings)], ["here"])
     assert "<b>&_x" not in text(report)
     assert "&lt;b&gt;&amp;_x" in text(report)
     assert r"$<$b$>$\&\_x" in report.files["tables/missions.tex"].decode()

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from robotteamsim.analysis.report.samples import read_campaign
+from robotteamsim.analysis.report.samples import pooled, read_campaign
 from robotteamsim.campaign.factors import Factor
 from robotteamsim.errors import CampaignError
 
@@ -64,3 +64,30 @@ def test_plan_that_a_cell_names_by_file_omits_only_its_maps(garage):
     assert cell.scenario is None
     assert cell.theirs is None
     assert np.isfinite(cell.ours.time_s).all()
+
+
+def test_campaigns_of_one_design_and_different_seeds_are_pooled(garage):
+    first = garage(10.0, 20.0, trials=2)
+    second = dataclasses.replace(first, settings=first.settings | {"seed": 7})
+    campaign = pooled([first, second], ["first", "second"])
+    assert campaign.seeds == (1, 7)
+    assert (campaign.planned, campaign.done, campaign.total) == (4, 8, 8)
+    assert campaign.cells[0].ours.time_s.tolist() == [426.0, 438.0, 426.0, 438.0]
+    assert campaign.cells[0].ours.numbers.tolist() == [1, 2, 3, 4]
+
+
+def test_campaigns_that_differ_are_not_pooled(garage, arena):
+    first = garage(10.0, trials=2)
+
+    def refusal(second):
+        with pytest.raises(CampaignError) as raised:
+            pooled([first, second], ["one", "two"])
+        return str(raised.value)
+
+    assert refusal(first) == "two: has the seed 1 of one; expected campaigns of different seeds"
+    more = dataclasses.replace(first, settings=first.settings | {"seed": 2, "trials": 3})
+    assert refusal(more) == "two: has trials = 3, not 2 as in one; expected campaigns of one design"
+    other = dataclasses.replace(arena(trials=2), settings=arena(trials=2).settings | {"seed": 2})
+    assert refusal(other).startswith("two: has ")
+    newer = dataclasses.replace(first, settings=first.settings | {"seed": 2}, versions={"robotteamsim": "9"})
+    assert refusal(newer) == "two: was run by other versions than one; expected the same"
