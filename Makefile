@@ -13,7 +13,7 @@ SPEED ?= 5
 FUZZ := $(BUILD)/fuzz
 FUZZ_SECONDS ?= 60
 # Whole missions are excluded: with the sanitizers they take many minutes, and no C++ is used only by them.
-SANITIZED := $(addprefix test/python/,propagation network sensing world swarm control)
+SANITIZED := $(addprefix test/python/,propagation network sensing world swarm control fuzz/test_core_entry_points.py)
 ARGS ?=
 # The environment of the build for ROS and Python, independent of the user's shell.
 ENV := source $(BUILD)/devel/setup.bash &&
@@ -99,10 +99,12 @@ build_fuzz: build
 	@{ cmake -S test/fuzz -B $(FUZZ) -DCMAKE_CXX_COMPILER=clang++-14 -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) && \
 		cmake --build $(FUZZ) -j$(JOBS); } > $(FUZZ)/build.log 2>&1 || { cat $(FUZZ)/build.log; exit 1; }
 
-fuzz: build_fuzz ## fuzz propagation, network and import under ASan and UBSan, FUZZ_SECONDS=60 each
+fuzz: build_fuzz ## fuzz propagation, network, core and import under ASan and UBSan, FUZZ_SECONDS=60 each
 	@for name in propagation network; do mkdir -p $(FUZZ)/corpus_$$name; echo "-- $$name"; \
 		$(FUZZ)/$${name}_fuzzer -max_total_time=$(FUZZ_SECONDS) -max_len=400 -len_control=0 -verbosity=0 \
 		-print_final_stats=1 -artifact_prefix=$(FUZZ)/ $(FUZZ)/corpus_$$name test/fuzz/corpus/$$name || exit 1; done
+	@echo "-- core"; $(ENV) PYTHONPATH=test/fuzz:$$PYTHONPATH ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD=$$(cat $(FUZZ)/preloaded) \
+		$(PYTHON) test/fuzz/core_fuzz.py --seconds $(FUZZ_SECONDS) --core $(FUZZ)/_core*.so
 	@echo "-- import"; $(ENV) ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD=$$(cat $(FUZZ)/preloaded) \
 		$(PYTHON) test/fuzz/import_fuzz.py --seconds $(FUZZ_SECONDS) --core $(FUZZ)/_core*.so 2> $(FUZZ)/import.log \
 		|| { tail -60 $(FUZZ)/import.log; exit 1; }

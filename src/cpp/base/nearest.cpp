@@ -5,12 +5,14 @@
 #include <limits>
 #include <stdexcept>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/base/hypot.hpp"
 
 namespace robotteamsim::base {
 
 Point NearestPoint(const Point& position, const std::vector<Point>& points) {
   if (points.empty()) throw std::invalid_argument("points must not be empty");
+  Check(position, "position");
   const Point* nearest = &points.front();
   double least = std::numeric_limits<double>::infinity();
   for (const Point& point : points) {
@@ -20,6 +22,7 @@ Point NearestPoint(const Point& position, const std::vector<Point>& points) {
       least = distance;
     }
   }
+  Check(*nearest, "points");
   return *nearest;
 }
 
