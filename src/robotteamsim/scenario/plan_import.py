@@ -95,7 +95,10 @@ def _read_cells(path: Path, settings: MapFile) -> tuple[np.ndarray, np.ndarray]:
     image_path = path.parent / settings.image
     if not is_file(image_path):
         raise ScenarioError(f"{path}: image: there is no file {shown(settings.image)}")
-    image = read_image(image_path)
+    try:
+        image = read_image(image_path)
+    except ValueError as error:
+        raise ScenarioError(f"{path}: image: '{settings.image}' has {error}") from None
     if image is None or min(image.shape[:2]) < 3:
         raise ScenarioError(f"{path}: image: '{settings.image}' cannot be read as an image")
     if image.dtype not in (np.uint8, np.uint16):

@@ -156,7 +156,10 @@ class SolidReader:
         path = self._folder / file
         if not is_file(path):
             raise place.error(f"bitmap: there is no file {shown(file)}")
-        image = read_image(path)
+        try:
+            image = read_image(path)
+        except ValueError as error:
+            raise place.error(f"bitmap: '{file}' has {error}") from None
         if image is None or image.dtype not in (np.uint8, np.uint16):
             raise place.error(f"bitmap: '{file}' cannot be read as an image")
         if image.dtype == np.uint16:
