@@ -56,7 +56,14 @@ def test_seed_of_a_reset_reaches_the_nodes_that_start_again(parameters):
     assert read_seed(read).with_seed(7) == read
 
 
-@pytest.mark.parametrize(("seed", "line"), [("-1", "seed: -1 is below 0"), ("x", "seed: 'x' is not a whole number")])
+@pytest.mark.parametrize(
+    ("seed", "line"),
+    [
+        ("-1", "seed: -1 is below 0"),
+        ("x", "seed: 'x' is not a whole number"),
+        ("--5", "seed: '--5' is not a whole number"),
+    ],
+)
 def test_wrong_seed_is_reported(parameters, seed, line):
     parameters["/robotteamsim/seed"] = seed
     with pytest.raises(ParameterError, match=rf"/robotteamsim/{line}"):

@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 from nav_msgs.msg import OccupancyGrid, Odometry
-from pydantic import ValidationError
 
-from robotteamsim.errors import PlacementError
 from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkMessages, NetworkState, Voice
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import ros_messages
+from robotteamsim.ros.nodes.requests import problem_of_noise, problem_of_victim
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.msg_conversion import RosTypes
 from robotteamsim.ros.transport.node import run
@@ -24,10 +23,6 @@ from robotteamsim.ros.transport.services import Service, call_service
 from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
 from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
-from robotteamsim.scenario.problems import problems
-from robotteamsim.scenario.sections import Mission as MissionSection
-from robotteamsim.scenario.sections import Victim
-from robotteamsim.scenario.sections import Voice as VoiceSection
 from robotteamsim.sensing.readings import NOT_THERE
 from robotteamsim.simulation.environment import Environment
 from robotteamsim.srv import (
@@ -44,7 +39,6 @@ from robotteamsim.srv import (
     SetVictimRequest,
     SetVictimResponse,
 )
-from robotteamsim.world.placement import check_mission
 
 logger = logging.getLogger(__name__)
 
@@ -127,7 +121,7 @@ class EnvironmentNode:
         self._build()
         self._publish_voice_map(0)
         inputs = self._inputs()
-        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs)
+        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs, settings)
         self._services = (
             Service("/get_radio_map", GetRadioMap, self._serve_get_radio_map),
             Service("/set_door", SetDoor, self._serve_set_door),
@@ -261,11 +255,8 @@ class EnvironmentNode:
         return SetDoorResponse(success=True, message="")
 
     def _serve_set_noise(self, request: SetNoiseRequest) -> SetNoiseResponse:
-        try:
-            # The scenario's own model knows the range.
-            VoiceSection.model_validate({"noise_db": request.noise_db})
-        except ValidationError as error:
-            return SetNoiseResponse(success=False, message=str(problems(error, VoiceSection)[0]))
+        if problem := problem_of_noise(request.noise_db):
+            return SetNoiseResponse(success=False, message=problem)
         with self._environment_lock:
             self._environment.set_noise_db(request.noise_db)
         _passed_on("/mission/set_noise", SetNoise, request)
@@ -273,14 +264,8 @@ class EnvironmentNode:
 
     def _serve_set_victim(self, request: SetVictimRequest) -> SetVictimResponse:
         position_m = (request.position.x, request.position.y)
-        scenario = self._settings.scenario
-        try:
-            mission = MissionSection(victims=(Victim(name=request.name, position=position_m),))
-            check_mission(scenario.plan, mission)
-        except ValidationError as error:
-            return SetVictimResponse(success=False, message=str(problems(error, MissionSection)[0]))
-        except PlacementError as error:
-            return SetVictimResponse(success=False, message=f"set_victim: {error}")
+        if problem := problem_of_victim(self._settings.scenario, request.name, position_m):
+            return SetVictimResponse(success=False, message=problem)
         with self._environment_lock:
             self._environment.set_victim(request.name, position_m)
             if request.name not in self._victims:

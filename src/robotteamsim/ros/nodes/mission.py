@@ -30,6 +30,7 @@ from robotteamsim.msg import (
 )
 from robotteamsim.recording import ResultWriter, TumWriter, ros_messages
 from robotteamsim.recording.table import print_result
+from robotteamsim.ros.nodes.requests import problem_of_door, problem_of_noise, problem_of_victim
 from robotteamsim.ros.nodes.trial import Trial
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.node import parameter, run, wait_for_shutdown
@@ -123,7 +124,7 @@ class MissionNode:
         self._trial_lock = threading.Lock()
         self._trial = self._begin_trial()
         inputs = self._inputs()
-        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs)
+        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs, settings)
         self._events = Output("/mission/events", MissionEvent)
         self._victims = Output("/mission/victims", Victims, latched=True)
         self._areas = Output("/mission/areas", Areas, latched=True)
@@ -137,6 +138,9 @@ class MissionNode:
         try:
             while (step := self._steps.take()) is not None:
                 if step.restarted:
+                    logger.warning(
+                        "simulated time has jumped back to %.1f s: the mission starts again", step.stamp_ns / 1e9
+                    )
                     with self._trial_lock:
                         self._trial.abandon()
                         self._settings = read_seed(self._settings)
@@ -226,16 +230,23 @@ class MissionNode:
         return serve
 
     def _serve_set_door(self, request: SetDoorRequest) -> SetDoorResponse:
+        if problem := problem_of_door(self._settings.scenario, request.name):
+            return SetDoorResponse(success=False, message=problem)
         with self._trial_lock:
             self._trial.mission.set_door(request.name, request.closed)
         return SetDoorResponse(success=True, message="")
 
     def _serve_set_noise(self, request: SetNoiseRequest) -> SetNoiseResponse:
+        if problem := problem_of_noise(request.noise_db):
+            return SetNoiseResponse(success=False, message=problem)
         with self._trial_lock:
             self._trial.mission.set_noise_db(request.noise_db)
         return SetNoiseResponse(success=True, message="")
 
     def _serve_set_victim(self, request: SetVictimRequest) -> SetVictimResponse:
+        position_m = (request.position.x, request.position.y)
+        if problem := problem_of_victim(self._settings.scenario, request.name, position_m):
+            return SetVictimResponse(success=False, message=problem)
         with self._trial_lock:
-            self._trial.mission.set_victim(request.name, (request.position.x, request.position.y))
+            self._trial.mission.set_victim(request.name, position_m)
         return SetVictimResponse(success=True, message="")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 from pydantic import ValidationError
@@ -87,7 +88,7 @@ def read_seed(settings: Settings) -> Settings:
     """Return the settings with the seed of the last reset, for a node that starts again. Raises: ParameterError."""
     text = parameter(SEED, "")
     try:
-        return settings.with_seed(int(text) if text.lstrip("-").isdecimal() else text) if text else settings
+        return settings.with_seed(int(text) if re.fullmatch("-?[0-9]{1,20}", text) else text) if text else settings
     except ParameterError as error:
         raise ParameterError(f"{PARAMETERS}/{error}") from None
 

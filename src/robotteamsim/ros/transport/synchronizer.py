@@ -59,6 +59,8 @@ class _Queue:
     channel: Channel
     life: int = 0
     last_ns: int = -1
+    late_ns: int | None = None
+    """Stamp of a message that was dropped because it was older than the last one; None: there was none since."""
     silent: bool = False
     skipped: bool = False
     waiting: list[tuple[int, Any]] = field(default_factory=list)
@@ -143,15 +145,27 @@ class LatestSynchronizer(StepSynchronizer):
     When the stamps of a needed channel jump back, time has been reset: messages with later stamps are from the time
     before and are dropped. A channel that lags behind may still bring something of that time; the step that it gets
     into is followed by another restart as soon as that channel, too, jumps back.
+
+    A single message that is a little older than the last one is late, not the sign of a reset: it is dropped. A reset
+    shows by the next message, which is newer than that one and still older than the last before.
     """
+
+    def __init__(self, channels: Iterable[Channel], *, stale_ns: int = 0) -> None:
+        """Start without messages. stale_ns: a single message that is older by less than this is late."""
+        super().__init__(channels)
+        self._stale_ns = stale_ns
 
     def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
         if queue.channel.needed and stamp_ns < queue.last_ns:
+            is_second = queue.late_ns is not None and stamp_ns > queue.late_ns
+            if queue.last_ns - stamp_ns < self._stale_ns and not is_second:
+                queue.late_ns = stamp_ns
+                return
             self._restarted = True
             queue.waiting.clear()
             for other in self._queues.values():
                 other.waiting = [waiting for waiting in other.waiting if waiting[0] <= stamp_ns]
-        queue.last_ns = stamp_ns
+        queue.last_ns, queue.late_ns = stamp_ns, None
         queue.waiting.append((stamp_ns, message))
 
     def _ready(self, queue: _Queue) -> bool:
@@ -229,6 +243,8 @@ class LockstepSynchronizer(StepSynchronizer):
             return  # a latched message can arrive twice at a late subscriber
         if stamp_ns == 0 and queue.skipped:
             return  # the node of a robot that is not present is late; no step has waited for it
+        if queue.life == self._life and self._step_ns < stamp_ns < queue.last_ns:
+            return  # late: after a reset, stamps begin with the first step
         queue.skipped = False
         if queue.channel.due is not None:
             # It may have had no message before time jumped back, so its stamps do not show that it did. Those of the
