@@ -25,7 +25,7 @@ from robotteamsim.campaign.tables import (
     summary_table,
 )
 from robotteamsim.cli.campaign_progress import CampaignProgress
-from robotteamsim.cli.parser import number, positive_whole_number, whole_number
+from robotteamsim.cli.parser import SCENARIO_HELP, address, number, path_of, positive_whole_number, whole_number
 from robotteamsim.cli.run_command import add_set_option
 
 DEFAULT_TRIALS = 30
@@ -52,8 +52,8 @@ examples:
 def add_to(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser("campaign", help="run many missions", description=_DESCRIPTION, epilog=_EPILOG)
-    parser.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped scenario: garage_sar")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the campaign")
+    parser.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
+    parser.add_argument("--out", type=path_of, required=True, metavar="DIR", help="folder of the campaign")
     parser.add_argument(
         "--noise", type=number, action="append", metavar="DB", help="a background noise [dB]; repeatable"
     )
@@ -64,7 +64,7 @@ def add_to(commands: Any) -> None:
         metavar="K=A,B,C",
         help="values of a scenario key; repeatable: all combinations are run",
     )
-    parser.add_argument("--design", type=Path, metavar="FILE", help="YAML with trials, seed, set, sweep, cells")
+    parser.add_argument("--design", type=path_of, metavar="FILE", help="YAML with trials, seed, set, sweep, cells")
     parser.add_argument("--trials", type=whole_number, metavar="N", help=f"trials per cell; default {DEFAULT_TRIALS}")
     parser.add_argument(
         "--seed",
@@ -78,7 +78,7 @@ def add_to(commands: Any) -> None:
         "--workers", type=positive_whole_number, metavar="N", help="number of processes; default one per core"
     )
     places.add_argument(
-        "--scheduler", metavar="ADDRESS", help="scheduler of a Dask cluster, such as tcp://10.0.0.1:8786"
+        "--scheduler", type=address, metavar="ADDRESS", help="scheduler of a Dask cluster, such as tcp://10.0.0.1:8786"
     )
     parser.add_argument("--json", action="store_true", help="print a summary as one JSON object instead of tables")
     parser.add_argument("--quiet", action="store_true", help="no progress, no tables")

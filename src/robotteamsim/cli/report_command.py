@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import json
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from robotteamsim.campaign import read_store
+from robotteamsim.cli.parser import path_of
 
 _DESCRIPTION = """\
 Make the report of a campaign: report.html, which needs no other file, the figures as PNG,
@@ -24,9 +24,9 @@ examples:
 def add_to(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser("report", help="make a campaign's report", description=_DESCRIPTION, epilog=_EPILOG)
-    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of the campaign (--out of `campaign`)")
+    parser.add_argument("folder", type=path_of, metavar="DIR", help="folder of the campaign (--out of `campaign`)")
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder for the report; default the folder of the campaign"
+        "--out", type=path_of, metavar="DIR", help="folder for the report; default the folder of the campaign"
     )
     parser.add_argument("--json", action="store_true", help="print notes and claims as one JSON object")
     parser.set_defaults(command=run)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
-from robotteamsim.cli.parser import UsageError
+from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of
 from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
@@ -34,18 +33,18 @@ def add_to(commands: Any) -> None:
     check.set_defaults(command=run_check)
 
     show = actions.add_parser("show", help="print a scenario with every key and default")
-    show.add_argument("scenario", metavar="SCENARIO", help="a file or a shipped name")
+    show.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
     add_set_option(show)
     show.set_defaults(command=run_show)
 
     render = actions.add_parser("render", help="draw floor plan, areas, victims and robots")
-    render.add_argument("scenario", metavar="SCENARIO", help="a file or a shipped name")
+    render.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
     add_set_option(render)
     add_png_option(render)
     render.set_defaults(command=run_render)
 
     schema = actions.add_parser("schema", help="print the JSON Schema of a scenario", epilog=_SCHEMA_EPILOG)
-    schema.add_argument("file", nargs="?", type=Path, metavar="FILE", help="write to this file instead")
+    schema.add_argument("file", nargs="?", type=path_of, metavar="FILE", help="write to this file instead")
     schema.set_defaults(command=run_schema)
 
     shipped = actions.add_parser("list", help="print the names of the shipped scenarios")

@@ -12,7 +12,7 @@ import msgspec
 
 import robotteamsim
 from robotteamsim.mission.status import Event
-from robotteamsim.recording.files import prepare_folder, write_atomically
+from robotteamsim.recording.files import prepare_folder, remove_empty, write_atomically
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
 
@@ -28,11 +28,12 @@ class ResultWriter:
         self._folder = folder
         self._scenario: Scenario | None = None
         self._events: list[Event] = []
+        self._created: list[Path] = []
 
     def begin(self, scenario: Scenario) -> None:
         """Raises: RecordingError: the folder cannot be written."""
         self._scenario, self._events = scenario, []
-        prepare_folder(self._folder)
+        self._created = prepare_folder(self._folder)
 
     def step(self, record: StepRecord) -> None:
         """Keep the events of one step."""
@@ -45,8 +46,9 @@ class ResultWriter:
         write_atomically(self._folder / FILE_NAME, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
 
     def abandon(self) -> None:
-        """Discard the events so far."""
+        """Discard the events so far, and the folder if it is new and empty."""
         self._events = []
+        remove_empty(self._created)
 
 
 def result_summary(result: Result) -> dict[str, Any]:

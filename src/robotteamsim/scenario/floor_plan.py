@@ -8,7 +8,7 @@ from typing import Literal
 import shapely
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Many, Model, Point, first_repeated, wrong
+from robotteamsim.scenario.base import Many, Model, Name, Point, first_repeated, wrong
 
 MAX_SIDE_M = 1000.0
 """Grids of larger plans would not fit into memory."""
@@ -52,7 +52,7 @@ class Bounds(Model):
 class Wall(Model):
     """A straight wall of rectangular footprint around its centre line; its ends are cut square at `from` and `to`."""
 
-    name: str = Field(description="a name, unique among the plan's elements")
+    name: Name = Field(description="a name, unique among the plan's elements")
     start: Point = Field(
         validation_alias="from", serialization_alias="from", description="one end of the centre line [m]"
     )
@@ -70,7 +70,7 @@ class Wall(Model):
 class Block(Model):
     """A solid polygon: a stair core, a pillar."""
 
-    name: str = Field(description="a name, unique among the plan's elements")
+    name: Name = Field(description="a name, unique among the plan's elements")
     kind: Literal["block", "pillar"] = Field(default="block", description="a plan may switch pillars off for radio")
     polygon: Many[Point] = Field(min_length=3, description="corners in order, not self-crossing [m]")
     thickness_m: float | None = Field(
@@ -94,7 +94,7 @@ class Block(Model):
 class Door(Model):
     """A door leaf: one segment across a gap between walls; loading checks that, see `door_places`."""
 
-    name: str = Field(description="a name, unique among the plan's elements")
+    name: Name = Field(description="a name, unique among the plan's elements")
     start: Point = Field(
         validation_alias="from",
         serialization_alias="from",
@@ -171,7 +171,7 @@ class BayRow(Model):
 class FloorPlan(Model):
     """One floor of a building."""
 
-    name: str = Field(description="shown in tables and pictures")
+    name: Name = Field(description="shown in tables and pictures")
     bounds: Bounds = Field(description="the rectangle [m] that the plan fills")
     walls: Many[Wall] = Field(default=(), description="straight walls")
     blocks: Many[Block] = Field(default=(), description="solid polygons and pillars")

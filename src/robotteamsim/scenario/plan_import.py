@@ -13,10 +13,11 @@ from pydantic import ConfigDict, Field, ValidationError, model_validator
 from robotteamsim.errors import ScenarioError
 from robotteamsim.map_import.cells import darkness, read_image, solid_cells
 from robotteamsim.map_import.pieces import Piece, StraightPiece, in_metres, solid_pieces
-from robotteamsim.scenario.base import Model, PlanarPose, wrong
+from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Model, PlanarPose, wrong
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown
+from robotteamsim.wording import printable
 
 
 class MapFile(Model):
@@ -56,7 +57,8 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     solid = solid_cells(occupied, free, settings.resolution)
     cell_m = (settings.resolution, settings.resolution)
     walls, blocks = walls_and_blocks(solid_pieces(solid, settings.origin[:2], cell_m))
-    return FloorPlan(name=path.stem, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
+    name = printable(path.stem)[:MAX_NAME_CHARACTERS]
+    return FloorPlan(name=name, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
 
 
 def walls_and_blocks(pieces: Iterable[Piece]) -> tuple[list[Wall], list[Block]]:

@@ -14,6 +14,7 @@ import yaml
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.text_file import read_text
+from robotteamsim.wording import printable
 
 MAX_DEPTH = 50
 """Sections and lists within each other."""
@@ -167,5 +168,5 @@ def shown(value: Any) -> str:
     except RecursionError:
         return "a list that contains itself"
     # A text may have line breaks of its own.
-    text = " ".join(text.split())
+    text = printable(" ".join(text.split()))
     return text if len(text) <= 60 else f"{text[:57]}..."

@@ -138,7 +138,8 @@ def test_cluster_without_workers_gives_a_message(capsys, tmp_path, monkeypatch, 
         (["--set", "control.algorithm=rdspo"], f"--set: control.algorithm: 'rdspo' is not known; {KNOWN}"),
         (
             ["--sweep", "control.algorithm=rdpso,nowhere:Class"],
-            "--sweep: control.algorithm: 'nowhere:Class': ModuleNotFoundError: No module named 'nowhere'",
+            "--sweep: control.algorithm: 'nowhere:Class': ModuleNotFoundError: No module named 'nowhere'; "
+            "is its folder in PYTHONPATH?",
         ),
         (
             ["--sweep", "control.algorithm=rdpso,builtins:slice"],

@@ -14,6 +14,7 @@ from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.analysis.runs.totals import MissionTotals, NetworkTotals, RobotTotals, RunTotals
 from robotteamsim.mission.status import END_TEXTS
 from robotteamsim.recording.table import delivery_rows, event_table
+from robotteamsim.wording import printable
 
 _UNKNOWN = "-"
 _SHORT_ENDS = {
@@ -30,7 +31,7 @@ def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
     if run.events:
         console.print(event_table(totals.title, [event for _, event in run.events]))
     else:
-        console.print(Text(totals.title, style="bold"))
+        console.print(Text(printable(totals.title), style="bold"))
     console.print(_totals_table(totals))
     if totals.robots:
         console.print(_robot_table(totals.robots))

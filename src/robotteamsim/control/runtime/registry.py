@@ -95,6 +95,9 @@ def _loaded(name: str, point: EntryPoint) -> MakeController:
         # Files that came since the last import would not be seen otherwise.
         importlib.invalidate_caches()
         found = point.load()
+    except ModuleNotFoundError as error:
+        missing = f"ModuleNotFoundError: {error}; is its folder in PYTHONPATH?"
+        raise _NotFoundError(f"'{name}': {missing}") from None
     except Exception as error:  # Whatever the user's module raises is one line to him.
         raise _NotFoundError(f"'{name}': {type(error).__name__}: {error}") from None
     if not callable(found):
