@@ -1,6 +1,7 @@
-"""The wording of messages: plurals, and text of others that is safe to print."""
+"""The wording of messages: plurals, text of others that is safe to print, and tables that fit a terminal."""
 
 import re
+from collections.abc import Sequence
 
 _LONG = re.compile(r"[^\s/]{120,}")
 _SHOWN_OF_LONG = 80
@@ -15,3 +16,17 @@ def printable(text: str) -> str:
     r"""Return a text for one line of a terminal: control characters as \x1b, words of 120 characters shortened."""
     escaped = "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
     return _LONG.sub(lambda word: f"{word[0][:_SHOWN_OF_LONG]}...", escaped)
+
+
+def column_groups(widths: Sequence[int], first_width: int, total_width: int) -> list[range]:
+    """Return which columns of a wide table to print together, below each other; every group has at least one.
+
+    Args: widths: of each column, with the space before it. first_width: of what every group repeats.
+    """
+    groups, begin, used = [], 0, first_width
+    for index, width in enumerate(widths):
+        if index > begin and used + width > total_width:
+            groups.append(range(begin, index))
+            begin, used = index, first_width
+        used += width
+    return [*groups, range(begin, len(widths))]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import shutil
 import sys
 import textwrap
 from pathlib import Path
@@ -18,6 +19,7 @@ from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, pa
 from robotteamsim.campaign.runner import local_workers, prepare, run_trials, scheduler_at
 from robotteamsim.campaign.summary import summarise
 from robotteamsim.campaign.tables import (
+    UNLIMITED,
     dissertation_tables,
     exclusion_note,
     is_the_dissertations,
@@ -163,10 +165,11 @@ def _run_missing(options: argparse.Namespace, design: Design, store: Store, clie
 
 
 def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else UNLIMITED
     if is_the_dissertations(design):
-        print(dissertation_tables(missions_by_noise(design, outcomes)))
+        print(dissertation_tables(missions_by_noise(design, outcomes), width))
     else:
-        print(summary_table(design, summarise(design, outcomes)))
+        print(summary_table(design, summarise(design, outcomes), width))
     if note := exclusion_note(outcomes):
         print(f"\n{note}")
 
