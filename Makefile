@@ -19,7 +19,7 @@ ARGS ?=
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness build_fuzz fuzz sanitize wheel pictures clean
+.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness build_fuzz fuzz sanitize wheel pictures man clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -129,6 +129,9 @@ pictures: build ## make the pictures of README and docs again
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field voice garage_sar --range highest --png docs/images/field_noise.png \
 		--compare voice.noise_db=10 --compare voice.noise_db=20 --compare voice.noise_db=30
 	@$(ENV) $(PYTHON) docs/make_pictures.py
+
+man: build ## write the man page docs/robotteamsim.1 again
+	@$(ENV) $(PYTHON) docs/make_man_page.py docs/robotteamsim.1
 
 clean: ## remove build/, dist/ and .venv
 	rm -rf $(BUILD) dist $(VENV)

@@ -12,6 +12,7 @@ import robotteamsim
 from robotteamsim.cli import (
     analyse_command,
     campaign_command,
+    completion_command,
     field_command,
     plan_command,
     report_command,
@@ -126,5 +127,6 @@ def make_parser() -> argparse.ArgumentParser:
         field_command,
     ):
         command.add_to(commands)
+    completion_command.add_to(commands, make_parser)
     commands.add_parser("help", help="describe a command, such as `robotteamsim help run`")
     return parser

@@ -14,6 +14,9 @@ from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.scenario.shipped import map_names, scenario_names
 
 SCENARIO_HELP = f"a file, or a shipped scenario: {', '.join(scenario_names())}"
+COMPLETE_FILES = {"bash": "_shtab_compgen_files", "zsh": "_files", "tcsh": "f"}
+COMPLETE_SCENARIOS = {"bash": "_robotteamsim_scenarios", "zsh": "_files", "tcsh": "f"}
+"""What shells complete, as shtab names it."""
 PLAN_HELP = f"a floor plan, a map_server yaml, or a shipped map: {', '.join(map_names())}"
 
 
@@ -28,6 +31,15 @@ class Parser(argparse.ArgumentParser):
         super().__init__(allow_abbrev=False, formatter_class=argparse.RawDescriptionHelpFormatter, **settings)  # type: ignore[arg-type]
         # argparse recognises -1 as a number, but takes -1,5 for an option. No option here starts with a digit.
         self._negative_number_matcher = re.compile(r"-[\d.]")
+
+    def add_argument(self, *names: Any, **settings: Any) -> argparse.Action:
+        """Add an argument; shells complete paths and scenarios."""
+        action = super().add_argument(*names, **settings)
+        if settings.get("help") == SCENARIO_HELP:
+            action.complete = COMPLETE_SCENARIOS  # type: ignore[attr-defined]  # read by shtab
+        elif settings.get("type") is path_of:
+            action.complete = COMPLETE_FILES  # type: ignore[attr-defined]
+        return action
 
     def parse_known_args(  # type: ignore[override]  # argparse's overloads differ in the type of the namespace alone
         self, args: Any = None, namespace: Any = None
