@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 _LONG = re.compile(r"[^\s/]{120,}")
 _SHOWN_OF_LONG = 80
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
 def counted(number: int, noun: str) -> str:
@@ -16,6 +17,19 @@ def printable(text: str) -> str:
     r"""Return a text for one line of a terminal: control characters as \x1b, words of 120 characters shortened."""
     escaped = "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
     return _LONG.sub(lambda word: f"{word[0][:_SHOWN_OF_LONG]}...", escaped)
+
+
+def safe_cell(value: object) -> object:
+    """Return a value for a CSV file; a text that a spreadsheet would run as a formula begins with an apostrophe."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) and not _is_number(value) else value
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def column_groups(widths: Sequence[int], first_width: int, total_width: int) -> list[range]:

@@ -12,7 +12,7 @@ from typing import Any
 
 from robotteamsim import rng, scenario
 from robotteamsim.campaign.factors import MAX_TRIALS, Factor
-from robotteamsim.control import make_controller
+from robotteamsim.control import foreign_code, make_controller
 from robotteamsim.errors import CampaignError, RobotTeamSimError, ScenarioError
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import shown
@@ -85,12 +85,14 @@ def make_design(
     overrides: Sequence[Factor] = (),
     factors: Sequence[Factor] = (),
     groups: Sequence[Sequence[Factor]] = ((),),
+    allow_code: bool = True,
 ) -> Design:
     """Return the design of all combinations of the factors' values, each with every group; all cells are checked.
 
     Args:   scenario_name: a file or a shipped name.
             overrides: of one value each, for all cells; of equal keys the last one counts.
             groups: selected combinations, each of factors with one value.
+            allow_code: whether a controller that a file names as module:Class may run.
     Raises: CampaignError, ScenarioError: one line with place, key and value.
     """
     keys = _checked_keys(overrides, factors, groups)
@@ -110,7 +112,7 @@ def make_design(
             settings = [*overrides, *group, *chosen]
             cell = _cell(scenario_name, settings, keys)
             if cell.scenario.control.algorithm not in checked:
-                _check_algorithm(cell.scenario, settings)
+                _check_algorithm(cell.scenario, settings, allow_code)
                 checked.add(cell.scenario.control.algorithm)
             name = json.dumps(cell.values)
             if name in cells:
@@ -165,12 +167,15 @@ def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
         raise CampaignError(f"{place}: {message}") from None
 
 
-def _check_algorithm(of: Scenario, settings: Sequence[Factor]) -> None:
+def _check_algorithm(of: Scenario, settings: Sequence[Factor], allow_code: bool) -> None:
     """Raise CampaignError unless the controller exists: otherwise every trial would fail."""
+    matching = [s for s in settings if s.key in foreign_code.KEYS]
+    if not allow_code:
+        place = matching[-1].place if matching else of.origin.place
+        foreign_code.check_foreign(of.control.algorithm, place, "--allow-code")
     try:
         make_controller(0, of)
     except RobotTeamSimError as error:
-        matching = [s for s in settings if s.key in ("control", "control.algorithm")]
         message = str(error).removeprefix(f"{of.name}: ")
         raise CampaignError(f"{matching[-1].place if matching else of.name}: {message}") from None
     except (Exception, SystemExit):

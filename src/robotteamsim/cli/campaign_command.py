@@ -28,7 +28,7 @@ from robotteamsim.campaign.tables import (
 )
 from robotteamsim.cli.campaign_progress import CampaignProgress
 from robotteamsim.cli.parser import SCENARIO_HELP, address, number, path_of, positive_whole_number, whole_number
-from robotteamsim.cli.run_command import add_set_option
+from robotteamsim.cli.run_command import add_code_option, add_set_option
 
 DEFAULT_TRIALS = 30
 DEFAULT_SEED = 1
@@ -75,6 +75,7 @@ def add_to(commands: Any) -> None:
         help=f"seed of the campaign, which determines the seeds of all trials; default {DEFAULT_SEED}",
     )
     add_set_option(parser)
+    add_code_option(parser)
     places = parser.add_mutually_exclusive_group()
     places.add_argument(
         "--workers", type=positive_whole_number, metavar="N", help="number of processes; default one per core"
@@ -91,6 +92,8 @@ def run(options: argparse.Namespace) -> int:
     """Run the campaign. Returns: 0, or 1 if trials failed or were given up."""
     design = _design(options)
     check_folder(options.out, design)
+    if options.scheduler and not _is_protected(options.scheduler):
+        _warn(f"warning: {options.scheduler}: without TLS, whoever reaches it can run code; see docs/experiments.md")
     with contextlib.ExitStack() as stack:
         # Connect first, so that a scheduler that does not answer leaves no store behind.
         client = stack.enter_context(scheduler_at(options.scheduler)) if options.scheduler else None
@@ -129,6 +132,7 @@ def _design(options: argparse.Namespace) -> Design:
             *(Factor(key, values, place) for key, values in file.sweep.items()),
             *map(parse_sweep, options.sweep),
         ],
+        allow_code=options.allow_code,
         groups=[[Factor(key, (value,), place) for key, value in cell.items()] for cell in file.cells or ({},)],
     )
 
@@ -195,6 +199,12 @@ def _document(
 
 def _first(*values: int | None) -> int:
     return next(value for value in values if value is not None)
+
+
+def _is_protected(scheduler: str) -> bool:
+    """Whether an address is encrypted, or of this machine alone."""
+    protocol, _, place = scheduler.rpartition("://")
+    return protocol in ("tls", "wss", "inproc") or place.startswith(("127.", "localhost:", "[::1]"))
 
 
 def _warn(line: str) -> None:

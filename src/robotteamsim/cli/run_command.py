@@ -14,12 +14,14 @@ from robotteamsim import scenario
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, whole_number
 from robotteamsim.cli.progress import ProgressBar
+from robotteamsim.control import foreign_code
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording import BagWriter, ResultWriter, TumWriter, result_summary
 from robotteamsim.recording.results import FILE_NAME
 from robotteamsim.recording.table import EventList, print_result
 from robotteamsim.simulation import Observer, Simulation
 
+ALLOW_CODE = "--allow-code"
 TRAJECTORIES = "trajectories"
 """The folder of trajectories within --out."""
 
@@ -46,6 +48,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument("--noise", type=number, metavar="DB", help="background noise [dB] (voice.noise_db)")
     parser.add_argument("--robots", type=whole_number, metavar="N", help="number of robots (robots.count)")
     add_set_option(parser)
+    add_code_option(parser)
     parser.add_argument("--out", type=path_of, metavar="DIR", help="write mission.json and trajectories to this folder")
     parser.add_argument("--bag", type=path_of, metavar="FILE", help="write a ROS bag of the run")
     parser.add_argument("--json", action="store_true", help="print the result as one JSON object instead of a table")
@@ -65,10 +68,26 @@ def add_set_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_code_option(parser: argparse.ArgumentParser) -> None:
+    """Add --allow-code."""
+    parser.add_argument(
+        ALLOW_CODE,
+        action="store_true",
+        help="let control.algorithm in a file be any Python class, module:Class, whose code then runs",
+    )
+
+
+def check_code(options: argparse.Namespace, loaded: scenario.Scenario) -> None:
+    """Raises: ScenarioError: the scenario's file names a class to run, and --allow-code is not given."""
+    if not options.allow_code:
+        foreign_code.check_scenario(loaded, ALLOW_CODE)
+
+
 def run(options: argparse.Namespace) -> None:
     """Run the mission."""
     _check_files(options)
     loaded = _load(options)
+    check_code(options, loaded)
     simulation = Simulation(loaded)
     _check_controllers(simulation)
     events = EventList()

@@ -10,7 +10,7 @@ from typing import Any
 from robotteamsim import scenario
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of
 from robotteamsim.cli.pictures import add_png_option, save
-from robotteamsim.cli.run_command import add_set_option
+from robotteamsim.cli.run_command import add_code_option, add_set_option, check_code
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.recording.files import write_atomically
 from robotteamsim.simulation import Simulation
@@ -30,6 +30,7 @@ def add_to(commands: Any) -> None:
     check = actions.add_parser("check", help="report all mistakes in scenarios")
     check.add_argument("scenarios", nargs="+", metavar="SCENARIO", help="files or shipped names")
     add_set_option(check)
+    add_code_option(check)
     check.set_defaults(command=run_check)
 
     show = actions.add_parser("show", help="print a scenario with every key and default")
@@ -57,6 +58,7 @@ def run_check(options: argparse.Namespace) -> None:
     for name in options.scenarios:
         try:
             loaded = scenario.load(name, options.overrides)
+            check_code(options, loaded)
             check_places(loaded)
         except ScenarioError as error:
             mistakes += [str(error), *getattr(error, "__notes__", [])]

@@ -119,3 +119,14 @@ def test_number_of_robots_must_fit_a_list_of_robots(parameters, tmp_path):
         read_settings()
     parameters["/robotteamsim/robots"] = 2
     assert read_settings().num_robots == 2
+
+
+def test_code_that_a_scenario_file_names_is_refused_unless_it_is_allowed(parameters, tmp_path):
+    path = tmp_path / "my.yaml"
+    robots = "robots: {count: 2, start: [3, 3, 0]}"
+    path.write_text(f"name: my\nplan: garage\n{robots}\ncontrol: {{algorithm: 'somewhere:Mine'}}\n", encoding="utf-8")
+    parameters["/robotteamsim/scenario"] = str(path)
+    with pytest.raises(ScenarioError, match=r"'somewhere:Mine' runs any code; .* add allow_code:=true$"):
+        read_settings()
+    parameters["/robotteamsim/allow_code"] = True
+    assert read_settings().scenario.control.algorithm == "somewhere:Mine"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from pydantic import ValidationError
 
+from robotteamsim.control import foreign_code
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.ros.transport.node import ParameterError, node_name, parameter, wait_for_shutdown
 from robotteamsim.scenario import Scenario, load
@@ -110,6 +111,8 @@ def _read_settings() -> Settings:
         silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
         mission=parameter(f"{PARAMETERS}/mission", True),
     )
+    if settings.controllers and not parameter(f"{PARAMETERS}/allow_code", False):
+        foreign_code.check_scenario(scenario, "allow_code:=true")
     if settings.lockstep and not settings.mission:
         raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False where there is no mission")
     if num_robots not in (NOT_SET, settings.num_robots):
