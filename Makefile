@@ -13,13 +13,13 @@ SPEED ?= 5
 FUZZ := $(BUILD)/fuzz
 FUZZ_SECONDS ?= 60
 # Whole missions are excluded: with the sanitizers they take many minutes, and no C++ is used only by them.
-SANITIZED := $(addprefix test/python/,propagation network sensing world swarm control)
+SANITIZED := $(addprefix test/python/,propagation network sensing world swarm control fuzz/test_core_entry_points.py)
 ARGS ?=
 # The environment for ROS and Python, independent of the user's shell.
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize wheel pictures clean
+.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize wheel pictures man lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -33,9 +33,9 @@ $(VENV)/.debian: setup/debian-packages.txt setup/install-debian-packages.sh
 	@test -x $(PYTHON) || { echo "-- making $(VENV)"; /usr/bin/python3 -m venv --system-site-packages $(VENV); }
 	@touch $@
 
-$(VENV)/.ready: $(VENV)/.debian setup/requirements.txt
+$(VENV)/.ready: $(VENV)/.debian setup/requirements.lock
 	@echo "-- PyPI packages into $(VENV)"
-	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --requirement setup/requirements.txt
+	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --require-hashes --requirement setup/requirements.lock
 	@touch $@
 
 build: $(VENV)/.ready ## build messages, C++ library and nodes into build/
@@ -103,10 +103,13 @@ build_fuzz: build
 	@{ cmake -S test/fuzz -B $(FUZZ) -DCMAKE_CXX_COMPILER=clang++-14 -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) && \
 		cmake --build $(FUZZ) -j$(JOBS); } > $(FUZZ)/build.log 2>&1 || { cat $(FUZZ)/build.log; exit 1; }
 
-fuzz: build_fuzz ## fuzz propagation, network and import under ASan and UBSan, FUZZ_SECONDS=60 each
+fuzz: build_fuzz ## fuzz C++, YAML, bags, messages and import, C++ under ASan and UBSan, FUZZ_SECONDS=60 each
 	@for name in propagation network; do mkdir -p $(FUZZ)/corpus_$$name; echo "-- $$name"; \
 		$(FUZZ)/$${name}_fuzzer -max_total_time=$(FUZZ_SECONDS) -max_len=400 -len_control=0 -verbosity=0 \
 		-print_final_stats=1 -artifact_prefix=$(FUZZ)/ $(FUZZ)/corpus_$$name test/fuzz/corpus/$$name || exit 1; done
+	@echo "-- core"; $(ENV) PYTHONPATH=test/fuzz:$$PYTHONPATH ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD=$$(cat $(FUZZ)/preloaded) \
+		$(PYTHON) test/fuzz/core_fuzz.py --seconds $(FUZZ_SECONDS) --core $(FUZZ)/_core*.so
+	@$(ENV) $(PYTHON) test/fuzz/input_fuzz.py --seconds $(FUZZ_SECONDS)
 	@echo "-- import"; $(ENV) ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD=$$(cat $(FUZZ)/preloaded) \
 		$(PYTHON) test/fuzz/import_fuzz.py --seconds $(FUZZ_SECONDS) --core $(FUZZ)/_core*.so 2> $(FUZZ)/import.log \
 		|| { tail -60 $(FUZZ)/import.log; exit 1; }
@@ -131,6 +134,14 @@ pictures: build ## regenerate the pictures of README and docs
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field voice garage_sar --range highest --png docs/images/field_noise.png \
 		--compare voice.noise_db=10 --compare voice.noise_db=20 --compare voice.noise_db=30
 	@$(ENV) $(PYTHON) docs/make_pictures.py
+
+man: build ## write the man page docs/robotteamsim.1 again
+	@$(ENV) $(PYTHON) docs/make_man_page.py docs/robotteamsim.1
+
+lock: ## write setup/requirements.lock again: the versions of requirements.txt, what they need, and all hashes
+	@$(PYTHON) -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-header --no-annotate \
+		--no-emit-index-url --no-emit-find-links --no-emit-trusted-host \
+		--output-file setup/requirements.lock setup/requirements.txt
 
 clean: ## remove build/, dist/ and .venv
 	rm -rf $(BUILD) dist $(VENV)

@@ -16,6 +16,7 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "geometry.hpp"
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/control/clearance.hpp"
 #include "robotteamsim/control/navigator.hpp"
 #include "robotteamsim/control/ruled_out.hpp"
@@ -108,6 +109,7 @@ void BindNavigator(nb::module_& m) {
 // In `map`, where the robot is at `pose`.
 std::optional<base::Point> ClearestPlace(const control::Surroundings& surroundings, const base::Pose& pose,
                                          const Scan& ranges_m) {
+  base::Check(pose, "pose");
   const std::optional<base::Point> place = surroundings.ClearestPlace(RangesOf(ranges_m));
   if (!place) return std::nullopt;
   const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);

@@ -1,6 +1,46 @@
-"""Pluralisation in messages."""
+"""Texts of messages: plurals, foreign text made safe to print, and tables that fit a terminal."""
+
+import re
+from collections.abc import Sequence
+
+_LONG = re.compile(r"[^\s/]{120,}")
+_SHOWN_OF_LONG = 80
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
 def counted(number: int, noun: str) -> str:
     """Return a number with its noun, such as "1 robot", "3 robots" or "0 robots"."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def printable(text: str) -> str:
+    r"""Return a text for one line of a terminal: control characters as \x1b, words of 120 characters shortened."""
+    escaped = "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
+    return _LONG.sub(lambda word: f"{word[0][:_SHOWN_OF_LONG]}...", escaped)
+
+
+def safe_cell(value: object) -> object:
+    """Return a value for a CSV file; a text that a spreadsheet would run as a formula begins with an apostrophe."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) and not _is_number(value) else value
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def column_groups(widths: Sequence[int], first_width: int, total_width: int) -> list[range]:
+    """Return which columns of a wide table to print together, below each other; every group has at least one.
+
+    Args: widths: of each column, with the space before it. first_width: of what every group repeats.
+    """
+    groups, begin, used = [], 0, first_width
+    for index, width in enumerate(widths):
+        if index > begin and used + width > total_width:
+            groups.append(range(begin, index))
+            begin, used = index, first_width
+        used += width
+    return [*groups, range(begin, len(widths))]

@@ -53,7 +53,8 @@ class RuledOut {
   void Clear();
 
   /// Adds notes; of duplicates only the first.
-  void Add(const HeardNote& note) { Add(note, HeardKey(note)); }
+  /// Throws std::invalid_argument if a place is not finite.
+  void Add(const HeardNote& note);
   void Add(const HeardNotes& heard);
 
   bool Covers(const base::Point& place) const;

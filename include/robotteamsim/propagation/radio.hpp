@@ -24,8 +24,11 @@ struct RadioModel {
 };
 
 /// Returns the loss of the floors crossed [dB]: k^((k + 2) / (k + 1) - b) L_f, the last term of eq. (4); 0 for none.
-/// Throws std::invalid_argument if their number is negative.
+/// Throws std::invalid_argument if their number is negative or the loss is not finite.
 double FloorLossDb(const RadioModel& model, int floors_crossed);
+
+/// Throws std::invalid_argument if a number of a model is not finite or its shortest distance is not above 0.
+void CheckRadioModel(const RadioModel& model);
 
 /// Positions [m], one row per robot.
 using Positions = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;

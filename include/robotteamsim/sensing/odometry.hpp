@@ -54,7 +54,8 @@ class Odometry {
   };
 
   /// Args: step: length of a step [s]; omni: whether the robot is omnidirectional.
-  Odometry(const OdometryModel& model, double step, bool omni = false) : model_(model), step_(step), omni_(omni) {}
+  /// Throws std::invalid_argument if a coefficient is negative or not finite, or the step is not above 0.
+  Odometry(const OdometryModel& model, double step, bool omni = false);
 
   /// Adds one step. Args: motion: in the frame of its beginning; twist: the mean velocity, in base_link.
   void Step(const base::Pose& motion, const base::Twist& twist, const Noise& noise);

@@ -18,7 +18,7 @@ struct RobotTotals {
 /// Adds up the totals of each robot of a team.
 class TeamTotals {
  public:
-  explicit TeamTotals(int num_robots) : logs_(num_robots) {}
+  explicit TeamTotals(int num_robots);
 
   /// Adds one step of a robot. Staying counts only while the mission runs.
   /// Args: at: its true position in `map` [m]; NaN if it is not there: then nothing counts.

@@ -2,12 +2,21 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <stdexcept>
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
 
 namespace robotteamsim::swarm {
+
+/// Returns a velocity. Throws std::invalid_argument if it is not finite.
+inline base::Point Finite(const base::Point& velocity) {
+  if (std::isfinite(velocity.x) && std::isfinite(velocity.y)) return velocity;
+  throw std::invalid_argument(
+      "positions, velocities and weights of a swarm must be finite, and so small that their sum is");
+}
 
 /// One component of eq. (22): its weight c, its random number r in [0, 1), and the attractor x.
 struct Pull {
@@ -24,7 +33,7 @@ inline base::Point NextVelocity(const base::Point& position, const base::Point& 
     velocity.x += pull.weight * pull.random * (pull.attractor.x - position.x);
     velocity.y += pull.weight * pull.random * (pull.attractor.y - position.y);
   }
-  return velocity;
+  return Finite(velocity);
 }
 
 /// The memory term of eq. (25): the sum of past velocities, newest first, times their weights; missing velocities count
@@ -35,7 +44,7 @@ inline base::Point MemoryTerm(const std::vector<double>& coefficients, const std
     sum.x += coefficients[i] * velocities[i].x;
     sum.y += coefficients[i] * velocities[i].y;
   }
-  return sum;
+  return Finite(sum);
 }
 
 }  // namespace robotteamsim::swarm

@@ -27,4 +27,7 @@ double GapBetween(const Polygon& polygon, const base::Point& point);
 /// Args: what: name of the polygon for the message.
 void CheckFootprint(const Polygon& corners, const char* what);
 
+/// Throws std::invalid_argument if a corner of a solid is not finite or beyond the limit of base::Check.
+void CheckSolid(const Solid& solid);
+
 }  // namespace robotteamsim::world

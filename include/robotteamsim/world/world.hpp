@@ -88,6 +88,7 @@ class World {
   const std::vector<double>& contact_angles(int robot) const { return contact_angles_.at(robot); }
 
   /// Moves a robot to a pose, at rest.
+  /// Throws std::invalid_argument if the pose is not finite; nothing has moved then.
   void SetPose(int robot, const base::Pose& pose);
   /// Removes a robot from the floor; no effect if it is not there.
   void RemoveRobot(int robot);
@@ -117,6 +118,7 @@ class World {
   bool HoldsLeaf(const Polygon& now, const Polygon& next) const;
   base::Point BodyPosition(int robot) const;
   void SetBodyPose(int robot);
+  void Place(int robot, const base::Pose& pose);
   DriveSpeed BodySpeed(int robot) const;
   double MaxTravel(const std::vector<base::Twist>& commands) const;
   bool CouldTouch(int robot, double travel) const;

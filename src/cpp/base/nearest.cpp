@@ -6,12 +6,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/base/hypot.hpp"
 
 namespace robotteamsim::base {
 
 Point NearestPoint(const Point& position, const std::vector<Point>& points) {
   if (points.empty()) throw std::invalid_argument("points must not be empty");
+  Check(position, "position");
   const Point* nearest = &points.front();
   double least = std::numeric_limits<double>::infinity();
   for (const Point& point : points) {
@@ -21,6 +23,7 @@ Point NearestPoint(const Point& position, const std::vector<Point>& points) {
       least = distance;
     }
   }
+  Check(*nearest, "points");
   return *nearest;
 }
 

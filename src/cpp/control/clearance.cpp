@@ -9,12 +9,16 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robotteamsim/base/checks.hpp"
+
 namespace robotteamsim::control {
 namespace {
 
 /// Number of beams or hits that are tested together. They are ordered by direction: most blocks contain many relevant
 /// ones, or none.
 constexpr std::size_t kBlock = 16;
+
+constexpr int kMostBeams = 1'000'000;
 
 /// Within 60 degrees of a hit inside the disc, motion leads towards it.
 constexpr double kCosSquaredOf60Degrees = 0.25;
@@ -100,6 +104,11 @@ double FreeDistanceAmong(const std::vector<base::Point>& hits, const Direction& 
 
 ScanClearance::ScanClearance(const LaserLayout& layout) : layout_(layout) {
   if (layout.beams < 1) throw std::invalid_argument("a laser must have at least one beam");
+  if (layout.beams > kMostBeams) throw std::invalid_argument("a laser must have at most a million beams");
+  base::Check(layout.angle_min, "angle_min");
+  base::Check(layout.angle_max, "angle_max");
+  base::Check(layout.forward, "forward");
+  base::CheckNotNegative(layout.range_max, "range_max");
   const double step = layout.beams > 1 ? (layout.angle_max - layout.angle_min) / (layout.beams - 1) : 0.0;
   for (int beam = 0; beam < layout.beams; ++beam) {
     const double angle = layout.angle_min + beam * step;

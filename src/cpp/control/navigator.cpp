@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/base/hypot.hpp"
 
 namespace robotteamsim::control {
@@ -31,6 +33,48 @@ double Distance(const base::Point& a, const base::Point& b) { return base::Hypot
 
 base::Point PlaceOf(const base::Pose& pose) { return {pose.x, pose.y}; }
 
+constexpr int kMostRobots = 1'000'000;
+constexpr int kMostHeadings = 3600;
+
+NavigatorBody Checked(const NavigatorBody& body) {
+  if (body.robot_id < 0 || body.robot_id >= kMostRobots)
+    throw std::invalid_argument("robot_id must be from 0 to 999999");
+  base::CheckPositive(body.radius, "radius");
+  base::CheckPositive(body.max_speed, "max_speed");
+  base::CheckNotNegative(body.max_turn, "max_turn");
+  return body;
+}
+
+NavigatorParameters Checked(const NavigatorParameters& parameters) {
+  const NavigatorParameters& p = parameters;
+  for (const double value : {p.arrived,
+                             p.laser_margin,
+                             p.look_ahead,
+                             p.longest_path,
+                             p.turn_in_place,
+                             p.turn_gain,
+                             p.braking,
+                             p.manoeuvring_speed,
+                             p.room_to_turn,
+                             p.progress,
+                             p.stuck_timeout,
+                             p.yield_timeout,
+                             p.escape,
+                             p.escape_time,
+                             p.near_teammate,
+                             p.nearest_free_start,
+                             p.nearest_free_goal,
+                             p.sidestep.left_penalty,
+                             p.sidestep.change_penalty,
+                             p.sidestep.ahead}) {
+    base::CheckNotNegative(value, "each parameter of a navigator");
+  }
+  if (p.escape_headings < 0 || p.escape_headings > kMostHeadings) {
+    throw std::invalid_argument("escape_headings must be from 0 to 3600");
+  }
+  return parameters;
+}
+
 bool IsSeen(double heading, const LaserLayout& laser) {
   return laser.angle_min <= heading && heading <= laser.angle_max;
 }
@@ -49,8 +93,8 @@ std::vector<double> SidestepsOf(const LaserLayout& laser) {
 }  // namespace
 
 Navigator::Navigator(const NavigatorBody& body, bool by_path, const NavigatorParameters& parameters)
-    : body_(body),
-      parameters_(parameters),
+    : body_(Checked(body)),
+      parameters_(Checked(parameters)),
       by_path_(by_path),
       clearance_(body.laser),
       sidestepper_(clearance_, SidestepsOf(body.laser), parameters.sidestep) {}
@@ -58,6 +102,10 @@ Navigator::Navigator(const NavigatorBody& body, bool by_path, const NavigatorPar
 base::Twist Navigator::Drive(const std::shared_ptr<const plan::PlanningGrid>& grid, const base::Pose& pose,
                              const Ranges& ranges, const base::Point& goal, double speed, double time,
                              const std::function<Teammates()>& teammates) {
+  if (grid == nullptr) throw std::invalid_argument("a navigator needs a grid");
+  base::Check(pose, "pose");
+  base::Check(goal, "goal");
+  base::Check(speed, "speed");
   const base::Point position = PlaceOf(pose);
   if (grid != grid_ || goal.x != goal_.x || goal.y != goal_.y) {
     grid_ = grid;

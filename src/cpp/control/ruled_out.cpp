@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <stdexcept>
 #include <utility>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/base/hypot.hpp"
 
 namespace robotteamsim::control {
@@ -13,6 +13,14 @@ namespace {
 
 constexpr double kSamePlace = 0.25;
 constexpr std::size_t kSmallestTable = 64;  // a power of two, like all sizes
+
+/// Places beyond this many buckets share the last one.
+constexpr int kMostBuckets = 1 << 30;
+
+void Check(const HeardNote& note) {
+  base::Check(note.position, "position");
+  if (note.loudest) base::Check(*note.loudest, "loudest");
+}
 
 double Distance(const base::Point& a, const base::Point& b) { return base::Hypot(a.x - b.x, a.y - b.y); }
 
@@ -37,17 +45,23 @@ bool HeardKey::operator==(const HeardKey& other) const {
 }
 
 HeardNotes::HeardNotes(std::vector<HeardNote> notes) : notes_(std::move(notes)) {
-  for (const HeardNote& note : notes_) keys_.emplace_back(note);
+  for (const HeardNote& note : notes_) {
+    Check(note);
+    keys_.emplace_back(note);
+  }
 }
 
 RuledOut::RuledOut(double radius, double cell, double next_to)
     : radius_(radius), cell_(cell), next_to_(next_to), bucket_(std::max(radius, next_to)), table_(kSmallestTable, 0) {
-  if (!(bucket_ > 0.0)) throw std::invalid_argument("radius must be > 0");
+  base::CheckNotNegative(radius, "radius");
+  base::CheckNotNegative(cell, "cell");
+  base::CheckNotNegative(next_to, "next_to");
+  base::CheckPositive(bucket_, "radius");
 }
 
 std::int64_t RuledOut::BucketOf(double x, double y, int d_column, int d_row) const {
-  const auto column = static_cast<std::int64_t>(std::floor(x / bucket_)) + d_column;
-  const auto row = static_cast<std::int64_t>(std::floor(y / bucket_)) + d_row;
+  const std::int64_t column = base::ClampedInt(std::floor(x / bucket_), -kMostBuckets, kMostBuckets) + d_column;
+  const std::int64_t row = base::ClampedInt(std::floor(y / bucket_), -kMostBuckets, kMostBuckets) + d_row;
   return column * (std::int64_t{1} << 32) + row;
 }
 
@@ -77,6 +91,11 @@ std::size_t RuledOut::PlaceOf(const HeardKey& key) const {
   std::size_t place = key.hash & mask;
   while (table_[place] != 0 && !(known_[table_[place] - 1] == key)) place = (place + 1) & mask;
   return place;
+}
+
+void RuledOut::Add(const HeardNote& note) {
+  Check(note);
+  Add(note, HeardKey(note));
 }
 
 void RuledOut::Add(const HeardNotes& heard) {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/swarm/attractors.hpp"
 
 namespace robotteamsim::control {
@@ -22,6 +23,8 @@ Surroundings::Surroundings(ScanClearance clearance, int stride, double sensing_r
       sensing_radius_(sensing_radius),
       directions_(headings.begin(), headings.end()) {
   if (stride < 1) throw std::invalid_argument("the stride must be at least 1");
+  base::CheckPositive(sensing_radius, "sensing_radius");
+  for (const double heading : headings) base::Check(heading, "a heading");
 }
 
 std::optional<base::Point> Surroundings::ClearestPlace(const Ranges& ranges) const {

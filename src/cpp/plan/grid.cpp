@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/base/hypot.hpp"
 
 namespace robotteamsim::plan {
@@ -27,7 +28,8 @@ double SquaredDistance(const base::Point& a, const base::Point& b) {
 }
 
 void CheckShape(const GridShape& shape, std::size_t num_cells) {
-  if (!(shape.resolution > 0.0)) throw std::invalid_argument("resolution must be > 0");
+  base::CheckPositive(shape.resolution, "resolution");
+  base::Check(shape.origin, "the origin of a grid");
   if (shape.rows < 1 || shape.cols < 1) throw std::invalid_argument("a grid needs at least one row and one column");
   if (num_cells != static_cast<std::size_t>(shape.rows) * static_cast<std::size_t>(shape.cols)) {
     throw std::invalid_argument("the number of cells must be rows * cols");
@@ -60,13 +62,14 @@ float LeastOf(const float* values, int count) {
 }
 
 /// Returns row and column offsets of the cells whose centre is nearer than `inflation` to the square of cell (0, 0).
-std::vector<std::pair<int, int>> InflationStamp(double inflation, double resolution) {
+std::vector<std::pair<int, int>> InflationStamp(double inflation, const GridShape& shape) {
   std::vector<std::pair<int, int>> stamp;
-  const int reach = static_cast<int>(std::ceil(inflation / resolution)) + 1;
-  for (int d_row = -reach; d_row <= reach; ++d_row) {
-    for (int d_col = -reach; d_col <= reach; ++d_col) {
-      const double x = std::max(0.0, std::abs(d_col) - 0.5) * resolution;
-      const double y = std::max(0.0, std::abs(d_row) - 0.5) * resolution;
+  const double reach = std::ceil(inflation / shape.resolution) + 1.0;
+  const int rows = base::ClampedInt(reach, 0, shape.rows), cols = base::ClampedInt(reach, 0, shape.cols);
+  for (int d_row = -rows; d_row <= rows; ++d_row) {
+    for (int d_col = -cols; d_col <= cols; ++d_col) {
+      const double x = std::max(0.0, std::abs(d_col) - 0.5) * shape.resolution;
+      const double y = std::max(0.0, std::abs(d_row) - 0.5) * shape.resolution;
       // The margin keeps a cell at exactly the inflation free despite rounding.
       if (x * x + y * y < inflation * inflation - 1e-9) stamp.emplace_back(d_row, d_col);
     }
@@ -79,7 +82,7 @@ std::vector<std::pair<int, int>> InflationStamp(double inflation, double resolut
 PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation)
     : shape_(shape), blocked_(occupied), disc_fill_(0, 0, {}) {
   CheckShape(shape, occupied.size());
-  if (!(inflation >= 0.0)) throw std::invalid_argument("inflation must be >= 0");
+  base::CheckNotNegative(inflation, "inflation");
   for (int d_row = -1; d_row <= 1; ++d_row) {
     for (int d_col = -1; d_col <= 1; ++d_col) {
       if (d_row == 0 && d_col == 0) continue;
@@ -87,7 +90,7 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
       steps_.push_back({d_row * shape.cols + d_col, d_row, d_col, length});
     }
   }
-  const auto stamp = InflationStamp(inflation, shape.resolution);
+  const auto stamp = InflationStamp(inflation, shape);
   for (int row = 0; row < shape.rows; ++row) {
     for (int col = 0; col < shape.cols; ++col) {
       if (occupied[row * shape.cols + col] == 0) continue;
@@ -149,14 +152,18 @@ std::optional<base::Point> PlanningGrid::NearestFree(const base::Point& point, d
 
 std::optional<base::Point> PlanningGrid::NearestInDisc(const base::Point& center, const base::Point& to,
                                                        double radius) const {
+  base::Check(center, "center");
+  base::Check(to, "goal");
+  base::CheckNotNegative(radius, "radius");
   const double low_row = (center.y - radius - shape_.origin.y) / shape_.resolution - 1.0;
   const double low_col = (center.x - radius - shape_.origin.x) / shape_.resolution - 1.0;
   const double high_row = (center.y + radius - shape_.origin.y) / shape_.resolution + 1.0;
   const double high_col = (center.x + radius - shape_.origin.x) / shape_.resolution + 1.0;
   std::optional<base::Point> best;
   double best_squared = kInfinity;
-  for (int row = static_cast<int>(std::max(0.0, low_row)); row < std::min<double>(shape_.rows, high_row); ++row) {
-    for (int col = static_cast<int>(std::max(0.0, low_col)); col < std::min<double>(shape_.cols, high_col); ++col) {
+  const int first_col = base::ClampedInt(low_col, 0, shape_.cols);
+  for (int row = base::ClampedInt(low_row, 0, shape_.rows); row < std::min<double>(shape_.rows, high_row); ++row) {
+    for (int col = first_col; col < std::min<double>(shape_.cols, high_col); ++col) {
       if (!Free(row, col)) continue;
       const base::Point cell = Center(row, col);
       const double squared = SquaredDistance(cell, to);
@@ -185,8 +192,10 @@ bool PlanningGrid::IsLineFree(const base::Point& a, const base::Point& b) const 
     const double t_col = col == last_col ? kInfinity : (col + (d_col > 0 ? 1 : 0) - x) / dx;
     const double t_row = row == last_row ? kInfinity : (row + (d_row > 0 ? 1 : 0) - y) / dy;
     if (t_col == t_row && (!Free(row + d_row, col) || !Free(row, col + d_col))) return false;
-    if (t_col <= t_row) col += d_col;
-    if (t_row <= t_col) row += d_row;
+    // Not `<=`: with a NaN neither would be true, and the loop would never end.
+    const bool leaves_col = !(t_col > t_row), leaves_row = !(t_row > t_col);
+    if (leaves_col) col += d_col;
+    if (leaves_row) row += d_row;
     if (!Free(row, col)) return false;
   }
   return true;
@@ -234,6 +243,7 @@ double PlanningGrid::ValueAt(const float* distances, std::size_t size, const bas
 
 std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, const base::Point& to,
                                                     double max_length) const {
+  base::CheckNotNegative(max_length, "max_length");
   const int start = FreeCellOf(from);
   const int goal = FreeCellOf(to);
   if (start < 0 || goal < 0) return {};
@@ -330,6 +340,7 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const base::Poin
 std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* distances, std::size_t size,
                                                                  const base::Point& from, double radius) const {
   if (size != blocked_.size()) throw std::invalid_argument("the distance map must have one value per cell");
+  base::CheckNotNegative(radius, "radius");
   const int start = FreeCellOf(from);
   if (start < 0) return std::nullopt;
   const base::Point center{(from.x - shape_.origin.x) / shape_.resolution,
@@ -363,6 +374,8 @@ std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* di
 
 std::optional<base::Point> PlanningGrid::NearestReachable(const base::Point& from, const base::Point& to,
                                                           double radius) const {
+  base::Check(to, "goal");
+  base::CheckNotNegative(radius, "radius");
   const auto best =
       BestReachable(from, radius, [&](int, const base::Point& center) { return SquaredDistance(center, to); });
   if (!best) return std::nullopt;
@@ -370,6 +383,8 @@ std::optional<base::Point> PlanningGrid::NearestReachable(const base::Point& fro
 }
 
 base::Point PlanningGrid::ReachableTowards(const base::Point& from, const base::Point& goal) const {
+  base::Check(from, "start");
+  base::Check(goal, "goal");
   if (IsLineFree(from, goal)) return goal;
   const std::optional<base::Point> start = NearestFree(from, kNearby);
   if (!start) return goal;
@@ -379,6 +394,9 @@ base::Point PlanningGrid::ReachableTowards(const base::Point& from, const base::
 
 PlanningGrid::Valued PlanningGrid::FirstStretch(const base::Point& from, const base::Point& goal,
                                                 double max_length) const {
+  base::Check(from, "start");
+  base::Check(goal, "goal");
+  base::CheckNotNegative(max_length, "max_length");
   const Valued straight{goal, base::Hypot(from.x - goal.x, from.y - goal.y)};
   if (IsLineFree(from, goal)) return straight;
   const std::optional<base::Point> start = NearestFree(from, kNearby), end = NearestFree(goal, kNearby);

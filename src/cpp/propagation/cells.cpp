@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "robotteamsim/base/checks.hpp"
+
 namespace robotteamsim::propagation {
 namespace {
 
@@ -26,16 +28,14 @@ int CentersMm::FirstFrom(std::int64_t position) const {
   if (position > at[last]) return Count();
   // A guess that is off by at most one; the centres decide.
   const double guess = static_cast<double>(position - at[0]) * per_mm;
-  int index = guess > 0.0 ? std::min(static_cast<int>(guess), last) : 0;
+  int index = base::ClampedInt(guess, 0, last);
   while (at[index] < position) ++index;
   while (index > 0 && at[index - 1] >= position) --index;
   return index;
 }
 
 CellCentersMm::CellCentersMm(const plan::GridShape& grid) {
-  if (!(grid.resolution > 0.0)) {
-    throw std::invalid_argument("resolution_m must be > 0, got " + std::to_string(grid.resolution));
-  }
+  base::CheckPositive(grid.resolution, "resolution_m");
   if (grid.rows < 1 || grid.cols < 1) {
     throw std::invalid_argument("a grid must hold at least one cell, got " + std::to_string(grid.rows) + " x " +
                                 std::to_string(grid.cols));

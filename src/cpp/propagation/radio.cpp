@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/base/large_pages.hpp"
 #include "robotteamsim/base/log10.hpp"
 #include "robotteamsim/base/mirror.hpp"
@@ -78,10 +79,22 @@ double FloorLossDb(const RadioModel& model, int floors_crossed) {
     throw std::invalid_argument("floors_crossed must be >= 0, got " + std::to_string(floors_crossed));
   }
   const double k = floors_crossed;
-  return k == 0.0 ? 0.0 : std::pow(k, (k + 2.0) / (k + 1.0) - model.floor_exponent) * model.floor_loss_db;
+  const double loss_db =
+      k == 0.0 ? 0.0 : std::pow(k, (k + 2.0) / (k + 1.0) - model.floor_exponent) * model.floor_loss_db;
+  base::Check(loss_db, "the loss of the floors");
+  return loss_db;
+}
+
+void CheckRadioModel(const RadioModel& model) {
+  for (const double value :
+       {model.tx_power_dbm, model.constant_loss_db, model.slope_db, model.floor_loss_db, model.floor_exponent}) {
+    base::Check(value, "each parameter of a radio model");
+  }
+  base::CheckPositive(model.min_distance_m, "min_distance_m");
 }
 
 double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, PointMm b, int floors_crossed) {
+  CheckRadioModel(model);
   const auto wall_units = static_cast<double>(faces.WeightBetween(a, b));
   return LossDb(model, static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y), wall_units) +
          FloorLossDb(model, floors_crossed);
@@ -89,6 +102,7 @@ double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, Poin
 
 void WriteRssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
                         Eigen::Ref<CellValues> rssi_dbm, base::Simd simd) {
+  CheckRadioModel(model);
   const Eigen::Index n = positions.rows();
   if (rssi_dbm.rows() != n || rssi_dbm.cols() != n) {
     throw std::invalid_argument("the matrix must have " + std::to_string(n) + " rows and columns, got " +
@@ -121,6 +135,7 @@ CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Ei
 }
 
 Fading RadioFading(const RadioModel& model, int floors_crossed) {
+  CheckRadioModel(model);
   const double constant_db = model.tx_power_dbm - model.constant_loss_db - FloorLossDb(model, floors_crossed);
   return {constant_db, model.slope_db, 1.0 / kRadioUnitsPerDb, model.min_distance_m};
 }

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "robotteamsim/base/checks.hpp"
+
 namespace robotteamsim::propagation {
 namespace {
 
@@ -14,6 +16,14 @@ double LevelDb(const VoiceModel& model, const VoiceSource& source, PointMm from,
   return -source.constant_db - 10.0 * source.exponent * std::log10(distance_m) - walls_db;  // (7)
 }
 
+void CheckModel(const VoiceModel& model, const VoiceSource& source) {
+  base::Check(model.noise_db, "noise_db");
+  base::Check(model.unit_db, "unit_db");
+  base::CheckPositive(model.min_distance_m, "min_distance_m");
+  base::Check(source.constant_db, "constant_db");
+  base::Check(source.exponent, "exponent");
+}
+
 Fading FadingOf(const VoiceModel& model, const VoiceSource& source) {
   return {-source.constant_db, 10.0 * source.exponent, model.unit_db, model.min_distance_m};
 }
@@ -21,6 +31,7 @@ Fading FadingOf(const VoiceModel& model, const VoiceSource& source) {
 }  // namespace
 
 double VoiceLevelDb(const FaceSet& faces, const VoiceModel& model, const VoiceSource& source, PointMm at) {
+  CheckModel(model, source);
   const PointMm from = RoundToMm(source.position, "position of a voice");
   return LevelDb(model, source, from, at, faces.WeightBetween(from, at));
 }
@@ -41,6 +52,7 @@ void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vec
   std::vector<FieldSource> field_sources;
   field_sources.reserve(sources.size());
   for (const VoiceSource& source : sources) {
+    CheckModel(model, source);
     field_sources.push_back({RoundToMm(source.position, "position of a voice"), FadingOf(model, source)});
   }
   WriteHighest(faces, field_sources, grid, map, work);

@@ -6,20 +6,26 @@
 #include <stdexcept>
 #include <string>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/base/simd.hpp"
 
 namespace robotteamsim::sensing {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kMostBeams = 1'000'000;
 
 LaserModel Checked(const LaserModel& model) {
   if (model.beams < 1) throw std::invalid_argument("beams must be >= 1, got " + std::to_string(model.beams));
+  if (model.beams > kMostBeams) throw std::invalid_argument("beams must be at most a million");
   if (!(model.range_max > model.range_min)) throw std::invalid_argument("range_max must be > range_min");
   if (!(model.range_min >= 0.0)) throw std::invalid_argument("range_min must be >= 0");
-  if (!std::isfinite(model.angle_min) || !std::isfinite(model.angle_max) || !std::isfinite(model.forward) ||
-      !std::isfinite(model.left)) {
-    throw std::invalid_argument("angles and position of a laser must be finite");
+  for (const double value : {model.angle_min, model.angle_max, model.forward, model.left}) {
+    if (!base::IsUsable(value)) throw std::invalid_argument("angles and position of a laser must be finite");
+  }
+  base::CheckPositive(model.range_max, "range_max");
+  if (std::isnan(model.too_near) || std::isnan(model.no_return)) {
+    throw std::invalid_argument("too_near and no_return must be numbers");
   }
   return model;
 }
@@ -29,8 +35,9 @@ double Cross(const base::Point& a, const base::Point& b) { return a.x * b.y - a.
 ROBOTTEAMSIM_INLINE void WriteReport(const LaserModel& model, const double* __restrict ranges,
                                      const double* __restrict noise, std::size_t beams, float* __restrict report) {
   const double least = model.range_min, most = model.range_max, no_return = model.no_return, near = model.too_near;
+  // A NaN counts as too near: the robot stops.
   const auto reported = [=](double range) {
-    return static_cast<float>(range > most ? no_return : range < least ? near : range);
+    return static_cast<float>(range > most ? no_return : range >= least ? range : near);
   };
   if (noise == nullptr) {
     for (std::size_t beam = 0; beam < beams; ++beam) report[beam] = reported(ranges[beam]);

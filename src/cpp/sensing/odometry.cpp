@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robotteamsim/base/checks.hpp"
+
 namespace robotteamsim::sensing {
 namespace {
 
@@ -49,6 +51,13 @@ PoseCovariance CarriedOmni(PoseCovariance p, double x, double y, double way_vari
 
 }  // namespace
 
+Odometry::Odometry(const OdometryModel& model, double step, bool omni) : model_(model), step_(step), omni_(omni) {
+  for (const double alpha : {model.alpha1, model.alpha2, model.alpha3, model.alpha4}) {
+    base::CheckNotNegative(alpha, "a coefficient of the odometry");
+  }
+  base::CheckPositive(step, "step");
+}
+
 void Odometry::StepOmni(const base::Pose& motion, const base::Twist& twist, const Noise& noise) {
   const double turn = twist.angular_z * step_, distance2 = Square(motion.x) + Square(motion.y);
   const double turn_variance = model_.alpha1 * Square(turn) + model_.alpha2 * distance2;
@@ -70,6 +79,9 @@ void Odometry::StepOmni(const base::Pose& motion, const base::Twist& twist, cons
 }
 
 void Odometry::Step(const base::Pose& motion, const base::Twist& twist, const Noise& noise) {
+  base::Check(motion, "motion");
+  base::Check({twist.linear_x, twist.linear_y, twist.angular_z}, "twist");
+  base::Check({noise.first_turn, noise.distance, noise.second_turn}, "noise");
   if (omni_) return StepOmni(motion, twist, noise);
   const StraightMotion straight = StraightMotionOf(motion);
   const double turn = twist.angular_z * step_;

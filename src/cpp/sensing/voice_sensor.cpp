@@ -2,15 +2,20 @@
 
 #include <cmath>
 #include <cstddef>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
+
+#include "robotteamsim/base/checks.hpp"
 
 namespace robotteamsim::sensing {
 
 VoiceSensor::VoiceSensor(const plan::GridShape& grid, propagation::MapValues map, double radius)
     : grid_(grid), map_(std::move(map)), radius_(radius) {
   if (map_.rows() != grid.rows || map_.cols() != grid.cols) throw std::invalid_argument("the map must fit the grid");
+  base::Check(grid.origin, "origin_m");
+  base::CheckPositive(grid.resolution, "resolution_m");
+  base::CheckNotNegative(radius, "radius_m");
+  if (!map_.allFinite()) throw std::invalid_argument("levels_db must be finite");
 }
 
 std::vector<VoiceReading> VoiceSensor::Hear(const std::vector<base::Point>& positions) {
@@ -22,11 +27,7 @@ std::vector<VoiceReading> VoiceSensor::Hear(const std::vector<base::Point>& posi
 }
 
 VoiceReading VoiceSensor::HearAt(const base::Point& position, std::optional<propagation::Cell>* last) const {
-  if (!std::isfinite(position.x) || !std::isfinite(position.y)) {
-    std::ostringstream message;
-    message << "position_m must be finite, got (" << position.x << ", " << position.y << ")";
-    throw std::invalid_argument(message.str());
-  }
+  base::Check(position, "position_m");
   const double row = std::floor((position.y - grid_.origin.y) / grid_.resolution);
   const double col = std::floor((position.x - grid_.origin.x) / grid_.resolution);
   const bool is_inside = row >= 0.0 && row < grid_.rows && col >= 0.0 && col < grid_.cols;

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/base/hypot.hpp"
 
 namespace robotteamsim::simulation {
@@ -10,12 +14,24 @@ namespace {
 
 constexpr double kStayRadius = 0.5;  // [m]; part of the definition of `longest_stay`
 
+constexpr int kMostRobots = 1'000'000;
+
+std::size_t Checked(int num_robots) {
+  if (num_robots < 0 || num_robots > kMostRobots) {
+    throw std::invalid_argument("num_robots must be from 0 to " + std::to_string(kMostRobots));
+  }
+  return static_cast<std::size_t>(num_robots);
+}
+
 double Distance(const base::Point& a, const base::Point& b) { return base::Hypot(a.x - b.x, a.y - b.y); }
 
 }  // namespace
 
+TeamTotals::TeamTotals(int num_robots) : logs_(Checked(num_robots)) {}
+
 void TeamTotals::Add(int robot, const base::Point& at, bool in_contact, bool is_excluded, bool is_running) {
   Log& log = logs_[robot];
+  if (!std::isnan(at.x)) base::Check(at, "a position");
   const base::Point before = log.last;
   log.last = at;
   if (std::isnan(at.x)) return;

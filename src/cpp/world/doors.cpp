@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/world/box_bodies.hpp"
 #include "robotteamsim/world/nearby_edges.hpp"
 #include "robotteamsim/world/outline.hpp"
@@ -16,6 +17,8 @@ namespace {
 
 // A leaf checks after every centimetre of its motion [m] whether something blocks it.
 constexpr double kGlance = 0.01;
+// The most checks within a substep: a leaf that moves by more than 100 m in one checks less often.
+constexpr int kMostGlances = 10'000;
 
 // A leaf this near to its end [of the whole motion] has arrived: the difference is rounding.
 constexpr double kAtEnd = 1e-9;
@@ -25,8 +28,9 @@ std::vector<Door> Checked(std::vector<Door> doors) {
     const LeafMotion& motion = door.motion;
     for (const double value :
          {motion.time, motion.angle, motion.shift.x, motion.shift.y, motion.hinge.x, motion.hinge.y}) {
-      if (!std::isfinite(value)) throw std::invalid_argument("the motion of a door must be finite");
+      base::Check(value, "the motion of a door");
     }
+    CheckSolid(door.leaf);
     if (motion.time < 0.0) throw std::invalid_argument("the time of a door must be >= 0");
   }
   return doors;
@@ -125,7 +129,7 @@ void Doors::Advance(double time, const IsBlocked& is_blocked) {
 
 void Doors::GoOn(MovingLeaf& leaf, double time, const IsBlocked& is_blocked) {
   Door& door = doors_[leaf.door];
-  const int parts = static_cast<int>(std::ceil(Pace(leaf) * time / kGlance));
+  const int parts = base::ClampedInt(std::ceil(Pace(leaf) * time / kGlance), 0, kMostGlances);
   const double end = leaf.shall_close ? 0.0 : 1.0;
   const double part = (leaf.shall_close ? -1.0 : 1.0) * time / door.motion.time / parts;
   leaf.is_held = false;

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "robotteamsim/base/checks.hpp"
+
 namespace robotteamsim::world {
 namespace {
 
@@ -41,8 +43,6 @@ DriveSpeed ReachedCarSpeed(const DriveSpeed& now, const base::Twist& command, co
   return speed;
 }
 
-bool IsPositive(double value) { return value > 0.0 && std::isfinite(value); }
-
 }  // namespace
 
 void CheckDrive(const DriveLimits& limits) {
@@ -50,9 +50,9 @@ void CheckDrive(const DriveLimits& limits) {
   const double shared[] = {limits.max_speed, limits.max_acceleration};
   const double turning[] = {limits.max_turn, limits.max_turn_acceleration};
   const double steering[] = {limits.wheelbase, limits.max_steering, limits.max_steering_rate};
-  const bool fine = std::all_of(std::begin(shared), std::end(shared), IsPositive) &&
-                    (is_car ? std::all_of(std::begin(steering), std::end(steering), IsPositive)
-                            : std::all_of(std::begin(turning), std::end(turning), IsPositive));
+  const bool fine = std::all_of(std::begin(shared), std::end(shared), base::IsPositive) &&
+                    (is_car ? std::all_of(std::begin(steering), std::end(steering), base::IsPositive)
+                            : std::all_of(std::begin(turning), std::end(turning), base::IsPositive));
   if (!fine) throw std::invalid_argument("sizes and limits of a robot must be > 0");
   if (is_car && !(limits.max_steering < 0.5 * kPi)) {
     throw std::invalid_argument("max_steering must be below a right angle, got " + std::to_string(limits.max_steering));

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/world/box_bodies.hpp"
 #include "robotteamsim/world/outline.hpp"
 
@@ -18,15 +19,15 @@ constexpr double kUnmoved = 1e-6;
 
 constexpr double kGravity = 9.81;  // [m/s^2]
 
-bool IsPositive(double value) { return value > 0.0 && std::isfinite(value); }
-
 MovableObject Checked(MovableObject object) {
   if (!object.corners.empty()) {
     CheckFootprint(object.corners, "an object");
     object.radius = ReachOf(object.corners);
   }
-  const bool is_fine = IsPositive(object.radius) && IsPositive(object.mass) && IsPositive(object.friction);
+  const bool is_fine =
+      base::IsPositive(object.radius) && base::IsPositive(object.mass) && base::IsPositive(object.friction);
   if (!is_fine) throw std::invalid_argument("size, mass and friction of an object must be > 0");
+  base::Check(object.start, "the pose of an object");
   return object;
 }
 
@@ -92,6 +93,7 @@ void MovableObjects::Remove(int object) {
 }
 
 void MovableObjects::SetPose(int object, const base::Pose& pose) {
+  base::Check(pose, "the pose of an object");
   poses_.at(object) = Normalised(pose);
   b2Body* const body = bodies_[object];
   body->SetTransform(ToBox(pose.x - origin_.x, pose.y - origin_.y), static_cast<float>(poses_[object].yaw));

@@ -6,7 +6,15 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robotteamsim/base/checks.hpp"
+
 namespace robotteamsim::world {
+namespace {
+
+/// In buildings of square kilometres cells are larger, so that all fit into the memory.
+constexpr double kMostCells = 5e5;
+
+}  // namespace
 
 double DistanceToSegment(const base::Point& point, const base::Segment& segment) {
   const double dx = segment.b.x - segment.a.x, dy = segment.b.y - segment.a.y;
@@ -31,19 +39,22 @@ std::vector<Edge> EdgesOf(const std::vector<Solid>& solids, const std::vector<Do
 }
 
 NearbyEdges::NearbyEdges(std::vector<Edge> edges, double reach) : all_(std::move(edges)) {
-  if (!(reach > 0.0)) throw std::invalid_argument("reach must be > 0");
+  base::CheckPositive(reach, "reach");
   if (all_.empty()) return;
   const double infinity = std::numeric_limits<double>::infinity();
   base::Point low{infinity, infinity}, high{-infinity, -infinity};
   for (const auto& [segment, door] : all_) {
+    base::Check(segment.a, "a corner");
+    base::Check(segment.b, "a corner");
     low = {std::min({low.x, segment.a.x, segment.b.x}), std::min({low.y, segment.a.y, segment.b.y})};
     high = {std::max({high.x, segment.a.x, segment.b.x}), std::max({high.y, segment.a.y, segment.b.y})};
   }
   origin_ = low;
   // Smaller cells have shorter lists, but there are more of them; lists for a long reach are long for any cell size.
-  cell_ = std::max(0.2 * reach, 0.5);
-  columns_ = static_cast<int>((high.x - low.x) / cell_) + 1;
-  rows_ = static_cast<int>((high.y - low.y) / cell_) + 1;
+  const double width = high.x - low.x, height = high.y - low.y;
+  cell_ = std::max({0.2 * reach, 0.5, std::sqrt(width * height / kMostCells), (width + height) / kMostCells});
+  columns_ = static_cast<int>(width / cell_) + 1;
+  rows_ = static_cast<int>(height / cell_) + 1;
   cells_.resize(static_cast<std::size_t>(columns_) * rows_);
   for (const Edge& edge : all_) AddToCells(edge, reach);
 }
@@ -54,9 +65,9 @@ const std::vector<Edge>& NearbyEdges::Near(const base::Point& point) const {
   return inside ? cells_[static_cast<std::size_t>(row) * columns_ + column] : all_;
 }
 
-int NearbyEdges::Column(double x) const { return static_cast<int>(std::floor((x - origin_.x) / cell_)); }
+int NearbyEdges::Column(double x) const { return base::ClampedInt(std::floor((x - origin_.x) / cell_), -1, columns_); }
 
-int NearbyEdges::Row(double y) const { return static_cast<int>(std::floor((y - origin_.y) / cell_)); }
+int NearbyEdges::Row(double y) const { return base::ClampedInt(std::floor((y - origin_.y) / cell_), -1, rows_); }
 
 void NearbyEdges::AddToCells(const Edge& edge, double reach) {
   const base::Segment& segment = edge.segment;

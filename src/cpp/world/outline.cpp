@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/world/nearby_edges.hpp"
 
 namespace robotteamsim::world {
@@ -91,11 +92,18 @@ void CheckFootprint(const Polygon& corners, const char* what) {
   for (std::size_t i = 0; i < count && fine; ++i) {
     const base::Point& a = corners[i];
     const base::Point& b = corners[(i + 1) % count];
-    fine = Cross(a, b, corners[(i + 2) % count]) > 0.0 && Cross(a, b, {0.0, 0.0}) > 0.0;
+    fine = base::IsUsable(a) && Cross(a, b, corners[(i + 2) % count]) > 0.0 && Cross(a, b, {0.0, 0.0}) > 0.0;
   }
   if (!fine) {
     throw std::invalid_argument(std::string(what) +
                                 " must be convex and counter-clockwise, with 3 to 8 corners around its origin");
+  }
+}
+
+void CheckSolid(const Solid& solid) {
+  for (const base::Point& corner : solid.outline) base::Check(corner, "a corner");
+  for (const Polygon& piece : solid.pieces) {
+    for (const base::Point& corner : piece) base::Check(corner, "a corner");
   }
 }
 

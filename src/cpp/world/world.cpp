@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/world/box_bodies.hpp"
 
 namespace robotteamsim::world {
@@ -42,25 +43,31 @@ bool IsTouching(const b2Body* body) {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr base::Pose kNowhere{kNaN, kNaN, kNaN};
 
-bool IsPositive(double value) { return value > 0.0 && std::isfinite(value); }
-
 void CheckRobot(const Robot& robot) {
   for (const double value : {robot.radius, robot.mass}) {
-    if (!IsPositive(value)) throw std::invalid_argument("sizes and limits of a robot must be > 0");
+    if (!base::IsPositive(value)) throw std::invalid_argument("sizes and limits of a robot must be > 0");
   }
+  base::Check(robot.start, "the start of a robot");
   if (!robot.footprint.empty()) CheckFootprint(robot.footprint, "a footprint");
   CheckDrive(robot.drive);
 }
 
+// More substeps than these in a step are a mistake in a speed or a size, and would take minutes.
+constexpr double kMostSubsteps = 1e5;
+
 // Box2D moves no body by more than 2 m at once and prevents robots from jumping over each other only if they move by
 // less than their width. So no robot moves by more than half its radius, or a quarter of its width, at once.
 int CheckedSubsteps(const std::vector<Robot>& robots, double step, int substeps) {
-  if (!IsPositive(step) || substeps < 1) throw std::invalid_argument("step and substeps must be > 0");
+  if (!base::IsPositive(step) || substeps < 1) throw std::invalid_argument("step and substeps must be > 0");
   double parts = 1.0;
   for (const Robot& robot : robots) {
     CheckRobot(robot);
     const double radius = robot.footprint.empty() ? robot.radius : HalfWidth(robot.footprint);
     parts = std::max(parts, std::ceil(robot.drive.max_speed * step / substeps / (0.5 * radius)));
+  }
+  if (substeps * parts > kMostSubsteps) {
+    throw std::invalid_argument("a robot must not move by so many times its radius in a step; substeps needed: " +
+                                std::to_string(substeps * parts));
   }
   return substeps * static_cast<int>(parts);
 }
@@ -78,6 +85,11 @@ double MaxCornerSpeed(const Robot& robot) {
   const DriveLimits& drive = robot.drive;
   const bool is_car = drive.kind == DriveKind::kCar;
   return robot.radius * (is_car ? CarTurn(drive.max_speed, drive.max_steering, drive) : drive.max_turn);
+}
+
+std::vector<Solid> Checked(std::vector<Solid> solids) {
+  for (const Solid& solid : solids) CheckSolid(solid);
+  return solids;
 }
 
 double MaxRadius(const std::vector<Robot>& robots) {
@@ -98,7 +110,7 @@ double MaxTravelOf(const std::vector<Robot>& robots, bool are_there_things, doub
 
 World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps,
              std::vector<MovableObject> objects)
-    : solids_(std::move(solids)),
+    : solids_(Checked(std::move(solids))),
       robots_(WithReach(std::move(robots))),
       step_(step),
       substeps_(CheckedSubsteps(robots_, step, substeps)),
@@ -340,6 +352,11 @@ void World::NoteContacts(int robot, double yaw) {
 }
 
 void World::SetPose(int robot, const base::Pose& pose) {
+  base::Check(pose, "the pose of a robot");
+  Place(robot, pose);
+}
+
+void World::Place(int robot, const base::Pose& pose) {
   base::Pose& stored = poses_.at(robot);
   stored = {pose.x, pose.y, base::NormaliseAngle(pose.yaw)};
   if (pose.x == pose.x) SetBodyPose(robot);  // a removed robot's disabled body keeps its last transform
@@ -352,7 +369,7 @@ void World::SetPose(int robot, const base::Pose& pose) {
 }
 
 void World::RemoveRobot(int robot) {
-  SetPose(robot, kNowhere);
+  Place(robot, kNowhere);
   present_[robot] = false;
   SetBusy(robot, false);
 }

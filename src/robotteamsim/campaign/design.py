@@ -10,7 +10,7 @@ from typing import Any
 
 from robotteamsim import rng, scenario
 from robotteamsim.campaign.factors import MAX_TRIALS, Factor
-from robotteamsim.control import make_controller
+from robotteamsim.control import foreign_code, make_controller
 from robotteamsim.errors import CampaignError, RobotTeamSimError, ScenarioError
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import shown
@@ -91,6 +91,7 @@ def make_design(
     factors: Sequence[Factor] = (),
     groups: Sequence[Sequence[Factor]] = ((),),
     paired: bool = False,
+    allow_code: bool = True,
 ) -> Design:
     """Return the design of all combinations of the factors' values, each with every group; all cells are checked.
 
@@ -98,6 +99,7 @@ def make_design(
             overrides: with one value each, for all cells; the last one of a key counts.
             groups: selected combinations, each of factors with one value.
             paired: trials of equal number have the same seed in all cells.
+            allow_code: whether a controller that a file names as module:Class may run.
     Raises: CampaignError, ScenarioError: one line with place, key and value.
     """
     keys = _checked_keys(overrides, factors, groups)
@@ -119,7 +121,7 @@ def make_design(
             data, given = loaded.model_dump(mode="json", by_alias=True), {s.key: s.values[0] for s in settings}
             cell = Cell(tuple(_value_at(data, key, given.get(key)) for key in keys), loaded)
             if cell.scenario.control.algorithm not in checked:
-                _check_algorithm(cell.scenario, settings)
+                _check_algorithm(cell.scenario, settings, allow_code)
                 checked.add(cell.scenario.control.algorithm)
             name = json.dumps(cell.values)
             if name in cells:
@@ -169,12 +171,15 @@ def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
         raise CampaignError(f"{place}: {message}") from None
 
 
-def _check_algorithm(of: Scenario, settings: Sequence[Factor]) -> None:
+def _check_algorithm(of: Scenario, settings: Sequence[Factor], allow_code: bool) -> None:
     """Raise CampaignError if the controller does not exist, because every trial would fail."""
+    matching = [s for s in settings if s.key in foreign_code.KEYS]
+    if not allow_code:
+        place = matching[-1].place if matching else of.origin.place
+        foreign_code.check_foreign(of.control.algorithm, place, "--allow-code")
     try:
         make_controller(0, of)
     except RobotTeamSimError as error:
-        matching = [s for s in settings if s.key in ("control", "control.algorithm")]
         message = str(error).removeprefix(f"{of.name}: ")
         raise CampaignError(f"{matching[-1].place if matching else of.name}: {message}") from None
     except (Exception, SystemExit):

@@ -162,9 +162,12 @@ def scheduler_at(address: str) -> Iterator[Client]:
 
 
 async def _shake_hands(address: str) -> None:
+    from distributed import Security
     from distributed.comm.core import connect
 
-    comm = await connect(address, timeout=CONNECT_TIMEOUT_S)
+    # The certificates of TLS, from Dask's own settings.
+    secured = Security().get_connection_args("client")
+    comm = await connect(address, timeout=CONNECT_TIMEOUT_S, **secured)
     await comm.close()
 
 

@@ -21,6 +21,7 @@ from robotteamsim.campaign.trial import Outcome
 from robotteamsim.errors import CampaignError
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.recording.results import versions
+from robotteamsim.wording import safe_cell
 
 STORE_NAME = "campaign.sqlite"
 CSV_NAME = "trials.csv"
@@ -165,7 +166,7 @@ def trials_csv(design: Design, outcomes: tuple[Outcome, ...]) -> str:
     writer.writerow([*design.keys, *("trial" if name == "number" else name for name in _CSV_COLUMNS)])
     for outcome in outcomes:
         values = [value if isinstance(value, str) else json.dumps(value) for value in design.cells[outcome.cell].values]
-        writer.writerow([*values, *(getattr(outcome, name) for name in _CSV_COLUMNS)])
+        writer.writerow(map(safe_cell, (*values, *(getattr(outcome, name) for name in _CSV_COLUMNS))))
     return text.getvalue()
 
 

@@ -10,13 +10,16 @@ from robotteamsim.campaign.design import Design
 from robotteamsim.campaign.reference import MissionValues, dissertation_missions
 from robotteamsim.campaign.summary import DELIVERY_QUANTITIES, CellSummary, Spread
 from robotteamsim.campaign.trial import Outcome
-from robotteamsim.wording import counted
+from robotteamsim.wording import column_groups, counted
 
 Missions = Mapping[float, Sequence[MissionValues | None]]
 """Missions by background noise [dB], in order; None for one that failed or was not run."""
 
 _NOISE_KEY = "voice.noise_db"
 _SHOWN_TRIALS = 30
+_NAME_WIDTH = 6
+UNLIMITED = 10**9
+"""Width of a table that is not for a terminal."""
 _Column = tuple[str, int, Callable[[MissionValues], float], int]
 _VICTIMS: _Column = ("victims saved", 7, lambda values: values.victims_saved, 1)
 _TIME: _Column = ("time [s]", 7, lambda values: round(values.time_s), 1)
@@ -46,25 +49,35 @@ def missions_by_noise(design: Design, outcomes: Sequence[Outcome]) -> Missions:
     return missions
 
 
-def dissertation_tables(ours: Missions) -> str:
+def dissertation_tables(ours: Missions, width: int = UNLIMITED) -> str:
     """Return Tables 6 to 9 for our noise levels, each value next to the dissertation's if it has that level.
 
-    Times are whole seconds, as in the dissertation.
+    Times are whole seconds, as in the dissertation. Noise levels that do not fit into the width come below.
     """
     theirs = dissertation_missions()
-    tables = [
-        _raw_table("Table 6: victims saved and duration of each mission", ours, theirs, _VICTIMS, _TIME),
-        _raw_table("Table 7: waypoints explored, times a connection was endangered", ours, theirs, _AREAS, _ENDANGERED),
-        _statistics_table("Table 8: mean, median and mode of Table 6", ours, theirs, _VICTIMS, _TIME),
-        _statistics_table("Table 9: mean, median and mode of Table 7", ours, theirs, _AREAS, _ENDANGERED),
-    ]
-    return "\n\n".join(tables)
+    levels = sorted(ours)
+    columns = [sum(2 * column for _, column, _, _ in (_VICTIMS, _TIME)) + 2] * len(levels)
+    blocks = []
+    for group in column_groups(columns, _NAME_WIDTH, width + 2):
+        some = {levels[index]: ours[levels[index]] for index in group}
+        blocks.append(
+            [
+                _raw_table("Table 6: victims saved and duration of each mission", some, theirs, _VICTIMS, _TIME),
+                _raw_table(
+                    "Table 7: waypoints explored, times a connection was endangered", some, theirs, _AREAS, _ENDANGERED
+                ),
+                _statistics_table("Table 8: mean, median and mode of Table 6", some, theirs, _VICTIMS, _TIME),
+                _statistics_table("Table 9: mean, median and mode of Table 7", some, theirs, _AREAS, _ENDANGERED),
+            ]
+        )
+    return "\n\n".join(table for tables in zip(*blocks, strict=True) for table in tables)
 
 
-def summary_table(design: Design, summaries: Sequence[CellSummary]) -> str:
+def summary_table(design: Design, summaries: Sequence[CellSummary], width: int = UNLIMITED) -> str:
     """Return one line per cell: its settings; mean, standard deviation and 95 % interval of its results.
 
-    With a base, also the number of discoveries delivered to it, and their mean and longest delay.
+    With a base, also the number of discoveries delivered to it, and their mean and longest delay. Results that do not
+    fit into the width come below.
     """
     columns = {"victims saved": "victims_saved", "time [s]": "time_s", "areas": "areas_explored"}
     columns |= {"endangered": "endangered_links", "driven [m]": "distance_m"}
@@ -76,7 +89,7 @@ def summary_table(design: Design, summaries: Sequence[CellSummary]) -> str:
         count = f"{summary.trials}" + (f" + {summary.failed} failed" if summary.failed else "")
         spreads = [summary.statistics.get(name) for name in columns.values()]
         lines.append([*values, count, *(_spread(spread) for spread in spreads)])
-    text = "Mean, standard deviation, 95 % interval of the mean\n\n" + _aligned(lines)
+    text = "Mean, standard deviation, 95 % interval of the mean\n\n" + _aligned(lines, len(design.keys) + 1, width)
     timed_out = sum(summary.timed_out for summary in summaries)
     return text + (f"\n\n{timed_out} missions ended at the time limit, which counts as their time" if timed_out else "")
 
@@ -139,7 +152,7 @@ def _block(
         for cells in lines
     ]
     names = [corner, "", "", *(cells[0] for cells in lines)]
-    table = [f"{name:6}" + "  ".join(levels) for name, levels in zip(names, [*heads, *rows], strict=True)]
+    table = [f"{name:{_NAME_WIDTH}}" + "  ".join(levels) for name, levels in zip(names, [*heads, *rows], strict=True)]
     return "\n".join([title, *(line.rstrip() for line in table)])
 
 
@@ -147,10 +160,16 @@ def _row(cells: Sequence[str], widths: Sequence[int]) -> str:
     return "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True))
 
 
-def _aligned(lines: Sequence[Sequence[str]]) -> str:
+def _aligned(lines: Sequence[Sequence[str]], num_first: int, total_width: int) -> str:
+    """Return the lines with aligned columns, the first ones in every group of columns that fits into the width."""
     widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
-    padded = ["  ".join(f"{text:<{width}}" for text, width in zip(line, widths, strict=True)) for line in lines]
-    return "\n".join(line.rstrip() for line in padded)
+    first_width = sum(widths[:num_first]) + 2 * (num_first - 1)
+    blocks = []
+    for group in column_groups([2 + width for width in widths[num_first:]], first_width, total_width):
+        columns = [*range(num_first), *(num_first + index for index in group)]
+        padded = ["  ".join(f"{line[column]:<{widths[column]}}" for column in columns) for line in lines]
+        blocks.append("\n".join(line.rstrip() for line in padded))
+    return "\n\n".join(blocks)
 
 
 def _item(missions: Sequence[MissionValues | None], index: int) -> MissionValues | None:

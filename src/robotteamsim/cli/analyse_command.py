@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +14,7 @@ from rich.console import Console
 from rich.progress import track
 
 from robotteamsim import scenario
-from robotteamsim.cli.parser import UsageError, positive_number
+from robotteamsim.cli.parser import UsageError, path_of, positive_number
 from robotteamsim.recording.files import atomically, check_replaceable, write_atomically
 
 if TYPE_CHECKING:
@@ -53,16 +54,16 @@ def add_to(commands: Any) -> None:
         "analyse", help="summarise bags as tables and pictures", description=_DESCRIPTION, epilog=_EPILOG
     )
     parser.add_argument(
-        "bags", nargs="+", type=Path, metavar="BAG", help="one or more bags; several are summarised in one table"
+        "bags", nargs="+", type=path_of, metavar="BAG", help="one or more bags; several are summarised in one table"
     )
     parser.add_argument(
         "--join", action="store_true", help="the bags are parts of one recording (rosbag record --split)"
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write totals and events; - prints them instead")
-    parser.add_argument("--csv", type=Path, metavar="DIR", help="write totals, events and time series as tables")
-    parser.add_argument("--png", type=Path, metavar="FILE", help=f"draw paths and curves of up to {MAX_DRAWN} bags")
-    parser.add_argument("--gif", type=Path, metavar="FILE", help="make a small film for web pages")
-    parser.add_argument("--mp4", type=Path, metavar="FILE", help="make a large film for talks; needs ffmpeg")
+    parser.add_argument("--json", type=path_of, metavar="FILE", help="write totals and events; - prints them instead")
+    parser.add_argument("--csv", type=path_of, metavar="DIR", help="write totals, events and time series as tables")
+    parser.add_argument("--png", type=path_of, metavar="FILE", help=f"draw paths and curves of up to {MAX_DRAWN} bags")
+    parser.add_argument("--gif", type=path_of, metavar="FILE", help="make a small film for web pages")
+    parser.add_argument("--mp4", type=path_of, metavar="FILE", help="make a large film for talks; needs ffmpeg")
     parser.add_argument(
         "--seconds", type=positive_number, default=20.0, metavar="S", help="length of the film; default 20"
     )
@@ -97,21 +98,24 @@ def analyse(options: argparse.Namespace) -> None:
             print_run(Console(), runs[0], all_totals[0])
         else:
             print_runs(Console(), all_totals)
-        for path in written:
-            print(path)
+        for file in written:
+            print(file)
 
 
 def _check(options: argparse.Namespace) -> None:
     """Reject options that would fail only after the bags are read. Raises: UsageError, RecordingError."""
-    names = [bag.resolve() for bag in options.bags]
+    names = [os.path.realpath(bag) for bag in options.bags]
     twice = next((bag for bag, name in zip(options.bags, names, strict=True) if names.count(name) > 1), None)
     if twice:
         raise UsageError(f"{twice} is given twice")
-    files = [path for path in (options.json, options.png, options.gif, options.mp4) if path and path != Path("-")]
-    for path in files:
-        check_replaceable(path)
-        if not path.parent.is_dir():
-            raise UsageError(f"{path}: cannot be written: {path.parent} is not a folder")
+    used = set(names)
+    for file in _files(options):
+        check_replaceable(file)
+        if not file.parent.is_dir():
+            raise UsageError(f"{file}: cannot be written: {file.parent} is not a folder")
+        if os.path.realpath(file) in used:
+            raise UsageError(f"{file}: would overwrite a bag or another file of this command")
+        used.add(os.path.realpath(file))
     if options.png and not options.join and len(options.bags) > MAX_DRAWN:
         raise UsageError(f"--png: {len(options.bags)} bags do not fit side by side; expected at most {MAX_DRAWN}")
     if options.gif or options.mp4:
@@ -127,6 +131,11 @@ def _check_film(options: argparse.Namespace) -> None:
         raise UsageError(f"--seconds {options.seconds:g} is outside {_MIN_FILM_S:g} to {_MAX_FILM_S:g} s")
     if options.mp4:
         find_ffmpeg()
+
+
+def _files(options: argparse.Namespace) -> list[Path]:
+    """Return the files to be written."""
+    return [file for file in (options.json, options.png, options.gif, options.mp4) if file and file != Path("-")]
 
 
 def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> list[Path]:
@@ -157,7 +166,7 @@ def _film(
     if options.mp4:
         film, count = RunFilm(run, totals, plan, _MP4_WIDTH_PX), round(options.seconds * _MP4_FRAMES_PER_S)
         write_mp4(options.mp4, _with_progress(film.frames(count), count), _MP4_FRAMES_PER_S, find_ffmpeg())
-    return [path for path in (options.gif, options.mp4) if path]
+    return [file for file in (options.gif, options.mp4) if file]
 
 
 def _with_progress(frames: Iterator[np.ndarray], count: int) -> Iterator[np.ndarray]:

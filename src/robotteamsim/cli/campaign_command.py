@@ -4,10 +4,10 @@ import argparse
 import contextlib
 import json
 import shlex
+import shutil
 import sys
 import textwrap
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -18,8 +18,8 @@ from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, pa
 from robotteamsim.campaign.runner import local_workers, prepare, run_trials, scheduler_at
 from robotteamsim.campaign.summary import summarise
 from robotteamsim.cli.campaign_progress import CampaignProgress
-from robotteamsim.cli.parser import number, positive_whole_number, whole_number
-from robotteamsim.cli.run_command import add_set_option
+from robotteamsim.cli.parser import SCENARIO_HELP, address, number, path_of, positive_whole_number, whole_number
+from robotteamsim.cli.run_command import add_code_option, add_set_option
 
 DEFAULT_TRIALS = 30
 DEFAULT_SEED = 1
@@ -45,8 +45,8 @@ examples:
 def add_to(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser("campaign", help="run many missions", description=_DESCRIPTION, epilog=_EPILOG)
-    parser.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped scenario: garage_sar")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the campaign")
+    parser.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
+    parser.add_argument("--out", type=path_of, required=True, metavar="DIR", help="folder of the campaign")
     parser.add_argument(
         "--noise", type=number, action="append", metavar="DB", help="a background noise [dB]; repeatable"
     )
@@ -57,7 +57,7 @@ def add_to(commands: Any) -> None:
         metavar="K=A,B,C",
         help="values of a scenario key; repeatable: all combinations are run",
     )
-    parser.add_argument("--design", type=Path, metavar="FILE", help="YAML with trials, seed, paired, set, sweep, cells")
+    parser.add_argument("--design", type=path_of, metavar="FILE", help="YAML: trials, seed, paired, set, sweep, cells")
     parser.add_argument("--trials", type=whole_number, metavar="N", help=f"trials per cell; default {DEFAULT_TRIALS}")
     parser.add_argument(
         "--seed",
@@ -71,12 +71,13 @@ def add_to(commands: Any) -> None:
         help="trials of equal number have the same seed in all cells; the report then compares them in pairs",
     )
     add_set_option(parser)
+    add_code_option(parser)
     places = parser.add_mutually_exclusive_group()
     places.add_argument(
         "--workers", type=positive_whole_number, metavar="N", help="number of processes; default one per core"
     )
     places.add_argument(
-        "--scheduler", metavar="ADDRESS", help="scheduler of a Dask cluster, such as tcp://10.0.0.1:8786"
+        "--scheduler", type=address, metavar="ADDRESS", help="scheduler of a Dask cluster, such as tcp://10.0.0.1:8786"
     )
     parser.add_argument("--json", action="store_true", help="print a summary as one JSON object instead of tables")
     parser.add_argument("--quiet", action="store_true", help="no progress, no tables")
@@ -87,6 +88,8 @@ def run(options: argparse.Namespace) -> int:
     """Run the campaign. Returns: 0, or 1 if trials failed or were given up."""
     design = _design(options)
     check_folder(options.out, design)
+    if options.scheduler and not _is_protected(options.scheduler):
+        _warn(f"warning: {options.scheduler}: without TLS, whoever reaches it can run code; see docs/experiments.md")
     with contextlib.ExitStack() as stack:
         # Connect first, so that a scheduler that does not answer leaves no store behind.
         client = stack.enter_context(scheduler_at(options.scheduler)) if options.scheduler else None
@@ -135,6 +138,7 @@ def _design(options: argparse.Namespace) -> Design:
             *(Factor(key, values, place) for key, values in file.sweep.items()),
             *map(parse_sweep, options.sweep),
         ],
+        allow_code=options.allow_code,
         groups=[[Factor(key, (value,), place) for key, value in cell.items()] for cell in file.cells or ({},)],
         paired=options.paired or bool(file.paired),
     )
@@ -186,16 +190,23 @@ def _run_missing(options: argparse.Namespace, design: Design, store: Store, clie
 
 
 def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else tables.UNLIMITED
     if tables.is_the_dissertations(design):
-        print(tables.dissertation_tables(tables.missions_by_noise(design, outcomes)))
+        print(tables.dissertation_tables(tables.missions_by_noise(design, outcomes), width))
     else:
-        print(tables.summary_table(design, summarise(design, outcomes)))
+        print(tables.summary_table(design, summarise(design, outcomes), width))
     if note := tables.exclusion_note(outcomes):
         print(f"\n{note}")
 
 
 def _first(*values: int | None) -> int:
     return next(value for value in values if value is not None)
+
+
+def _is_protected(scheduler: str) -> bool:
+    """Whether an address is encrypted, or of this machine alone."""
+    protocol, _, place = scheduler.rpartition("://")
+    return protocol in ("tls", "wss", "inproc") or place.startswith(("127.", "localhost:", "[::1]"))
 
 
 def _warn(line: str) -> None:

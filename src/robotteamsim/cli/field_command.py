@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from robotteamsim import scenario
-from robotteamsim.cli.parser import UsageError, number, point
+from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, point
 from robotteamsim.cli.pictures import save
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.errors import ScenarioError
@@ -84,7 +84,7 @@ def add_to(commands: Any) -> None:
     voice.set_defaults(command=draw_voice)
 
     for kind in (radio, voice):
-        kind.add_argument("scenario", metavar="SCENARIO", help="a file or a shipped name")
+        kind.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
         add_set_option(kind)
         kind.add_argument(
             "--resolution", type=number, metavar="M", help="cell size [m]; default 600 cells along the longer side"
@@ -99,8 +99,10 @@ def add_to(commands: Any) -> None:
             metavar="'K=V ...'",
             help="settings of one of several maps drawn side by side: as in --set, or at=X,Y, or range=...; repeatable",
         )
-        kind.add_argument("--png", type=Path, metavar="FILE", help="the picture to write")
-        kind.add_argument("--out", type=Path, metavar="FILE.npz", help="write the values, and FILE.yaml for map_server")
+        kind.add_argument("--png", type=path_of, metavar="FILE", help="the picture to write")
+        kind.add_argument(
+            "--out", type=path_of, metavar="FILE.npz", help="write the values, and FILE.yaml for map_server"
+        )
 
 
 def _add_at(parser: argparse.ArgumentParser, text: str) -> None:

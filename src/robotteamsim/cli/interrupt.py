@@ -1,34 +1,65 @@
-"""Ctrl-C during a run."""
+"""Ctrl-C and SIGTERM."""
 
+import contextlib
 import signal
+import threading
+from collections.abc import Iterator
 from types import FrameType
 
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
 
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM: whatever cleans up after Ctrl-C also does after this."""
+
 
 class InterruptBetweenSteps:
-    """Ends a run on Ctrl-C after the current step has been recorded; a second Ctrl-C ends it at once."""
+    """Ends a run on Ctrl-C or SIGTERM after the current step has been recorded; a second signal ends it at once."""
 
     def begin(self, scenario: Scenario) -> None:
         """Install the handler."""
-        self._pressed = False
-        self._previous = signal.signal(signal.SIGINT, self._note)
+        self._received = 0
+        self._previous = {number: signal.signal(number, self._note) for number in _SIGNALS}
 
     def step(self, record: StepRecord) -> None:
-        """End the run if Ctrl-C was pressed. Raises: KeyboardInterrupt."""
-        if self._pressed:
-            raise KeyboardInterrupt
+        """End the run if a signal has come. Raises: KeyboardInterrupt, Terminated."""
+        if self._received:
+            raise _exception_of(self._received)
 
     def end(self, result: Result) -> None:
-        """Restore the previous handler."""
-        signal.signal(signal.SIGINT, self._previous)
+        """Restore the previous handlers."""
+        self.abandon()
 
     def abandon(self) -> None:
-        """Restore the previous handler."""
-        signal.signal(signal.SIGINT, self._previous)
+        """Restore the previous handlers."""
+        for number, handler in self._previous.items():
+            signal.signal(number, handler)
 
     def _note(self, signal_number: int, frame: FrameType | None) -> None:
-        if self._pressed:
-            raise KeyboardInterrupt
-        self._pressed = True
+        if self._received:
+            raise _exception_of(signal_number)
+        self._received = signal_number
+
+
+@contextlib.contextmanager
+def terminated_as_interrupted() -> Iterator[None]:
+    """Within the block SIGTERM raises Terminated, so that files are closed; only in the main thread."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    previous = signal.signal(signal.SIGTERM, _raise)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, previous)
+
+
+def _raise(signal_number: int, frame: FrameType | None) -> None:
+    raise _exception_of(signal_number)
+
+
+def _exception_of(signal_number: int) -> KeyboardInterrupt:
+    return Terminated() if signal_number == signal.SIGTERM else KeyboardInterrupt()

@@ -1,28 +1,37 @@
-"""Entry point of the command line: runs a command and prints a user's mistake as one line."""
+"""Entry point of the command line: runs a command and prints whatever goes wrong as one line."""
 
 from __future__ import annotations
 
 import argparse
 import os
 import sys
+import traceback
 from collections.abc import Sequence
 
 import robotteamsim
 from robotteamsim.cli import (
     analyse_command,
     campaign_command,
+    completion_command,
     field_command,
     plan_command,
     report_command,
     run_command,
     scenario_command,
 )
+from robotteamsim.cli.interrupt import Terminated, terminated_as_interrupted
 from robotteamsim.cli.parser import Parser
+from robotteamsim.cli.streams import close_stdout, open_streams
 from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.wording import printable
 
+EXIT_ERROR = 1
 EXIT_MISTAKE = 2
 EXIT_INTERRUPTED = 130
 EXIT_BROKEN_PIPE = 141
+EXIT_TERMINATED = 143
+
+_DEBUG = "--debug"
 
 _EXAMPLES = """\
 examples:
@@ -37,29 +46,65 @@ examples:
   robotteamsim plan import map.yaml --out plan.yaml  a map_server image as walls
   robotteamsim plan import-stage office.world        a Stage world as a scenario
 
-`robotteamsim COMMAND --help` describes a command in detail."""
+`robotteamsim help COMMAND` describes a command in detail."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status.
 
-    Returns: 0; 1 for a campaign with failed trials; 2 for a user's mistake; 130 if interrupted; 141 for a broken pipe.
+    With --debug anywhere among the arguments, an error also prints its traceback.
+
+    Returns: 0; 1 for a campaign with failed trials, or an error that is not the user's; 2 for a user's mistake; 130 if
+        interrupted; 141 for a broken pipe; 143 if terminated.
     """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    open_streams()
+    # Only figures are drawn, and never on a screen. A shell inside Jupyter names a backend that is not installed here.
+    os.environ["MPLBACKEND"] = "Agg"
     try:
-        options = make_parser().parse_args(arguments)
-        status = options.command(options)
-        sys.stdout.flush()
-    except RobotTeamSimError as error:
-        print(f"robotteamsim: {error}", file=sys.stderr)
-        return EXIT_MISTAKE
-    except KeyboardInterrupt:
-        print("robotteamsim: interrupted", file=sys.stderr)
-        return EXIT_INTERRUPTED
-    except BrokenPipeError:
-        # The reader has closed the pipe. Otherwise Python would print an error when it flushes stdout at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return EXIT_BROKEN_PIPE
+        with terminated_as_interrupted():
+            return _run([word for word in words if word != _DEBUG])
+    except (Exception, KeyboardInterrupt) as error:
+        if _DEBUG in words:
+            traceback.print_exc()
+        return _reported(error)
+
+
+def _run(words: list[str]) -> int:
+    if words[:1] == ["help"]:
+        words = [*words[1:], "--help"]
+    options = make_parser().parse_args(words)
+    status = options.command(options)
+    sys.stdout.flush()
     return status or 0
+
+
+def _reported(error: BaseException) -> int:
+    """Print an error as one line and return the exit status for it."""
+    match error:
+        case BrokenPipeError():  # the reader has closed the pipe
+            close_stdout()
+            return EXIT_BROKEN_PIPE
+        case Terminated():
+            line, status = "terminated", EXIT_TERMINATED
+        case KeyboardInterrupt():
+            line, status = "interrupted", EXIT_INTERRUPTED
+        case RobotTeamSimError():
+            line, status = str(error), EXIT_MISTAKE
+        case OSError(filename=None):
+            close_stdout()
+            line, status = f"standard output: {error.strerror or error}", EXIT_ERROR
+        case OSError():
+            line, status = f"{error.filename}: {error.strerror or error}", EXIT_MISTAKE
+        case MemoryError():
+            line, status = "out of memory", EXIT_ERROR
+        case _:
+            *_, last = traceback.extract_tb(error.__traceback__)
+            where = f"{os.path.basename(last.filename)}:{last.lineno}"
+            line = f"internal error: {type(error).__name__}: {error} ({where}); {_DEBUG} shows more"
+            status = EXIT_ERROR
+    print(f"robotteamsim: {printable(line)}", file=sys.stderr)
+    return status
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -69,7 +114,8 @@ def make_parser() -> argparse.ArgumentParser:
         description="Simulate teams of mobile robots in search and rescue missions, and analyse the results.",
         epilog=_EXAMPLES,
     )
-    parser.add_argument("--version", action="version", version=f"robotteamsim {robotteamsim.__version__}")
+    parser.add_argument("-V", "--version", action="version", version=f"robotteamsim {robotteamsim.__version__}")
+    parser.add_argument(_DEBUG, action="store_true", help="print the traceback of an error")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for command in (
         run_command,
@@ -81,4 +127,6 @@ def make_parser() -> argparse.ArgumentParser:
         field_command,
     ):
         command.add_to(commands)
+    completion_command.add_to(commands, make_parser)
+    commands.add_parser("help", help="describe a command, such as `robotteamsim help run`")
     return parser

@@ -4,9 +4,18 @@ import argparse
 import difflib
 import math
 import re
-from typing import NoReturn
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NoReturn
 
 from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.scenario.shipped import map_names, scenario_names
+
+SCENARIO_HELP = f"a file, or a shipped scenario: {', '.join(scenario_names())}"
+COMPLETE_FILES = {"bash": "_shtab_compgen_files", "zsh": "_files", "tcsh": "f"}
+COMPLETE_SCENARIOS = {"bash": "_robotteamsim_scenarios", "zsh": "_files", "tcsh": "f"}
+"""What shells complete, as shtab names it."""
+PLAN_HELP = f"a floor plan, a map_server yaml, or a shipped map: {', '.join(map_names())}"
 
 
 class UsageError(RobotTeamSimError):
@@ -21,6 +30,31 @@ class Parser(argparse.ArgumentParser):
         # argparse recognises -1 as a number, but treats -1,5 as an option. No option here starts with a digit.
         self._negative_number_matcher = re.compile(r"-[\d.]")
 
+    def add_argument(self, *names: Any, **settings: Any) -> argparse.Action:
+        """Add an argument; shells complete paths and scenarios."""
+        action = super().add_argument(*names, **settings)
+        if settings.get("help") == SCENARIO_HELP:
+            action.complete = COMPLETE_SCENARIOS  # type: ignore[attr-defined]  # read by shtab
+        elif settings.get("type") is path_of:
+            action.complete = COMPLETE_FILES  # type: ignore[attr-defined]
+        return action
+
+    def parse_known_args(  # type: ignore[override]  # argparse's overloads differ in the type of the namespace alone
+        self, args: Any = None, namespace: Any = None
+    ) -> tuple[argparse.Namespace, list[str]]:
+        """Parse the arguments; none may be left over. Raises: UsageError."""
+        parsed, rest = super().parse_known_args(args, namespace)
+        if rest:
+            self.error(self._left_over(rest))
+        return parsed, rest
+
+    def _left_over(self, rest: Sequence[str]) -> str:
+        option = rest[0].partition("=")[0]
+        if not option.startswith("-"):
+            return f"'{option}' is one argument too many"
+        near = difflib.get_close_matches(option, re.findall(r"--[a-z-]+", self.format_usage()), n=1)
+        return f"no such option '{option}'" + (f"; did you mean '{near[0]}'?" if near else "")
+
     def error(self, message: str) -> NoReturn:
         """Raise the mistake. Raises: UsageError."""
         wrong = re.match(r"argument (\S+): invalid choice: '(.*)' \(choose from (.*)\)", message)
@@ -34,6 +68,20 @@ class Parser(argparse.ArgumentParser):
             hint = f"did you mean '{near[0]}'?" if near else f"expected one of {', '.join(choices)}"
             message = f"no such command '{value}'; {hint}"
         raise UsageError(f"{message} (see `{self.prog} --help`)")
+
+
+def path_of(text: str) -> Path:
+    """Return a path. Raises: ArgumentTypeError: it is empty, which would be the current folder."""
+    if not text:
+        raise argparse.ArgumentTypeError("the name is empty")
+    return Path(text)
+
+
+def address(text: str) -> str:
+    """Return the address of a scheduler. Raises: ArgumentTypeError: it is empty."""
+    if not text:
+        raise argparse.ArgumentTypeError("the address is empty; expected one such as tcp://10.0.0.1:8786")
+    return text
 
 
 def point(text: str) -> tuple[float, float]:

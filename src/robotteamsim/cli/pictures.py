@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from robotteamsim.cli.parser import path_of
 from robotteamsim.recording.files import atomically
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
 def add_png_option(parser: argparse.ArgumentParser) -> None:
     """Add --png."""
-    parser.add_argument("--png", type=Path, required=True, metavar="FILE", help="the picture to write")
+    parser.add_argument("--png", type=path_of, required=True, metavar="FILE", help="the picture to write")
 
 
 def save(figure: Figure, path: Path) -> None:

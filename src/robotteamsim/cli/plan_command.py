@@ -1,12 +1,13 @@
 """`robotteamsim plan`: import floor plans from map_server images and Stage worlds, export them, draw them."""
 
 import argparse
+import os
 from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
 from robotteamsim.cli import stage_commands
-from robotteamsim.cli.parser import UsageError
+from robotteamsim.cli.parser import PLAN_HELP, UsageError, path_of
 from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.recording.files import atomically
 
@@ -23,18 +24,16 @@ def add_to(commands: Any) -> None:
     import_parser = actions.add_parser(
         "import", help="convert a map_server image to a floor plan", description=_IMPORT_TEXT
     )
-    import_parser.add_argument("map", type=Path, metavar="MAP.yaml", help="yaml of the image")
+    import_parser.add_argument("map", type=path_of, metavar="MAP.yaml", help="yaml of the image")
     import_parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="the floor plan to write; default plan.yaml, if that does not exist"
+        "--out", type=path_of, metavar="FILE", help="the floor plan to write; default plan.yaml, if that does not exist"
     )
     import_parser.set_defaults(command=import_plan)
 
     stage_commands.add_to(actions)
 
     render_parser = actions.add_parser("render", help="draw a floor plan")
-    render_parser.add_argument(
-        "plan", metavar="PLAN", help="a floor plan, a map_server yaml, or the name of a shipped map: garage"
-    )
+    render_parser.add_argument("plan", metavar="PLAN", help=PLAN_HELP)
     add_png_option(render_parser)
     render_parser.set_defaults(command=render_plan)
 
@@ -47,6 +46,8 @@ def import_plan(options: argparse.Namespace) -> None:
     out = options.out or Path("plan.yaml")
     if options.out is None and out.exists():
         raise UsageError(f"{out} already exists; choose a file with --out")
+    if os.path.realpath(out) == os.path.realpath(options.map):
+        raise UsageError(f"--out {out}: would overwrite the map")
     plan = import_map(options.map)
     with atomically(out) as part:
         scenario.write_floor_plan(plan, part)

@@ -4,10 +4,10 @@ import argparse
 import json
 import textwrap
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from robotteamsim.campaign import read_store
+from robotteamsim.cli.parser import path_of
 from robotteamsim.errors import CampaignError
 
 _DESCRIPTION = """\
@@ -28,14 +28,14 @@ def add_to(commands: Any) -> None:
     parser = commands.add_parser("report", help="make a campaign's report", description=_DESCRIPTION, epilog=_EPILOG)
     parser.add_argument(
         "folders",
-        type=Path,
+        type=path_of,
         nargs="+",
         metavar="DIR",
         help="folder of the campaign (--out of `campaign`); several campaigns of one design, with different seeds, "
         "get one report",
     )
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder for the report; default the folder of the only campaign"
+        "--out", type=path_of, metavar="DIR", help="folder for the report; default the folder of the only campaign"
     )
     parser.add_argument("--json", action="store_true", help="print notes and claims as one JSON object")
     parser.set_defaults(command=run)

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -9,13 +10,18 @@ from rich.console import Console
 
 from robotteamsim import scenario
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
-from robotteamsim.cli.parser import number, whole_number
+from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, whole_number
 from robotteamsim.cli.progress import ProgressBar
+from robotteamsim.control import foreign_code
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording import BagWriter, ResultWriter, TumWriter, result_summary
-from robotteamsim.recording.results import EventList
+from robotteamsim.recording.results import FILE_NAME, EventList
 from robotteamsim.recording.table import print_result
 from robotteamsim.simulation import Observer, Simulation
+
+ALLOW_CODE = "--allow-code"
+TRAJECTORIES = "trajectories"
+"""The folder of trajectories within --out."""
 
 _DESCRIPTION = """\
 Run one mission and print its events and totals. The same scenario and seed give
@@ -35,13 +41,14 @@ examples:
 def add_to(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser("run", help="run one mission", description=_DESCRIPTION, epilog=_EPILOG)
-    parser.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped scenario: garage_sar")
+    parser.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
     parser.add_argument("--seed", type=whole_number, metavar="N", help="seed of all random numbers (run.seed)")
     parser.add_argument("--noise", type=number, metavar="DB", help="background noise [dB] (voice.noise_db)")
     parser.add_argument("--robots", type=whole_number, metavar="N", help="number of robots (robots.count)")
     add_set_option(parser)
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write mission.json and trajectories to this folder")
-    parser.add_argument("--bag", type=Path, metavar="FILE", help="write a ROS bag of the run")
+    add_code_option(parser)
+    parser.add_argument("--out", type=path_of, metavar="DIR", help="write mission.json and trajectories to this folder")
+    parser.add_argument("--bag", type=path_of, metavar="FILE", help="write a ROS bag of the run")
     parser.add_argument("--json", action="store_true", help="print the result as one JSON object instead of a table")
     parser.add_argument("--quiet", action="store_true", help="no progress bar, no table")
     parser.set_defaults(command=run)
@@ -59,10 +66,28 @@ def add_set_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_code_option(parser: argparse.ArgumentParser) -> None:
+    """Add --allow-code."""
+    parser.add_argument(
+        ALLOW_CODE,
+        action="store_true",
+        help="let control.algorithm in a file be any Python class, module:Class, whose code then runs",
+    )
+
+
+def check_code(options: argparse.Namespace, loaded: scenario.Scenario) -> None:
+    """Raises: ScenarioError: the scenario's file names a class to run, and --allow-code is not given."""
+    if not options.allow_code:
+        foreign_code.check_scenario(loaded, ALLOW_CODE)
+
+
 def run(options: argparse.Namespace) -> None:
     """Run the mission."""
+    _check_files(options)
     loaded = _load(options)
+    check_code(options, loaded)
     simulation = Simulation(loaded)
+    _check_controllers(simulation)
     events = EventList()
     observers: list[Observer] = [events, *_recorders(options)]
     if not options.quiet:
@@ -73,6 +98,25 @@ def run(options: argparse.Namespace) -> None:
         print(json.dumps(result_summary(result)))
     elif not options.quiet:
         print_result(Console(), result, events.events, [options.out, options.bag])
+
+
+def _check_files(options: argparse.Namespace) -> None:
+    """Raises: UsageError: the bag would be overwritten by a file of --out."""
+    if not (options.bag and options.out):
+        return
+    bag, out = Path(os.path.realpath(options.bag)), Path(os.path.realpath(options.out))
+    if bag == out / FILE_NAME or out / TRAJECTORIES in bag.parents:
+        raise UsageError(f"--bag {options.bag}: --out writes a file of this name; choose another one")
+
+
+def _check_controllers(simulation: Simulation) -> None:
+    """Raises: ScenarioError: a controller could not be constructed, so that its robot would stand still."""
+    for robot_id, guard in enumerate(simulation.controllers):
+        if guard.controller is None:
+            raise ScenarioError(
+                f"{simulation.scenario.name}: control.algorithm: '{simulation.scenario.control.algorithm}' cannot be "
+                f"constructed for robot {robot_id}: {guard.fault}"
+            )
 
 
 def _load(options: argparse.Namespace) -> scenario.Scenario:
@@ -102,5 +146,5 @@ def _recorders(options: argparse.Namespace) -> list[Observer]:
     recorders: list[Observer] = [BagWriter(options.bag)] if options.bag else []
     if options.out:
         # mission.json is written last: if it exists, the rest is complete.
-        recorders += [TumWriter(options.out / "trajectories"), ResultWriter(options.out)]
+        recorders += [TumWriter(options.out / TRAJECTORIES), ResultWriter(options.out)]
     return recorders

@@ -3,13 +3,12 @@
 import argparse
 import json
 import sys
-from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
-from robotteamsim.cli.parser import UsageError
+from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of
 from robotteamsim.cli.pictures import add_png_option, save
-from robotteamsim.cli.run_command import add_set_option
+from robotteamsim.cli.run_command import add_code_option, add_set_option, check_code
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.recording.files import write_atomically
 from robotteamsim.simulation import Simulation
@@ -29,21 +28,22 @@ def add_to(commands: Any) -> None:
     check = actions.add_parser("check", help="report all mistakes in scenarios")
     check.add_argument("scenarios", nargs="+", metavar="SCENARIO", help="files or shipped names")
     add_set_option(check)
+    add_code_option(check)
     check.set_defaults(command=run_check)
 
     show = actions.add_parser("show", help="print a scenario with every key and default")
-    show.add_argument("scenario", metavar="SCENARIO", help="a file or a shipped name")
+    show.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
     add_set_option(show)
     show.set_defaults(command=run_show)
 
     render = actions.add_parser("render", help="draw floor plan, areas, victims and robots")
-    render.add_argument("scenario", metavar="SCENARIO", help="a file or a shipped name")
+    render.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
     add_set_option(render)
     add_png_option(render)
     render.set_defaults(command=run_render)
 
     schema = actions.add_parser("schema", help="print the JSON Schema of a scenario", epilog=_SCHEMA_EPILOG)
-    schema.add_argument("file", nargs="?", type=Path, metavar="FILE", help="write to this file instead")
+    schema.add_argument("file", nargs="?", type=path_of, metavar="FILE", help="write to this file instead")
     schema.set_defaults(command=run_schema)
 
     shipped = actions.add_parser("list", help="print the names of the shipped scenarios")
@@ -56,6 +56,7 @@ def run_check(options: argparse.Namespace) -> None:
     for name in options.scenarios:
         try:
             loaded = scenario.load(name, options.overrides)
+            check_code(options, loaded)
             check_places(loaded)
         except ScenarioError as error:
             mistakes += [str(error), *getattr(error, "__notes__", [])]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
-from robotteamsim.cli.parser import UsageError, positive_number
+from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of, positive_number
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.recording.files import atomically, prepare_folder
 from robotteamsim.scenario.plan_export import RESOLUTION_M
@@ -42,21 +42,19 @@ def add_to(actions: Any) -> None:
         description=_IMPORT_TEXT,
         epilog=_IMPORT_EXAMPLES,
     )
-    import_parser.add_argument("world", type=Path, metavar="FILE.world", help="the world file")
+    import_parser.add_argument("world", type=path_of, metavar="FILE.world", help="the world file")
     import_parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="where to write; default a new folder named after the world"
+        "--out", type=path_of, metavar="DIR", help="where to write; default a new folder named after the world"
     )
     import_parser.set_defaults(command=import_stage)
 
     export_parser = actions.add_parser(
         "export-stage", help="write a scenario as a Stage world", description=_EXPORT_TEXT, epilog=_EXPORT_EXAMPLES
     )
-    export_parser.add_argument(
-        "scenario", metavar="SCENARIO", help="a file, or the name of a shipped scenario: garage_sar"
-    )
+    export_parser.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
     add_set_option(export_parser)
     export_parser.add_argument(
-        "--out", type=Path, required=True, metavar="DIR", help="where to write the world and its bitmap"
+        "--out", type=path_of, required=True, metavar="DIR", help="where to write the world and its bitmap"
     )
     export_parser.add_argument(
         "--resolution",

@@ -1,9 +1,11 @@
 """Converts an image to cells: occupied, free and solid ones."""
 
+import warnings
 from pathlib import Path
 
 import cv2
 import numpy as np
+from PIL import Image
 
 WIDE_UNKNOWN_M = 1.0
 """An unknown region at least this wide in both directions is a void behind a wall, not a wall."""
@@ -15,8 +17,27 @@ POCKET_M2 = 0.1
 """Smaller areas enclosed by solid cells are filled, because no robot fits in."""
 
 
+MAX_PIXELS = 25_000_000
+"""Of an image: 5000 x 5000, which is 250 m x 250 m in pixels of 0.05 m. Each takes some 40 bytes during the import."""
+
+
 def read_image(path: Path) -> np.ndarray | None:
-    """Return the pixels of an image; None if it cannot be read. OpenCV's own messages are suppressed."""
+    """Return the pixels of an image; None if it cannot be read. OpenCV's own messages are suppressed.
+
+    Raises: ValueError: more than MAX_PIXELS pixels according to its header; no pixel has been read.
+    """
+    try:
+        with (
+            warnings.catch_warnings(action="error", category=Image.DecompressionBombWarning),
+            Image.open(path) as image,
+        ):
+            is_too_large = image.width * image.height > MAX_PIXELS
+    except (Image.DecompressionBombError, Image.DecompressionBombWarning):
+        is_too_large = True
+    except (OSError, ValueError, SyntaxError):  # Pillow raises SyntaxError for a damaged PNG
+        return None
+    if is_too_large:
+        raise ValueError(f"more than {MAX_PIXELS // 10**6} million pixels")
     level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
         return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)

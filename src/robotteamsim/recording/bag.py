@@ -13,7 +13,7 @@ from rosbags.rosbag1 import Writer
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_types import BagTypes
-from robotteamsim.recording.files import cannot_write, check_replaceable
+from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
 from robotteamsim.recording.sensor_messages import sensor_topics
 from robotteamsim.scenario import occupancy_grid
 from robotteamsim.scenario.scenario import Scenario
@@ -108,6 +108,7 @@ class BagWriter:
         self._path = path
         self._active = path.parent / f"{path.name}.active"
         self._writer: _Writer | None = None
+        self._created: list[Path] = []
         self._steps = 0
         self._within_step = False
 
@@ -122,7 +123,7 @@ class BagWriter:
         self._make = BagTypes()
         try:
             check_replaceable(self._path)
-            self._path.parent.mkdir(parents=True, exist_ok=True)
+            self._created = make_folder(self._path.parent)
             self._active.unlink(missing_ok=True)
             writer = _Writer(self._active)
             writer.chunk_threshold = CHUNK_BYTES
@@ -162,6 +163,7 @@ class BagWriter:
         if self._steps == 0:
             self._close_file()
             self._active.unlink(missing_ok=True)
+            remove_empty(self._created)
             return
         if self._within_step:
             self._close_file()

@@ -10,7 +10,7 @@ from typing import Any
 
 from rosbags.rosbag1 import Reader
 from rosbags.rosbag1.reader import ReaderError
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from robotteamsim.errors import RecordingError
@@ -110,7 +110,7 @@ def _own_types(connection: Any) -> Typestore | None:
     try:
         defined = get_types_from_msg(connection.msgdef.data, connection.msgtype)
         types.register({name: kind for name, kind in defined.items() if name not in types.types})
-    except TypesysError:
+    except Exception:  # rosbags turns definitions into Python code: any error of that, such as SyntaxError
         return None
     return types
 

@@ -3,20 +3,39 @@
 import contextlib
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from robotteamsim.errors import RecordingError
 
 
-def prepare_folder(folder: Path) -> None:
-    """Create a folder and its parents, and check that it is writable. Raises: RecordingError: it is not."""
+def prepare_folder(folder: Path) -> list[Path]:
+    """Create a folder and its parents, and check that it is writable.
+
+    Returns: the folders that did not exist, innermost first.
+    Raises: RecordingError: it is not writable.
+    """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        created = make_folder(folder)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
         raise cannot_write(folder, error) from error
+    return created
+
+
+def make_folder(folder: Path) -> list[Path]:
+    """Create a folder and its parents; return those that did not exist, innermost first. Raises: OSError."""
+    created = [path for path in (folder, *folder.parents) if not path.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    return created
+
+
+def remove_empty(folders: Sequence[Path]) -> None:
+    """Remove folders that `make_folder` has created, unless something is in them."""
+    for folder in folders:
+        with contextlib.suppress(OSError):
+            folder.rmdir()
 
 
 def check_replaceable(path: Path) -> None:

@@ -10,7 +10,7 @@ import msgspec
 
 import robotteamsim
 from robotteamsim.mission.status import Event
-from robotteamsim.recording.files import prepare_folder, write_atomically
+from robotteamsim.recording.files import prepare_folder, remove_empty, write_atomically
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
 
@@ -46,17 +46,22 @@ class ResultWriter(EventList):
     def __init__(self, folder: Path) -> None:
         super().__init__()
         self._folder = folder
+        self._created: list[Path] = []
 
     def begin(self, scenario: Scenario) -> None:
         """Raises: RecordingError: the folder cannot be written."""
         super().begin(scenario)
         self._scenario = scenario
-        prepare_folder(self._folder)
+        self._created = prepare_folder(self._folder)
 
     def end(self, result: Result) -> None:
         """Write the file. Raises: RecordingError."""
         document = mission_document(self._scenario, result, self.events)
         write_atomically(self._folder / FILE_NAME, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
+
+    def abandon(self) -> None:
+        """Remove the folder if it is new and empty."""
+        remove_empty(self._created)
 
 
 def result_summary(result: Result) -> dict[str, Any]:

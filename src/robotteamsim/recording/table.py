@@ -10,7 +10,7 @@ from rich.text import Text
 
 from robotteamsim.mission.status import END_TEXTS, Event
 from robotteamsim.simulation import Result
-from robotteamsim.wording import counted
+from robotteamsim.wording import counted, printable
 
 MAX_EVENTS = 60
 """Above this number of events, endangered links are only counted; mission.json lists them."""
@@ -43,7 +43,8 @@ def print_result(console: Console, result: Result, events: Sequence[Event], writ
 
 def event_table(title: str, events: Sequence[Event]) -> Table:
     """Return the events in order; if there are many, endangered links are only counted."""
-    table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, caption_justify="left")
+    heading = Text(printable(title), style="bold")
+    table = Table(title=heading, title_justify="left", box=box.SIMPLE_HEAD, caption_justify="left")
     table.add_column("time", justify="right", no_wrap=True)
     table.add_column("what happened")
     shown = events
@@ -51,7 +52,7 @@ def event_table(title: str, events: Sequence[Event]) -> Table:
         shown = [event for event in events if event.kind != "link_endangered"]
         table.caption = f"and {len(events) - len(shown)} times a link became endangered"
     for event in shown:
-        table.add_row(f"{event.time_s:.1f} s", Text(event.detail, style=_STYLES.get(event.kind, "")))
+        table.add_row(f"{event.time_s:.1f} s", Text(printable(event.detail), style=_STYLES.get(event.kind, "")))
     return table
 
 

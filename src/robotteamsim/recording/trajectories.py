@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 
 from robotteamsim.geometry import PoseReading
-from robotteamsim.recording.files import prepare_folder, write_atomically
+from robotteamsim.recording.files import prepare_folder, remove_empty, write_atomically
 from robotteamsim.recording.ros_messages import robot_name
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
@@ -22,11 +22,12 @@ class TumWriter:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._steps: list[tuple[int, list[PoseReading]]] = []
+        self._created: list[Path] = []
 
     def begin(self, scenario: Scenario) -> None:
         """Raises: RecordingError: the folder cannot be written."""
         self._steps = []
-        prepare_folder(self._folder)
+        self._created = prepare_folder(self._folder)
 
     def step(self, record: StepRecord) -> None:
         """Keep the true poses of one step."""
@@ -41,8 +42,9 @@ class TumWriter:
             write_atomically(path, "\n".join([TUM_HEADER, *lines, ""]))
 
     def abandon(self) -> None:
-        """Discard the steps so far."""
+        """Discard the steps so far, and the folder if it is new and empty."""
         self._steps = []
+        remove_empty(self._created)
 
 
 def tum_line(time_ns: int, pose: PoseReading) -> str:

@@ -1,5 +1,6 @@
 """The base of all scenario models and the types they share."""
 
+import unicodedata
 from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
@@ -36,6 +37,22 @@ Item = TypeVar("Item")
 
 Many = Annotated[tuple[Item, ...], BeforeValidator(_as_tuple)]
 """An immutable sequence that YAML writes as a list: Many[Wall]."""
+
+
+MAX_NAME_CHARACTERS = 100
+
+
+def _as_name(name: str) -> str:
+    if any(unicodedata.category(char) == "Cc" for char in name):
+        raise PydanticCustomError("wrong", "{text}", {"key": "", "text": f"{shown(name)} has control characters"})
+    if len(name) > MAX_NAME_CHARACTERS:
+        text = f"{shown(name)} is longer than {MAX_NAME_CHARACTERS} characters"
+        raise PydanticCustomError("wrong", "{text}", {"key": "", "text": text})
+    return name
+
+
+Name = Annotated[str, AfterValidator(_as_name)]
+"""A name that tables, messages and pictures show."""
 
 
 def wrong(key: str, text: str) -> PydanticCustomError:

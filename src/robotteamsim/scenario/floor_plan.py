@@ -8,7 +8,7 @@ from typing import Literal
 import shapely
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Many, Model, Point, first_repeated, wrong
+from robotteamsim.scenario.base import Many, Model, Name, Point, first_repeated, wrong
 
 MAX_SIDE_M = 1000.0
 """Grids of larger plans would not fit into memory."""
@@ -52,7 +52,7 @@ class Bounds(Model):
 class Wall(Model):
     """A straight wall with a rectangular footprint around its centre line from `from` to `to`."""
 
-    name: str = Field(description="a name, unique among the plan's elements")
+    name: Name = Field(description="a name, unique among the plan's elements")
     start: Point = Field(
         validation_alias="from", serialization_alias="from", description="one end of the centre line [m]"
     )
@@ -70,7 +70,7 @@ class Wall(Model):
 class Block(Model):
     """A solid polygon: a stair core, a pillar."""
 
-    name: str = Field(description="a name, unique among the plan's elements")
+    name: Name = Field(description="a name, unique among the plan's elements")
     kind: Literal["block", "pillar"] = Field(
         default="block", description="radio.pillars may exclude pillars from the radio model"
     )
@@ -99,7 +99,7 @@ class Block(Model):
 class Door(Model):
     """A door leaf: one segment across a gap between walls; `door_places` checks the gap."""
 
-    name: str = Field(description="a name, unique among the plan's elements")
+    name: Name = Field(description="a name, unique among the plan's elements")
     start: Point = Field(
         validation_alias="from",
         serialization_alias="from",
@@ -176,7 +176,7 @@ class BayRow(Model):
 class FloorPlan(Model):
     """One floor of a building."""
 
-    name: str = Field(description="shown in tables and pictures")
+    name: Name = Field(description="shown in tables and pictures")
     bounds: Bounds = Field(description="the rectangle [m] that the plan fills")
     walls: Many[Wall] = Field(default=(), description="straight walls")
     blocks: Many[Block] = Field(default=(), description="solid polygons and pillars")

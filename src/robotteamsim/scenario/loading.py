@@ -40,6 +40,8 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
         path = shipped_scenario(place)
         place = path.name
     data = read_mapping(path, place, "a scenario")
+    if "plan" not in data and _is_plan(data):
+        raise ScenarioError(f"{place}: this is a floor plan, not a scenario; a scenario names it in its key 'plan'")
     changes = [Override.of(text) for text in overrides]
     origin = Origin(place, tuple(change.key for change in changes))
     folder = path.parent
@@ -86,6 +88,8 @@ def _plan_file(name: str, folder: Path, place: str) -> tuple[Path, str]:
 
 def _read_plan(path: Path, place: str) -> FloorPlan:
     data = read_mapping(path, place, "a floor plan")
+    if "plan" in data and not _is_plan(data):
+        raise ScenarioError(f"{place}: this is a scenario, not a floor plan; its key 'plan' names its floor plan")
     if "image" in data:
         # OpenCV takes longer to import than most scenarios to load.
         from robotteamsim.scenario.plan_import import import_map
@@ -94,6 +98,11 @@ def _read_plan(path: Path, place: str) -> FloorPlan:
     plan = _validated(FloorPlan, data, Origin(place))
     _check_doors(plan, "", Origin(place))
     return plan
+
+
+def _is_plan(data: dict[str, Any]) -> bool:
+    """Whether the keys of a file are those of a floor plan or of the yaml of a map."""
+    return "bounds" in data or {"image", "resolution"} <= data.keys()
 
 
 def _read_patrol_graph(data: Any, folder: Path, origin: Origin) -> None:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Model, PlanarPose, Point, wrong
+from robotteamsim.scenario.base import Model, Name, PlanarPose, Point, wrong
 from robotteamsim.scenario.body import MAX_REACH_M, MIN_WIDTH_M, Body, disc_at, polygon_at
 from robotteamsim.scenario.plan import Corners
 
@@ -17,7 +17,7 @@ SizeM = Annotated[float, Field(ge=MIN_WIDTH_M, le=MAX_REACH_M)]
 class MovableObject(Model):
     """A box or a barrel: it slides and turns when pushed, until ground friction stops it."""
 
-    name: str = Field(description="a name, unique among objects")
+    name: Name = Field(description="a name, unique among objects")
     kind: Literal["box", "barrel"] = Field(default="box", description="box or barrel")
     size_m: Point | None = Field(default=None, description="length and width of a box [m]")
     radius_m: SizeM | None = Field(default=None, description="of a barrel [m]")

@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.base import Many, Model, Point, wrong
+from robotteamsim.scenario.text_file import read_text
 from robotteamsim.scenario.yaml_text import shown
 
 MAX_VERTICES = 10_000
@@ -92,11 +93,7 @@ def read_patrol_graph(path: Path, place: str) -> dict[str, object]:
     Args: place: the name of the file in messages.
     Raises: ScenarioError: one line with the line of the file, the value and what was expected.
     """
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{place}: cannot be read as a patrol graph: {error}") from None
-    words = _Words(lines, place)
+    words = _Words(read_text(path, place).splitlines(), place)
     count = words.number(int, "the number of vertices")
     if not 1 <= count <= MAX_VERTICES:
         raise words.error(f"{count} vertices; expected 1 to {MAX_VERTICES}")

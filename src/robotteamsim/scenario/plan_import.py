@@ -13,10 +13,11 @@ from pydantic import ConfigDict, Field, model_validator
 from robotteamsim.errors import ScenarioError
 from robotteamsim.map_import.cells import darkness, read_image, solid_cells
 from robotteamsim.map_import.pieces import Piece, StraightPiece, in_metres, solid_pieces
-from robotteamsim.scenario.base import Model, PlanarPose, wrong
+from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Model, PlanarPose, wrong
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown
+from robotteamsim.wording import printable
 
 
 class MapFile(Model):
@@ -57,7 +58,8 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     bounds = checked(Bounds, {"min": low, "max": high}, place=f"{path}: image: bounds.")
     solid = solid_cells(occupied, free, settings.resolution)
     walls, blocks = walls_and_blocks(solid_pieces(solid, settings.origin[:2], cell_m))
-    return FloorPlan(name=path.stem, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
+    name = printable(path.stem)[:MAX_NAME_CHARACTERS]
+    return FloorPlan(name=name, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
 
 
 def walls_and_blocks(pieces: Iterable[Piece]) -> tuple[list[Wall], list[Block]]:
@@ -79,7 +81,10 @@ def _read_cells(path: Path, settings: MapFile) -> tuple[np.ndarray, np.ndarray]:
     image_path = path.parent / settings.image
     if not is_file(image_path):
         raise ScenarioError(f"{path}: image: there is no file {shown(settings.image)}")
-    image = read_image(image_path)
+    try:
+        image = read_image(image_path)
+    except ValueError as error:
+        raise ScenarioError(f"{path}: image: '{settings.image}' has {error}") from None
     if image is None or min(image.shape[:2]) < 3:
         raise ScenarioError(f"{path}: image: '{settings.image}' cannot be read as an image")
     if image.dtype not in (np.uint8, np.uint16):

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
-from robotteamsim.scenario.base import Many, Model, first_repeated, wrong
+from robotteamsim.scenario.base import Many, Model, Name, first_repeated, wrong
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.origin import Origin
@@ -35,7 +35,7 @@ Robots = Annotated[
 class Scenario(Model):
     """Everything that one trial depends on. In YAML `plan` is a path, here it is the loaded plan."""
 
-    name: str = Field(description="shown in tables and results")
+    name: Name = Field(description="shown in tables and results")
     plan: FloorPlan = Field(description="floor plan file, or map_server yaml, relative to this file")
     robots: Robots = Field(description="a team of equal robots, or a list")
     radio: Radio = Radio()

@@ -7,7 +7,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Interval, LossDb, Many, Model, PlanarPose, Point, first_repeated, wrong
+from robotteamsim.scenario.base import Interval, LossDb, Many, Model, Name, PlanarPose, Point, first_repeated, wrong
 from robotteamsim.scenario.body import Body, check_footprint, disc_at, polygon_at
 from robotteamsim.scenario.control_tuning import CoverTuning, DoorTuning, LinkTuning, NavigatorTuning, WanderTuning
 from robotteamsim.scenario.drives import AnyDrive, Drive
@@ -317,7 +317,7 @@ class Control(Model):
 class Area(Model):
     """A circle to explore."""
 
-    name: str = Field(description="a name, unique among areas")
+    name: Name = Field(description="a name, unique among areas")
     center: Point = Field(description="[x, y] in the map frame [m]")
     radius_m: float = Field(
         default=2.0, gt=0.0, le=100.0, description="explored when a robot is within this distance [m]"
@@ -327,7 +327,7 @@ class Area(Model):
 class Victim(Model):
     """A victim who does not move and calls for help."""
 
-    name: str = Field(description="a name, unique among victims")
+    name: Name = Field(description="a name, unique among victims")
     position: Point = Field(description="[x, y] in the map frame [m]")
 
 

@@ -38,6 +38,8 @@ def is_bare_name(name: str) -> bool:
 
 def shipped_scenario(name: str) -> Path:
     """Return the file of a shipped scenario. Raises: ScenarioError: no such scenario."""
+    if name not in scenario_names() and name in map_names():
+        raise ScenarioError(f"{name}: this is a floor plan, not a scenario; scenarios: {', '.join(scenario_names())}")
     return _find(name, f"scenarios/{name}.yaml", "scenario", scenario_names())
 
 

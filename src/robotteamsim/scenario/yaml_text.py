@@ -1,4 +1,7 @@
-"""YAML as scenarios use it: keys are text and unique, `1e6` is a number, dates are plain text."""
+"""YAML as scenarios use it: keys are text and unique, `1e6` is a number, dates are plain text, tags are not used.
+
+Depth and number of values are limited; a value counts again for each alias of it, since each alias becomes a copy.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +13,44 @@ from typing import Any
 import yaml
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.text_file import read_text
+from robotteamsim.wording import printable
+
+MAX_DEPTH = 50
+"""Sections and lists within each other."""
+
+MAX_VALUES = 200_000
+"""Values, lists, sections and keys of a file; a floor plan of a large building has some thousands."""
 
 
 class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
     """PyYAML's safe loader, with the differences that the module describes."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        self._depth = 0
+        self._count = 0
+        self._sizes: dict[int, int] = {}
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node:
+        event = self.peek_event()
+        if getattr(event, "tag", None) is not None:
+            raise yaml.MarkedYAMLError(problem="tags such as !!int are not supported", problem_mark=event.start_mark)
+        self._depth += 1
+        if self._depth > MAX_DEPTH:
+            raise yaml.MarkedYAMLError(problem="nested too deeply", problem_mark=event.start_mark)
+        before = self._count
+        node = super().compose_node(parent, index)
+        if isinstance(event, yaml.AliasEvent):
+            self._count += self._sizes.get(id(node), 1)
+        else:
+            self._count += 1
+            self._sizes[id(node)] = self._count - before
+        if self._count > MAX_VALUES:
+            problem = f"more than {MAX_VALUES} values, aliases included"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
+        self._depth -= 1
+        return node
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen = set()
@@ -32,7 +69,7 @@ class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
 
 
 _Loader.yaml_implicit_resolvers = {
-    first: [(tag, pattern) for tag, pattern in resolvers if not tag.endswith((":timestamp", ":float"))]
+    first: [(tag, pattern) for tag, pattern in resolvers if not tag.endswith((":timestamp", ":float", ":value"))]
     for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
 }
 _Loader.add_implicit_resolver(
@@ -49,7 +86,7 @@ def parse(text: str, place: str) -> Any:
     """Return the value of a YAML text.
 
     Args:   place: name of the text in messages: the file, or the override.
-    Raises: ScenarioError: a syntax error or a duplicate key, with its line.
+    Raises: ScenarioError: a syntax error, a duplicate key, a tag, too many or too deeply nested values, with its line.
     """
     try:
         return yaml.load(text, Loader=_Loader)
@@ -62,15 +99,13 @@ def parse(text: str, place: str) -> Any:
     except (yaml.YAMLError, ValueError) as error:
         # An unprintable character, or a malformed number (0b, 1_).
         raise ScenarioError(f"{place}: {str(error).splitlines()[0]}") from None
-    except RecursionError:
-        raise ScenarioError(f"{place}: nested too deeply") from None
 
 
 def is_file(path: Path) -> bool:
     """Whether a file exists; False also for an invalid name, such as one that is too long."""
     try:
         return path.is_file()
-    except OSError:
+    except (OSError, ValueError):
         return False
 
 
@@ -78,17 +113,9 @@ def read_mapping(path: Path, place: str, what: str) -> dict[str, Any]:
     """Return the keys and values of a YAML file.
 
     Args:   place: name of the file in messages. what: what it should be, such as "a scenario".
-    Raises: ScenarioError: the file is missing, unreadable, not YAML or not a mapping.
+    Raises: ScenarioError: the file is missing, unreadable, too large, not YAML or not a mapping.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise ScenarioError(f"{place}: there is no such file") from None
-    except UnicodeDecodeError:
-        raise ScenarioError(f"{place}: not a text file in UTF-8") from None
-    except OSError as error:
-        raise ScenarioError(f"{place}: {error.strerror or error}") from None
-    data = parse(text, place)
+    data = parse(read_text(path, place), place)
     if data is None:
         raise ScenarioError(f"{place}: file is empty; expected {what}: lines of KEY: VALUE")
     if not isinstance(data, dict):
@@ -141,5 +168,5 @@ def shown(value: Any) -> str:
     except RecursionError:
         return "a list that contains itself"
     # A text may have line breaks of its own.
-    text = " ".join(text.split())
+    text = printable(" ".join(text.split()))
     return text if len(text) <= 60 else f"{text[:57]}..."

@@ -152,7 +152,10 @@ class SolidReader:
         path = self._folder / file
         if not is_file(path):
             raise entity.error("bitmap", f"there is no file {shown(file)}")
-        image = read_image(path)
+        try:
+            image = read_image(path)
+        except ValueError as error:
+            raise entity.error("bitmap", f"{shown(file)} has {error}") from None
         if image is None or image.dtype not in (np.uint8, np.uint16):
             raise entity.error("bitmap", f"'{file}' cannot be read as an image")
         if image.dtype == np.uint16:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.text_file import read_text
 from robotteamsim.scenario.yaml_text import is_file, shown
 
 MAX_TOKENS = 1_000_000
@@ -94,13 +95,8 @@ def _with_includes(
 
 
 def _read(path: Path, file: str) -> str:
-    try:
-        # Comments may have any encoding; all other text is ASCII.
-        return path.read_bytes().decode("utf-8-sig", errors="replace")
-    except FileNotFoundError:
-        raise ScenarioError(f"{file}: there is no such file") from None
-    except OSError as error:
-        raise ScenarioError(f"{file}: {error.strerror or error}") from None
+    # Comments may have any encoding; all other text is ASCII.
+    return read_text(path, file, errors="replace")
 
 
 def _of_text(text: str, file: str) -> Iterator[Token]:

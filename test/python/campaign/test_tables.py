@@ -92,6 +92,19 @@ def test_summary_has_a_line_per_cell(short_design, outcome_of, failed_outcome_of
     assert lines[-1] == "1 missions ended at the time limit, which counts as their time"
 
 
+def test_tables_fit_a_terminal_of_80_columns_and_lose_nothing(short_design, outcome_of):
+    design = short_design("control.algorithm=rdpso,random_walk", trials=2)
+    outcomes = [outcome_of(trial, time_s=90.0 + trial.number, distance_m=1234.5) for trial in design.all_trials()]
+    missions = {10.0 * i: [MissionValues(4, 400.0, 5, 0)] for i in range(1, 5)}
+    for wide, narrow in (
+        (summary_table(design, summarise(design, outcomes)), summary_table(design, summarise(design, outcomes), 80)),
+        (dissertation_tables(missions), dissertation_tables(missions, 80)),
+    ):
+        assert max(map(len, wide.splitlines())) > 80
+        assert max(map(len, narrow.splitlines())) <= 80
+        assert set(narrow.split()) == set(wide.split())
+
+
 def test_summary_of_a_scenario_with_a_base_tells_what_it_heard_of(outcome_of):
     design = make_design("office_manet", trials=2)
     first, second = design.all_trials()

@@ -45,6 +45,23 @@ def test_several_bags_are_one_table_with_their_means(capsys, bags):
     assert ["mean", "0.00", "0.00", "2.0"] in [words[:4] for words in lines]
 
 
+@pytest.mark.parametrize("width", [40, 60, 80])
+def test_tables_fit_narrow_terminals_without_cutting_anything(capsys, monkeypatch, bags, width):
+    def words(columns: int, *arguments: Path) -> tuple[set[str], int]:
+        monkeypatch.setenv("COLUMNS", str(columns))
+        assert main(["analyse", *map(str, arguments)]) == 0
+        lines = capsys.readouterr().out.splitlines()
+        table = [line for line in lines if not line.startswith("  ") or line.rstrip()[-1:].isdigit()]
+        return set(" ".join(table).replace("─", "").split()), max(
+            len(line) for line in lines if "trajectories" not in line
+        )
+
+    wide, _ = words(200, *bags)
+    narrow, longest = words(width, *bags)
+    assert longest <= width
+    assert narrow == wide
+
+
 def test_bags_of_one_name_are_distinguished_by_their_folders(capsys, bags, tmp_path):
     for folder in "ab":
         (tmp_path / folder).mkdir()

@@ -69,7 +69,8 @@ class SaysNonsense(Sound):
         (["mission.base=3"], "--set: mission.base: there is no robot 3; expected 0 to 2"),
         (
             ["control.algorithm=faulty_ones:Missing"],
-            "garage_sar: control.algorithm: 'faulty_ones:Missing': ModuleNotFoundError: No module named 'faulty_ones'",
+            "garage_sar: control.algorithm: 'faulty_ones:Missing': ModuleNotFoundError: No module named 'faulty_ones'; "
+            "is its folder in PYTHONPATH?",
         ),
     ],
 )

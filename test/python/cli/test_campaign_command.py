@@ -117,7 +117,7 @@ def test_failed_trials_are_reported_and_the_rest_runs(capsys, tmp_path, monkeypa
 
 
 @pytest.mark.parametrize(
-    ("cores", "messages"), [({}, ["tcp://x:1 has no workers yet; missions start when workers connect"]), ({"a": 1}, [])]
+    ("cores", "messages"), [({}, ["tls://x:1 has no workers yet; missions start when workers connect"]), ({"a": 1}, [])]
 )
 def test_cluster_without_workers_gives_a_message(capsys, tmp_path, monkeypatch, outcome_of, cores, messages):
     def run(client, design, trials, keep):
@@ -128,7 +128,7 @@ def test_cluster_without_workers_gives_a_message(capsys, tmp_path, monkeypatch, 
     client = SimpleNamespace(ncores=lambda: cores)
     monkeypatch.setattr(campaign_command, "run_trials", run)
     monkeypatch.setattr(campaign_command, "scheduler_at", lambda address: contextlib.nullcontext(client))
-    command = ["campaign", "tutorial_arena", "--trials", "2", "--out", str(tmp_path), "--scheduler", "tcp://x:1"]
+    command = ["campaign", "tutorial_arena", "--trials", "2", "--out", str(tmp_path), "--scheduler", "tls://x:1"]
     assert main(command) == 0
     assert capsys.readouterr().err.splitlines()[:-1] == [
         "tutorial_arena: 2 trials",
@@ -150,7 +150,8 @@ def test_cluster_without_workers_gives_a_message(capsys, tmp_path, monkeypatch, 
         (["--set", "control.algorithm=rdspo"], f"--set: control.algorithm: 'rdspo' is not known; {KNOWN}"),
         (
             ["--sweep", "control.algorithm=rdpso,nowhere:Class"],
-            "--sweep: control.algorithm: 'nowhere:Class': ModuleNotFoundError: No module named 'nowhere'",
+            "--sweep: control.algorithm: 'nowhere:Class': ModuleNotFoundError: No module named 'nowhere'; "
+            "is its folder in PYTHONPATH?",
         ),
         (
             ["--sweep", "control.algorithm=rdpso,builtins:slice"],

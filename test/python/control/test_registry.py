@@ -112,14 +112,19 @@ KNOWN = ", ".join([*ALGORITHMS, "still"])
             "rdspo",
             f"'rdspo' is not known; expected one of: {KNOWN}, or module:Class",
         ),
-        ("no_such_module:Class", "'no_such_module:Class': ModuleNotFoundError: No module named 'no_such_module'"),
+        (
+            "no_such_module:Class",
+            "'no_such_module:Class': ModuleNotFoundError: No module named 'no_such_module'; "
+            "is its folder in PYTHONPATH?",
+        ),
         (
             "others_of_test:Walker",
             "'others_of_test:Walker': AttributeError: module 'others_of_test' has no attribute 'Walker'",
         ),
         (
             "broken_of_test:Class",
-            "'broken_of_test:Class': ModuleNotFoundError: No module named 'no_such_module_at_all'",
+            "'broken_of_test:Class': ModuleNotFoundError: No module named 'no_such_module_at_all'; "
+            "is its folder in PYTHONPATH?",
         ),
         ("others_of_test:number", "'others_of_test:number' is 3; expected a class"),
         ("others_of_test:Mute", "'others_of_test:Mute' makes a Mute, which has no observe and no decide"),

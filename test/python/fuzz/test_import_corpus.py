@@ -43,7 +43,7 @@ def test_target_notices_an_error_that_is_none_of_ours(tmp_path: Path, monkeypatc
             "image: bounds.max: x 1e+300 is not above min, 1e+300",
         ),
         ({"origin": [0, -2e6, 0]}, TARGET["ROOM_IMAGE"], "image: bounds.min: y -2e+06 is more than 999 km from 0"),
-        ({}, HUGE_IMAGE, "image: 'map.png' cannot be read as an image"),
+        ({}, HUGE_IMAGE, "image: 'map.png' has more than 25 million pixels"),
         ({}, WIDE_IMAGE, "image: bounds.max: x 9999 is more than 1000 m from min, -1"),
     ],
 )

@@ -56,7 +56,14 @@ def test_seed_of_a_reset_reaches_the_nodes_that_start_again(parameters):
     assert read_seed(read).with_seed(7) == read
 
 
-@pytest.mark.parametrize(("seed", "line"), [("-1", "seed: -1 is below 0"), ("x", "seed: 'x' is not a whole number")])
+@pytest.mark.parametrize(
+    ("seed", "line"),
+    [
+        ("-1", "seed: -1 is below 0"),
+        ("x", "seed: 'x' is not a whole number"),
+        ("--5", "seed: '--5' is not a whole number"),
+    ],
+)
 def test_wrong_seed_is_reported(parameters, seed, line):
     parameters["/robotteamsim/seed"] = seed
     with pytest.raises(ParameterError, match=rf"/robotteamsim/{line}"):
@@ -112,3 +119,14 @@ def test_number_of_robots_must_fit_a_list_of_robots(parameters, tmp_path):
         read_settings()
     parameters["/robotteamsim/robots"] = 2
     assert read_settings().num_robots == 2
+
+
+def test_code_that_a_scenario_file_names_is_refused_unless_it_is_allowed(parameters, tmp_path):
+    path = tmp_path / "my.yaml"
+    robots = "robots: {count: 2, start: [3, 3, 0]}"
+    path.write_text(f"name: my\nplan: garage\n{robots}\ncontrol: {{algorithm: 'somewhere:Mine'}}\n", encoding="utf-8")
+    parameters["/robotteamsim/scenario"] = str(path)
+    with pytest.raises(ScenarioError, match=r"'somewhere:Mine' runs any code; .* add allow_code:=true$"):
+        read_settings()
+    parameters["/robotteamsim/allow_code"] = True
+    assert read_settings().scenario.control.algorithm == "somewhere:Mine"

@@ -282,3 +282,36 @@ def test_latest_step_with_no_robot_present_is_made_from_the_report_of_that():
     steps.add("odom", 200, "here")
     steps.add("robots", 200, Present(1))
     assert steps.take_step().messages["odom"] == ("here",)
+
+
+def test_latest_drops_a_single_late_message_and_restarts_when_time_goes_on_from_it():
+    steps = LatestSynchronizer([Channel("odom", needed=True)], stale_ns=1000)
+    steps.add("odom", 500, "a")
+    assert steps.take_step().latest("odom") == "a"
+    steps.add("odom", 400, "late")
+    assert steps.take_step() is None
+    steps.add("odom", 600, "b")
+    step = steps.take_step()
+    assert (step.stamp_ns, step.restarted, step.messages["odom"]) == (600, False, ("b",))
+    for stamp_ns in (100, 200):
+        steps.add("odom", stamp_ns, f"new {stamp_ns}")
+    step = steps.take_step()
+    assert (step.stamp_ns, step.restarted, step.messages["odom"]) == (200, True, ("new 200",))
+
+
+def test_latest_restarts_at_once_when_time_jumps_back_far():
+    steps = LatestSynchronizer([Channel("odom", needed=True)], stale_ns=1000)
+    steps.add("odom", 5000, "old")
+    steps.add("odom", 100, "new")
+    step = steps.take_step()
+    assert (step.stamp_ns, step.restarted, step.messages["odom"]) == (100, True, ("new",))
+
+
+def test_lockstep_drops_a_single_late_message(lockstep):
+    steps = lockstep(Channel("odom"))
+    for stamp_ns in (100, 200, 300):
+        steps.add("odom", stamp_ns, f"odom {stamp_ns}")
+        assert steps.take_step() is not None
+    steps.add("odom", 200, "late")
+    steps.add("odom", 400, "odom 400")
+    assert steps.take_step() == Step(400, False, {"odom": ("odom 400",)})

@@ -270,6 +270,14 @@ def test_image_that_breaks_off_is_refused_without_further_words(tmp_path: Path, 
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.parametrize("side", [6_000, 12_000, 40_000])
+def test_image_of_too_many_pixels_is_refused_by_its_header(tmp_path: Path, side: int) -> None:
+    path = _write(tmp_path, _room(), "image: vast.pgm")
+    (tmp_path / "vast.pgm").write_bytes(b"P5\n%d %d\n255\n" % (side, side))
+    with pytest.raises(ScenarioError, match=r"image: 'vast.pgm' has more than 25 million pixels$"):
+        import_map(path)
+
+
 def test_missing_or_empty_map_yaml_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=r"nowhere.yaml: there is no such file"):
         import_map(tmp_path / "nowhere.yaml")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.scenario.yaml_text import parse, shown, write
+from robotteamsim.scenario.yaml_text import parse, read_mapping, shown, write
 
 
 @pytest.mark.parametrize(
@@ -42,14 +43,50 @@ def test_merged_keys_may_be_replaced() -> None:
         pytest.param("[" * 2000, "x.yaml: nested too deeply", id="deep"),
         (
             "a: !!python/object:os.system x",
-            "x.yaml: could not determine a constructor for the tag 'tag:yaml.org,2002:python/object:os.system'",
+            "x.yaml: tags such as !!int are not supported",
         ),
+        ("a: 1\nb: !!timestamp x\n", "x.yaml:2: tags such as !!int are not supported"),
+        ("a: !!map [b]", "x.yaml: tags such as !!int are not supported"),
+        ('a: !!int ""', "x.yaml: tags such as !!int are not supported"),
+        ('a: !!bool "x"', "x.yaml: tags such as !!int are not supported"),
+        ("!x\na: 1", "x.yaml:1: tags such as !!int are not supported"),
     ],
 )
 def test_bad_yaml_is_refused_with_its_line(text: str, message: str) -> None:
     with pytest.raises(ScenarioError) as raised:
         parse(text, "x.yaml")
     assert str(raised.value) == message
+
+
+def _bomb(first: str, level: str) -> str:
+    """Nine levels, each with nine aliases of the one before: 10^9 values in ten lines."""
+    lines = [f"a0: &a0 {first}"]
+    lines += [f"a{i}: &a{i} " + level % ", ".join([f"*a{i - 1}"] * 9) for i in range(1, 10)]
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("text", [_bomb("[1, 2]", "[%s]"), _bomb("{k: 1}", "{<<: [%s]}")], ids=["lists", "merges"])
+def test_aliases_of_aliases_are_refused_before_they_fill_the_memory(text: str) -> None:
+    with pytest.raises(ScenarioError, match=r"^x.yaml:\d+: more than 200000 values, aliases included$"):
+        parse(text, "x.yaml")
+
+
+def test_many_values_are_refused() -> None:
+    with pytest.raises(ScenarioError, match=r"^x.yaml: more than 200000 values"):
+        parse("[" + "1," * 200_001 + "]", "x.yaml")
+
+
+def test_equals_sign_is_plain_text() -> None:
+    assert parse("a: =", "x") == {"a": "="}
+
+
+@pytest.mark.parametrize("name", ["/dev/zero", "comments.yaml"])
+def test_endless_file_is_refused_at_once(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    if not path.exists():
+        path.write_text("# nothing\n" * 500_000, encoding="utf-8")
+    with pytest.raises(ScenarioError, match=r"^big: larger than 4 MiB; expected a text file$"):
+        read_mapping(path, "big", "a scenario")
 
 
 PLAIN = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(st.characters(codec="utf-8"))

@@ -18,6 +18,7 @@ from robotteamsim.analysis.report.contrasts import Contrast, Overall
 from robotteamsim.analysis.report.samples import Campaign, Cell, Sample
 from robotteamsim.analysis.report.statistics import bootstrap_mean
 from robotteamsim.analysis.report.wording import interval_text, p_text, share_text
+from robotteamsim.wording import safe_cell
 
 _LATEX = {
     "\\": r"\textbackslash{}",
@@ -60,7 +61,7 @@ class Table:
             for name, *cells in zip(self.head, *self.rows, strict=True)
             for column in (_parted(name, cells) or [(name, *cells)])
         ]
-        writer.writerows(zip(*columns, strict=True))
+        writer.writerows(map(safe_cell, row) for row in zip(*columns, strict=True))
         return text.getvalue()
 
     def latex(self) -> str:

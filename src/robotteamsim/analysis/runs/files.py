@@ -20,6 +20,7 @@ from robotteamsim.analysis.runs.totals import (
     max_hops,
 )
 from robotteamsim.recording.files import atomically, prepare_folder
+from robotteamsim.wording import safe_cell
 
 Row = Sequence[Any]
 
@@ -68,7 +69,7 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
         with atomically(path) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(head)
-            writer.writerows(rows)
+            writer.writerows(map(safe_cell, row) for row in rows)
         written.append(path)
     return written
 

@@ -1,7 +1,7 @@
 """Tables of recorded runs for a terminal: one run in detail, or one line for each of several runs."""
 
 import statistics
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from rich import box
 from rich.console import Console
@@ -12,9 +12,22 @@ from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.analysis.runs.totals import MissionTotals, NetworkTotals, RobotTotals, RunTotals
 from robotteamsim.mission.status import END_TEXTS
 from robotteamsim.recording.table import delivery_rows, event_table, totals_table
-from robotteamsim.wording import counted
+from robotteamsim.wording import column_groups, counted, printable
 
 _UNKNOWN = "-"
+_RUN_COLUMNS = (
+    *("bag", "end", "areas", "victims", "time\n[s]", "endan-\ngered", "driven\n[m]", "colli-\nsions", "Fied-\nler"),
+    "split\n[s]",
+)
+_ROBOT_COLUMNS = (
+    *("robot", "driven\n[m]", "speed\n[m/s]", "fastest\nsecond", "colli-\nsions", "contact\n[s]", "excluded\n[s]"),
+    "path\nfrom",
+)
+_MAX_NAME_WIDTH = 24
+_PADDING = 2
+"""Of each column."""
+_EDGES = 2
+"""Left and right of a table."""
 _SHORT_ENDS = {
     "": "not in bag",
     "areas_explored": "explored",
@@ -29,13 +42,15 @@ def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
     if run.events:
         console.print(event_table(totals.title, [event for _, event in run.events]))
     else:
-        console.print(Text(totals.title, style="bold"))
+        console.print(Text(printable(totals.title), style="bold"))
     rows = [("recorded", f"{totals.duration_s:.1f} s")]
     rows += _mission_rows(totals.mission) if totals.mission else []
     rows += _network_rows(totals.network, totals.mission is None) if totals.network else []
     console.print(totals_table(rows))
     if totals.robots:
-        console.print(_robot_table(totals.robots))
+        cells = [_robot_cells(robot) for robot in totals.robots]
+        for table in _fitting_tables(_ROBOT_COLUMNS, cells, None, console.width):
+            console.print(table)
     if totals.trajectory_hash:
         console.print(Text(f"  trajectories {totals.trajectory_hash}"), soft_wrap=True)
     _print_omitted(console, totals, "")
@@ -43,27 +58,33 @@ def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
 
 def print_runs(console: Console, all_totals: Sequence[RunTotals]) -> None:
     """Print one line per run, the means of all runs, and a line for everything omitted."""
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    table.add_column("bag", overflow="fold")
-    table.add_column("end")
-    for name in (
-        "areas",
-        "victims",
-        "time\n[s]",
-        "endan-\ngered",
-        "driven\n[m]",
-        "colli-\nsions",
-        "Fied-\nler",
-        "split\n[s]",
-    ):
-        table.add_column(Text(name), justify="right")
-    for totals in all_totals:
-        table.add_row(*_cells(totals))
-    table.add_section()
-    table.add_row(*_mean_cells(all_totals))
-    console.print(table)
+    rows = [_cells(totals) for totals in all_totals]
+    for table in _fitting_tables(_RUN_COLUMNS, rows, _mean_cells(all_totals), console.width):
+        console.print(table)
     for totals in all_totals:
         _print_omitted(console, totals, f"{totals.bag}: ")
+
+
+def _fitting_tables(
+    names: Sequence[str], rows: Sequence[Sequence[str]], last_row: Sequence[str] | None, width: int
+) -> Iterator[Table]:
+    """Yield tables below each other, with as many columns as fit into the width; each repeats the first column."""
+    lines, every_row = [name.split("\n") for name in names], [*rows, *([last_row] if last_row else [])]
+    widths = [max(len(text) for text in [*head, *(row[i] for row in every_row)]) for i, head in enumerate(lines)]
+    first_width = _EDGES + min(widths[0], _MAX_NAME_WIDTH) + _PADDING
+    for group in column_groups([column + _PADDING for column in widths[1:]], first_width, width):
+        columns = [index + 1 for index in group]
+        table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+        table.add_column(Text(names[0]), overflow="fold", max_width=_MAX_NAME_WIDTH)
+        for column in columns:
+            is_number = any(row[column][:1].isdigit() for row in rows)
+            table.add_column(Text(names[column]), justify="right" if is_number else "left", no_wrap=True)
+        for row in rows:
+            table.add_row(Text(row[0]), *(Text(row[column]) for column in columns))
+        if last_row:
+            table.add_section()
+            table.add_row(Text(last_row[0]), *(Text(last_row[column]) for column in columns))
+        yield table
 
 
 def _mission_rows(mission: MissionTotals) -> list[tuple[str, str]]:
@@ -93,24 +114,17 @@ def _network_rows(network: NetworkTotals, with_endangered: bool) -> list[tuple[s
     ]
 
 
-def _robot_table(robots: Sequence[RobotTotals]) -> Table:
-    table = Table(box=box.SIMPLE_HEAD)
-    table.add_column("robot")
-    for name in ("driven\n[m]", "speed\n[m/s]", "fastest\nsecond", "colli-\nsions", "contact\n[s]", "excluded\n[s]"):
-        table.add_column(Text(name), justify="right")
-    table.add_column("path\nfrom")
-    for robot in robots:
-        table.add_row(
-            robot.name,
-            _number(robot.distance_m, ".1f"),
-            _number(robot.mean_speed_mps, ".2f"),
-            _number(robot.max_speed_mps, ".2f"),
-            _number(robot.collisions, "d"),
-            _number(robot.contact_s, ".1f"),
-            _number(robot.excluded_s, ".1f"),
-            robot.source,
-        )
-    return table
+def _robot_cells(robot: RobotTotals) -> list[str]:
+    return [
+        robot.name,
+        _number(robot.distance_m, ".1f"),
+        _number(robot.mean_speed_mps, ".2f"),
+        _number(robot.max_speed_mps, ".2f"),
+        _number(robot.collisions, "d"),
+        _number(robot.contact_s, ".1f"),
+        _number(robot.excluded_s, ".1f"),
+        robot.source,
+    ]
 
 
 def _cells(totals: RunTotals) -> list[str]:

@@ -94,6 +94,9 @@ def _loaded(name: str, point: EntryPoint) -> MakeController:
         # Otherwise files that were added after the last import are not found.
         importlib.invalidate_caches()
         found = point.load()
+    except ModuleNotFoundError as error:
+        missing = f"ModuleNotFoundError: {error}; is its folder in PYTHONPATH?"
+        raise _NotFoundError(f"'{name}': {missing}") from None
     except Exception as error:  # Any error in the user's module is reported in one line.
         raise _NotFoundError(f"'{name}': {type(error).__name__}: {error}") from None
     if not callable(found):

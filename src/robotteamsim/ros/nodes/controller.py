@@ -150,7 +150,7 @@ class ControllerNode:
         self._presence = Presence()
         status = Input(Channel(STATUS, of_last_step=True), MissionStatus)
         inputs = [*(an_input for slot in slots for an_input in slot.inputs), PRESENCE, status]
-        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs)
+        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs, settings)
         for slot in slots:
             slot.announce()
 

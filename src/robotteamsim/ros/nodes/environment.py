@@ -10,10 +10,10 @@ import numpy as np
 from nav_msgs.msg import OccupancyGrid, Odometry
 
 from robotteamsim import srv
-from robotteamsim.errors import PlacementError
 from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkMessages, NetworkState, Voice
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import ros_messages
+from robotteamsim.ros.nodes.requests import check_noise, check_victim
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.msg_conversion import RosTypes
 from robotteamsim.ros.transport.node import run
@@ -22,13 +22,8 @@ from robotteamsim.ros.transport.services import Service, call_service, command
 from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
 from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
-from robotteamsim.scenario.problems import checked
-from robotteamsim.scenario.sections import Mission as MissionSection
-from robotteamsim.scenario.sections import Victim
-from robotteamsim.scenario.sections import Voice as VoiceSection
 from robotteamsim.sensing.readings import NOT_THERE
 from robotteamsim.simulation.environment import Environment
-from robotteamsim.world.placement import check_mission
 
 logger = logging.getLogger(__name__)
 
@@ -105,7 +100,7 @@ class EnvironmentNode:
         self._build()
         self._publish_voice_map(0)
         inputs = self._inputs()
-        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs)
+        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs, settings)
         self._services = (
             Service("/get_radio_map", srv.GetRadioMap, self._serve_get_radio_map),
             command("/set_door", srv.SetDoor, self._set_door),
@@ -232,19 +227,14 @@ class EnvironmentNode:
             raise ValueError(answer.message)
 
     def _set_noise(self, request: srv.SetNoiseRequest) -> None:
-        # The scenario's model has the range.
-        checked(VoiceSection, {"noise_db": request.noise_db}, ValueError)
+        check_noise(request.noise_db)
         with self._environment_lock:
             self._environment.set_noise_db(request.noise_db)
         _passed_on("/mission/set_noise", srv.SetNoise, request)
 
     def _set_victim(self, request: srv.SetVictimRequest) -> None:
         position_m = (request.position.x, request.position.y)
-        victim = checked(Victim, {"name": request.name, "position": position_m}, ValueError)
-        try:
-            check_mission(self._settings.scenario.plan, MissionSection(victims=(victim,)))
-        except PlacementError as error:
-            raise ValueError(f"set_victim: {error}") from None
+        check_victim(self._settings.scenario, request.name, position_m)
         with self._environment_lock:
             self._environment.set_victim(request.name, position_m)
             if request.name not in self._victims:

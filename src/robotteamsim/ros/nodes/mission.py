@@ -17,6 +17,7 @@ from robotteamsim.interface import Decision
 from robotteamsim.mission.status import Event
 from robotteamsim.recording import ResultWriter, TumWriter, ros_messages
 from robotteamsim.recording.table import print_result
+from robotteamsim.ros.nodes.requests import check_door, check_noise, check_victim
 from robotteamsim.ros.nodes.trial import Trial
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.node import parameter, run, wait_for_shutdown
@@ -95,7 +96,7 @@ class MissionNode:
         self._trial_lock = threading.Lock()
         self._trial = self._begin_trial()
         inputs = self._inputs()
-        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs)
+        self._steps = receive_steps(make_synchronizer(settings, inputs), inputs, settings)
         self._events = Output("/mission/events", msg.MissionEvent)
         self._victims = Output("/mission/victims", msg.Victims, latched=True)
         self._areas = Output("/mission/areas", msg.Areas, latched=True)
@@ -109,6 +110,9 @@ class MissionNode:
         try:
             while (step := self._steps.take()) is not None:
                 if step.restarted:
+                    logger.warning(
+                        "simulated time has jumped back to %.1f s: the mission starts again", step.stamp_ns / 1e9
+                    )
                     with self._trial_lock:
                         self._trial.abandon()
                         self._settings = read_seed(self._settings)
@@ -183,8 +187,8 @@ class MissionNode:
         locked = partial(command, lock=self._trial_lock)
         self._services = (
             *(Service(f"/mission/{name}", Trigger, self._server_of(name)) for name in actions),
-            locked("/mission/set_door", srv.SetDoor, lambda r: self._trial.mission.set_door(r.name, r.closed)),
-            locked("/mission/set_noise", srv.SetNoise, lambda r: self._trial.mission.set_noise_db(r.noise_db)),
+            locked("/mission/set_door", srv.SetDoor, self._set_door),
+            locked("/mission/set_noise", srv.SetNoise, self._set_noise),
             locked("/mission/set_victim", srv.SetVictim, self._set_victim),
         )
 
@@ -199,5 +203,15 @@ class MissionNode:
 
         return serve
 
+    def _set_door(self, request: srv.SetDoorRequest) -> None:
+        check_door(self._settings.scenario, request.name)
+        self._trial.mission.set_door(request.name, request.closed)
+
+    def _set_noise(self, request: srv.SetNoiseRequest) -> None:
+        check_noise(request.noise_db)
+        self._trial.mission.set_noise_db(request.noise_db)
+
     def _set_victim(self, request: srv.SetVictimRequest) -> None:
-        self._trial.mission.set_victim(request.name, (request.position.x, request.position.y))
+        position_m = (request.position.x, request.position.y)
+        check_victim(self._settings.scenario, request.name, position_m)
+        self._trial.mission.set_victim(request.name, position_m)

@@ -98,7 +98,7 @@ class LockstepTeam(_Team):
             step_ns=settings.step_ns,
             silence_limit_s=settings.silence_limit_s,
         )
-        self._steps = receive_steps(self._synchronizer, inputs)
+        self._steps = receive_steps(self._synchronizer, inputs, settings)
 
     def note_presence(self, stamp_ns: int, present: tuple[bool, ...]) -> None:
         """As for all teams."""

@@ -17,6 +17,7 @@ from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Discovery, Task
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
+from robotteamsim.ros.transport.checks import check_finite, check_place
 from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
 from robotteamsim.world.doors import DoorState, DoorStates
 
@@ -70,8 +71,14 @@ def odometry_reading(message: nav_msgs.msg.Odometry) -> OdometryReading:
 
 
 def read_odometry(data: bytes) -> OdometryReading:
-    """Return pose and twist of a serialized nav_msgs/Odometry. Raises: ValueError: the bytes are too few."""
+    """Return pose and twist of a serialized nav_msgs/Odometry.
+
+    Raises: ValueError: the bytes are too few, or pose or twist are not finite.
+    """
     pose, velocity, pose_covariance, twist_variances = roscpp.read_odometry(data)
+    check_place("position", *pose[:2])
+    check_finite("orientation", *pose[2:])
+    check_finite("twist", *velocity)
     return OdometryReading(PoseReading(*pose), Twist(*velocity), pose_covariance, twist_variances)
 
 

@@ -19,7 +19,7 @@ def deserialized(message_class: Any, data: bytes) -> Any:
     """Return a message of a class. Raises: ValueError: the bytes are not such a message."""
     try:
         return message_class().deserialize(data)
-    except genpy.DeserializationError as error:
+    except (genpy.DeserializationError, ValueError, OverflowError, MemoryError) as error:
         raise ValueError(f"not a {message_class._type}: {error}") from None
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
+from robotteamsim.control import foreign_code
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.ros.transport.node import ParameterError, node_name, parameter, wait_for_shutdown
 from robotteamsim.scenario import Scenario, load
@@ -81,7 +83,7 @@ def read_seed(settings: Settings) -> Settings:
     """Return the settings with the seed of the last reset, for a node that starts again. Raises: ParameterError."""
     text = parameter(SEED, "")
     try:
-        return settings.with_seed(int(text) if text.lstrip("-").isdecimal() else text) if text else settings
+        return settings.with_seed(int(text) if re.fullmatch("-?[0-9]{1,20}", text) else text) if text else settings
     except ParameterError as error:
         raise ParameterError(f"{PARAMETERS}/{error}") from None
 
@@ -106,6 +108,8 @@ def _read_settings() -> Settings:
         silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
         mission=parameter(f"{PARAMETERS}/mission", True),
     )
+    if settings.controllers and not parameter(f"{PARAMETERS}/allow_code", False):
+        foreign_code.check_scenario(scenario, "allow_code:=true")
     if settings.lockstep and not settings.mission:
         raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False without a mission")
     if num_robots not in (NOT_SET, settings.num_robots):

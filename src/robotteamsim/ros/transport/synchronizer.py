@@ -57,6 +57,8 @@ class _Queue:
     channel: Channel
     life: int = 0
     last_ns: int = -1
+    late_ns: int | None = None
+    """Stamp of a message that was dropped because it was older than the last one; None: there was none since."""
     silent: bool = False
     skipped: bool = False
     waiting: list[tuple[int, Any]] = field(default_factory=list)
@@ -141,15 +143,27 @@ class LatestSynchronizer(StepSynchronizer):
     When the stamps of a needed channel jump back, time has been reset: messages with later stamps are from before the
     reset and are dropped. A slow channel may still deliver such messages; the step that contains them is followed by
     another restart when that channel jumps back, too.
+
+    A single message that is slightly older than the last one is late and not a sign of a reset: it is dropped. A reset
+    is recognised by the next message, which is newer than that one and still older than the last one before.
     """
+
+    def __init__(self, channels: Iterable[Channel], *, stale_ns: int = 0) -> None:
+        """Start without messages. stale_ns: a single message that is older by less than this is late."""
+        super().__init__(channels)
+        self._stale_ns = stale_ns
 
     def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
         if queue.channel.needed and stamp_ns < queue.last_ns:
+            is_second = queue.late_ns is not None and stamp_ns > queue.late_ns
+            if queue.last_ns - stamp_ns < self._stale_ns and not is_second:
+                queue.late_ns = stamp_ns
+                return
             self._restarted = True
             queue.waiting.clear()
             for other in self._queues.values():
                 other.waiting = [waiting for waiting in other.waiting if waiting[0] <= stamp_ns]
-        queue.last_ns = stamp_ns
+        queue.last_ns, queue.late_ns = stamp_ns, None
         queue.waiting.append((stamp_ns, message))
 
     def _ready(self, queue: _Queue) -> bool:
@@ -227,6 +241,8 @@ class LockstepSynchronizer(StepSynchronizer):
             return  # a late subscriber may receive a latched message twice
         if stamp_ns == 0 and queue.skipped:
             return  # late message of an absent robot; no step has waited for it
+        if queue.life == self._life and self._step_ns < stamp_ns < queue.last_ns:
+            return  # late: after a reset, stamps begin with the first step
         queue.skipped = False
         if queue.channel.due is not None:
             # It may have had no message before time jumped back, so its stamps do not show that it did. Those of the

@@ -7,8 +7,9 @@ from functools import partial
 from typing import Any
 
 from robotteamsim import _ros_transport as roscpp
+from robotteamsim.ros.transport.checks import reader
 from robotteamsim.ros.transport.node import on_shutdown
-from robotteamsim.ros.transport.serialization import deserialized, message_type, serialized
+from robotteamsim.ros.transport.serialization import message_type, serialized
 from robotteamsim.ros.transport.settings import Settings
 from robotteamsim.ros.transport.step_receiver import Decode, StepReceiver
 from robotteamsim.ros.transport.synchronizer import (
@@ -20,6 +21,9 @@ from robotteamsim.ros.transport.synchronizer import (
 
 logger = logging.getLogger(__name__)
 
+STALE_NS = 10**9
+"""Out of lockstep, one message that is older by less than this is late; time has jumped back if another follows."""
+
 
 @dataclass(frozen=True, slots=True)
 class Input:
@@ -28,7 +32,7 @@ class Input:
     channel: Channel
     message_class: type
     decode: Decode | None = None
-    """None: a message of the class."""
+    """None: a message of the class, with the checks of `checks`."""
 
 
 class Output:
@@ -68,16 +72,16 @@ def make_synchronizer(settings: Settings, inputs: Iterable[Input]) -> StepSynchr
     channels = [an_input.channel for an_input in inputs]
     if settings.lockstep:
         return LockstepSynchronizer(channels, step_ns=settings.step_ns, silence_limit_s=settings.silence_limit_s)
-    return LatestSynchronizer(channels)
+    return LatestSynchronizer(channels, stale_ns=STALE_NS)
 
 
-def receive_steps(synchronizer: StepSynchronizer, inputs: Iterable[Input]) -> StepReceiver:
+def receive_steps(synchronizer: StepSynchronizer, inputs: Iterable[Input], settings: Settings) -> StepReceiver:
     """Subscribe to all inputs with unlimited queues, and return the receiver of steps until the node shuts down."""
     queue = message_queue()
     channels = []
     for an_input in inputs:
         queue.subscribe(an_input.channel.name, message_type(an_input.message_class))
-        channels.append((an_input.channel.name, an_input.decode or partial(deserialized, an_input.message_class)))
+        channels.append((an_input.channel.name, an_input.decode or reader(an_input.message_class, settings)))
     return StepReceiver(synchronizer, queue, channels, logger.warning)
 
 

@@ -1,0 +1,40 @@
+"""`robotteamsim completion`: print a script that completes commands, options and names in a shell."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from robotteamsim.cli.parser import COMPLETE_SCENARIOS, UsageError
+from robotteamsim.scenario.shipped import scenario_names
+
+SHELLS = ("bash", "zsh", "fish", "tcsh")
+
+_EPILOG = """\
+examples:
+  robotteamsim completion bash > ~/.local/share/bash-completion/completions/robotteamsim
+  robotteamsim completion fish > ~/.config/fish/completions/robotteamsim.fish
+  robotteamsim completion zsh > DIR/_robotteamsim      with DIR in $fpath"""
+
+
+def add_to(commands: Any, make_parser: Callable[[], argparse.ArgumentParser]) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser(
+        "completion", help="print a script for completion in a shell", description=__doc__, epilog=_EPILOG
+    )
+    parser.add_argument("shell", choices=SHELLS, help="the shell")
+    parser.set_defaults(command=partial(run, make_parser))
+
+
+def run(make_parser: Callable[[], argparse.ArgumentParser], options: argparse.Namespace) -> None:
+    """Print the script."""
+    try:
+        import shtab
+    except ModuleNotFoundError:
+        raise UsageError("completion needs the package shtab: pip install shtab") from None
+    names = " ".join(scenario_names())
+    scenarios = f'{COMPLETE_SCENARIOS["bash"]}() {{ compgen -W "{names}" -- "$1"; _shtab_compgen_files "$1"; }}\n'
+    preamble: Any = {"bash": scenarios}
+    print(shtab.complete(make_parser(), options.shell, preamble=preamble))

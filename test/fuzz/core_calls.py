@@ -1,0 +1,333 @@
+"""Valid calls of every public function and method of `robotteamsim._core`, as trees whose leaves can be replaced."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from robotteamsim import _core
+from robotteamsim.geometry import Pose
+
+
+class Output(NamedTuple):
+    """An array that the call fills in."""
+
+    shape: tuple[int, ...]
+    kind: type = np.float32
+
+
+@dataclass(frozen=True)
+class Call:
+    """A function or class of `_core`, and then methods or properties of the object that it returned."""
+
+    name: str
+    args: tuple[Any, ...] = ()
+    named: tuple[tuple[str, Any], ...] = ()
+    then: tuple[tuple[Any, ...], ...] = ()
+
+    def of(self, *methods: tuple[Any, ...]) -> Call:
+        return replace(self, then=methods)
+
+
+def new(name: str, *args: Any, **named: Any) -> Call:
+    return Call(name, args, tuple(named.items()))
+
+
+def evaluate(node: Any, filled: list[Any]) -> Any:
+    """Make the calls of a tree and return the result of its root; `filled` collects everything that they returned."""
+    match node:
+        case Call():
+            target: Any = _core
+            for part in node.name.split("."):
+                target = getattr(target, part)
+            made = target(*(evaluate(arg, filled) for arg in node.args), **dict(evaluate(node.named, filled)))
+            filled.append(made)
+            for method, *args in node.then:
+                attribute = getattr(made, method)
+                filled.append(attribute(*(evaluate(arg, filled) for arg in args)) if callable(attribute) else attribute)
+            return made
+        case Output(shape, kind):
+            filled.append(np.zeros(shape, kind))
+            return filled[-1]
+        case Pose():
+            return node
+        case tuple() | list():
+            return type(node)(evaluate(item, filled) for item in node)
+        case dict():
+            return {key: evaluate(item, filled) for key, item in node.items()}
+    return node
+
+
+def leaves(node: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Return the paths of all numbers of a tree; of an array, those of its first and its last element."""
+    match node:
+        case Call():
+            for part in ("args", "named", "then"):
+                yield from leaves(getattr(node, part), (*path, part))
+        case Pose():
+            for part in ("x_m", "y_m", "yaw_rad"):
+                yield (*path, part)
+        case Output() | str() | bool():
+            return
+        case tuple() | list():
+            for index, item in enumerate(node):
+                yield from leaves(item, (*path, index))
+        case dict():
+            for key, item in node.items():
+                yield from leaves(item, (*path, key))
+        case np.ndarray():
+            if node.size and node.dtype.kind == "f":
+                yield from ((*path, place) for place in {0, node.size - 1})
+        case int() | float():
+            yield path
+
+
+def replaced(node: Any, path: tuple[Any, ...], value: Any) -> Any:
+    """Return the tree with another value at a path."""
+    if not path:
+        return value
+    first, *rest = path
+    match node:
+        case Call():
+            return replace(node, **{first: replaced(getattr(node, first), tuple(rest), value)})
+        case Pose():
+            return Pose(**{name: value if name == first else getattr(node, name) for name in ("x_m", "y_m", "yaw_rad")})
+        case np.ndarray():
+            changed = node.copy()
+            with np.errstate(over="ignore"):
+                changed.flat[first] = math.nan if value is None else value
+            return changed
+        case dict():
+            return {**node, first: replaced(node[first], tuple(rest), value)}
+    items = [replaced(item, tuple(rest), value) if index == first else item for index, item in enumerate(node)]
+    return type(node)(items)
+
+
+_CELLS = np.zeros((8, 12), np.bool_)
+_CELLS[3, 2:9] = True
+_GRID = new("plan.PlanningGrid", _CELLS, (-1.0, 2.0), 0.5, 0.3)
+_FROM, _TO, _SOLID = (-0.6, 2.4), (4.2, 5.6), (1.0, 3.7)
+_MAP = np.linspace(0.0, 5.0, 96, dtype=np.float32).reshape(8, 12)
+
+
+def _of(made: Call, *methods: tuple[Any, ...]) -> Iterator[Call]:
+    for method in methods:
+        yield made.of(method)
+
+
+def _plan() -> Iterator[Call]:
+    yield new("base.hypot", np.array([3.0]), np.array([4.0]))
+    yield new("base.nearest_point", (1.0, 2.0), [(3.0, 4.0), (5.0, 6.0)])
+    yield new("base.reached_places", np.array([[1.0, 2.0]]), np.array([[3.0, 4.0]]), np.array([5.0]))
+    yield from _of(
+        _GRID,
+        ("blocked",),
+        ("is_free", _FROM),
+        ("nearest_free", _SOLID, 3.0),
+        ("is_line_free", _FROM, (4.2, 2.7)),
+        ("distance_map", _TO),
+        ("value_at", _MAP, _FROM),
+        ("shortest_path", _FROM, _TO, 20.0),
+        ("waypoints", _FROM, _TO, 20.0),
+        ("first_stretch", _FROM, _TO, 20.0),
+        ("along_path", _FROM, _TO, 20.0),
+        ("least_reachable", _MAP, _FROM, 2.0),
+        ("nearest_reachable", _FROM, _TO, 2.0),
+        ("reachable_towards", _FROM, _TO),
+        ("nearest_in_disc", _SOLID, _TO, 3.0),
+    )
+
+
+_LAYOUT = new("control.LaserLayout", beams=5, angle_min_rad=-1.5, angle_max_rad=1.5, forward_m=0.1, range_max_m=5.0)
+_PARAMETERS = new(
+    "control.NavigatorParameters",
+    **dict.fromkeys(("arrived_m", "laser_margin_m", "look_ahead_m", "turn_in_place_rad", "turn_gain_per_s"), 0.5),
+    **dict.fromkeys(("braking_mps2", "manoeuvring_mps", "room_to_turn_m", "progress_m", "yield_timeout_s"), 0.5),
+    **dict.fromkeys(("escape_m", "near_teammate_m", "nearest_free_start_m", "nearest_free_goal_m"), 0.7),
+    **dict.fromkeys(("sidestep_left_penalty", "sidestep_change_penalty", "sidestep_ahead_rad"), 0.3),
+    longest_path_m=50.0,
+    stuck_timeout_s=1.0,
+    escape_time_s=4.0,
+    escape_headings=16,
+)
+_SCAN = np.array([1.0, 2.0, 0.4, 2.0, 5.0], np.float32)
+
+
+class Teammates:
+    """Where a navigator's teammates are; the places are leaves of no tree, so they are odd already."""
+
+    def __call__(self) -> dict[int, tuple[float, float]]:
+        return {0: (math.nan, math.inf), 3: (1e308, -1e308), 5: (0.0, 2.4)}
+
+
+def _control() -> Iterator[Call]:
+    for by_path in (True, False):
+        navigator = new(
+            "control.Navigator",
+            robot_id=4,
+            radius_m=0.2,
+            laser=_LAYOUT,
+            max_speed_mps=0.7,
+            max_turn_radps=2.0,
+            is_car=by_path,
+            by_path=by_path,
+            parameters=_PARAMETERS,
+        )
+        drive = ("drive", _GRID, Pose(-0.6, 2.4, 0.3), _SCAN, _TO, 0.5)
+        yield navigator.of((*drive, 0, Teammates()), (*drive, 2_000_000_000, Teammates()))
+    surroundings = new(
+        "control.Surroundings", laser=_LAYOUT, stride=1, sensing_radius_m=3.0, headings_rad=[-1.0, 0.0, 1.0]
+    )
+    yield surroundings.of(("clearest_place", Pose(1.0, 2.0, 0.3), _SCAN))
+    heard = new("control.HeardNotes", [((1.0, 2.0), (3.0, 4.0)), ((5.0, 6.0), None)])
+    yield heard.of(("notes",))
+    ruled_out = new("control.RuledOut", radius_m=2.0, cell_m=0.5, next_to_m=0.4)
+    yield ruled_out.of(
+        ("add", (1.0, 2.0), (3.0, 4.0)), ("add_all", heard), ("covers", (1.1, 2.1)), ("clear",), ("covers", (1.0, 2.0))
+    )
+    yield new("swarm.next_velocity", (1.0, 2.0), (0.1, 0.2), [(1.0, 2.0)] * 4, [0.5] * 4, [0.3] * 4)
+    yield new("swarm.memory_term", [0.5, 0.2], [(1.0, 2.0), (3.0, 4.0)])
+    yield new("swarm.farthest_from", np.array([[1.0, 2.0]]), (0.0, 0.0), np.array([[3.0, 4.0]]))
+
+
+_FACES = new("propagation.FaceSet", [(1000, 0, 1000, 3000), (2000, 3000, 4000, 3000)], [20, 40])
+_RADIO = new(
+    "propagation.RadioModel",
+    tx_power_dbm=0.0,
+    constant_loss_db=42.7,
+    slope_db=26.2,
+    min_distance_m=0.1,
+    floor_loss_db=18.3,
+    floor_exponent=0.46,
+)
+_VOICE = new("propagation.VoiceModel", noise_db=20.0, unit_db=3.0, min_distance_m=0.1)
+_CALLER = new("propagation.VoiceSource", (1.5, 2.0), -80.0, 2.0)
+_TEAM = np.array([[0.0, 1.0], [2.0, 1.0], [3.0, 4.0]])
+_ORIGIN, _RESOLUTION_M, _CELLS_OUT = (0.0, 0.0), 0.5, Output((6, 8))
+_LINKED = np.array([[False, True], [True, False]])
+
+
+def _signals() -> Iterator[Call]:
+    yield _FACES.of(("weight_between", (0.0, 1.0), (4.0, 1.0)), ("set_active", 0, False))
+    yield new("propagation.path_loss_db", _FACES, _RADIO, (0.0, 1.0), (3.0, 1.0), 2)
+    yield new("propagation.rssi_matrix_dbm", _FACES, _RADIO, _TEAM)
+    yield new("propagation.rssi_matrix_dbm", _FACES, _RADIO, np.tile(_TEAM, (4, 1)))
+    yield new("propagation.write_rssi_matrix_dbm", _FACES, _RADIO, _TEAM, Output((3, 3), np.float64))
+    radio = (_FACES, _RADIO, [(0.2, 0.3), (3.0, 2.0)], 1, _ORIGIN, _RESOLUTION_M)
+    yield new("propagation.write_best_rssi_map_dbm", *radio, _CELLS_OUT, 1)
+    yield new("propagation.write_rssi_maps_dbm", *radio, Output((12, 8)), 1)
+    kept = new("propagation.WeightMap", _FACES, (0.2, 0.3), _ORIGIN, _RESOLUTION_M, 6, 8)
+    yield kept.of(("update", _FACES), ("write_rssi_dbm", _RADIO, 0, _CELLS_OUT))
+    yield new("propagation.voice_level_db", _FACES, _VOICE, _CALLER, (3.0, 2.0))
+    solid = np.zeros((6, 8), np.bool_)
+    yield new("propagation.write_voice_map_db", _FACES, _VOICE, [_CALLER], _ORIGIN, _RESOLUTION_M, solid, _CELLS_OUT, 1)
+    yield new("network.hop_count", _LINKED)
+    yield new("network.fiedler_value", _LINKED)
+    yield new("network.break_matrix", np.array([[0.0, -60.0], [-60.0, 0.0]]), new("network.hop_count", _LINKED))
+    links = new(
+        "network.TeamLinks",
+        _FACES,
+        _RADIO,
+        by_distance=True,
+        lost_below_dbm=-94.0,
+        max_distance_m=25.0,
+        endangered_below_dbm=-80.0,
+    )
+    square = Output((3, 3), np.float64)
+    yield links.of(
+        ("step", _TEAM, square, square),
+        *((name,) for name in ("version", "endangered_version", "fiedler_value", "adjacency", "hop_count")),
+        ("endangered",),
+    )
+
+
+def _box(x: float, y: float, side: float) -> list[tuple[float, float]]:
+    return [(x, y), (x + side, y), (x + side, y + side), (x, y + side)]
+
+
+_WALL = new("world.Solid", _box(2.0, -1.0, 2.0), [_box(2.0, -1.0, 2.0)])
+_LEAF = new("world.Solid", _box(-3.0, 2.0, 0.5), [_box(-3.0, 2.0, 0.5)])
+_INSTANT = new("world.Door", _LEAF, True)
+_DOOR = new("world.Door", _LEAF, True, time_s=2.0, angle_rad=1.5, shift_m=(0.1, 0.0), hinge_m=(-3.0, 2.0))
+_WHEELS = new(
+    "world.Drive",
+    kind="differential",
+    max_speed_mps=0.7,
+    max_acceleration_mps2=1.0,
+    max_turn_radps=2.0,
+    max_turn_acceleration_radps2=4.0,
+)
+_CAR = new(
+    "world.Drive",
+    kind="car",
+    max_speed_mps=0.7,
+    max_acceleration_mps2=1.0,
+    wheelbase_m=0.3,
+    max_steering_rad=0.5,
+    max_steering_rate_radps=1.0,
+)
+_ROUND = new("world.Robot", radius_m=0.2, mass_kg=5.0, drive=_WHEELS, start=Pose(1.7, 0.0, 0.0))
+_SQUARE = new(
+    "world.Robot", radius_m=0.3, mass_kg=5.0, drive=_CAR, start=Pose(0.0, 0.0, 0.5), footprint_m=_box(-0.2, -0.2, 0.4)
+)
+_BOX = new(
+    "world.MovableObject",
+    radius_m=0.3,
+    mass_kg=2.0,
+    friction=0.4,
+    start=Pose(0.0, 2.0, 0.0),
+    corners_m=_box(-0.2, -0.2, 0.4),
+)
+_WORLD = new("world.World", [_WALL], [_INSTANT, _DOOR], [_ROUND, _SQUARE], 0.1, 2, [_BOX])
+_TWISTS = np.array([[0.5, 0.0, 0.2], [0.7, 0.0, 0.1]])
+_STATE = ("poses", "twists", "motions", "object_poses", "in_contact", "contact_angles", "present", "arrivals")
+
+
+def _world() -> Iterator[Call]:
+    state = tuple((name,) for name in (*_STATE, "doors_version"))
+    door = new("world.World", [_WALL], [_DOOR], [_ROUND], 0.1, 2, []).of
+    yield door(("set_door", 0, False), ("step", _TWISTS[:1]), ("step", _TWISTS[:1]), ("door_states",), *state)
+    yield _WORLD.of(("set_door", 0, False), ("step", _TWISTS), ("step", _TWISTS), *state, ("reset",), *state)
+    yield _WORLD.of(("set_pose", 0, Pose(1.0, 1.0, 0.1)), ("step", _TWISTS), *state)
+    yield _WORLD.of(("remove_robot", 1), ("spawn_robot", 1, Pose(0.5, -2.0, 1.0)), ("step", _TWISTS), *state)
+    yield _WORLD.of(("add_object", _BOX), ("step", _TWISTS), ("remove_object", 0), ("object_poses",))
+    yield _WORLD.of(("set_object_pose", 0, Pose(0.5, 2.5, 0.1)), ("step", _TWISTS), ("object_poses",))
+
+
+_LASER = new(
+    "sensing.Laser",
+    [_WALL],
+    [_DOOR],
+    beams=7,
+    angle_min_rad=-1.5,
+    angle_max_rad=1.5,
+    forward_m=0.1,
+    range_min_m=0.05,
+    range_max_m=6.0,
+    too_near_m=0.05,
+    no_return_m=6.0,
+    left_m=0.02,
+)
+_ODOMETRY = new("sensing.TeamOdometry", [(0.01, 0.01, 0.02, 0.01)] * 2, 0.1, [False, True])
+_THREE = np.full((2, 3), 0.1)
+
+
+def _sensors() -> Iterator[Call]:
+    yield _LASER.of(("scan", _WORLD, [0, 1], np.full((2, 7), 0.01)), ("nearest", _WORLD, [0, 1], np.full((2, 1), 0.01)))
+    yield _ODOMETRY.of(("step", _THREE, _THREE, _THREE), ("follow", _WORLD, _THREE), ("restart", 0))
+    sensors = new("sensing.TeamSensors", _ODOMETRY, [(_LASER, [0, 1])])
+    yield sensors.of(("read", _WORLD, _THREE, [np.full((2, 7), 0.01)]))
+    ear = new("sensing.VoiceSensor", (-1.0, 2.0), 0.5, _MAP, 2.0)
+    yield ear.of(("hear", np.array([[0.0, 3.0], [1.0, 4.0]])), ("hear", np.array([[0.1, 3.0], [1.0, 4.1]])))
+    totals = new("simulation.TeamTotals", 2)
+    flags = np.zeros((3, 2), np.bool_)
+    yield totals.of(("add_steps", np.arange(12.0).reshape(3, 2, 2), flags, flags, np.ones(3, np.bool_)), ("totals",))
+
+
+def calls() -> tuple[Call, ...]:
+    """Return the valid calls of all submodules."""
+    return (*_plan(), *_control(), *_signals(), *_world(), *_sensors())

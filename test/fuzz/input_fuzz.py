@@ -1,0 +1,240 @@
+"""Any YAML text, scenario, bag and ROS message: it is read, or refused in one line, within 5 s and 1 GB.
+
+Usage: python test/fuzz/input_fuzz.py [--seconds 60] [--seed 0] [yaml scenario bag message ...]; each target gets the
+time. Inputs are valid ones with bytes changed, cut and put together at random; an input that fails is printed and
+written to `failed-<target>`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import faulthandler
+import random
+import resource
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.scenario import load
+from robotteamsim.scenario.shipped import shipped_scenario
+from robotteamsim.scenario.yaml_text import parse
+
+TIME_LIMIT_S = 5.0
+MEMORY_LIMIT_MB = 1024
+
+WORDS = (
+    *("a: 1\n", "- ", "[", "]", "{", "}", ", ", ": ", "? ", "\n", "\n  ", "  ", "&a ", "*a", "&b ", "*b", "<<: ", "<<"),
+    *(
+        "!!int ",
+        "!!timestamp ",
+        "!!python/name:os.system ",
+        "!x ",
+        "|\n",
+        ">\n",
+        "'",
+        '"',
+        "%YAML 9.9\n",
+        "---\n",
+        "...",
+    ),
+    *("0x", "1_", "1e999", ".nan", "-.inf", "0b", "~", "=", "@", "`", "\t", "\x00", "\x1b", "\ufeff", "\u2028", "é"),
+    *(
+        "name: x\n",
+        "plan: garage\n",
+        "robots: ",
+        "count: 2",
+        "control: ",
+        "[1, 2]",
+        "{a: [*a, *a]}",
+        "#",
+        "yes",
+        "null",
+    ),
+)
+ODD_BYTES = (b"\x00", b"\xff", b"\xff\xff\xff\xff", b"\x7f\xf0", b"\x00\x00\xc0\x7f", b"\n", b"A" * 40)
+
+Check = Callable[[bytes], object]
+
+
+def changed(data: bytes, generator: random.Random) -> bytes:
+    """Return the bytes with some stretches changed, doubled or missing."""
+    for _ in range(generator.randint(1, 4)):
+        start, length = generator.randrange(len(data) + 1), generator.choice((0, 1, 1, 2, 4, 8, 64))
+        new = generator.choice((*ODD_BYTES, generator.randbytes(length), data[start : start + 2 * length], b""))
+        data = data[:start] + new + data[start + length :]
+    return data[: generator.randrange(len(data) + 1)] if generator.random() < 0.1 else data
+
+
+def _refused_in_one_line(read: Check, data: bytes) -> None:
+    line = "read"
+    try:
+        read(data)
+    except RobotTeamSimError as error:
+        line = str(error)
+    assert line.strip(), "an error without a message"
+    assert "\n" not in line, f"an error of several lines: {line!r}"
+
+
+class YamlTarget:
+    """Any text."""
+
+    def make(self, generator: random.Random) -> bytes:
+        words = generator.choices(WORDS, k=generator.randint(1, 60))
+        return "".join(words).encode()
+
+    def check(self, data: bytes) -> None:
+        _refused_in_one_line(lambda text: parse(text.decode("utf-8", "replace"), "x.yaml"), data)
+
+
+class ScenarioTarget:
+    """A shipped scenario with changes."""
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / "odd.yaml"
+        self._valid = shipped_scenario("tutorial_arena").read_bytes()
+
+    def make(self, generator: random.Random) -> bytes:
+        return changed(self._valid, generator)
+
+    def check(self, data: bytes) -> None:
+        self._path.write_bytes(data)
+        _refused_in_one_line(lambda _: load(self._path), data)
+
+
+class BagTarget:
+    """A bag of a short mission with changes."""
+
+    def __init__(self, folder: Path) -> None:
+        from robotteamsim.recording import BagWriter
+        from robotteamsim.simulation import Simulation
+
+        self._path = folder / "odd.bag"
+        scenario = load("tutorial_arena", ["mission.time_limit_s=0.3", "robots.count=1"])
+        Simulation(scenario).run([BagWriter(self._path)])
+        self._valid = self._path.read_bytes()
+
+    def make(self, generator: random.Random) -> bytes:
+        return changed(self._valid, generator)
+
+    def check(self, data: bytes) -> None:
+        self._path.write_bytes(data)
+        _refused_in_one_line(self._read, data)
+
+    def _read(self, _: bytes) -> None:
+        from robotteamsim.analysis.runs.reading import read_run
+
+        read_run([self._path])
+
+
+class MessageTarget:
+    """A message of each topic that nodes subscribe to, with changes; needs ROS."""
+
+    def __init__(self, _: Path) -> None:
+        from geometry_msgs.msg import TwistStamped
+        from nav_msgs.msg import Odometry
+        from robotteamsim.msg import (
+            ControllerStatus,
+            Discovery,
+            Door,
+            Doors,
+            MissionStatus,
+            NetworkMessage,
+            NetworkMessages,
+            NetworkState,
+            Robots,
+            Voice,
+        )
+        from sensor_msgs.msg import LaserScan, NavSatFix, Range
+
+        from robotteamsim.ros.transport import msg_conversion
+        from robotteamsim.ros.transport.checks import reader
+        from robotteamsim.ros.transport.serialization import serialized
+        from robotteamsim.ros.transport.settings import Settings
+
+        settings = Settings(load("garage_sar", ["robots.count=2"]), False, True, -1, 5.0)
+        doors = [Door(name=door.name, motion="still") for door in settings.scenario.plan.doors]
+        square = {name: [0.0] * 4 for name in ("rssi_dbm", "link", "break_matrix", "hop_count")}
+        network = NetworkState(
+            num_robots=2, adjacency=bytes(4), endangered=bytes(4), **{**square, "hop_count": [0] * 4}
+        )
+        fast = {
+            Odometry: msg_conversion.read_odometry,
+            LaserScan: msg_conversion.read_ranges_m,
+            TwistStamped: msg_conversion.read_twist_stamped,
+        }
+        messages = (
+            *(
+                Odometry(),
+                LaserScan(ranges=[1.0] * 20),
+                TwistStamped(),
+                Range(),
+                NavSatFix(),
+                Voice(),
+                Doors(doors=doors),
+            ),
+            *(Robots(present=bytes([1, 1]), arrivals=[1, 1]), network, ControllerStatus(has_goal=True, fault="x")),
+            NetworkMessages(messages=[NetworkMessage(payload="{}")]),
+            MissionStatus(explored=bytes(3), victims=["saved"], undelivered=[Discovery(name="a")], has_area=True),
+        )
+        self._read = [fast.get(type(message)) or reader(type(message), settings) for message in messages]
+        self._use = {NetworkState: msg_conversion.network_state, MissionStatus: msg_conversion.mission_status}
+        self._use |= {ControllerStatus: msg_conversion.decision, Doors: msg_conversion.door_states}
+        self._valid = [serialized(message) for message in messages]
+
+    def make(self, generator: random.Random) -> bytes:
+        index = generator.randrange(len(self._valid))
+        return bytes([index]) + changed(self._valid[index], generator)
+
+    def check(self, data: bytes) -> None:
+        try:
+            message = self._read[data[0] % len(self._read)](data[1:])
+        except ValueError:
+            return
+        self._use.get(type(message), lambda _: None)(message)
+
+
+TARGETS: dict[str, Callable[[Path], Any]] = {
+    "yaml": lambda _: YamlTarget(),
+    "scenario": ScenarioTarget,
+    "bag": BagTarget,
+    "message": MessageTarget,
+}
+
+
+def fuzz(name: str, folder: Path, seconds: float, seed: int) -> int:
+    """Check inputs of a target for a time; return their number."""
+    target, generator, end_s, count = TARGETS[name](folder), random.Random(seed), time.monotonic() + seconds, 0
+    while time.monotonic() < end_s:
+        data = target.make(generator)
+        faulthandler.dump_traceback_later(TIME_LIMIT_S, exit=True)
+        try:
+            target.check(data)
+        except BaseException:
+            Path(f"failed-{name}").write_bytes(data)
+            print(f"{name}: seed {seed}, input {count}: {data!r:.2000}")
+            raise
+        finally:
+            faulthandler.cancel_dump_traceback_later()
+        count += 1
+    return count
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("targets", nargs="*", metavar="TARGET", help=", ".join(TARGETS))
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    for name in options.targets or TARGETS:
+        with tempfile.TemporaryDirectory() as folder:
+            count = fuzz(name, Path(folder), options.seconds, options.seed)
+        memory_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+        assert memory_mb < MEMORY_LIMIT_MB, f"{name}: {memory_mb} MB"
+        print(f"input_fuzz: {name}: {count} inputs, seed {options.seed}, {memory_mb} MB: nothing found", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,198 @@
+"""Whatever goes wrong is one line and an exit status: closed and full streams, odd names, signals, our own mistakes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from rosbags.rosbag1 import Writer
+from rosbags.typesys import Stores, get_typestore
+
+from robotteamsim.cli import main, run_command
+
+LINES = [sys.executable, "-m", "robotteamsim.cli"]
+SHORT = ("--set", "mission.time_limit_s=2")
+
+
+def _shell(command: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    """Run a shell command in which $RUN is the command line."""
+    environment = {**os.environ, "RUN": " ".join(LINES), **variables}
+    return subprocess.run(
+        ["bash", "-c", command], capture_output=True, text=True, env=environment, check=False, timeout=120
+    )
+
+
+def test_full_stdout_is_one_line_and_exit_status_1():
+    done = _shell("$RUN scenario list > /dev/full")
+    assert (done.returncode, done.stderr) == (1, "robotteamsim: standard output: No space left on device\n")
+
+
+def test_closed_stdout_is_no_error():
+    done = _shell("$RUN scenario list >&-")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_error_does_not_go_to_stdout_where_stderr_is_closed():
+    done = _shell("$RUN run nowhere.yaml 2>&-")
+    assert (done.returncode, done.stdout) == (2, "")
+
+
+def test_encoding_without_the_characters_is_no_error(tmp_path):
+    (tmp_path / "größe.yaml").write_text("plan: garage\nname: größe\nrobots: {count: 1, start: [2, 2, 0]}\n")
+    done = _shell(f"$RUN scenario check {tmp_path}/größe.yaml", PYTHONIOENCODING="ascii")
+    assert done.returncode == 0
+    assert "gr\\xf6\\xdfe.yaml: valid" in done.stdout
+
+
+@pytest.mark.parametrize("command", ["run", "analyse", "report", "scenario check", "plan render --png /tmp/x.png"])
+def test_name_that_is_too_long_is_shortened_in_one_line(refusal, command):
+    line = refusal(*command.split(), "x" * 300 + ".yaml")
+    assert line.startswith("x" * 80 + "...")
+    assert len(line) < 200
+
+
+def test_control_characters_of_names_are_escaped(refusal):
+    assert refusal("run", "a\x1b[31m\nb.yaml") == r"a\x1b[31m\nb.yaml: there is no such file"
+    assert (
+        refusal("run", "garage_sar", "--set", r'run.seed="\e[1m"')
+        == r"--set: run.seed: '\x1b[1m' is not a whole number"
+    )
+
+
+def test_names_of_a_scenario_are_short_and_printable(refusal):
+    line = refusal("scenario", "check", "garage_sar", "--set", r'mission.victims.0.name="\e[2J"')
+    assert line == r"--set: mission.victims.0.name: '\x1b[2J' has control characters"
+    line = refusal("scenario", "check", "garage_sar", "--set", f"name={'a' * 101}")
+    assert line.endswith(" is longer than 100 characters")
+
+
+def test_markup_in_a_name_is_plain_text(capsys):
+    assert main(["run", "garage_sar", *SHORT, "--set", "name='[/red]'"]) == 0
+    assert "[/red]: 3 robots" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", ["run", "analyse", "plan import", "plan import-stage"])
+def test_symlink_loop_is_refused_in_one_line(tmp_path, refusal, command):
+    loop = tmp_path / "loop.yaml"
+    loop.symlink_to(loop)
+    assert "Too many levels of symbolic links" in refusal(*command.split(), loop)
+
+
+def test_bag_with_a_type_that_is_no_python_is_refused_in_one_line(tmp_path, capsys):
+    types = get_typestore(Stores.ROS1_NOETIC)
+    definition = types.generate_msgdef("std_msgs/msg/String")[0].replace("data", "class")
+    with Writer(tmp_path / "odd.bag") as bag:
+        for topic in ("/mission/status", "/mission/events"):
+            connection = bag.add_connection(topic, "my_msgs/msg/Odd", msgdef=definition, md5sum="0" * 32)
+            bag.write(connection, 1, b"\x01\x00\x00\x00a")
+    status = main(["analyse", str(tmp_path / "odd.bag")])
+    assert status in (0, 2)
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_own_mistake_is_one_line_with_its_place_and_a_traceback_on_request(monkeypatch, capsys):
+    monkeypatch.setattr(run_command, "Simulation", lambda scenario: 1 / 0)
+    assert main(["run", "garage_sar"]) == 1
+    line = capsys.readouterr().err
+    assert line.startswith("robotteamsim: internal error: ZeroDivisionError: division by zero (test_last_defence.py:")
+    assert line.endswith("); --debug shows more\n")
+    assert main(["run", "garage_sar", "--debug"]) == 1
+    assert capsys.readouterr().err.startswith("Traceback (most recent call last):")
+
+
+def test_user_mistake_has_a_traceback_only_on_request(capsys):
+    assert main(["--debug", "run", "nowhere.yaml"]) == 2
+    error = capsys.readouterr().err
+    assert "Traceback" in error
+    assert error.endswith("\nrobotteamsim: nowhere.yaml: there is no such file\n")
+
+
+def test_terminated_run_leaves_a_readable_bag_or_nothing(tmp_path):
+    out, bag = tmp_path / "o" / "out", tmp_path / "b" / "m.bag"
+    command = [*LINES, "run", "garage_sar", "--out", str(out), "--bag", str(bag), "--quiet"]
+    active = bag.with_name("m.bag.active")
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        while not (active.exists() and active.stat().st_size > 300_000):
+            assert process.poll() is None
+        process.send_signal(signal.SIGTERM)
+        _, error = process.communicate(timeout=60)
+    assert (process.returncode, error) == (143, "robotteamsim: terminated\n")
+    assert main(["analyse", str(bag)]) == 0
+    assert [path.name for path in sorted(tmp_path.rglob("*"))] == ["b", "m.bag"]
+
+
+def test_jupyter_backend_is_not_used(tmp_path):
+    picture = tmp_path / "plan.png"
+    done = _shell(f"$RUN plan render garage --png {picture}", MPLBACKEND="module://matplotlib_inline.backend_inline")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_output_is_never_written_over_other_output_or_input(tmp_path, refusal):
+    out = tmp_path / "o"
+    assert refusal("run", "garage_sar", "--bag", out / "mission.json", "--out", out).endswith(
+        "mission.json: --out writes a file of this name; choose another one"
+    )
+    assert not out.exists()
+    bag = tmp_path / "m.bag"
+    assert main(["run", "garage_sar", *SHORT, "--bag", str(bag), "--quiet"]) == 0
+    for arguments in (["--json", bag], ["--png", tmp_path / "x", "--json", tmp_path / "x"]):
+        line = refusal("analyse", bag, *arguments)
+        assert line == f"{arguments[1]}: would overwrite a bag or another file of this command"
+    (tmp_path / "map.yaml").write_text("image: map.png\n")
+    assert "would overwrite the map" in refusal("plan", "import", tmp_path / "map.yaml", "--out", tmp_path / "map.yaml")
+
+
+CANNOT = "class Cannot:\n    def __init__(self, robot_id, scenario):\n        raise TypeError('no wheels')\n"
+
+
+def test_controller_that_cannot_be_constructed_is_an_error(tmp_path, monkeypatch, refusal):
+    (tmp_path / "cannot_of_test.py").write_text(CANNOT)
+    monkeypatch.syspath_prepend(tmp_path)
+    line = refusal("run", "garage_sar", *SHORT, "--set", "control.algorithm=cannot_of_test:Cannot")
+    assert line == (
+        "garage_sar: control.algorithm: 'cannot_of_test:Cannot' cannot be constructed for robot 0: "
+        "TypeError: no wheels (cannot_of_test.py:3)"
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("campaign", "garage_sar", "--out", "d", "--scheduler", ""), "argument --scheduler: the address is empty"),
+        (("campaign", "garage_sar", "--out", ""), "argument --out: the name is empty"),
+        (("run", "garage_sar", "--sed", "7"), "no such option '--sed'; did you mean '--seed'?"),
+        (("campaign", "garage_sar", "--out", "d", "--worker=2"), "no such option '--worker'; did you mean '--workers'"),
+        (("run", "garage_sar", "twice"), "'twice' is one argument too many"),
+        (("run", "garage"), "garage: this is a floor plan, not a scenario; scenarios: garage_sar, "),
+        (("run", Path("maps/garage/plan.yaml")), "maps/garage/plan.yaml: this is a floor plan, not a scenario"),
+        (("run", Path("maps/garage/map.yaml")), "maps/garage/map.yaml: this is a floor plan, not a scenario"),
+        (
+            ("plan", "render", "scenarios/garage_sar.yaml", "--png", "x"),
+            "scenarios/garage_sar.yaml: this is a scenario, not a floor plan",
+        ),
+    ],
+)
+def test_mistaken_argument_is_refused_with_a_hint(refusal, monkeypatch, arguments, line):
+    monkeypatch.chdir(Path(__file__).parents[3])
+    assert refusal(*arguments).startswith(line)
+
+
+def test_help_names_every_shipped_scenario(capsys):
+    for command in ("run", "campaign", "scenario show", "field radio"):
+        with pytest.raises(SystemExit) as ended:
+            main(["help", *command.split()])
+        assert ended.value.code == 0
+        shown = " ".join(capsys.readouterr().out.split())
+        assert "garage_sar, office_manet, tutorial_arena, warehouse_push" in shown
+
+
+def test_version_has_a_short_option(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["-V"])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out.startswith("robotteamsim ")

@@ -1,0 +1,24 @@
+"""Every package that .venv gets is pinned by version and hash."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+SETUP = Path(__file__).parents[3] / "setup"
+
+
+def _pins(name: str) -> dict[str, str]:
+    lines = (SETUP / name).read_text(encoding="utf-8").splitlines()
+    found = (re.match(r"([A-Za-z0-9._-]+)==([^ ]+)", line) for line in lines)
+    return {re.sub("[._-]+", "-", pin[1]).lower(): pin[2] for pin in found if pin}
+
+
+def test_lock_has_the_versions_of_the_requirements_and_hashes_of_all():
+    wanted, locked = _pins("requirements.txt"), _pins("requirements.lock")
+    assert {name: locked.get(name) for name in wanted} == wanted, "run `make lock`"
+    text = (SETUP / "requirements.lock").read_text(encoding="utf-8")
+    blocks = re.split(r"\n(?=[A-Za-z0-9])", text.strip())
+    assert len(blocks) == len(locked)
+    assert all("--hash=sha256:" in block for block in blocks)
+    assert "file:" not in text

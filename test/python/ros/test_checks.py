@@ -1,0 +1,123 @@
+"""Anybody can publish anything: what is not finite, or of another number of robots, is not read."""
+
+from __future__ import annotations
+
+import math
+import re
+from types import SimpleNamespace
+
+import pytest
+from geometry_msgs.msg import Point
+from nav_msgs.msg import Odometry
+from robotteamsim.msg import (
+    ControllerStatus,
+    Discovery,
+    Door,
+    Doors,
+    MissionStatus,
+    NetworkMessage,
+    NetworkMessages,
+    NetworkState,
+    Robots,
+    Voice,
+)
+from sensor_msgs.msg import Range
+
+from robotteamsim.ros.nodes.requests import check_door, check_noise, check_victim
+from robotteamsim.ros.transport.checks import reader
+from robotteamsim.ros.transport.msg_conversion import read_odometry
+from robotteamsim.ros.transport.serialization import serialized
+from robotteamsim.scenario import load
+
+SETTINGS = SimpleNamespace(num_robots=2, scenario=load("garage_sar", ["robots.count=2"]))
+DOORS = [Door(name=door.name, motion="still") for door in SETTINGS.scenario.plan.doors]
+NETWORK = {
+    "num_robots": 2,
+    **{name: [0.0, -math.inf, -60.0, 0.0] for name in ("rssi_dbm", "link", "break_matrix")},
+    **dict.fromkeys(("adjacency", "endangered"), bytes(4)),
+    "hop_count": [0, 1, 1, 0],
+}
+ODD = [math.nan, math.inf, -math.inf, 1e300]
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        Robots(present=bytes([1, 0]), arrivals=[1, 0]),
+        NetworkState(**NETWORK),
+        NetworkMessages(messages=[NetworkMessage(sender=1, receiver=-1), NetworkMessage(sender=0, receiver=1)]),
+        Doors(doors=DOORS),
+        Voice(),
+        MissionStatus(has_area=True),
+        ControllerStatus(has_goal=True),
+        Range(range=math.inf),
+    ],
+    ids=lambda message: message._type.split("/")[1],
+)
+def test_message_that_fits_the_scenario_is_read(message):
+    assert reader(type(message), SETTINGS)(serialized(message)) == message
+
+
+@pytest.mark.parametrize(
+    ("message", "line"),
+    [
+        (Robots(present=[1], arrivals=[1, 1]), "present: 1 entries; expected 2"),
+        (Robots(present=[1, 1], arrivals=[]), "arrivals: 0 entries; expected 2"),
+        (NetworkState(num_robots=3), "num_robots: 3; expected 2"),
+        (NetworkState(**NETWORK | {"hop_count": [0]}), "hop_count: 1 entries; expected 4"),
+        (NetworkState(**NETWORK, refused_senders=[1]), "refused_bytes: 0 entries; expected 1"),
+        (NetworkMessages(messages=[NetworkMessage(sender=2)]), "a message from 2 to 0; expected ids below 2"),
+        (NetworkMessages(messages=[NetworkMessage(receiver=-2)]), "a message from 0 to -2; expected ids below 2"),
+        (Doors(doors=DOORS[1:]), "doors: the names differ from those of the plan"),
+        (Doors(doors=[Door(name=door.name, motion="flies") for door in DOORS]), "motion: expected still, opens"),
+        (Range(range=math.nan), "range: nan; expected a number"),
+    ],
+)
+def test_message_that_does_not_fit_the_scenario_is_refused(message, line):
+    with pytest.raises(ValueError, match=f"^{re.escape(line)}"):
+        reader(type(message), SETTINGS)(serialized(message))
+
+
+@pytest.mark.parametrize("odd", ODD)
+def test_place_that_is_nowhere_is_refused(odd):
+    place = Point(x=odd)
+    for message in (
+        Voice(local_best=place),
+        MissionStatus(area_center=place),
+        MissionStatus(undelivered=[Discovery(position=place)]),
+        ControllerStatus(has_goal=True, goal=place),
+    ):
+        with pytest.raises(ValueError, match="expected finite numbers within 1000 km"):
+            reader(type(message), SETTINGS)(serialized(message))
+
+
+@pytest.mark.parametrize("odd", ODD[:3])
+def test_odometry_that_is_not_finite_is_refused(odd):
+    for change in ("pose.pose.position.x", "pose.pose.orientation.w", "twist.twist.angular.z"):
+        message = Odometry()
+        *path, last = change.split(".")
+        part = message
+        for name in path:
+            part = getattr(part, name)
+        setattr(part, last, odd)
+        with pytest.raises(ValueError, match="expected finite numbers"):
+            read_odometry(serialized(message))
+
+
+@pytest.mark.parametrize("odd", [math.nan, math.inf, -1.0])
+def test_noise_out_of_range_is_rejected(odd):
+    with pytest.raises(ValueError, match="noise_db"):
+        check_noise(odd)
+    check_noise(20.0)
+
+
+def test_door_and_place_of_a_request_are_checked():
+    scenario = SETTINGS.scenario
+    with pytest.raises(ValueError, match="unknown door 'nowhere'"):
+        check_door(scenario, "nowhere")
+    check_door(scenario, scenario.plan.doors[0].name)
+    with pytest.raises(ValueError, match="not a finite number"):
+        check_victim(scenario, "ann", (math.nan, 1.0))
+    with pytest.raises(ValueError, match="outside"):
+        check_victim(scenario, "ann", (1e5, 1.0))
+    check_victim(scenario, "ann", scenario.mission.victims[0].position)
