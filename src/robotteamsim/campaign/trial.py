@@ -123,6 +123,8 @@ class _EventTimes:
         for event in record.events:
             if event.kind == "area_explored":
                 self._areas[event.subject] = event.time_s
+            elif event.kind == "victim":
+                self._victims.setdefault(event.subject, {"heard_s": None, "saved_s": None})
             elif event.kind in ("victim_heard", "victim_saved"):
                 times = self._victims[event.subject]
                 key = event.kind.removeprefix("victim_") + "_s"

@@ -16,6 +16,7 @@ from robotteamsim.mission.status import END_TEXTS, Event, MissionEnd, MissionSta
 from robotteamsim.mission.team_monitor import TeamMonitor
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.schedule import Upcoming
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.wording import counted
@@ -47,6 +48,8 @@ class Mission:
         """Background noise [dB]."""
 
         self._doors = DoorStates.at_start(scenario.plan)
+        self._step_ns = scenario.run.step_ns
+        self._upcoming = Upcoming(scenario.schedule, ("noise_db", "victim"))
 
         self._state: MissionState = "waiting"
         self._end: MissionEnd = ""
@@ -163,6 +166,7 @@ class Mission:
         """
         if self._autostart and self._state == "waiting":
             self.start()
+        self._follow_schedule(sim_time_ns - self._step_ns)
         if self._team_was_running:
             self._elapsed_ns += sim_time_ns - self._last_step_ns
         self._last_step_ns = sim_time_ns
@@ -187,6 +191,14 @@ class Mission:
         self.status = self._make_status()
         events, self._events = tuple(self._events), []
         return events
+
+    def _follow_schedule(self, begin_ns: int) -> None:
+        """Change noise and victims as the schedule says for a step that begins at this time [ns]."""
+        for event in self._upcoming.due(begin_ns):
+            if event.noise_db is not None:
+                self.set_noise_db(event.noise_db)
+            elif event.victim is not None and event.position is not None:
+                self.set_victim(event.victim, event.position)
 
     def _judge_voices(self, voices: Sequence[VoiceReading]) -> None:
         if "waiting" not in self._victim_states:

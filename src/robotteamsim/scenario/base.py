@@ -69,6 +69,9 @@ def _in_tenths(loss_db: float) -> float:
 LossDb = Annotated[float, Field(ge=0.0, le=120.0), AfterValidator(_in_tenths)]
 """A loss in whole tenths of a dB, so that half of it is exact in the integer sums of the propagation model."""
 
+NoiseDb = Annotated[float, Field(ge=0.0, le=80.0)]
+"""A background noise [dB]."""
+
 
 def first_repeated(names: list[str]) -> tuple[int, str] | None:
     """Return index and value of the first duplicate name; None if all differ."""

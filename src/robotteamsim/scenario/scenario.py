@@ -47,7 +47,7 @@ class Scenario(Model):
         default=(), max_length=MAX_OBJECTS, description="boxes and barrels that robots push"
     )
     schedule: Many[ScheduledEvent] = Field(
-        default=(), max_length=MAX_EVENTS, description="robots that leave and arrive while the world runs"
+        default=(), max_length=MAX_EVENTS, description="changes while the world runs: robots, doors, noise, victims"
     )
     run: Run = Run()
 
@@ -75,7 +75,7 @@ class Scenario(Model):
             raise wrong(f"objects.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
         if not any(self.present_at_start):
             raise wrong("robots", "none of them is present at the start")
-        problem = problem_of(self.schedule, self.present_at_start)
+        problem = problem_of(self.schedule, self.present_at_start, [door.name for door in self.plan.doors])
         if problem:
             raise wrong(*problem)
         if self.mission.base is not None and self.mission.base >= num_robots:

@@ -1,16 +1,23 @@
-"""Robots that leave and arrive at given times."""
+"""What changes at given times: robots, doors, noise and victims."""
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
+from typing import Literal, get_args
 
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Model, PlanarPose, wrong
+from robotteamsim.scenario.base import Model, NoiseDb, PlanarPose, Point, wrong
+
+EventKind = Literal["remove", "spawn", "door", "noise_db", "victim"]
+_KINDS: tuple[EventKind, ...] = get_args(EventKind)
+_DETAILS: dict[str, EventKind] = {"pose": "spawn", "closed": "door", "position": "victim"}
+"""Keys that are only allowed with one kind of event."""
 
 
 class ScheduledEvent(Model):
-    """A robot that leaves or arrives: one of `remove` and `spawn`."""
+    """One change: exactly one of `remove`, `spawn`, `door`, `noise_db` and `victim`."""
 
     at_s: float = Field(ge=0.0, le=1e6, description="takes effect in the first step that begins then or later [s]")
     remove: int | None = Field(default=None, ge=0, le=2999, description="id of the robot to remove")
@@ -20,19 +27,56 @@ class ScheduledEvent(Model):
     pose: PlanarPose | None = Field(
         default=None, description="[x, y, yaw] of the spawned robot; default: its start pose [m, m, rad, map]"
     )
+    door: str | None = Field(default=None, description="name of the door to close or open")
+    closed: bool | None = Field(default=None, description="whether the door closes (true) or opens (false)")
+    noise_db: NoiseDb | None = Field(default=None, description="new background noise [dB]")
+    victim: str | None = Field(default=None, description="name of the victim to add or to move")
+    position: Point | None = Field(default=None, description="[x, y] of this victim in the map frame [m]")
 
     @model_validator(mode="after")
     def _check(self) -> ScheduledEvent:
-        if (self.remove is None) == (self.spawn is None):
-            raise wrong("remove", "expected either remove or spawn, with the id of a robot")
-        if self.pose is not None and self.spawn is None:
-            raise wrong("pose", "only allowed with spawn")
+        given = self._given_kinds()
+        if len(given) != 1:
+            found = " and ".join(given) or "none"
+            raise wrong("", f"expected exactly one of {', '.join(_KINDS)}; found {found}")
+        for key, kind in _DETAILS.items():
+            if getattr(self, key) is not None and kind != given[0]:
+                raise wrong(key, f"only allowed with {kind}")
+        if self.door is not None and self.closed is None:
+            raise wrong("closed", "missing; expected true or false")
+        if self.victim is not None and self.position is None:
+            raise wrong("position", "missing; expected [x, y] in the map frame [m]")
         return self
 
+    def _given_kinds(self) -> list[EventKind]:
+        return [kind for kind in _KINDS if getattr(self, kind) is not None]
+
     @property
-    def robot_id(self) -> int:
-        """The robot that leaves or arrives."""
-        return self.remove if self.remove is not None else self.spawn or 0
+    def kind(self) -> EventKind:
+        """What it changes; also the key with its subject."""
+        return self._given_kinds()[0]
+
+    @property
+    def robot_id(self) -> int | None:
+        """The robot that leaves or arrives; None for other kinds."""
+        return self.spawn if self.remove is None else self.remove
+
+
+class Upcoming:
+    """The events of some kinds that have not happened yet. World, environment and mission follow one each.
+
+    They ask with the beginning of a step, so that they apply an event in the same step, in one process or in several.
+    """
+
+    def __init__(self, schedule: Sequence[ScheduledEvent], kinds: Sequence[EventKind]) -> None:
+        self._events = deque(event for _, event in in_order(schedule) if event.kind in kinds)
+
+    def due(self, begin_ns: int) -> list[ScheduledEvent]:
+        """Return each event once: in the first step that begins at its time or later [ns], in order."""
+        due = []
+        while self._events and round(self._events[0].at_s * 1e9) <= begin_ns:
+            due.append(self._events.popleft())
+        return due
 
 
 def in_order(schedule: Sequence[ScheduledEvent]) -> list[tuple[int, ScheduledEvent]]:
@@ -40,12 +84,25 @@ def in_order(schedule: Sequence[ScheduledEvent]) -> list[tuple[int, ScheduledEve
     return sorted(enumerate(schedule), key=lambda item: item[1].at_s)
 
 
-def problem_of(schedule: Sequence[ScheduledEvent], present: Sequence[bool]) -> tuple[str, str] | None:
-    """Return a key and its mistake if the schedule contradicts itself. Args: present: at the start, per robot."""
-    there = list(present)
+def problem_of(
+    schedule: Sequence[ScheduledEvent], present: Sequence[bool], doors: Sequence[str]
+) -> tuple[str, str] | None:
+    """Return a key and its mistake if the schedule contradicts itself, the team or the plan.
+
+    Args: present: at the start, per robot.  doors: the names of the plan's doors.
+    """
+    for index, event in enumerate(schedule):
+        if event.door is not None and event.door not in doors:
+            return f"schedule.{index}.door", f"there is no door '{event.door}'; known: {', '.join(doors) or 'none'}"
+    return _problem_of_robots(schedule, list(present))
+
+
+def _problem_of_robots(schedule: Sequence[ScheduledEvent], there: list[bool]) -> tuple[str, str] | None:
     for index, event in in_order(schedule):
         robot_id, arrives = event.robot_id, event.spawn is not None
-        key = f"schedule.{index}.{'spawn' if arrives else 'remove'}"
+        if robot_id is None:
+            continue
+        key = f"schedule.{index}.{event.kind}"
         if robot_id >= len(there):
             return key, f"there is no robot {robot_id}; expected 0 to {len(there) - 1}"
         if there[robot_id] == arrives:

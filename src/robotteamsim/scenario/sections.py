@@ -7,7 +7,18 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Interval, LossDb, Many, Model, Name, PlanarPose, Point, first_repeated, wrong
+from robotteamsim.scenario.base import (
+    Interval,
+    LossDb,
+    Many,
+    Model,
+    Name,
+    NoiseDb,
+    PlanarPose,
+    Point,
+    first_repeated,
+    wrong,
+)
 from robotteamsim.scenario.body import Body, check_footprint, disc_at, polygon_at
 from robotteamsim.scenario.control_tuning import CoverTuning, DoorTuning, LinkTuning, NavigatorTuning, WanderTuning
 from robotteamsim.scenario.drives import AnyDrive, Drive
@@ -43,7 +54,7 @@ class Radio(Model):
 class Voice(Model):
     """A victim's voice [dissertation, eq. 7]: level = -l_c - 10*gamma*log10(d) - sum of walls."""
 
-    noise_db: float = Field(default=10.0, ge=0.0, le=80.0, description="background noise; below it the level is 0 [dB]")
+    noise_db: NoiseDb = Field(default=10.0, description="background noise; below it the level is 0 [dB]")
     constant_db: Interval = Field(default=(-78.0, -72.0), description="l_c is drawn from this range per victim [dB]")
     exponent: Interval = Field(
         default=(5.0, 6.0), description="gamma is drawn from this range per victim; 2 in free field"

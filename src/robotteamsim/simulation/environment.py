@@ -10,6 +10,7 @@ from robotteamsim.network import Network
 from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.propagation import FieldMap, RadioField
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.schedule import Upcoming
 from robotteamsim.sensing.readings import NOTHING_HEARD, VoiceReading
 from robotteamsim.sensing.voice import VoiceSensor
 from robotteamsim.world.doors import DoorStates
@@ -25,6 +26,8 @@ class Environment:
         num_robots, run = scenario.num_robots, scenario.run
         self._network = Network(self._radio, scenario.network, num_robots, seed=run.seed, step_ns=run.step_ns)
         self._doors = DoorStates.at_start(scenario.plan)
+        self._step_ns = run.step_ns
+        self._upcoming = Upcoming(scenario.schedule, ("noise_db", "victim"))
 
     def voice_map(self) -> FieldMap:
         """Return the voice level over the floor [dB]; 0 where no voice is above the noise."""
@@ -33,6 +36,18 @@ class Environment:
     def radio_map(self, position_m: tuple[float, float], resolution_m: float) -> FieldMap:
         """Return the signal of a robot at a position in `map` [m] over the floor [dBm]."""
         return self._radio.rssi_map_dbm(position_m, resolution_m)
+
+    def advance_to(self, sim_time_ns: int) -> None:
+        """Apply the scheduled changes of noise and victims up to the step with this stamp [ns], before `step`."""
+        for event in self._upcoming.due(sim_time_ns - self._step_ns):
+            if event.noise_db is not None:
+                self.set_noise_db(event.noise_db)
+            elif event.victim is not None and event.position is not None:
+                self.set_victim(event.victim, event.position)
+
+    def victim_names(self) -> tuple[str, ...]:
+        """Return the names of the victims in the order in which they were added, as in the mission."""
+        return self.voice.victim_names()
 
     def step(
         self,

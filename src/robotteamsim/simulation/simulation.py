@@ -84,13 +84,14 @@ class Simulation:
         )
 
     def _move_world(self) -> None:
-        """Move the world by the last decisions; voice, radio and mission follow its doors."""
+        """Move the world by the last decisions; voice, radio and mission follow its doors and its time."""
         self.world.step(list(map(_TWIST, self._decisions)))
         doors = self.world.door_states()
         if doors.version != self._doors_version:
             self._doors_version = doors.version
             self.environment.follow_doors(doors)
             self.mission.follow_doors(doors)
+        self.environment.advance_to(self.world.sim_time_ns)
 
     def _deliver(
         self, positions_m: np.ndarray

@@ -45,10 +45,7 @@ def check_mission(plan: FloorPlan, mission: Mission) -> None:
     spots = [(f"mission.areas.{i}.center", area.center) for i, area in enumerate(mission.areas)]
     spots += [(f"mission.victims.{i}.position", victim.position) for i, victim in enumerate(mission.victims)]
     for key, point in spots:
-        check_inside(plan, key, point)
-        hit = still.at_point(point)
-        if hit:
-            raise PlacementError(f"{key}: {point_text(point)} lies in {hit.kind} '{hit.name}'", key)
+        _check_spot(plan, still, key, point)
 
 
 def check_objects(plan: FloorPlan, objects: Sequence[MovableObject], robots: Sequence[PlacedRobot]) -> None:
@@ -70,6 +67,13 @@ def check_objects(plan: FloorPlan, objects: Sequence[MovableObject], robots: Seq
             is_near = math.dist(obj.pose[:2], robot.start_pose[:2]) < obj.reach_m + robot.reach_m
             if robot.present and is_near and body.overlaps(robot.body_at(robot.start_pose), TOUCH_M):
                 raise PlacementError(f"{place} overlaps robot {robot_id} at its start pose", key)
+
+
+def _check_spot(plan: FloorPlan, still: Solids, key: str, point: tuple[float, float]) -> None:
+    check_inside(plan, key, point)
+    hit = still.at_point(point)
+    if hit:
+        raise PlacementError(f"{key}: {point_text(point)} lies in {hit.kind} '{hit.name}'", key)
 
 
 @contextmanager
@@ -113,10 +117,12 @@ def _check(
 
 
 def _check_schedule(plan: FloorPlan, schedule: Sequence[ScheduledEvent], robots: Sequence[PlacedRobot]) -> None:
-    """Check that no robot is spawned in a wall or outside; doors, objects and robots may move until then."""
+    """Check that nobody is put into a wall or outside; doors, objects and robots may move until then."""
     still = Solids(plan, doors=False)
     for index, event in enumerate(schedule):
-        if event.pose is None:
+        if event.position is not None:
+            _check_spot(plan, still, f"schedule.{index}.position", event.position)
+        if event.pose is None or event.robot_id is None:
             continue
         key = f"schedule.{index}.pose"
         place = f"{key}: {point_text(event.pose[:2])}: robot {event.robot_id}"

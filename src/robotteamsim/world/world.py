@@ -9,7 +9,7 @@ from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.schedule import ScheduledEvent, in_order
+from robotteamsim.scenario.schedule import ScheduledEvent, Upcoming
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.world.core_parts import core_object, core_robot, core_solids
 from robotteamsim.world.doors import DoorState, DoorStates
@@ -42,8 +42,8 @@ class World:
     ) -> None:
         """Place the robots at their start poses, in id order.
 
-        Args:   schedule: robots that leave and arrive by themselves; one whose place is occupied arrives when it is
-                    free.
+        Args:   schedule: robots that leave and arrive by themselves, and doors that open and close; a robot whose
+                    place is occupied arrives when it is free. Noise and victims are not part of the world.
         Raises: PlacementError: a robot or object starts in a wall, block, closed door, robot or object, or outside.
         """
         self.plan = plan
@@ -54,7 +54,7 @@ class World:
         self._door_ids = {door.name: index for index, door in enumerate(plan.doors)}
         self._doors = DoorStates.at_start(plan)
         self._start_poses = [Pose(*robot.start_pose) for robot in self._robots]
-        self._schedule = [event for _, event in in_order(schedule)]
+        self._schedule = tuple(schedule)
         self._free_space.check_start_poses(self._doors)
         check_objects(plan, self._objects, self._robots)
         still, leaves = core_solids(plan)
@@ -81,8 +81,7 @@ class World:
         Args:   twists: as an array float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s].
         Raises: ValueError: the number of twists is wrong, or one is not finite; then nothing has moved.
         """
-        if self._upcoming:
-            self._follow_schedule()
+        self._follow_schedule()
         self.core.step(twists)
         self.step_index += 1
         self.sim_time_ns += self._step_ns
@@ -223,7 +222,9 @@ class World:
         """Number of steps since the start."""
         self.sim_time_ns = 0
         """Time since the start [ns]."""
-        self._upcoming = list(self._schedule)
+        self._upcoming = Upcoming(self._schedule, ("remove", "spawn", "door"))
+        self._waiting: list[ScheduledEvent] = []
+        """Spawns that are due, of robots whose place is occupied."""
         self._update_presence()
 
     def _update_presence(self) -> None:
@@ -241,18 +242,17 @@ class World:
 
     def _follow_schedule(self) -> None:
         """Apply the events that are due; those that no longer apply are skipped."""
-        waiting = []
-        while self._upcoming and round(self._upcoming[0].at_s * 1e9) <= self.sim_time_ns:
-            event = self._upcoming.pop(0)
-            is_present = self._is_present(event.robot_id)
-            if event.spawn is None and is_present:
-                self.remove_robot(event.robot_id)
-            elif event.spawn is not None and not is_present:
+        due, self._waiting = self._waiting + self._upcoming.due(self.sim_time_ns), []
+        for event in due:
+            if event.door is not None:
+                self.set_door(event.door, bool(event.closed))
+            elif event.remove is not None and self._is_present(event.remove):
+                self.remove_robot(event.remove)
+            elif event.spawn is not None and not self._is_present(event.spawn):
                 try:
-                    self.spawn_robot(event.robot_id, event.pose and Pose(*event.pose))
+                    self.spawn_robot(event.spawn, event.pose and Pose(*event.pose))
                 except PlacementError:
-                    waiting.append(event)
-        self._upcoming = waiting + self._upcoming
+                    self._waiting.append(event)
 
     def _occupants(self) -> Occupants:
         """Return the current positions of robots, objects and leaves."""

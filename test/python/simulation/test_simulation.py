@@ -92,6 +92,9 @@ class FakeEnvironment:
     def follow_doors(self, doors) -> None:
         assert doors == {}
 
+    def advance_to(self, sim_time_ns) -> None:
+        assert sim_time_ns == self.parts.sim_time_ns
+
     def step(self, positions_m, outboxes, saved, present):
         self.parts.calls.append(("environment", [[m.payload for m in outbox] for outbox in outboxes], tuple(saved)))
         none = np.zeros((2, 2))

@@ -133,7 +133,6 @@ class EnvironmentNode:
 
     def _build(self) -> None:
         self._environment = Environment(self._settings.scenario)
-        self._victims = [victim.name for victim in self._settings.scenario.mission.victims]
         self._saved: tuple[str, ...] = ()
         self._published_changes = -1
         self._last_step = None
@@ -155,8 +154,9 @@ class EnvironmentNode:
                 self._environment.follow_doors(conversion.door_states(doors))
             status = step.latest(STATUS)
             if status is not None:
-                states = zip(self._victims, status.victims, strict=False)
+                states = zip(self._environment.victim_names(), status.victims, strict=False)
                 self._saved = tuple(name for name, state in states if state == "saved")
+            self._environment.advance_to(step.stamp_ns)
             voices, network, inboxes = self._environment.step(
                 positions_m, outboxes, self._saved, self._presence.present
             )
@@ -237,8 +237,6 @@ class EnvironmentNode:
         check_victim(self._settings.scenario, request.name, position_m)
         with self._environment_lock:
             self._environment.set_victim(request.name, position_m)
-            if request.name not in self._victims:
-                self._victims.append(request.name)
         _passed_on("/mission/set_victim", srv.SetVictim, request)
 
 

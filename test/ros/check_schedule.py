@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""Compares a lockstep mission whose door, noise and victims change by schedule with the same mission without ROS."""
+# ruff: noqa: PT009 - rostest runs this by unittest, whose assertions report the values
+
+from __future__ import annotations
+
+import json
+import os
+import unittest
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rospy
+import rostest
+from listening import Topic, call
+from robotteamsim.msg import FloatMap, MissionStatus, Victims
+from std_srvs.srv import Trigger
+
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Result, Simulation, StepRecord
+
+FILE = Path(os.environ["ROSTEST_OUT"]) / "mission.json"
+SET = [
+    "run.seed=7",
+    "mission.time_limit_s=15",
+    "schedule=[{at_s: 0, noise_db: 12}, {at_s: 2, door: plant_door, closed: true}, {at_s: 3, noise_db: 20}, "
+    "{at_s: 4, victim: victim_1, position: [6, 5]}, {at_s: 4, victim: eve, position: [10, 3]}]",
+]
+Places = list[tuple[str, float, float, str]]
+
+
+class Expected:
+    """Keeps what a simulation reports."""
+
+    def __init__(self) -> None:
+        self.events: list[tuple[float, str, str]] = []
+        self.map_changes: dict[int, bytes] = {}
+        self.places: list[Places] = []
+
+    def begin(self, _: object) -> None:
+        pass
+
+    def step(self, record: StepRecord) -> None:
+        self.events += [(event.time_s, event.kind, event.detail) for event in record.events]
+        if record.voice_map is not None:
+            self.map_changes[record.sim_time_ns] = record.voice_map.values.tobytes()
+        states = zip(record.victims, record.mission.victims, strict=True)
+        self.places.append([(victim.name, *victim.position, state) for victim, state in states])
+
+    def end(self, _: Result) -> None:
+        pass
+
+    def abandon(self) -> None:
+        pass
+
+
+class ScheduleTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("schedule_test", disable_rostime=True)
+        cls.status = Topic("/mission/status", MissionStatus)
+        cls.victims = Topic("/mission/victims", Victims)
+        cls.maps = Topic("/voice_map/values", FloatMap)
+        cls.expected = Expected()
+        cls.expected_result = Simulation(load("garage_sar", SET)).run([cls.expected])
+        cls.first = cls.document_at_end(0)
+
+    @classmethod
+    def document_at_end(cls, begin: int) -> dict[str, Any]:
+        cls.status.wait_for_after(begin, lambda message: message.state == "ended", "state ended")
+        return json.loads(FILE.read_text())
+
+    def assert_as_expected(self, document: dict[str, Any]) -> None:
+        events = [(event["time_s"], event["kind"], event["detail"]) for event in document["events"]]
+        self.assertEqual(events, self.expected.events)
+        self.assertEqual(document["result"]["trajectory_hash"], self.expected_result.trajectory_hash)
+
+    def test_mission_has_the_same_bits_and_events_as_without_ros(self) -> None:
+        self.assert_as_expected(self.first)
+        told = [event["detail"] for event in self.first["events"]]
+        for detail in (
+            "background noise is 12 dB",
+            "door plant_door is closed",
+            "background noise is 20 dB",
+            "victim victim_1 calls at (6.0, 5.0)",
+            "victim eve calls at (10.0, 3.0)",
+        ):
+            self.assertIn(detail, told)
+
+    def test_victims_on_the_topic_are_where_they_are_without_ros(self) -> None:
+        seen = [
+            [(victim.name, victim.position.x, victim.position.y, victim.state) for victim in message.victims]
+            for message in self.victims.messages
+        ]
+        self.assertIn(self.expected.places[-1], seen)
+        self.assertEqual([places for places in seen if places not in self.expected.places], [])
+
+    def test_voice_maps_change_in_the_same_steps_to_the_same_values(self) -> None:
+        seen = {m.header.stamp.to_nsec(): np.array(m.data, dtype=np.float32).tobytes() for m in self.maps.messages}
+        steps = [stamp_ns for stamp_ns in self.expected.map_changes if stamp_ns in seen]
+        self.assertGreaterEqual(len(steps), 4)
+        for stamp_ns in steps:
+            self.assertEqual(seen[stamp_ns], self.expected.map_changes[stamp_ns], f"{stamp_ns} ns")
+
+    def test_z_reset_repeats_the_schedule(self) -> None:
+        begin = len(self.status.messages)
+        self.assertTrue(call("/reset", Trigger).success)
+        self.status.wait_for_after(begin, lambda message: message.state == "running", "state running")
+        running = next(i for i, m in enumerate(self.status.messages) if i >= begin and m.state == "running")
+        self.assert_as_expected(self.document_at_end(running))
+
+
+if __name__ == "__main__":
+    rostest.rosrun("robotteamsim", "schedule", ScheduleTest)
