@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from robotteamsim.scenario.base import Model, NoiseDb, PlanarPose, Point, wrong
 
@@ -47,6 +47,11 @@ class ScheduledEvent(Model):
         if self.victim is not None and self.position is None:
             raise wrong("position", "missing; expected [x, y] in the map frame [m]")
         return self
+
+    @model_serializer(mode="wrap")
+    def _without_other_kinds(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out the keys of other kinds, so that an event is written as a user would write it."""
+        return {key: value for key, value in handler(self).items() if value is not None}
 
     def _given_kinds(self) -> list[EventKind]:
         return [kind for kind in _KINDS if getattr(self, kind) is not None]

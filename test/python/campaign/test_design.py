@@ -38,7 +38,7 @@ def test_commas_within_brackets_part_no_values(short_design):
 def test_schedules_are_swept_as_whole_lists(short_design):
     design = short_design("schedule=[],[{at_s: 1, remove: 0}],[{at_s: 1, remove: 0}, {at_s: 2, spawn: 0}]")
     assert [len(cell.scenario.schedule) for cell in design.cells] == [0, 1, 2]
-    assert design.cells[1].values == ([{"at_s": 1.0, "remove": 0, "spawn": None, "pose": None}],)
+    assert design.cells[1].values == ([{"at_s": 1.0, "remove": 0}],)
 
 
 def test_later_overrides_win_and_hold_in_all_cells(short_design):
