@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares a lockstep mission whose door, noise and victims change by schedule with the same mission without ROS."""
+"""Compares a lockstep mission with a schedule and victims who walk with the same mission without ROS."""
 # ruff: noqa: PT009 - rostest runs this by unittest, whose assertions report the values
 
 from __future__ import annotations
@@ -24,6 +24,10 @@ FILE = Path(os.environ["ROSTEST_OUT"]) / "mission.json"
 SET = [
     "run.seed=7",
     "mission.time_limit_s=15",
+    "mission.victims.1.path=[[56.5, 20], [54, 20]]",
+    "mission.victims.1.speed_mps=1.3",
+    "mission.victims.2.wander={center: [35, 22.7], radius_m: 1.5}",
+    "mission.victims.3.calling=false",
     "schedule=[{at_s: 0, noise_db: 12}, {at_s: 2, door: plant_door, closed: true}, {at_s: 3, noise_db: 20}, "
     "{at_s: 4, victim: victim_1, position: [6, 5]}, {at_s: 4, victim: eve, position: [10, 3]}]",
 ]
@@ -36,7 +40,7 @@ class Expected:
     def __init__(self) -> None:
         self.events: list[tuple[float, str, str]] = []
         self.map_changes: dict[int, bytes] = {}
-        self.places: list[Places] = []
+        self.places: dict[int, Places] = {}
 
     def begin(self, _: object) -> None:
         pass
@@ -46,7 +50,7 @@ class Expected:
         if record.voice_map is not None:
             self.map_changes[record.sim_time_ns] = record.voice_map.values.tobytes()
         states = zip(record.victims, record.mission.victims, strict=True)
-        self.places.append([(victim.name, *victim.position, state) for victim, state in states])
+        self.places[record.sim_time_ns] = [(victim.name, *victim.position, state) for victim, state in states]
 
     def end(self, _: Result) -> None:
         pass
@@ -89,17 +93,20 @@ class ScheduleTest(unittest.TestCase):
             self.assertIn(detail, told)
 
     def test_victims_on_the_topic_are_where_they_are_without_ros(self) -> None:
-        seen = [
-            [(victim.name, victim.position.x, victim.position.y, victim.state) for victim in message.victims]
+        seen = {
+            message.header.stamp.to_nsec(): [(v.name, v.position.x, v.position.y, v.state) for v in message.victims]
             for message in self.victims.messages
-        ]
-        self.assertIn(self.expected.places[-1], seen)
-        self.assertEqual([places for places in seen if places not in self.expected.places], [])
+        }
+        steps = [stamp_ns for stamp_ns in self.expected.places if stamp_ns in seen]
+        self.assertGreaterEqual(len(steps), 10)
+        for stamp_ns in steps:
+            self.assertEqual(seen[stamp_ns], self.expected.places[stamp_ns], f"{stamp_ns} ns")
 
     def test_voice_maps_change_in_the_same_steps_to_the_same_values(self) -> None:
         seen = {m.header.stamp.to_nsec(): np.array(m.data, dtype=np.float32).tobytes() for m in self.maps.messages}
         steps = [stamp_ns for stamp_ns in self.expected.map_changes if stamp_ns in seen]
-        self.assertGreaterEqual(len(steps), 4)
+        self.assertGreaterEqual(len(steps), 10)
+        self.assertLessEqual({ns for ns in seen if 0 < ns <= steps[-1]}, set(self.expected.map_changes))
         for stamp_ns in steps:
             self.assertEqual(seen[stamp_ns], self.expected.map_changes[stamp_ns], f"{stamp_ns} ns")
 

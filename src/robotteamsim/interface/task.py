@@ -9,7 +9,8 @@ class Task(msgspec.Struct, frozen=True, gc=False):
     """The task of the team, as of the end of the last step.
 
     running:       False while the mission waits, is paused or has ended: robots stand still.
-    epoch:         increases when the voice map or the target area changes; bests are then reset [5.3].
+    epoch:         increases when the voice map or the target area changes; bests are then reset [5.3]. Steps of
+                   a victim who walks do not increase it.
     area_center_m: the area to explore, in `map` [m]; None if no area is left.
     area_radius_m: its radius [m].
     undelivered:   discoveries that have not been delivered to the base, `mission.base`; empty without a base. A robot

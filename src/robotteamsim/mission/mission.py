@@ -21,6 +21,7 @@ from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.wording import counted
 from robotteamsim.world.doors import DoorStates, LeafMotion
+from robotteamsim.world.walking import Walkers
 
 NOBODY = -1
 """robot_id of an event that no robot caused."""
@@ -50,6 +51,7 @@ class Mission:
         self._doors = DoorStates.at_start(scenario.plan)
         self._step_ns = scenario.run.step_ns
         self._upcoming = Upcoming(scenario.schedule, ("noise_db", "victim"))
+        self._walkers = Walkers(scenario)
 
         self._state: MissionState = "waiting"
         self._end: MissionEnd = ""
@@ -133,7 +135,8 @@ class Mission:
         self._change_task()
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
-        """Add a victim, or move an existing one; they then wait (again) to be heard and saved."""
+        """Add a victim, or move an existing one, who no longer walks; they then wait (again) to be heard and saved."""
+        self._walkers.stop(name)
         victim = Victim(name=name, position=position_m)
         names = [known.name for known in self.victims]
         index = names.index(name) if name in names else len(names)
@@ -167,6 +170,7 @@ class Mission:
         if self._autostart and self._state == "waiting":
             self.start()
         self._follow_schedule(sim_time_ns - self._step_ns)
+        self._walk(sim_time_ns)
         if self._team_was_running:
             self._elapsed_ns += sim_time_ns - self._last_step_ns
         self._last_step_ns = sim_time_ns
@@ -200,6 +204,23 @@ class Mission:
             elif event.victim is not None and event.position is not None:
                 self.set_victim(event.victim, event.position)
 
+    def _walk(self, sim_time_ns: int) -> None:
+        """Move the unsaved victims who walk. The task's epoch does not change: bests must outlive a step of theirs."""
+        due = self._walkers.positions_due(sim_time_ns)
+        if not due:
+            return
+        moved = tuple(
+            victim
+            if state == "saved" or due.get(victim.name, victim.position) == victim.position
+            else victim.model_copy(update={"position": due[victim.name]})
+            for victim, state in zip(self.victims, self._victim_states, strict=True)
+        )
+        if moved != self.victims:
+            self.victims = moved
+            self._note_who_is_saved()
+            self._places = self._all_places()
+            self._heard_places_m.clear()
+
     def _judge_voices(self, voices: Sequence[VoiceReading]) -> None:
         if "waiting" not in self._victim_states:
             return
@@ -231,10 +252,13 @@ class Mission:
         is_saved = [state == "saved" for state in self._victim_states]
         self.saved_victims = tuple([victim.name for victim, saved in zip(self.victims, is_saved, strict=True) if saved])
         """Names of the saved victims, who are silent; the same object until another victim is saved."""
-        self._unsaved = [index for index, saved in enumerate(is_saved) if not saved]
+        self._unsaved = [i for i, saved in enumerate(is_saved) if not saved and self.victims[i].calling]
+        """Indices of the victims who may be heard."""
         self._unsaved_m = [self.victims[index].position for index in self._unsaved]
 
     def _hear(self, robot_id: int, loudest_m: tuple[float, float], level_db: float) -> None:
+        if not self._unsaved:
+            return  # the last voice of a victim who was saved in the step before
         distances_m = list(map(math.dist, self._unsaved_m, repeat(loudest_m)))
         index = self._unsaved[distances_m.index(min(distances_m))]
         if self._victim_states[index] == "waiting":

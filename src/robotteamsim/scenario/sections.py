@@ -26,6 +26,7 @@ from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.sensors import Gps, Mount, MountedLaser, Sonar, check_names
 from robotteamsim.scenario.sensors import Laser as Laser
+from robotteamsim.scenario.victims import Victim as Victim
 
 
 class Radio(Model):
@@ -335,18 +336,14 @@ class Area(Model):
     )
 
 
-class Victim(Model):
-    """A victim who does not move and calls for help."""
-
-    name: Name = Field(description="a name, unique among victims")
-    position: Point = Field(description="[x, y] in the map frame [m]")
-
-
 class Mission(Model):
     """What the team has to do and when the mission ends [dissertation, 5.3]."""
 
     areas: Many[Area] = Field(default=(), description="explored in this order")
     victims: Many[Victim] = Field(default=(), description="victims")
+    walk_update_s: float = Field(
+        default=1.0, ge=0.05, le=60.0, description="victims who walk, and their voices, move at this interval [s]"
+    )
     save_distance_m: float = Field(
         default=1.0, gt=0.0, le=20.0, description="a robot within this distance saves a victim [m]"
     )

@@ -29,6 +29,8 @@ class VoiceSensor:
         self._doors = {door.name: door.closed for door in plan.doors}
         self._seed = seed
         self._sources: dict[str, VoiceSource] = {}
+        self._mute = {victim.name for victim in victims if not victim.calling}
+        """Victims who never call."""
         self._silenced: frozenset[str] = frozenset()
         self._asked: Collection[str] | None = None
         """The names that were last set silent, as long as that holds."""
@@ -38,7 +40,7 @@ class VoiceSensor:
         self.changes = 0
         """How often the map has changed so far."""
         for victim in victims:
-            self.set_victim(victim.name, victim.position)
+            self._place(victim.name, victim.position)
 
     def victim_names(self) -> tuple[str, ...]:
         """Return the names of all victims in the order in which they were added."""
@@ -47,7 +49,7 @@ class VoiceSensor:
     def map(self) -> FieldMap:
         """Return the voice level over the floor [dB]; 0 where no voice is above the noise, and in walls."""
         if self._map is None:
-            calling = [source for name, source in self._sources.items() if name not in self._silenced]
+            calling = [source for name, source in self._sources.items() if self._calls(name)]
             self._map = self._field.map_db(calling)
         return self._map
 
@@ -99,15 +101,32 @@ class VoiceSensor:
         """
         if not all(map(math.isfinite, position_m)):
             raise ValueError(f"position of victim '{name}' must be finite, got {position_m}")
+        was_silent = name in self._sources and not self._calls(name)
+        self._mute -= {name}
+        if self._place(name, position_m) or was_silent:
+            self._silenced -= {name}
+            self._asked = None
+            self._change()
+
+    def move_victim(self, name: str, position_m: tuple[float, float]) -> None:
+        """Move a victim [m, map], who calls, or is silent, as before. Raises: ValueError: no such victim."""
+        if name not in self._sources:
+            raise ValueError(f"there is no victim '{name}', only {', '.join(self._sources) or 'none'}")
+        if self._place(name, position_m) and self._calls(name):
+            self._change()
+
+    def _calls(self, name: str) -> bool:
+        return name not in self._silenced and name not in self._mute
+
+    def _place(self, name: str, position_m: tuple[float, float]) -> bool:
+        """Set the position of a victim, known or not, and return whether it has changed."""
         generator = stream(self._seed, "voice", name)
         constant_db = float(generator.uniform(*self._voice.constant_db))
         exponent = float(generator.uniform(*self._voice.exponent))
         source = VoiceSource(position_m, constant_db, exponent)
-        if self._sources.get(name) != source or name in self._silenced:
-            self._sources[name] = source
-            self._silenced -= {name}
-            self._asked = None
-            self._change()
+        has_changed = self._sources.get(name) != source
+        self._sources[name] = source
+        return has_changed
 
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door. Raises: ValueError: no such door."""

@@ -14,6 +14,7 @@ from robotteamsim.scenario.schedule import Upcoming
 from robotteamsim.sensing.readings import NOTHING_HEARD, VoiceReading
 from robotteamsim.sensing.voice import VoiceSensor
 from robotteamsim.world.doors import DoorStates
+from robotteamsim.world.walking import Walkers
 
 
 class Environment:
@@ -28,6 +29,7 @@ class Environment:
         self._doors = DoorStates.at_start(scenario.plan)
         self._step_ns = run.step_ns
         self._upcoming = Upcoming(scenario.schedule, ("noise_db", "victim"))
+        self._walkers = Walkers(scenario)
 
     def voice_map(self) -> FieldMap:
         """Return the voice level over the floor [dB]; 0 where no voice is above the noise."""
@@ -38,12 +40,14 @@ class Environment:
         return self._radio.rssi_map_dbm(position_m, resolution_m)
 
     def advance_to(self, sim_time_ns: int) -> None:
-        """Apply the scheduled changes of noise and victims up to the step with this stamp [ns], before `step`."""
+        """Apply what the schedule changes before the step with this stamp [ns], and move the victims who walk."""
         for event in self._upcoming.due(sim_time_ns - self._step_ns):
             if event.noise_db is not None:
                 self.set_noise_db(event.noise_db)
             elif event.victim is not None and event.position is not None:
                 self.set_victim(event.victim, event.position)
+        for name, position_m in self._walkers.positions_due(sim_time_ns).items():
+            self.voice.move_victim(name, position_m)
 
     def victim_names(self) -> tuple[str, ...]:
         """Return the names of the victims in the order in which they were added, as in the mission."""
@@ -91,5 +95,6 @@ class Environment:
         self.voice.set_noise_db(noise_db)
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
-        """Add a victim, or move the one of that name [m, map]; they call (again)."""
+        """Add a victim, or move the one of that name [m, map]; they call (again), and no longer walk."""
+        self._walkers.stop(name)
         self.voice.set_victim(name, position_m)

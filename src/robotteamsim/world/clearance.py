@@ -25,6 +25,11 @@ class Solids:
         """Return the first solid that contains a point; None if the point is free."""
         return self._first(shapely.distance(self._shapes, shapely.Point(point)) == 0.0)
 
+    def on_line(self, start: tuple[float, float], end: tuple[float, float]) -> Solid | None:
+        """Return the first solid that the straight line between two points touches; None if the line is free."""
+        line = shapely.Point(start) if start == end else shapely.LineString([start, end])
+        return self._first(shapely.intersects(self._shapes, line))
+
     def under_robot(self, robot: Robot, pose: PlanarPose) -> Solid | None:
         """Return the first solid that a robot overlaps; None if it overlaps none."""
         if not robot.footprint_m:

@@ -11,7 +11,7 @@ from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import ScheduledEvent
-from robotteamsim.scenario.sections import Mission, PlacedRobot, Robot, Team
+from robotteamsim.scenario.sections import Mission, PlacedRobot, Robot, Team, Victim
 from robotteamsim.world.clearance import TOUCH_M, Solids, check_inside, overlaps, point_text
 from robotteamsim.world.formation import formation
 
@@ -40,12 +40,32 @@ def check_places(scenario: Scenario) -> None:
 
 
 def check_mission(plan: FloorPlan, mission: Mission) -> None:
-    """Raise PlacementError, with the key, when an area or a victim is in a solid or outside the plan."""
+    """Raise PlacementError, with the key, when an area or a victim is in a solid or outside the plan.
+
+    The same holds for the paths of victims, who can walk through doors, but not through walls and blocks.
+    """
     still = Solids(plan)
     spots = [(f"mission.areas.{i}.center", area.center) for i, area in enumerate(mission.areas)]
     spots += [(f"mission.victims.{i}.position", victim.position) for i, victim in enumerate(mission.victims)]
     for key, point in spots:
         _check_spot(plan, still, key, point)
+    for i, victim in enumerate(mission.victims):
+        _check_walk(plan, f"mission.victims.{i}", victim)
+
+
+def _check_walk(plan: FloorPlan, key: str, victim: Victim) -> None:
+    if victim.wander is not None and not victim.wander.contains(victim.position):
+        place = point_text(victim.position)
+        raise PlacementError(f"{key}.position: {place} lies outside the region of wander", f"{key}.position")
+    if not victim.path:
+        return
+    still = Solids(plan, doors=False)
+    for end_key, start, end in victim.legs():
+        check_inside(plan, f"{key}.{end_key}", end)
+        hit = still.on_line(start, end)
+        if hit:
+            line = f"the line from {point_text(start)} to {point_text(end)}"
+            raise PlacementError(f"{key}.{end_key}: {line} crosses {hit.kind} '{hit.name}'", f"{key}.{end_key}")
 
 
 def check_objects(plan: FloorPlan, objects: Sequence[MovableObject], robots: Sequence[PlacedRobot]) -> None:

@@ -69,7 +69,7 @@ def voice_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, 
               their ranges for all victims.
     """
     named = [Victim(name=f"victim_{i}", position=place) for i, place in enumerate(at_m, 1)]
-    victims = named or list(scenario.mission.victims)
+    victims = named or [victim for victim in scenario.mission.victims if victim.calling]
     voice = scenario.voice.model_copy(update={"map_resolution_m": resolution_m})
     if voice_range == "drawn":
         field = VoiceSensor(scenario.plan, voice, victims, scenario.run.seed).map()

@@ -111,9 +111,9 @@ def heard_shares(scenario: Scenario, levels_db: Sequence[float], voice_range: Vo
     """Return the share of the free floor where a victim is heard, at each noise level."""
     end = 1 if voice_range == "lowest" else 0
     voice = scenario.voice.model_copy(update={"map_resolution_m": _resolution_m(scenario, _CELLS)})
-    sources = [
-        VoiceSource(victim.position, voice.constant_db[end], voice.exponent[end]) for victim in scenario.mission.victims
-    ]
+    constant_db, exponent = voice.constant_db[end], voice.exponent[end]
+    calling = [victim for victim in scenario.mission.victims if victim.calling]
+    sources = [VoiceSource(victim.position, constant_db, exponent) for victim in calling]
     free = occupancy_grid(scenario.plan.model_copy(update={"doors": ()}), voice.map_resolution_m).cells != OCCUPIED
     shares = []
     for noise_db in levels_db:
