@@ -8,7 +8,7 @@ from typing import Any, Literal, get_args
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from robotteamsim.scenario.base import Model, NoiseDb, PlanarPose, Point, wrong
+from robotteamsim.scenario.base import Model, Name, NoiseDb, PlanarPose, Point, wrong
 
 EventKind = Literal["remove", "spawn", "door", "noise_db", "victim"]
 _KINDS: tuple[EventKind, ...] = get_args(EventKind)
@@ -30,7 +30,7 @@ class ScheduledEvent(Model):
     door: str | None = Field(default=None, description="name of the door to close or open")
     closed: bool | None = Field(default=None, description="whether the door closes (true) or opens (false)")
     noise_db: NoiseDb | None = Field(default=None, description="new background noise [dB]")
-    victim: str | None = Field(default=None, description="name of the victim to add or to move")
+    victim: Name | None = Field(default=None, description="name of the victim to add or to move")
     position: Point | None = Field(default=None, description="[x, y] of this victim in the map frame [m]")
 
     @model_validator(mode="after")

@@ -24,7 +24,7 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     step_index: 1 for the first step.     sim_time_ns: its stamp [ns].
     inboxes:    messages that arrived in this step, sent in the one before.
     decisions:  of the controllers; their outboxes arrive in the next step.
-    victims:    in the order of `mission.victims`, at their places.
+    victims:    in the order of `mission.victims`, at their current positions.
     doors:      after the step, by name, in the plan's order; the same object until a door changes.
     present:    whether each robot is present, bool, shape (n,); None: all are. Entries of absent robots mean nothing.
     arrivals:   how often each robot has arrived, its start included; both are the same objects until that changes.

@@ -183,7 +183,7 @@ class Simulation:
         self._decisions = tuple(decisions)
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
-        """Add a victim, or move the one of that name [m, map]."""
+        """Add a victim, or move the one of that name [m, map]; they call from there and no longer walk."""
         self.environment.set_victim(name, position_m)
         self.mission.set_victim(name, position_m)
 
