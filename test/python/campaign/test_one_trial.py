@@ -35,6 +35,15 @@ def test_details_hold_the_times_of_areas_and_victims(hall_scenario):
     assert sum(robot["distance_m"] for robot in details["robots"]) == outcome.distance_m
 
 
+def test_details_hold_victims_whom_the_schedule_adds():
+    # A robot of the garage starts at (4, 5).
+    changes = "schedule=[{at_s: 0, victim: eve, position: [4, 5]}, {at_s: 1, victim: pat, position: [56, 7]}]"
+    outcome = run_trial(load("garage_sar", ["mission.time_limit_s=3", changes]), Trial(0, 1, 1), VERSION)
+    victims = json.loads(outcome.details)["victims"]
+    assert (outcome.error, list(victims)[4:], victims["eve"]["saved_s"]) == ("", ["eve", "pat"], 0.0)
+    assert victims["pat"] == {"heard_s": None, "saved_s": None}
+
+
 def test_failure_is_an_outcome_with_seed_and_traceback(hall_scenario, monkeypatch):
     def broken(scenario):
         raise ZeroDivisionError(f"seed {scenario.run.seed}\nis unlucky")

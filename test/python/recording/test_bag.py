@@ -154,6 +154,14 @@ def test_maps_in_a_bag_lie_over_the_plan(bag):
     assert set(picture.data) == {12}
 
 
+def test_victim_who_walks_moves_in_the_bag(tmp_path):
+    walk = ["mission.victims.0.path=[[31, 4.5]]", "mission.victims.0.speed_mps=1"]
+    path = tmp_path / "walk.bag"
+    Simulation(load("garage_sar", ["mission.time_limit_s=3", *walk])).run([BagWriter(path)])
+    places = [(time_ns, m.victims[0].position.x) for time_ns, m in messages(path, "/mission/victims")]
+    assert places == [(100_000_000, 29.0), (1_000_000_000, 30.0), (2_000_000_000, 31.0)]
+
+
 def test_finished_bag_leaves_no_active_file(bag):
     assert os.listdir(bag.parent) == ["mission.bag"]
 
