@@ -74,10 +74,10 @@ class Block(Model):
     kind: Literal["block", "pillar"] = Field(default="block", description="a plan may switch pillars off for radio")
     polygon: Many[Point] = Field(min_length=3, description="corners in order, not self-crossing [m]")
     thickness_m: float | None = Field(
-        default=None, gt=0.0, le=MAX_SIDE_M, description="decides the loss class (Table 3); none: the smaller width [m]"
+        default=None, gt=0.0, le=MAX_SIDE_M, description="decides the loss class (Table 3); none: the least width [m]"
     )
     height_m: float = Field(default=2.6, gt=0.0, le=20.0, description="for 3D views [m]")
-    material: str | None = Field(default=None, description="key into radio.materials; none: by the smaller width")
+    material: str | None = Field(default=None, description="key into radio.materials; none: by the least width")
 
     @model_validator(mode="after")
     def _check(self) -> Block:
