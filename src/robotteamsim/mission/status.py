@@ -66,7 +66,7 @@ class MissionStatus(msgspec.Struct, frozen=True, gc=False):
 
     victims: state of each, in the scenario's order.  explored: whether each area is, in the scenario's order.
     target_area: index of the area to explore; -1 when none is left.
-    endangered_links: times a link became endangered so far.
+    endangered_links: times a link fell below the endangered threshold so far, whether it was lost or not.
     delivered: the discoveries delivered to the base; None: there is no base.
     """
 

@@ -9,6 +9,7 @@ import numpy as np
 from robotteamsim.analysis.runs.reading import TRUTH
 from robotteamsim.analysis.runs.recorded_run import Flags, RecordedNetwork, RecordedRobot, RecordedRun
 from robotteamsim.geometry import PoseReading
+from robotteamsim.network import newly_endangered
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
 
 SPEED_WINDOW_S = 1.0
@@ -60,7 +61,7 @@ class NetworkTotals:
     mean_links:       direct links, of at most num_robots (num_robots - 1) / 2.
     max_hops:         length of the longest shortest path; 0 if there never was a link.
     split_s:          time during which the team was disconnected.
-    endangered_links: number of times a link became endangered.  endangered_s: time with at least one endangered link.
+    endangered_links: how often a link became endangered (`newly_endangered`).  endangered_s: time with at least one endangered link.
     """
 
     num_robots: int
@@ -202,7 +203,7 @@ def _robot(robot: RecordedRobot) -> RobotTotals:
 
 
 def _network(network: RecordedNetwork) -> NetworkTotals:
-    newly_endangered = onsets(network.endangered)
+    endangered = newly_endangered(network.adjacency, network.endangered, network.hop_count)
     return NetworkTotals(
         num_robots=network.adjacency.shape[1],
         mean_links=float(links(network).mean()),
@@ -210,7 +211,7 @@ def _network(network: RecordedNetwork) -> NetworkTotals:
         mean_fiedler_value=float(network.fiedler_value.mean()),
         min_fiedler_value=float(network.fiedler_value.min()),
         split_s=_time_s(network.stamps_ns, is_split(network)),
-        endangered_links=int(newly_endangered.sum()) // 2,
+        endangered_links=int(endangered.sum()) // 2,
         endangered_s=_time_s(network.stamps_ns, endangered_links(network) > 0),
     )
 
