@@ -61,7 +61,8 @@ class NetworkTotals:
     mean_links:       direct links, of at most num_robots (num_robots - 1) / 2.
     max_hops:         length of the longest shortest path; 0 if there never was a link.
     split_s:          time during which the team was disconnected.
-    endangered_links: how often a link became endangered (`newly_endangered`).  endangered_s: time with at least one endangered link.
+    endangered_links: how often a link became endangered (`newly_endangered`).
+    endangered_s:     time with at least one endangered link.
     """
 
     num_robots: int
