@@ -113,6 +113,10 @@ class CoverTuning(Model):
 class LinkTuning(Model):
     """How links are kept, by the communication term of eq. (22)."""
 
+    gated: bool = Field(
+        default=True,
+        description="the term acts only where a link is endangered; false: always, with c4, as eq. (22) is printed",
+    )
     endangered_fraction: float = Field(
         default=0.8,
         gt=0.0,

@@ -245,7 +245,13 @@ class Control(Model):
     )
     alpha: float = Field(default=0.38, ge=0.0, le=1.0, description="fractional order")
     memory_terms: int = Field(default=4, ge=1, le=20, description="r: truncation; at most 4 with `published`")
-    inertia: float = Field(default=0.6, ge=0.0, le=1.0, description="w of `pso` and `rpso`, instead of the memory")
+    memory_of: Literal["motion", "commands"] = Field(
+        default="motion",
+        description="velocities in the memory: those that the robot really had, or those that it chose, as printed",
+    )
+    inertia: float = Field(
+        default=0.6, ge=0.0, le=1.0, description="w of `pso`, `rpso` and `dpso`, instead of the memory"
+    )
     c1: float = Field(default=0.08, ge=0.0, le=2.0, description="cognitive weight")
     c2: float = Field(default=0.11, ge=0.0, le=2.0, description="social weight")
     c3: float = Field(default=0.29, ge=0.0, le=2.0, description="obstacle weight")
@@ -279,6 +285,10 @@ class Control(Model):
         gt=0.0,
         le=10_000.0,
         description="best places farther away along the path attract in a straight line [m]",
+    )
+    rule_out_places: bool = Field(
+        default=True,
+        description="voices from where no victim can be count neither as local nor as global best; false: all count",
     )
     sensing_radius_m: float = Field(default=1.0, gt=0.0, le=50.0, description="r_s of the obstacle term [m]")
     navigation: Literal["path", "straight"] = Field(

@@ -10,6 +10,7 @@ from robotteamsim.swarm.exclusion import (
     SwarmState,
     Verdict,
     judge,
+    natural_selection,
     punished_search_counter,
     spawn_chance,
 )
@@ -66,6 +67,7 @@ __all__ = [
     "memory_coefficients",
     "memory_term",
     "minimise",
+    "natural_selection",
     "next_position",
     "next_velocity",
     "obstacle_attractor",

@@ -25,6 +25,8 @@ from robotteamsim.swarm import (
 class LinkKeeper:
     """The communication term of eq. (22) for one robot, silent while its link to the swarm is safe.
 
+    With `control.communication.gated: false` it acts always, as printed.
+
     A robot knows the plan, the radio and where its teammates said they were; from these it predicts the link to keep:
     that to the nearest one, or (`control.kept_link: tree`) the weakest of its own links in the strongest tree that
     holds the team together. A team whose robots all keep their nearest neighbour can still fall into pairs. The range
@@ -34,6 +36,7 @@ class LinkKeeper:
 
     def __init__(self, scenario: Scenario) -> None:
         self._c4 = scenario.control.c4
+        self._is_gated = scenario.control.communication.gated
         self._keeps_tree = scenario.control.kept_link == "tree"
         self._network = scenario.network
         self._endangered_fraction = scenario.control.communication.endangered_fraction
@@ -64,7 +67,9 @@ class LinkKeeper:
         else:
             neighbour = _core.base.nearest_point(position, list(members.values()))
         proximity, endangered, signal_dbm = self._link_to(position, neighbour)
-        weight = communication_weight(self._c4, proximity, endangered, not missing)
+        weight = self._c4
+        if self._is_gated:
+            weight = communication_weight(self._c4, proximity, endangered, not missing)
         if weight == 0.0:
             return position, 0.0
         return communication_attractor(position, neighbour, self._range_m(position, neighbour, signal_dbm)), weight

@@ -48,6 +48,9 @@ class RdpsoController:
     next point. All other steps drive there. Robots that heard the same updates come to the same view of the swarm.
     """
 
+    membership: type[Membership] = Membership
+    """The rules by which robots leave, join and found swarms."""
+
     def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
         control = scenario.control
         body = body_of(robot_id, scenario)
@@ -67,8 +70,8 @@ class RdpsoController:
         self._links = LinkKeeper(scenario)
         self._ruled_out = RuledOut(scenario)
         self._finder = LocalBestFinder(scenario)
-        self._membership = Membership(robot_id, scenario)
-        self._momentum = Momentum(self.memory(control))
+        self._membership = self.membership(robot_id, scenario)
+        self._momentum = Momentum(self.memory(control), control.memory_of)
         self._numbers = uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
         self._wander = Wander(
             control.wander, robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps
@@ -182,6 +185,7 @@ class RdpsoController:
         self._momentum.note(position)
         velocity = self._next_velocity(pose, ranges_m, team, view, self._local_best, self._known_best)
         velocity = limit_speed(velocity, self._control.max_step_speed_mps * self._control.iteration_s)
+        self._momentum.note_command(velocity)
         self._goal = next_position(position, velocity)
         if self._control.navigation == "path":
             # A step ends at a wall; it does not lead around it. The path around it is in the attractors.

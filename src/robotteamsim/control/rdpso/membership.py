@@ -7,7 +7,7 @@ each part goes on by itself, and each robot's own statement of its swarm counts.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
 from robotteamsim import rng
@@ -33,7 +33,7 @@ class Membership:
         self._rules = ExclusionRules(exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots)
         self._swarms = swarms
         limits = exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots
-        self._settings = self._seed, *limits, swarms.min, swarms.max, swarms.new_robots
+        self._settings = type(self).__name__, self._seed, *limits, swarms.min, swarms.max, swarms.new_robots
         """All that a verdict depends on beside the updates."""
         self.swarm_id = robot_id * swarms.initial // num_robots
         """OUTSIDE where it is excluded."""
@@ -71,23 +71,24 @@ class Membership:
         moves: dict[int, int] = {}
         # Swarms that were not heard now may still be there.
         taken = {*swarms, *in_use} - {OUTSIDE}
-        asking, num_swarms = [], len(taken)
+        asking: dict[int, int] = {}
+        num_swarms = len(taken)
         states: dict[int, SwarmState] = {}
         for swarm_id, members in sorted(swarms.items()):
             dice = partial(self._dice, iteration, swarm_id)
             free = {i: value for i, value in outside.items() if i not in moves}
             has_improved = swarm_id in improved
-            verdict = judge(view.states[swarm_id], has_improved, members, free, self._rules, dice)
+            verdict = self._judged(view.states[swarm_id], has_improved, members, free, dice)
             if len(verdict.leaves) == len(members):
                 verdict, num_swarms = self._dissolved_or_not(verdict, num_swarms)
             moves |= dict.fromkeys(verdict.leaves, OUTSIDE) | dict.fromkeys(verdict.joins, swarm_id)
             states[swarm_id] = verdict.state
-            if has_improved and verdict.state.search_counter == 0:
-                asking.append(len(members))
+            if len(verdict.leaves) < len(members) and self._asks(verdict.state, has_improved):
+                asking[swarm_id] = len(members)
         if OUTSIDE in improved:
-            asking.append(len(outside))
+            asking[OUTSIDE] = len(outside)
         if asking:
-            self._found(iteration, asking, outside, moves, num_swarms, taken)
+            self._found(iteration, asking, view.values, moves, num_swarms, taken)
         return moves, states
 
     def _dissolved_or_not(self, verdict: Verdict, num_swarms: int) -> tuple[Verdict, int]:
@@ -99,8 +100,8 @@ class Membership:
     def _found(
         self,
         iteration: int,
-        asking: list[int],
-        outside: Values,
+        asking: Mapping[int, int],
+        values: Mapping[int, Values],
         moves: dict[int, int],
         num_swarms: int,
         taken: set[int],
@@ -108,9 +109,12 @@ class Membership:
         """Found swarms of the best excluded robots: one per swarm that asks, with a chance that grows with its size.
 
         The chance is f N_s / N_max, f uniform in [0, 1]. The excluded ask as well when their best improved.
+
+        Args: asking: number of robots of each swarm that asks.  values: of the local bests, by swarm and robot.
+              moves: who goes where, to be extended.  taken: numbers of swarms that are in use.
         """
-        dice = None
-        for num_asking in asking:
+        dice, outside = None, values.get(OUTSIDE, {})
+        for num_asking in asking.values():
             free = [robot_id for robot_id in outside if robot_id not in moves]
             if num_swarms >= self._swarms.max or len(free) < self._swarms.new_robots:
                 return
@@ -122,6 +126,16 @@ class Membership:
                 moves |= dict.fromkeys(best_first[: self._swarms.new_robots], swarm_id)
                 taken = taken | {swarm_id}
                 num_swarms += 1
+
+    def _judged(
+        self, state: SwarmState, improved: bool, members: Values, free: Values, dice: Callable[[], float]
+    ) -> Verdict:
+        """Return what an iteration does to a swarm."""
+        return judge(state, improved, members, free, self._rules, dice)
+
+    def _asks(self, state: SwarmState, improved: bool) -> bool:
+        """Whether a swarm in this state after an iteration asks for a new one."""
+        return improved and state.search_counter == 0
 
     def _move(self, swarm_id: int, states: Mapping[int, SwarmState]) -> None:
         """Go to a swarm and take over its memory; an excluded robot keeps that of the swarm that it left."""

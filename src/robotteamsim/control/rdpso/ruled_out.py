@@ -12,7 +12,8 @@ class RuledOut:
 
     Within the local-best radius of a robot, a victim can only be at the loudest cell that it hears; and not even
     there once a robot was next to it, because the victim would have been saved, and silent [5.3]. Without this a voice
-    from behind a wall, loudest at that wall, holds the swarm there until all robots are excluded.
+    from behind a wall, loudest at that wall, holds the swarm there until all robots are excluded. With
+    `control.rule_out_places: false` nothing is ruled out.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -21,6 +22,7 @@ class RuledOut:
         save_m = scenario.mission.save_distance_m
         next_to_m = max(0.5 * save_m, save_m - cell_m)
         radius_m = scenario.voice.local_best_radius_m
+        self._is_on = scenario.control.rule_out_places
         self._core = _core.control.RuledOut(radius_m=radius_m, cell_m=cell_m, next_to_m=next_to_m)
 
     def clear(self) -> None:
@@ -40,4 +42,4 @@ class RuledOut:
 
     def covers(self, place: Vector) -> bool:
         """Whether the victim whose voice is heard at a cell cannot be there."""
-        return self._core.covers(place)
+        return self._is_on and self._core.covers(place)

@@ -1,30 +1,38 @@
-"""How a robot's own way carries on in its next step: the memory term of eq. (25)."""
+"""How past velocities continue in the next one: the memory term of eq. (25)."""
 
 from __future__ import annotations
 
 from collections import deque
+from typing import Literal
 
 from robotteamsim.swarm import Vector, memory_term
 
 
 class Momentum:
-    """The velocities that a robot really had in the last iterations, and what they add to the next one."""
+    """The velocities of a robot in the last iterations, and what they add to the next one."""
 
-    def __init__(self, coefficients: tuple[float, ...]) -> None:
-        """Args: coefficients: the weights of v[t], v[t-1], ..."""
+    def __init__(self, coefficients: tuple[float, ...], of: Literal["motion", "commands"] = "motion") -> None:
+        """Args: coefficients: the weights of v[t], v[t-1], ...
+
+        of: `motion` remembers the velocities that the robot really had: a blocked robot had none. `commands` remembers
+        those that it chose, as the equations are printed.
+        """
         self.coefficients = coefficients
+        self._of = of
         self._velocities: deque[Vector] = deque(maxlen=len(coefficients))
         """Newest first [m per iteration]."""
         self._position: Vector | None = None
 
     def note(self, position: Vector) -> None:
-        """Take note of where the robot is, in `map` [m], once per iteration.
-
-        It remembers where it went, not where it wanted to: a blocked robot had no velocity.
-        """
-        if self._position is not None:
+        """Take note of where the robot is, in `map` [m], once per iteration."""
+        if self._of == "motion" and self._position is not None:
             self._velocities.appendleft((position[0] - self._position[0], position[1] - self._position[1]))
         self._position = position
+
+    def note_command(self, velocity: Vector) -> None:
+        """Take note of the velocity that the robot chose [m per iteration]."""
+        if self._of == "commands":
+            self._velocities.appendleft(velocity)
 
     def forget(self) -> None:
         """Begin anew, from rest."""
