@@ -64,6 +64,7 @@ def row_of(name: str, noise_db: float, results: list[Result]) -> Row:
         "time_s": [result.time_s for result in results],
         "victims": [float(result.victims_saved) for result in results],
         "areas": [float(result.areas_explored) for result in results],
+        "endangered_links": [float(result.endangered_links) for result in results],
     }
     for key, numbers in values.items():
         mean, low, high = mean_with_interval(np.array(numbers))

@@ -11,6 +11,26 @@ OUTSIDE = -1
 """`Decision.swarm` of a robot that is socially excluded."""
 
 
+class SwarmContext(msgspec.Struct, frozen=True, gc=False):
+    """The context that a robot measured, and the coefficients that follow from it [dissertation, 5.2.2].
+
+    activity: A_s (28).  socialisation: S_n (29).  avoidance: O_n (30).  proximity: P_n (31, 32).
+    connectivity: C_s (34); all within [0, 1].
+    alpha, c1, c2, c3, c4: coefficients of (22) and (25), with c1 + c2 + c3 + c4 = 2 (26).
+    """
+
+    activity: float
+    socialisation: float
+    avoidance: float
+    proximity: float
+    connectivity: float
+    alpha: float
+    c1: float
+    c2: float
+    c3: float
+    c4: float
+
+
 class Decision(msgspec.Struct, frozen=True, gc=False):
     """All that one controller returns in one step.
 
@@ -21,6 +41,7 @@ class Decision(msgspec.Struct, frozen=True, gc=False):
     local_best:   value of its local best (larger is better), for display.
     search_counter: SC of its swarm, for display.
     swarm:        number of its swarm; OUTSIDE when excluded, 0 where there are no swarms.
+    context:      what it measured and adapted to; None without adaptation.
     fault:        why its controller was stopped, in one line; "" while it works. A stopped robot stands still.
     """
 
@@ -32,3 +53,4 @@ class Decision(msgspec.Struct, frozen=True, gc=False):
     search_counter: int = 0
     swarm: int = 0
     fault: str = ""
+    context: SwarmContext | None = None

@@ -232,6 +232,9 @@ class Swarms(Model):
         return self
 
 
+_WITHOUT_ADAPTATION = ("pso", "rpso", "dpso", "greedy", "random_walk", "sebs", "cover")
+
+
 class Control(Model):
     """The controller of each robot: RDPSO [dissertation, eq. 22, 24, 25] with a go-to-point navigator, or another."""
 
@@ -245,6 +248,10 @@ class Control(Model):
     )
     alpha: float = Field(default=0.38, ge=0.0, le=1.0, description="fractional order")
     memory_terms: int = Field(default=4, ge=1, le=20, description="r: truncation; at most 4 with `published`")
+    adaptation: Literal["none", "crisp", "fuzzy"] = Field(
+        default="none",
+        description="alpha and c1 to c4 follow the context by the rules of 5.2.2, with crisp or fuzzy memberships",
+    )
     memory_of: Literal["motion", "commands"] = Field(
         default="motion",
         description="velocities in the memory: those that the robot really had, or those that it chose, as printed",
@@ -310,6 +317,10 @@ class Control(Model):
     def _check(self) -> Control:
         if self.memory == "published" and self.memory_terms > 4:
             raise wrong("memory_terms", f"{self.memory_terms} is above 4, the length of the published memory")
+        if self.adaptation != "none" and self.algorithm in _WITHOUT_ADAPTATION:
+            raise wrong(
+                "adaptation", f"'{self.adaptation}' has no effect on algorithm '{self.algorithm}'; expected rdpso"
+            )
         if self.swarms.max > 1 and self.swarms.new_robots > self.exclusion.max_robots:
             new, most = self.swarms.new_robots, self.exclusion.max_robots
             raise wrong("swarms.new_robots", f"{new} is above exclusion.max_robots, {most}")

@@ -3,7 +3,7 @@
 Equation numbers are those of the dissertation.
 """
 
-from robotteamsim.swarm.adaptation import Levels
+from robotteamsim.swarm.adaptation import EXACT_LEVELS, PUBLISHED_LEVELS, Context, Levels, adapted_coefficients
 from robotteamsim.swarm.attractors import communication_attractor, communication_weight, obstacle_attractor
 from robotteamsim.swarm.exclusion import (
     ExclusionRules,
@@ -44,8 +44,11 @@ from robotteamsim.swarm.velocity import (
 )
 
 __all__ = [
+    "EXACT_LEVELS",
+    "PUBLISHED_LEVELS",
     "Attractors",
     "CommunicationTerm",
+    "Context",
     "DpsoOptions",
     "ExclusionRules",
     "Levels",
@@ -59,6 +62,7 @@ __all__ = [
     "Vector",
     "Verdict",
     "Weights",
+    "adapted_coefficients",
     "communication_attractor",
     "communication_weight",
     "judge",

@@ -20,11 +20,24 @@ class Flags:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class RecordedContext:
+    """What a robot measured and adapted to, while it did.
+
+    stamps_ns: int64, shape (n,), ascending.
+    values:    float64, shape (n, 10): metrics and coefficients in the order of `SwarmContext`.
+    """
+
+    stamps_ns: np.ndarray
+    values: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class RecordedRobot:
     """One robot.
 
     name:     its namespace without slashes, or "robot" if it has none.
     robot_id: the number in robot_<number>; None for other names.
+    context:  None without adaptation.
     """
 
     name: str
@@ -32,6 +45,7 @@ class RecordedRobot:
     track: Track
     contact: Flags | None
     excluded: Flags | None
+    context: RecordedContext | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from robotteamsim.analysis.runs.reading import TRUTH
-from robotteamsim.analysis.runs.recorded_run import Flags, RecordedNetwork, RecordedRobot, RecordedRun
+from robotteamsim.analysis.runs.recorded_run import Flags, RecordedContext, RecordedNetwork, RecordedRobot, RecordedRun
 from robotteamsim.geometry import PoseReading
+from robotteamsim.interface import SwarmContext
 from robotteamsim.network import newly_endangered
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
 
@@ -42,6 +43,7 @@ class RobotTotals:
     max_speed_mps:  mean speed in the fastest second.
     collisions:     number of times it began to touch something.  contact_s: time in contact.
     excluded_s:     time as an excluded robot.
+    context:        means of its metrics and coefficients, by their names in `SwarmContext`; None without adaptation.
     """
 
     name: str
@@ -52,6 +54,7 @@ class RobotTotals:
     collisions: int | None
     contact_s: float | None
     excluded_s: float | None
+    context: dict[str, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +203,12 @@ def _robot(robot: RecordedRobot) -> RobotTotals:
         collisions=None if contact is None else int(onsets(contact.values).sum()),
         contact_s=_duration_s(contact),
         excluded_s=_duration_s(robot.excluded),
+        context=None if robot.context is None else _mean_context(robot.context),
     )
+
+
+def _mean_context(context: RecordedContext) -> dict[str, float]:
+    return dict(zip(SwarmContext.__struct_fields__, context.values.mean(axis=0).tolist(), strict=True))
 
 
 def _network(network: RecordedNetwork) -> NetworkTotals:

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from robotteamsim import _core
+from robotteamsim.network import fiedler_value
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
@@ -19,6 +20,7 @@ from robotteamsim.swarm import (
     communication_weight,
     robot_proximity_by_distance,
     robot_proximity_by_signal,
+    swarm_connectivity,
 )
 
 
@@ -49,15 +51,17 @@ class LinkKeeper:
         self._reference_dbm = max(signal_at_1_m_dbm, endangered_dbm, lost_dbm + 1e-9)
         at_risk_dbm = max(endangered_dbm, lost_dbm + 1e-9)
         self._endangered_proximity = robot_proximity_by_signal(at_risk_dbm, lost_dbm, self._reference_dbm)
-        self._field = _radio_field(scenario.plan, scenario.radio.model_dump_json()) if self._c4 > 0.0 else None
+        needs_field = self._c4 > 0.0 or scenario.control.adaptation != "none"
+        self._field = _radio_field(scenario.plan, scenario.radio.model_dump_json()) if needs_field else None
 
     def pull(
-        self, position: Vector, heard: Mapping[int, Vector], missing: Mapping[int, Vector]
+        self, position: Vector, heard: Mapping[int, Vector], missing: Mapping[int, Vector], c4: float | None = None
     ) -> tuple[Vector, float]:
         """Return x_CB and the weight of the term; where that is 0, the robot's own position stands for x_CB.
 
         Args: heard: where the other members of the swarm are that reported in this iteration, by robot id.
               missing: where those were that did not; the swarm is split if there are any (C_s = 0 as far as known).
+              c4: the weight of the term where it acts fully; None: that of the scenario.
         """
         members = missing or heard
         if self._field is None or not members:
@@ -67,12 +71,27 @@ class LinkKeeper:
         else:
             neighbour = _core.base.nearest_point(position, list(members.values()))
         proximity, endangered, signal_dbm = self._link_to(position, neighbour)
-        weight = self._c4
+        weight = self._c4 if c4 is None else c4
         if self._is_gated:
-            weight = communication_weight(self._c4, proximity, endangered, not missing)
+            weight = communication_weight(weight, proximity, endangered, not missing)
         if weight == 0.0:
             return position, 0.0
         return communication_attractor(position, neighbour, self._range_m(position, neighbour, signal_dbm)), weight
+
+    def proximity(self, position: Vector, others: Sequence[Vector]) -> float:
+        """Return P_n of eq. (31) or (32) for the nearest of the others, of which there is at least one."""
+        return self._link_to(position, _core.base.nearest_point(position, others))[0]
+
+    def connectivity(self, places: Sequence[Vector]) -> float:
+        """Return C_s of eq. (34) for robots at these places, with the links that are predicted between them."""
+        positions_m = np.array(places)
+        if self._links_by_distance:
+            is_link = _distances_m(positions_m) <= self._network.max_distance_m
+        else:
+            assert self._field is not None
+            is_link = self._field.rssi_matrix_dbm(positions_m) >= self._lost_dbm
+        np.fill_diagonal(is_link, False)
+        return swarm_connectivity(fiedler_value(is_link), len(places))
 
     def in_reach(self, places: Sequence[Vector], resolution_m: float) -> np.ndarray | None:
         """Return the cells of the plan that have a good enough link to one of some places, bool, shape (rows, cols).
@@ -97,7 +116,7 @@ class LinkKeeper:
         """Return the other end of the weakest link that a robot has in the strongest tree of it and these places."""
         positions_m = np.array([position, *places])
         if self._links_by_distance:
-            strength = -np.hypot(*(positions_m[:, None, :] - positions_m[None, :, :]).transpose(2, 0, 1))
+            strength = -_distances_m(positions_m)
         else:
             assert self._field is not None
             strength = self._field.rssi_matrix_dbm(positions_m)
@@ -120,6 +139,12 @@ class LinkKeeper:
         if self._links_by_distance:
             return self._endangered_fraction * self._network.max_distance_m
         return float(math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db))
+
+
+def _distances_m(positions_m: np.ndarray) -> np.ndarray:
+    """Return the distances between all pairs of points, shape (n, 2) [m]."""
+    distances_m: np.ndarray = np.hypot(*(positions_m[:, None, :] - positions_m[None, :, :]).transpose(2, 0, 1))
+    return distances_m
 
 
 def strongest_tree(strength: np.ndarray) -> list[tuple[int, int]]:
