@@ -25,6 +25,9 @@ _CLASS_LIMITS_MM = (200, 400, 600)
 _NO_FACE = -1
 """Weight of a solid that fades nothing."""
 
+_HALF_TOLERANCE = 1e-6
+"""A number this near to a half is a half: 8.0255 m is 8025.499999999999 mm in doubles."""
+
 _SAME_OUTLINE_MM = 5.0
 """Outlines this close together count as one. Rounding in the union moves a face by 0.7 mm, several times at worst."""
 
@@ -102,7 +105,7 @@ def _faces(plan: FloorPlan, weights: tuple[int, ...], door_weights: tuple[int, .
     fading = [(solid, weight) for solid, weight in zip(_static_solids(plan), weights, strict=True) if weight >= 0]
     ends_mm, face_weights = _union_faces([solid.polygon for solid, _ in fading], [weight for _, weight in fading])
     door_ends_mm = np.array([(*door.start, *door.end) for door in plan.doors]).reshape(-1, 4) * MM_PER_M
-    all_ends_mm = np.vstack([ends_mm, np.rint(door_ends_mm).astype(np.int64)])
+    all_ends_mm = np.vstack([ends_mm, _whole(door_ends_mm).astype(np.int64)])
     all_weights = np.concatenate([face_weights, np.array(door_weights, dtype=np.int32)])
     all_ends_mm.flags.writeable = all_weights.flags.writeable = False
     return Faces(all_ends_mm, all_weights, {door.name: door.closed for door in plan.doors})
@@ -110,7 +113,7 @@ def _faces(plan: FloorPlan, weights: tuple[int, ...], door_weights: tuple[int, .
 
 def _union_faces(polygons: Sequence[shapely.Polygon], weights: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
     """Return ends [mm] and weights of the outline of the polygons' union; crossings are rounded to whole mm."""
-    in_mm = shapely.transform(np.array(polygons, dtype=object), lambda points_m: points_m * MM_PER_M)
+    in_mm = shapely.transform(np.array(polygons, dtype=object), lambda points_m: _whole(points_m * MM_PER_M))
     snapped = shapely.set_precision(in_mm, 1.0)
     ends_mm, _ = _edges(shapely.union_all(snapped, grid_size=1.0))
     solid_edges_mm, solid_of_edge = _edges(snapped)
@@ -157,13 +160,18 @@ def _thickness_mm(element: Wall | Block | Door) -> int:
     if thickness_m is None:
         assert isinstance(element, Block)
         thickness_m = _least_width_m(element.polygon)
-    return round(thickness_m * MM_PER_M)
+    return int(_whole(thickness_m * MM_PER_M))
 
 
 def _door_units(radio: Radio, door: Door) -> int:
     if door.kind == "fireproof":
         return _units(radio.fireproof_door_loss_db)
     return _units(radio.door_loss_db)
+
+
+def _whole(values: np.ndarray | float) -> np.ndarray:
+    """Return whole numbers: halves, within 1e-6 for rounding errors, go away from zero, as in the C++ core."""
+    return np.asarray(np.trunc(values + np.copysign(0.5 + _HALF_TOLERANCE, values)))
 
 
 def _units(loss_db: float) -> int:

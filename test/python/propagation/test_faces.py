@@ -255,3 +255,23 @@ def test_a_way_between_free_points_counts_whole_walls(walls, points):
     for a in free:
         for b in free:
             assert faces.weight_between(a, b) % 2 == 0
+
+
+@pytest.mark.parametrize("quarter_turns", range(4))
+def test_positions_and_corners_at_half_a_millimetre_are_decided_equally_under_quarter_turns(make_plan, quarter_turns):
+    # 8.0255 m is 8026 mm, on the face of the wall from 8026 to 8226 mm, in every orientation.
+    def turned(x: float, y: float) -> tuple[float, float]:
+        for _ in range(quarter_turns):
+            x, y = -y, x
+        return x, y
+
+    corners = ((8.0255, 2.0005), (8.2255, 2.0005), (8.2255, 4.0005), (8.0255, 4.0005))
+    bounds = Bounds(min=(-10.0, -10.0), max=(10.0, 10.0))
+    block = Block(name="a", polygon=tuple(turned(*corner) for corner in corners))
+    faces = radio_faces(FloorPlan(name="a", bounds=bounds, blocks=(block,)), Radio())
+    expected_mm = {turned(x, y) for x, y in ((8026, 2001), (8226, 2001), (8226, 4001), (8026, 4001))}
+    assert {tuple(end) for end in faces.ends_mm.reshape(-1, 2).tolist()} == expected_mm
+    core = faces.core()
+    # A ray that ends a millimetre in front of the face pays nothing, one that ends behind it half of the wall.
+    assert core.weight_between(turned(7.0, 3.0), turned(8.0245, 3.0)) == 0
+    assert core.weight_between(turned(7.0, 3.0), turned(8.0265, 3.0)) == 38
