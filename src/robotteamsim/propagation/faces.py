@@ -11,6 +11,7 @@ import shapely
 
 from robotteamsim import _core
 from robotteamsim.errors import ScenarioError
+from robotteamsim.propagation.crossings import round_outwards
 from robotteamsim.scenario.floor_plan import Block, Door, FloorPlan, Wall
 from robotteamsim.scenario.plan import Solid, solids
 from robotteamsim.scenario.sections import Radio
@@ -112,26 +113,29 @@ def _faces(plan: FloorPlan, weights: tuple[int, ...], door_weights: tuple[int, .
 
 
 def _union_faces(polygons: Sequence[shapely.Polygon], weights: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Return ends [mm] and weights of the outline of the polygons' union; crossings are rounded to whole mm."""
+    """Return ends [mm] and weights of the outline of the polygons' union, its crossings rounded outwards."""
     in_mm = shapely.transform(np.array(polygons, dtype=object), lambda points_m: _whole(points_m * MM_PER_M))
     snapped = shapely.set_precision(in_mm, 1.0)
-    ends_mm, _ = _edges(shapely.union_all(snapped, grid_size=1.0))
-    solid_edges_mm, solid_of_edge = _edges(snapped)
+    united = shapely.orient_polygons(shapely.union_all(snapped, grid_size=1.0))
+    ends_mm, ring, _ = _edges(united)
+    solid_edges_mm, _, solid_of_edge = _edges(snapped)
     near = _pairs_near(ends_mm[:, :2], solid_edges_mm) & _pairs_near(ends_mm[:, 2:], solid_edges_mm)
     face_weights = np.full(len(ends_mm), -1, dtype=np.int32)
     for face, edge in sorted(near):
         face_weights[face] = max(face_weights[face], weights[solid_of_edge[edge]])
     assert np.all(face_weights >= 0), "every face of a union lies on an edge of one of its parts"
-    return ends_mm, face_weights
+    ends_mm = round_outwards(ends_mm, ring, solid_edges_mm)
+    has_length = np.any(ends_mm[:, :2] != ends_mm[:, 2:], axis=1)
+    return ends_mm[has_length], face_weights[has_length]
 
 
-def _edges(geometry: shapely.Geometry | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the edges of polygons (int64, shape (n, 4) [mm]) and the index of the geometry that each belongs to."""
+def _edges(geometry: shapely.Geometry | np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the edges of polygons (int64, shape (n, 4) [mm]), and the indices of ring and geometry of each."""
     rings, geometry_of_ring = shapely.get_parts(shapely.boundary(geometry), return_index=True)
     points, ring = shapely.get_coordinates(rings, return_index=True)
     points_mm = np.rint(points).astype(np.int64)
     joined = np.flatnonzero(ring[:-1] == ring[1:])
-    return np.hstack([points_mm[joined], points_mm[joined + 1]]), geometry_of_ring[ring[joined]]
+    return np.hstack([points_mm[joined], points_mm[joined + 1]]), ring[joined], geometry_of_ring[ring[joined]]
 
 
 def _pairs_near(points_mm: np.ndarray, edges_mm: np.ndarray) -> set[tuple[int, int]]:
