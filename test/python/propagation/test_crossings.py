@@ -29,16 +29,26 @@ def turned(points: object, degrees: int) -> tuple[tuple[float, float], ...]:
     return tuple((cos * x - sin * y, sin * x + cos * y) for x, y in points)
 
 
+def strip(centre_m: np.ndarray, angle_rad: float, length_m: float, width_m: float) -> np.ndarray:
+    """Return the corners of a rectangle, counter-clockwise, in whole millimetres."""
+    along = np.array([math.cos(angle_rad), math.sin(angle_rad)]) * length_m / 2.0
+    across = np.array([-math.sin(angle_rad), math.cos(angle_rad)]) * width_m / 2.0
+    corners_m = [centre_m + i * along + j * across for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    return np.rint(1000.0 * np.array(corners_m)).astype(int)
+
+
 def oblique_walls(seed: int, count: int = 6) -> list[np.ndarray]:
-    """Return corners of rectangles at random angles, counter-clockwise, whole millimetres."""
-    generator, walls = np.random.default_rng(seed), []
-    for _ in range(count):
-        centre, angle_rad = generator.uniform(6.0, 14.0, 2), generator.uniform(0.0, math.pi)
-        along = np.array([math.cos(angle_rad), math.sin(angle_rad)]) * generator.uniform(1.0, 4.0)
-        across = np.array([-math.sin(angle_rad), math.cos(angle_rad)]) * generator.uniform(0.05, 0.45)
-        corners = [centre + i * along + j * across for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-        walls.append(np.rint(1000.0 * np.array(corners)).astype(int))
-    return walls
+    """Return rectangles at random places and angles."""
+    generator = np.random.default_rng(seed)
+    return [
+        strip(
+            generator.uniform(6.0, 14.0, 2),
+            generator.uniform(0.0, math.pi),
+            generator.uniform(2.0, 8.0),
+            generator.uniform(0.1, 0.9),
+        )
+        for _ in range(count)
+    ]
 
 
 def is_inside(wall: np.ndarray, point: np.ndarray) -> bool:
@@ -93,3 +103,19 @@ def test_map_of_oblique_walls_equals_one_ray_per_cell():
     for (row, column), value in np.ndenumerate(drawn.values):
         cell = (drawn.origin_m[0] + (column + 0.5) * 0.5, drawn.origin_m[1] + (row + 0.5) * 0.5)
         assert value == pytest.approx(Radio().tx_power_dbm - field.path_loss_db(transmitter, cell), abs=1e-4)
+
+
+def test_ray_outside_along_a_thick_wall_pays_each_thin_wall_at_most_as_much_as_the_thick_one():
+    generator = np.random.default_rng(5)
+    for _ in range(60):
+        angle_rad, turn_rad = generator.uniform(0.0, math.pi), generator.uniform(0.5, 2.6)
+        along = np.array([math.cos(angle_rad), math.sin(angle_rad)])
+        thick = strip(np.zeros(2), angle_rad, 12.0, 0.7)  # 12.4 dB
+        thin = [strip(place_m * along, angle_rad + turn_rad, 4.0, 0.15) for place_m in (-3.0, 0.0, 3.0)]  # 3.8 dB
+        core = radio_faces(plan_of(*((wall / 1000.0).tolist() for wall in (thick, *thin))), Radio()).core()
+        start, end = thick[:2]
+        outwards = np.array([end[1] - start[1], start[0] - end[0]]) / math.dist(start, end)
+        for depths_mm in generator.uniform(1.5, 4.0, (10, 2)):
+            ray = [np.rint(start + depths_mm[0] * outwards), np.rint(end + depths_mm[1] * outwards)]
+            weight = core.weight_between(*(tuple(point / 1000.0) for point in ray))
+            assert 3 * 76 <= weight <= 3 * 248
