@@ -8,8 +8,8 @@ import shapely
 _NEAR_MM = 3
 """Rounding moves a corner of the outline by less than this."""
 
-_REACHES_MM = (_NEAR_MM, 12, 48)
-"""How far from a crossing a lattice point is searched: into an acute notch, farther than beside a blunt one."""
+_IN_NOTCHES_MM = 48
+"""An acute notch between two walls is filled up to here, where it is wide enough for a lattice point; a tip never."""
 
 
 def round_outwards(ends_mm: np.ndarray, rings: np.ndarray, edges_mm: np.ndarray) -> np.ndarray:
@@ -30,9 +30,10 @@ def round_outwards(ends_mm: np.ndarray, rings: np.ndarray, edges_mm: np.ndarray)
     following = _following(rings)
     vertices, here, there = ends_mm[:, 2:], lines, lines[following]
     is_off = (_left(here, vertices) != 0) | (_left(there, vertices) != 0)
+    is_notch = _left(ends_mm, ends_mm[following, 2:]) < 0
     moved = vertices.copy()
     for i in np.flatnonzero(is_off).tolist():
-        moved[i] = _outside(vertices[i], here[i], there[i])
+        moved[i] = _outside(vertices[i], here[i], there[i], _IN_NOTCHES_MM if is_notch[i] else _NEAR_MM)
     starts = np.empty_like(moved)
     starts[following] = moved
     return np.hstack([starts, moved])
@@ -72,9 +73,9 @@ def _left(lines: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.asarray(along[..., 0] * offset[..., 1] - along[..., 1] * offset[..., 0])
 
 
-def _outside(vertex: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Return the lattice point nearest to the crossing of two lines that is to the left of neither."""
-    for reach_mm in _REACHES_MM:
+def _outside(vertex: np.ndarray, first: np.ndarray, second: np.ndarray, farthest_mm: int) -> np.ndarray:
+    """Return the lattice point nearest to the crossing of two lines that is to the left of neither; else the vertex."""
+    for reach_mm in sorted({_NEAR_MM, farthest_mm}):
         steps = np.arange(-reach_mm, reach_mm + 1)
         candidates = vertex + np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
         outside = candidates[(_left(first, candidates) <= 0) & (_left(second, candidates) <= 0)]
