@@ -36,6 +36,8 @@ def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
     console.print(totals_table(rows))
     if totals.robots:
         console.print(_robot_table(totals.robots))
+    if any(robot.context for robot in totals.robots):
+        console.print(_context_table(totals.robots))
     if totals.trajectory_hash:
         console.print(Text(f"  trajectories {totals.trajectory_hash}"), soft_wrap=True)
     _print_omitted(console, totals, "")
@@ -110,6 +112,18 @@ def _robot_table(robots: Sequence[RobotTotals]) -> Table:
             _number(robot.excluded_s, ".1f"),
             robot.source,
         )
+    return table
+
+
+def _context_table(robots: Sequence[RobotTotals]) -> Table:
+    """Return the means of the metrics and coefficients of the robots that adapt."""
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table.add_column("robot")
+    for name in ("A_s", "S_n", "O_n", "P_n", "C_s", "alpha", "c1", "c2", "c3", "c4"):
+        table.add_column(name, justify="right")
+    for robot in robots:
+        if robot.context:
+            table.add_row(robot.name, *(f"{value:.2f}" for value in robot.context.values()))
     return table
 
 
