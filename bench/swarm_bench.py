@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import differential_evolution
 from scipy.stats import binom
+from scipy.stats.qmc import LatinHypercube, scale
 
 from robotteamsim.swarm import DpsoOptions, PsoOptions, RdpsoOptions, minimise
 from robotteamsim.swarm.optimise import Method
@@ -86,18 +87,20 @@ def pyswarms_best(fun: Fun, bounds: Bounds, evaluations: int, seed: int) -> floa
 
 
 def de_best(fun: Fun, bounds: Bounds, evaluations: int, seed: int) -> float:
-    """Return what SciPy's differential evolution finds with as many points, without its final descent."""
+    """Return what SciPy's differential evolution finds with as many points, without its final descent.
+
+    It uses SciPy's defaults: it starts with a Latin hypercube and updates each point immediately, not per generation.
+    """
     found = differential_evolution(
-        lambda x: fun(x.T),
+        lambda x: float(fun(x[np.newaxis])[0]),
         bounds,
-        init=np.random.default_rng(seed).uniform(*np.transpose(bounds), (PARTICLES, len(bounds))),
+        init=scale(LatinHypercube(len(bounds), rng=seed).random(PARTICLES), *np.transpose(bounds)),
         maxiter=evaluations // PARTICLES - 1,
         tol=0.0,
         atol=0.0,
         polish=False,
         rng=seed,
-        vectorized=True,
-        updating="deferred",
+        updating="immediate",
     )
     assert found.nfev <= evaluations
     return float(found.fun)

@@ -19,7 +19,7 @@ struct PointMm {
 /// Largest coordinate of the exact arithmetic [mm]: 1000 km, so that every product fits 64 bits.
 constexpr std::int64_t kMaxCoordinateMm = 1'000'000'000;
 
-/// Returns a point [m] rounded to whole millimetres, halves away from zero.
+/// Returns a point [m] rounded to whole millimetres, halves (within 1e-6 mm, for rounding errors) away from zero.
 /// Throws std::invalid_argument, naming `place`, if a coordinate is not finite or beyond 1000 km.
 PointMm RoundToMm(const base::Point& point, std::string_view place);
 

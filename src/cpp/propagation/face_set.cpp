@@ -18,14 +18,22 @@ bool MovedPointIsLeft(std::int64_t dx, std::int64_t dy) { return dy < 0 || (dy =
 /// The same for a fixed point and a shifted line from p to q.
 bool PointIsLeftOfMoved(std::int64_t dx, std::int64_t dy) { return dy > 0 || (dy == 0 && dx < 0); }
 
+/// A coordinate this near to half a millimetre is half a millimetre [mm]: 8.0255 m is 8025.499999999999 mm in doubles.
+constexpr double kHalfTolerance = 1e-6;
+
+double WholeMm(double metres) {
+  const double mm = metres * 1000.0;
+  return std::round(mm + std::copysign(kHalfTolerance, mm));
+}
+
 /// About the number of faces of a wall and its neighbours: most boxes are far from most segments.
 constexpr std::size_t kFacesPerBox = 8;
 
 }  // namespace
 
 PointMm RoundToMm(const base::Point& point, std::string_view place) {
-  const double x = std::round(point.x * 1000.0);
-  const double y = std::round(point.y * 1000.0);
+  const double x = WholeMm(point.x);
+  const double y = WholeMm(point.y);
   const double limit = static_cast<double>(kMaxCoordinateMm);
   if (!(std::abs(x) <= limit && std::abs(y) <= limit)) {
     std::ostringstream message;

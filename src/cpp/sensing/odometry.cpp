@@ -18,6 +18,8 @@ struct StraightMotion {
 
 StraightMotion StraightMotionOf(const base::Pose& motion) {
   const double distance = std::sqrt(motion.x * motion.x + motion.y * motion.y);
+  // A turn on the spot has no heading: atan2(0, -0) would be pi.
+  if (distance == 0.0) return {0.0, 0.0};
   if (motion.x < 0.0) return {-distance, std::atan2(-motion.y, -motion.x)};
   return {distance, std::atan2(motion.y, motion.x)};
 }
@@ -65,7 +67,7 @@ void Odometry::StepOmni(const base::Pose& motion, const base::Twist& twist, cons
   const double turn_error = noise.first_turn * std::sqrt(turn_variance);
   const double along = noise.distance * std::sqrt(way_variance), aside = noise.second_turn * std::sqrt(way_variance);
   // The heading of the motion relative to its beginning and to the middle of the step, to which the twist refers.
-  const double heading = std::atan2(motion.y, motion.x), seen = heading - 0.5 * turn;
+  const double heading = distance2 > 0.0 ? std::atan2(motion.y, motion.x) : 0.0, seen = heading - 0.5 * turn;
   const double course = pose_.yaw + heading, cos = std::cos(course), sin = std::sin(course);
   const double distance = std::sqrt(distance2) + along;
   const double x = distance * cos - aside * sin, y = distance * sin + aside * cos;

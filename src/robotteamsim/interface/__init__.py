@@ -1,10 +1,20 @@
 """The inputs and outputs of a controller: observation, messages, task, decision."""
 
 from robotteamsim.interface.controller import Controller
-from robotteamsim.interface.decision import OUTSIDE, Decision
+from robotteamsim.interface.decision import OUTSIDE, Decision, SwarmContext
 from robotteamsim.interface.discovery import Discovery
 from robotteamsim.interface.observation import Observation
 from robotteamsim.interface.task import Task
 from robotteamsim.network.messages import EVERYBODY, Message
 
-__all__ = ["EVERYBODY", "OUTSIDE", "Controller", "Decision", "Discovery", "Message", "Observation", "Task"]
+__all__ = [
+    "EVERYBODY",
+    "OUTSIDE",
+    "Controller",
+    "Decision",
+    "Discovery",
+    "Message",
+    "Observation",
+    "SwarmContext",
+    "Task",
+]

@@ -9,6 +9,26 @@ OUTSIDE = -1
 """`Decision.swarm` of a robot that is socially excluded."""
 
 
+class SwarmContext(msgspec.Struct, frozen=True, gc=False):
+    """The context that a robot measured, and the coefficients that follow from it [dissertation, 5.2.2].
+
+    activity: A_s (28).  socialisation: S_n (29).  avoidance: O_n (30).  proximity: P_n (31, 32).
+    connectivity: C_s (34); all within [0, 1].
+    alpha, c1, c2, c3, c4: coefficients of (22) and (25), with c1 + c2 + c3 + c4 = 2 (26).
+    """
+
+    activity: float
+    socialisation: float
+    avoidance: float
+    proximity: float
+    connectivity: float
+    alpha: float
+    c1: float
+    c2: float
+    c3: float
+    c4: float
+
+
 class Decision(msgspec.Struct, frozen=True, gc=False):
     """The complete output of one controller in one step.
 
@@ -19,6 +39,7 @@ class Decision(msgspec.Struct, frozen=True, gc=False):
     local_best:   value of its local best (larger is better), for display.
     search_counter: SC of its swarm, for display.
     swarm:        number of its swarm; OUTSIDE if excluded, 0 if there are no swarms.
+    context:      its measured context and adapted coefficients; None without adaptation.
     fault:        one line: why its controller was stopped; "" if it is running. A stopped robot stands still.
     """
 
@@ -30,3 +51,4 @@ class Decision(msgspec.Struct, frozen=True, gc=False):
     search_counter: int = 0
     swarm: int = 0
     fault: str = ""
+    context: SwarmContext | None = None

@@ -14,6 +14,7 @@ from robotteamsim.interface import Decision, Discovery, Task
 from robotteamsim.mission.base_station import BaseStation
 from robotteamsim.mission.status import END_TEXTS, Event, MissionEnd, MissionState, MissionStatus, VictimState
 from robotteamsim.mission.team_monitor import TeamMonitor
+from robotteamsim.network.graph import newly_endangered
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import Upcoming
@@ -66,7 +67,7 @@ class Mission:
         """Loudest places that have been processed since the victims last changed."""
         self._epoch = 0
         self._endangered_links = 0
-        self._endangered: np.ndarray | None = None
+        self._network: NetworkState | None = None
         self._team = TeamMonitor(scenario.mission.base)
         present = np.array(scenario.present_at_start, dtype=bool)
         self._num_robots = len(present)
@@ -181,8 +182,7 @@ class Mission:
             self._judge_places(positions_m)
             if self._base.undelivered:
                 self._judge_deliveries(base_inbox)
-            if network.endangered is not self._endangered:
-                self._judge_links(network)
+            self._judge_links(network)
             if network.traffic.refused:
                 self._judge_messages(network.traffic)
             for change in self._team.changes(decisions, present):
@@ -283,14 +283,17 @@ class Mission:
             )
 
     def _judge_links(self, network: NetworkState) -> None:
-        before, self._endangered = self._endangered, network.endangered
-        if not network.endangered.any():
+        before, self._network = self._network, network
+        if before and network.endangered is before.endangered and network.adjacency is before.adjacency:
             return
-        fresh = network.endangered if before is None else network.endangered & ~before
-        for i, j in np.argwhere(np.triu(fresh, 1)).tolist():
+        states = [before, network] if before else [network]
+        adjacency = np.stack([state.adjacency for state in states])
+        endangered = np.stack([state.endangered for state in states])
+        hops = np.stack([state.hop_count for state in states])
+        for i, j in np.argwhere(np.triu(newly_endangered(adjacency, endangered, hops)[-1], 1)).tolist():
             self._endangered_links += 1
-            level = f"{network.rssi_dbm[i, j]:.1f} dBm"
-            self._add_event("link_endangered", f"{i}-{j}", NOBODY, f"link {i}-{j} is endangered at {level}")
+            what = f"is {'endangered' if network.adjacency[i, j] else 'lost'} at {network.rssi_dbm[i, j]:.1f} dBm"
+            self._add_event("link_endangered", f"{i}-{j}", NOBODY, f"link {i}-{j} {what}")
 
     def _judge_messages(self, traffic: Traffic) -> None:
         for refusal in traffic.refused:

@@ -66,7 +66,7 @@ class MissionStatus(msgspec.Struct, frozen=True, gc=False):
 
     victims: state of each, in the scenario's order.  explored: whether each area is, in the scenario's order.
     target_area: index of the area to explore; -1 if none is left.
-    endangered_links: how often a link became endangered so far.
+    endangered_links: how often a link fell below the endangered threshold so far, lost or not.
     delivered: the discoveries delivered to the base; None if there is no base.
     """
 

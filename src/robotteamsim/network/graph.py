@@ -49,6 +49,24 @@ def fiedler_value(adjacency: np.ndarray) -> float:
     return _core.network.fiedler_value(_matrix(adjacency))
 
 
+def newly_endangered(adjacency: np.ndarray, endangered: np.ndarray, hops: np.ndarray) -> np.ndarray:
+    """Return the links that become endangered in each step.
+
+    These are links at or above the endangered threshold that are below it, or lost, in the next step. Links that are
+    endangered in the first step, or when a robot arrives, also count. A robot that leaves endangers no link.
+
+    Args:    adjacency, endangered: bool, shape (steps, n, n), symmetric.
+             hops: int32, shape (steps, n, n), from `NetworkState`: -1 on the diagonal for absent robots.
+    Returns: bool, shape (steps, n, n), symmetric.
+    """
+    is_there = np.diagonal(hops, axis1=1, axis2=2) >= 0
+    both = is_there[:, :, np.newaxis] & is_there[:, np.newaxis, :]
+    safe = adjacency & ~endangered
+    begun = endangered.copy()
+    begun[1:] = np.where(both[:-1], safe[:-1] & ~safe[1:], endangered[1:])
+    return np.asarray(begun & both)
+
+
 def _matrix(adjacency: np.ndarray) -> np.ndarray:
     adjacency = np.asarray(adjacency, dtype=bool)
     if adjacency.ndim != 2:

@@ -9,6 +9,7 @@ import shapely
 
 from robotteamsim import _core
 from robotteamsim.errors import ScenarioError
+from robotteamsim.propagation.crossings import round_outwards
 from robotteamsim.scenario.floor_plan import Block, Door, FloorPlan, Wall
 from robotteamsim.scenario.plan import Solid, solids
 from robotteamsim.scenario.sections import Radio
@@ -22,6 +23,9 @@ _CLASS_LIMITS_MM = (200, 400, 600)
 
 _NO_FACE = -1
 """Weight of a solid that does not attenuate."""
+
+_HALF_TOLERANCE = 1e-6
+"""A number this near to a half is a half: 8.0255 m is 8025.499999999999 mm in doubles."""
 
 _SAME_OUTLINE_MM = 5.0
 """Outlines within this distance count as one. Rounding in the union moves a face by 0.7 mm, possibly several times."""
@@ -59,9 +63,10 @@ def radio_faces(plan: FloorPlan, radio: Radio) -> Faces:
     """Return the faces that attenuate radio, in units of 0.05 dB [dissertation, eq. 4 and Table 3].
 
     A wall costs the loss of its class at any angle, half where a ray enters and half where it leaves. The class follows
-    from the thickness of a wall, or from the smaller width of a block or pillar without a thickness, in whole mm; over
-    80 cm it is ]60,80]. A material replaces the class. Outlines inside the union of all solids are not faces. Where the
-    outlines of several solids coincide, or run within 5 mm of each other, the highest loss counts.
+    from the thickness of a wall, or from the least width (over all directions) of a block or pillar without a
+    thickness, in whole mm; over 80 cm it is ]60,80]. A material replaces the class. Outlines inside the union of all
+    solids are not faces. Where the outlines of several solids coincide, or run within 5 mm of each other, the highest
+    loss counts.
 
     Raises: ScenarioError: a material is not in `radio.materials`.
     """
@@ -101,33 +106,36 @@ def _faces(plan: FloorPlan, weights: tuple[int, ...], door_weights: tuple[int, .
     fading = [(solid, weight) for solid, weight in zip(_static_solids(plan), weights, strict=True) if weight >= 0]
     ends_mm, face_weights = _union_faces([solid.polygon for solid, _ in fading], [weight for _, weight in fading])
     door_ends_mm = np.array([(*door.start, *door.end) for door in plan.doors]).reshape(-1, 4) * MM_PER_M
-    all_ends_mm = np.vstack([ends_mm, np.rint(door_ends_mm).astype(np.int64)])
+    all_ends_mm = np.vstack([ends_mm, _whole(door_ends_mm).astype(np.int64)])
     all_weights = np.concatenate([face_weights, np.array(door_weights, dtype=np.int32)])
     all_ends_mm.flags.writeable = all_weights.flags.writeable = False
     return Faces(all_ends_mm, all_weights, {door.name: door.closed for door in plan.doors})
 
 
 def _union_faces(polygons: Sequence[shapely.Polygon], weights: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Return ends [mm] and weights of the outline of the polygons' union; crossings are rounded to whole mm."""
-    in_mm = shapely.transform(np.array(polygons, dtype=object), lambda points_m: points_m * MM_PER_M)
+    """Return ends [mm] and weights of the outline of the polygons' union, its crossings rounded outwards."""
+    in_mm = shapely.transform(np.array(polygons, dtype=object), lambda points_m: _whole(points_m * MM_PER_M))
     snapped = shapely.set_precision(in_mm, 1.0)
-    ends_mm, _ = _edges(shapely.union_all(snapped, grid_size=1.0))
-    solid_edges_mm, solid_of_edge = _edges(snapped)
+    united = shapely.orient_polygons(shapely.union_all(snapped, grid_size=1.0))
+    ends_mm, ring, _ = _edges(united)
+    solid_edges_mm, _, solid_of_edge = _edges(snapped)
     near = _pairs_near(ends_mm[:, :2], solid_edges_mm) & _pairs_near(ends_mm[:, 2:], solid_edges_mm)
     face_weights = np.full(len(ends_mm), -1, dtype=np.int32)
     for face, edge in sorted(near):
         face_weights[face] = max(face_weights[face], weights[solid_of_edge[edge]])
     assert np.all(face_weights >= 0), "every face of a union lies on an edge of one of its parts"
-    return ends_mm, face_weights
+    ends_mm = round_outwards(ends_mm, ring, solid_edges_mm)
+    has_length = np.any(ends_mm[:, :2] != ends_mm[:, 2:], axis=1)
+    return ends_mm[has_length], face_weights[has_length]
 
 
-def _edges(geometry: shapely.Geometry | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the edges of polygons (int64, shape (n, 4) [mm]) and the index of the geometry of each edge."""
+def _edges(geometry: shapely.Geometry | np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the edges of polygons (int64, shape (n, 4) [mm]), and the indices of ring and geometry of each."""
     rings, geometry_of_ring = shapely.get_parts(shapely.boundary(geometry), return_index=True)
     points, ring = shapely.get_coordinates(rings, return_index=True)
     points_mm = np.rint(points).astype(np.int64)
     joined = np.flatnonzero(ring[:-1] == ring[1:])
-    return np.hstack([points_mm[joined], points_mm[joined + 1]]), geometry_of_ring[ring[joined]]
+    return np.hstack([points_mm[joined], points_mm[joined + 1]]), ring[joined], geometry_of_ring[ring[joined]]
 
 
 def _pairs_near(points_mm: np.ndarray, edges_mm: np.ndarray) -> set[tuple[int, int]]:
@@ -155,8 +163,13 @@ def _thickness_mm(element: Wall | Block | Door) -> int:
     thickness_m = element.thickness_m
     if thickness_m is None:
         assert isinstance(element, Block)
-        thickness_m = _smaller_width_m(element.polygon)
-    return round(thickness_m * MM_PER_M)
+        thickness_m = _least_width_m(element.polygon)
+    return int(_whole(thickness_m * MM_PER_M))
+
+
+def _whole(values: np.ndarray | float) -> np.ndarray:
+    """Return whole numbers: halves, within 1e-6 for rounding errors, go away from zero, as in the C++ core."""
+    return np.asarray(np.trunc(values + np.copysign(0.5 + _HALF_TOLERANCE, values)))
 
 
 def _units(loss_db: float) -> int:
@@ -165,7 +178,5 @@ def _units(loss_db: float) -> int:
 
 # Cached for the next trial: the pillars of the garage take 2 ms.
 @functools.lru_cache(maxsize=4096)
-def _smaller_width_m(polygon: tuple[tuple[float, float], ...]) -> float:
-    rectangle = shapely.minimum_rotated_rectangle(shapely.Polygon(polygon))
-    corners_m = shapely.get_coordinates(rectangle)
-    return float(np.min(np.hypot(*np.diff(corners_m[:3], axis=0).T)))
+def _least_width_m(polygon: tuple[tuple[float, float], ...]) -> float:
+    return float(shapely.minimum_width(shapely.Polygon(polygon)).length)

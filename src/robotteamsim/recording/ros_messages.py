@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
-from robotteamsim.interface import Decision, Discovery
+from robotteamsim.interface import Decision, Discovery, SwarmContext
 from robotteamsim.mission.status import DeliveredDiscoveries, Event, MissionStatus, VictimState
 from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.propagation import FieldMap
@@ -279,8 +279,14 @@ def controller_status(make: Make, time_ns: int, robot_id: int, decision: Decisio
         goal=point(make, decision.goal_m or (0.0, 0.0)),
         local_best=float(decision.local_best),
         search_counter=int(decision.search_counter),
+        context=[] if decision.context is None else [swarm_context(make, decision.context)],
         fault=decision.fault,
     )
+
+
+def swarm_context(make: Make, context: SwarmContext) -> Any:
+    """robotteamsim/SwarmContext."""
+    return make("robotteamsim/SwarmContext", **msgspec.structs.asdict(context))
 
 
 def mission_status(make: Make, time_ns: int, scenario_name: str, status: MissionStatus, noise_db: float) -> Any:

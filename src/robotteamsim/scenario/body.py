@@ -67,6 +67,6 @@ def check_footprint(key: str, corners: Corners) -> None:
     reach_m = max(math.hypot(x, y) for x, y in ring)
     if reach_m > MAX_REACH_M:
         raise wrong(key, f"reaches {reach_m:g} m from base_link; expected at most {MAX_REACH_M:g}")
-    width_m = shapely.minimum_rotated_rectangle(shapely.Polygon(ring)).minimum_clearance
+    width_m = shapely.minimum_width(shapely.Polygon(ring)).length
     if width_m < MIN_WIDTH_M:
         raise wrong(key, f"is {width_m:g} m wide; expected at least {MIN_WIDTH_M:g}")

@@ -140,6 +140,10 @@ class CoverTuning(Model):
 class LinkTuning(Model):
     """How the communication term of eq. (22) keeps links."""
 
+    gated: bool = Field(
+        default=True,
+        description="the term acts only while a link is endangered; false: always, with c4, as in the printed eq. (22)",
+    )
     endangered_fraction: float = Field(
         default=0.8,
         gt=0.0,

@@ -79,10 +79,10 @@ class Block(Model):
         default=None,
         gt=0.0,
         le=MAX_SIDE_M,
-        description="determines the loss class (Table 3); default: the smaller width [m]",
+        description="determines the loss class (Table 3); default: the least width [m]",
     )
     height_m: float = Field(default=2.6, gt=0.0, le=20.0, description="for 3D views [m]")
-    material: str | None = Field(default=None, description="key in radio.materials; default: loss by the smaller width")
+    material: str | None = Field(default=None, description="key in radio.materials; default: loss by the least width")
 
     @model_validator(mode="after")
     def _check(self) -> Block:

@@ -250,6 +250,9 @@ class Swarms(Model):
         return self
 
 
+_WITHOUT_ADAPTATION = ("pso", "rpso", "dpso", "greedy", "random_walk", "sebs", "cover")
+
+
 class Control(Model):
     """The controller of each robot: RDPSO [dissertation, eq. 22, 24, 25] with a go-to-point navigator, or another."""
 
@@ -263,7 +266,17 @@ class Control(Model):
     )
     alpha: float = Field(default=0.38, ge=0.0, le=1.0, description="fractional order")
     memory_terms: int = Field(default=4, ge=1, le=20, description="r: truncation; at most 4 with `published`")
-    inertia: float = Field(default=0.6, ge=0.0, le=1.0, description="w of `pso` and `rpso`, instead of the memory")
+    adaptation: Literal["none", "crisp", "fuzzy"] = Field(
+        default="none",
+        description="alpha and c1 to c4 follow the context by the rules of 5.2.2, with crisp or fuzzy memberships",
+    )
+    memory_of: Literal["motion", "commands"] = Field(
+        default="motion",
+        description="velocities in the memory: those that the robot really had, or (as printed) those that it chose",
+    )
+    inertia: float = Field(
+        default=0.6, ge=0.0, le=1.0, description="w of `pso`, `rpso` and `dpso`, instead of the memory"
+    )
     c1: float = Field(default=0.08, ge=0.0, le=2.0, description="cognitive weight")
     c2: float = Field(default=0.11, ge=0.0, le=2.0, description="social weight")
     c3: float = Field(default=0.29, ge=0.0, le=2.0, description="obstacle weight")
@@ -300,6 +313,10 @@ class Control(Model):
         le=10_000.0,
         description="bests with a longer path attract in a straight line [m]",
     )
+    rule_out_places: bool = Field(
+        default=True,
+        description="voices at places where no victim can be are neither local nor global bests; false: all count",
+    )
     sensing_radius_m: float = Field(default=1.0, gt=0.0, le=50.0, description="r_s of the obstacle term [m]")
     navigation: Literal["path", "straight"] = Field(
         default="path", description="distances and directions along free paths of the known map, or in a straight line"
@@ -320,6 +337,10 @@ class Control(Model):
     def _check(self) -> Control:
         if self.memory == "published" and self.memory_terms > 4:
             raise wrong("memory_terms", f"{self.memory_terms} is above 4, the length of the published memory")
+        if self.adaptation != "none" and self.algorithm in _WITHOUT_ADAPTATION:
+            raise wrong(
+                "adaptation", f"'{self.adaptation}' has no effect on algorithm '{self.algorithm}'; expected rdpso"
+            )
         if self.swarms.max > 1 and self.swarms.new_robots > self.exclusion.max_robots:
             new, most = self.swarms.new_robots, self.exclusion.max_robots
             raise wrong("swarms.new_robots", f"{new} is above exclusion.max_robots, {most}")

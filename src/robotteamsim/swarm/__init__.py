@@ -3,13 +3,14 @@
 Equation numbers are those of the dissertation.
 """
 
-from robotteamsim.swarm.adaptation import Levels
+from robotteamsim.swarm.adaptation import EXACT_LEVELS, PUBLISHED_LEVELS, Context, Levels, adapted_coefficients
 from robotteamsim.swarm.attractors import communication_attractor, communication_weight, obstacle_attractor
 from robotteamsim.swarm.exclusion import (
     ExclusionRules,
     SwarmState,
     Verdict,
     judge,
+    natural_selection,
     punished_search_counter,
     spawn_chance,
 )
@@ -43,8 +44,11 @@ from robotteamsim.swarm.velocity import (
 )
 
 __all__ = [
+    "EXACT_LEVELS",
+    "PUBLISHED_LEVELS",
     "Attractors",
     "CommunicationTerm",
+    "Context",
     "DpsoOptions",
     "ExclusionRules",
     "Levels",
@@ -58,6 +62,7 @@ __all__ = [
     "Vector",
     "Verdict",
     "Weights",
+    "adapted_coefficients",
     "communication_attractor",
     "communication_weight",
     "judge",
@@ -66,6 +71,7 @@ __all__ = [
     "memory_coefficients",
     "memory_term",
     "minimise",
+    "natural_selection",
     "next_position",
     "next_velocity",
     "obstacle_attractor",

@@ -83,6 +83,26 @@ def punish(state: SwarmState, members: Mapping[int, float], rules: ExclusionRule
     return Verdict(SwarmState(search_counter, num_killed), leaves=(worst,))
 
 
+def natural_selection(
+    state: SwarmState,
+    improved: bool,
+    members: Mapping[int, float],
+    excluded: Mapping[int, float],
+    rules: ExclusionRules,
+) -> Verdict:
+    """Return what an iteration does to a swarm of a DPSO whose particles are robots [5.1.2].
+
+    Improved: SC and N_kill restart at 0, and the best excluded robot is included if there is room. Not improved: as
+    `punish`.
+    """
+    if not members:
+        return Verdict(state)
+    if not improved:
+        return punish(state, members, rules)
+    joins = (_best(excluded),) if excluded and len(members) < rules.max_robots else ()
+    return Verdict(SwarmState(), joins=joins)
+
+
 def _rewarded(
     state: SwarmState,
     members: Mapping[int, float],
@@ -94,8 +114,12 @@ def _rewarded(
     has_room = bool(excluded) and len(members) < rules.max_robots
     if search_counter > 0 or not has_room or uniform() * (num_killed + 1) >= 1.0:
         return Verdict(SwarmState(search_counter, num_killed))
-    best = max(excluded, key=lambda robot_id: (excluded[robot_id], -robot_id))
-    return Verdict(SwarmState(0, max(0, num_killed - 1)), joins=(best,))
+    return Verdict(SwarmState(0, max(0, num_killed - 1)), joins=(_best(excluded),))
+
+
+def _best(values: Mapping[int, float]) -> int:
+    """Return the robot with the largest value, among equals that with the lowest id."""
+    return max(values, key=lambda robot_id: (values[robot_id], -robot_id))
 
 
 def spawn_chance(fraction: float, num_swarms: int) -> float:

@@ -35,6 +35,17 @@ FaceSet LatticeTriangles(std::mt19937* generator) {
   return FaceSet(ends, weights);
 }
 
+TEST(RoundToMm, TakesTheNearestHalfForAHalfWhateverItsBits) {
+  // In doubles, 8.0255 * 1000 is below and 8.0265 * 1000 exactly a half.
+  for (int mm = 0; mm < 20000; ++mm) {
+    const double half = (mm + 0.5) / 1000.0;
+    const PointMm point = RoundToMm({half, -half}, "point");
+    ASSERT_EQ(point.x, mm + 1);
+    ASSERT_EQ(point.y, -mm - 1);
+    ASSERT_EQ(RoundToMm({half - 1e-8, 0.0}, "point").x, mm);
+  }
+}
+
 TEST(RoundToMm, RoundsHalvesAwayFromZero) {
   const PointMm point = RoundToMm({0.0005, -1.2345}, "point");
   EXPECT_EQ(point.x, 1);

@@ -44,6 +44,15 @@ def busy(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
 
 
 @pytest.fixture(scope="session")
+def adapted(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+    """Two robots that adapt their coefficients drive for 20 s."""
+    path, events = tmp_path_factory.mktemp("adapted") / "adapted.bag", EventList()
+    settings = ["robots.count=2", "control.adaptation=fuzzy", "mission.time_limit_s=20"]
+    result = Simulation(load("garage_sar", settings)).run([BagWriter(path), events])
+    return Recorded(path, result, events.events)
+
+
+@pytest.fixture(scope="session")
 def comes_again(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     """Of four robots one leaves after 5 s and comes elsewhere after 8 s; the last one is not there for 10 s; 12 s."""
     path, events = tmp_path_factory.mktemp("comes") / "comes.bag", EventList()

@@ -136,6 +136,21 @@ def test_document_contains_totals_and_events_and_null_for_missing_values(busy, r
     assert bag["robots"][2]["distance_m"] == busy.result.robots[2].distance_m
 
 
+def test_context_and_coefficients_of_robots_that_adapt_are_in_totals_and_tables(adapted, run, tmp_path):
+    recorded = read_run([adapted.bag])
+    totals_of_run = run_totals(recorded)
+    write_tables(tmp_path, [recorded], [totals_of_run])
+    with (tmp_path / "contexts.csv").open(newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["robot"] == "robot_1"]
+    assert len(rows) > 150
+    assert all(sum(float(row[c]) for c in ("c1", "c2", "c3", "c4")) == pytest.approx(2.0) for row in rows)
+    means = totals_of_run.robots[1].context
+    assert means["alpha"] == pytest.approx(np.mean([float(row["alpha"]) for row in rows]))
+    (bag,) = json.loads(json.dumps(document([recorded], [totals_of_run])))["bags"]
+    assert bag["robots"][1]["context"] == means
+    assert [robot.context for robot in run_totals(run).robots] == [None] * 5
+
+
 def test_tables_contain_every_value_over_time(busy, run, tmp_path):
     def rows(name):
         with (tmp_path / f"{name}.csv").open(newline="") as file:

@@ -82,6 +82,16 @@ def test_rpso_is_pso_with_the_obstacle_term(hall_scenario):
     assert not rpso._membership._enabled
 
 
+def test_dpso_moves_by_pso_and_excludes(team, hall_scenario):
+    dpso = make_controller(0, hall_scenario(control=of("dpso", c3=0.3, c4=0.4, inertia=0.5)))
+    assert dpso._momentum.coefficients == (0.5,)
+    assert dpso._weights == (0.08, 0.11, 0.0, 0.0)
+    mission = Mission(areas=(Area(name="here", center=(3.5, 5.0)),))
+    hall = team(hall_scenario(mission=mission, control=of("dpso")))
+    hall.run(40.0)
+    assert all(decision.excluded for decision in hall.decisions)
+
+
 def test_rpso_without_obstacle_weight_drives_as_pso(team, hall_scenario):
     def poses(algorithm: str) -> list:
         hall = team(hall_scenario(control=of(algorithm, c3=0.0)))

@@ -11,7 +11,7 @@ import pytest
 from robotteamsim.control import Guard
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Twist
-from robotteamsim.interface import Decision, Task
+from robotteamsim.interface import Decision, SwarmContext, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 
 FORWARD = Decision(Twist(0.5))
@@ -57,6 +57,8 @@ def test_decisions_of_a_sound_controller_pass_unchanged():
         (Decision(Twist(math.nan)), "decide returned Twist(linear_x_mps=nan, "),
         (Decision(Twist(0.0, 0.0, math.inf)), "decide returned Twist(linear_x_mps=0.0, "),
         (Decision(Twist("fast")), "decide returned Twist(linear_x_mps='fast', "),
+        (Decision(context=(0.5,) * 10), "decide returned the context (0.5, 0.5, 0.5, "),
+        (Decision(context=SwarmContext(*[math.nan] * 10)), "decide returned the context SwarmContext(activity=nan, "),
         (Decision((0.5, 0.0, 0.0)), "decide returned (0.5, 0.0, 0.0); expected a Twist of finite numbers"),
         (None, "decide returned None; expected a Decision"),
         (Decision(goal_m=(math.nan, 0.0)), "decide returned the goal (nan, 0.0); expected finite (x, y), or None"),

@@ -10,6 +10,7 @@ import pytest
 
 from robotteamsim.control.rdpso.communication import LinkKeeper, strongest_tree
 from robotteamsim.control.rdpso.ruled_out import RuledOut
+from robotteamsim.scenario.control_tuning import LinkTuning
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Control, Network
@@ -35,6 +36,15 @@ def test_endangered_link_pulls_towards_the_neighbour_and_no_nearer_than_safe(hal
     assert (50.0 - x, y) == pytest.approx((25.4, 50.0), abs=0.1)
     # -84.6 dBm at 40 m: a third of the way from -80 to -94 dBm.
     assert weight == pytest.approx(0.4 * 0.327, abs=0.002)
+
+
+def test_link_without_the_gate_pulls_with_its_whole_weight_and_drives_near_robots_apart(hall_scenario):
+    control = Control(c4=0.4, communication=LinkTuning(gated=False))
+    scenario = field_scenario(hall_scenario).model_copy(update={"control": control})
+    # As eq. (22) is printed: from the neighbour 1 m away, 25.4 m in the direction of the robot.
+    (x, y), weight = LinkKeeper(scenario).pull(HERE, {1: (11.0, 50.0)}, {})
+    assert weight == 0.4
+    assert (x, y) == pytest.approx((11.0 - 25.4, 50.0), abs=0.1)
 
 
 def test_wall_endangers_a_shorter_link_and_still_pulls_together(hall_scenario):
@@ -96,6 +106,12 @@ def test_silence_rules_out_everything_around(ruled_out):
     ruled_out.add((5.0, 5.0), None)
     assert ruled_out.covers((6.4, 5.0))
     assert not ruled_out.covers((6.6, 5.0))
+
+
+def test_nothing_is_ruled_out_where_that_is_switched_off(hall_scenario):
+    printed = RuledOut(hall_scenario(control=Control(rule_out_places=False)))
+    printed.add((5.0, 5.0), None)
+    assert not printed.covers((5.0, 5.0))
 
 
 def test_new_voice_map_rules_out_nothing(ruled_out):

@@ -9,6 +9,7 @@ import pytest
 
 from robotteamsim.control.rdpso.common_view import CommonView
 from robotteamsim.control.rdpso.membership import Membership
+from robotteamsim.control.rdpso.natural_selection import DpsoMembership
 from robotteamsim.control.rdpso.update import Best, RdpsoUpdate
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.mission.team_monitor import TeamMonitor
@@ -27,10 +28,10 @@ def control(min_robots: int = 0, max_robots: int = 5, sc_max: int = 3, **swarms:
 def members(hall_scenario):
     """Make the memberships of six robots."""
 
-    def make(settings: Control, seed: int = 1) -> list[Membership]:
+    def make(settings: Control, seed: int = 1, rules: type[Membership] = Membership) -> list[Membership]:
         robots = tuple(PlacedRobot(start_pose=(3.0 + i, 5.0, 0.0)) for i in range(NUM))
         scenario = hall_scenario(seed=seed, robots=robots, control=settings)
-        return [Membership(i, scenario) for i in range(NUM)]
+        return [rules(i, scenario) for i in range(NUM)]
 
     return make
 
@@ -145,6 +146,28 @@ def test_those_who_hear_the_same_agree_and_those_who_hear_less_go_on_by_themselv
         iterate(split, iteration, {1}, heard=(0, 1, 3, 4))
     # Nobody told robot 2 that swarm 0 had no success; robot 1 is the worst of those that were heard.
     assert ids(split) == [0, OUTSIDE, 0, 1, 1, 1]
+
+
+def test_child_of_a_dpso_has_robots_of_its_parent_and_its_mate_with_the_chance_of_eq_13(members):
+    founded = 0
+    for seed in range(200):
+        team = members(control(max=3), seed, DpsoMembership)
+        iterate(team, 0, improved={0, 1})
+        child = [i for i, swarm_id in enumerate(ids(team)) if swarm_id == 2]
+        assert not child or (len(child) == 2 and child[0] < 3 <= child[1])
+        founded += bool(child)
+    # Each of the two swarms asks with the chance f / 2, f with the mean 1/2: 1 - 3/4 * 3/4.
+    assert founded == pytest.approx(0.4375 * 200, abs=25)
+
+
+def test_dpso_spawns_nothing_after_a_deletion_and_no_more_swarms_than_allowed(members):
+    for seed in range(20):
+        team = members(control(sc_max=1, max=3), seed, DpsoMembership)
+        iterate(team, 0, improved=set())
+        assert ids(team) == [0, 0, OUTSIDE, 1, 1, OUTSIDE]
+        team = members(control(max=2), seed, DpsoMembership)
+        iterate(team, 0, improved={0})
+        assert ids(team) == [0, 0, 0, 1, 1, 1]
 
 
 def test_nobody_moves_without_exclusion(members):

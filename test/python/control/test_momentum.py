@@ -17,6 +17,16 @@ def test_way_of_the_last_iterations_counts_by_their_weights():
     assert momentum.term() == (2.0, 4.0), "older than the weights"
 
 
+def test_memory_of_commands_is_that_of_the_chosen_velocities_wherever_the_robot_is():
+    momentum = Momentum((0.5, 0.25), "commands")
+    for _ in range(3):
+        momentum.note((1.0, 1.0))  # blocked
+        momentum.note_command((2.0, -4.0))
+    assert momentum.term() == (1.5, -3.0)
+    momentum.forget()
+    assert momentum.term() == (0.0, 0.0)
+
+
 def test_robot_that_forgets_begins_at_rest():
     momentum = Momentum((0.5,))
     momentum.note((1.0, 1.0))

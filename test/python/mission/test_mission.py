@@ -22,15 +22,22 @@ ANN_M, BOB_M = (9.0, 4.0), (12.0, 7.0)
 SILENCE = VoiceReading(0.0, False, FAR_M, 0.0)
 
 
-def network(num_robots: int, endangered: Sequence[tuple[int, int]] = (), rssi_dbm: float = -81.26) -> NetworkState:
+def pairs(num_robots: int, links: Sequence[tuple[int, int]]) -> np.ndarray:
+    matrix = np.zeros((num_robots, num_robots), dtype=bool)
+    for i, j in links:
+        matrix[i, j] = matrix[j, i] = True
+    return matrix
+
+
+def network(
+    num_robots: int, endangered: Sequence[tuple[int, int]] = (), lost: Sequence[tuple[int, int]] = ()
+) -> NetworkState:
     zeros = np.zeros((num_robots, num_robots))
-    weak = np.zeros((num_robots, num_robots), dtype=bool)
-    for i, j in endangered:
-        weak[i, j] = weak[j, i] = True
+    weak, absent = pairs(num_robots, endangered), pairs(num_robots, lost)
     return NetworkState(
-        rssi_dbm=np.where(weak, rssi_dbm, -50.0),
+        rssi_dbm=np.select([weak, absent], [-81.26, -97.04], -50.0),
         link=zeros,
-        adjacency=np.ones((num_robots, num_robots), dtype=bool),
+        adjacency=~absent,
         hop_count=np.ones((num_robots, num_robots), dtype=np.int32),
         break_matrix=zeros,
         fiedler_value=float(num_robots),
@@ -44,14 +51,14 @@ class Course:
     def __init__(self, mission: Mission, num_robots: int = 2) -> None:
         self.mission, self.num_robots, self.sim_time_ns = mission, num_robots, 0
 
-    def step(self, positions=(), voices=(), endangered=(), excluded=(), present=None):
+    def step(self, positions=(), voices=(), endangered=(), excluded=(), present=None, lost=()):
         self.sim_time_ns += STEP_NS
         n = self.num_robots
         return self.mission.step(
             self.sim_time_ns,
             np.array((list(positions) + [FAR_M] * n)[:n]),
             (list(voices) + [SILENCE] * n)[:n],
-            network(n, endangered),
+            network(n, endangered, lost),
             [Decision(excluded=i in excluded) for i in range(n)],
             present=None if present is None else np.array(present),
         )
@@ -227,6 +234,21 @@ def test_endangered_links_are_counted_each_time_they_become_endangered(course):
     course.step()
     assert course.kinds(endangered=[(0, 1)]) == ["link_endangered"]
     assert course.mission.status.endangered_links == 2
+
+
+def test_link_that_is_lost_at_once_counts_as_endangered_and_its_return_does_not(course):
+    course.step()
+    (event,) = course.step(lost=[(0, 1)])
+    assert (event.kind, event.detail) == ("link_endangered", "link 0-1 is lost at -97.0 dBm")
+    assert course.kinds(lost=[(0, 1)]) == course.kinds(endangered=[(0, 1)]) == course.kinds() == []
+    assert course.kinds(endangered=[(0, 1)]) == ["link_endangered"]
+    assert course.kinds(lost=[(0, 1)]) == []
+    assert course.mission.status.endangered_links == 2
+
+
+def test_link_that_never_was_good_is_not_endangered_when_it_is_lost(course):
+    assert course.kinds(lost=[(0, 1)]) == ["start"]
+    assert course.mission.status.endangered_links == 0
 
 
 def test_exclusion_and_inclusion_are_events(course):

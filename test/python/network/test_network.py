@@ -8,7 +8,7 @@ import pytest
 from recurrence import connectivity_matrix
 
 from robotteamsim import rng
-from robotteamsim.network import Network
+from robotteamsim.network import Network, newly_endangered
 from robotteamsim.network.messages import EVERYBODY, Batch, Inbox, Message, batch_of
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
@@ -59,6 +59,18 @@ def test_endangered_links_are_the_same_object_until_one_comes_or_goes():
     gone, _ = network.step(weak * [0.1, 1.0], _SILENT)
     assert not gone.endangered.any()
     assert first.endangered.any()
+
+
+def test_link_becomes_endangered_when_it_falls_below_the_threshold_lost_or_not():
+    # Signal of link 0-1 from step to step: weak, good, weak, lost, weak, good, lost, robot 1 leaves, comes back weak.
+    levels = ["weak", "good", "weak", "lost", "weak", "good", "lost", "gone", "weak", "good", "gone"]
+    pair = np.array([[False, True], [True, False]])
+    adjacency = np.array([pair & (level in ("weak", "good")) for level in levels])
+    endangered = np.array([pair & (level == "weak") for level in levels])
+    hops = np.array([np.diag([0, -1 if level == "gone" else 0]) for level in levels])
+    found = newly_endangered(adjacency, endangered, hops)
+    assert np.flatnonzero(found[:, 0, 1]).tolist() == [0, 2, 6, 8]
+    assert np.array_equal(found, found.transpose(0, 2, 1))
 
 
 def test_lost_link_is_not_endangered():

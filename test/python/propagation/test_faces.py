@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.propagation.faces import Faces, radio_faces, voice_faces
+from robotteamsim.propagation.faces import Faces, radio_faces, thickness_faces, voice_faces
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.plan import solids
 from robotteamsim.scenario.sections import Radio
@@ -58,9 +58,31 @@ def test_class_of_a_wall_is_its_thickness_in_whole_millimetres(make_plan, thickn
         (((1.0, 1.0), (9.0, 1.0), (9.0, 3.0), (1.0, 3.0)), 12.4),  # over 80 cm
     ],
 )
-def test_class_of_a_block_is_its_smaller_width(make_plan, polygon, loss_db):
+def test_class_of_a_block_is_its_least_width(make_plan, polygon, loss_db):
     plan = make_plan(blocks=(Block(name="a", polygon=polygon),))
     assert set(radio_faces(plan, Radio()).weights) == {round(loss_db * 10)}
+
+
+def test_class_of_a_right_triangle_is_that_of_its_height_at_every_angle(make_plan):
+    # Its height over the longest side is 0.9 * 0.62 / hypot(0.9, 0.62) = 0.511 m, which costs 5.7 dB.
+    for degrees in range(360):
+        triangle = shapely.affinity.rotate(shapely.Polygon([(5.0, 5.0), (5.9, 5.0), (5.0, 5.62)]), degrees)
+        block = Block(name="a", polygon=tuple(triangle.exterior.coords[:-1]))
+        assert set(radio_faces(make_plan(blocks=(block,)), Radio()).weights) == {57}
+
+
+@given(st.lists(st.tuples(st.floats(1.0, 9.0), st.floats(1.0, 9.0)), min_size=3, max_size=8))
+@settings(max_examples=50, deadline=None)
+def test_width_of_a_block_is_the_least_extent_over_all_rotations(points):
+    hull = shapely.convex_hull(shapely.MultiPoint(points))
+    assume(hull.area > 0.01)
+    corners_m = shapely.get_coordinates(hull)[:-1]
+    angles_rad = np.linspace(0.0, np.pi, 20001)
+    extents_m = np.ptp(corners_m @ np.array([np.cos(angles_rad), np.sin(angles_rad)]), axis=0)
+    plan = FloorPlan(name="a", bounds=Bounds(max=(10.0, 10.0)), blocks=(Block(name="a", polygon=corners_m.tolist()),))
+    (width_mm,) = set(thickness_faces(plan).weights.tolist())
+    # The angles are 0.16 mrad apart, and the width is rounded to whole millimetres.
+    assert width_mm / 1000.0 == pytest.approx(extents_m.min(), abs=0.0005 + 12.0 * 0.00016)
 
 
 def test_stated_thickness_of_a_block_takes_the_place_of_its_width(make_plan):
@@ -233,3 +255,23 @@ def test_a_way_between_free_points_counts_whole_walls(walls, points):
     for a in free:
         for b in free:
             assert faces.weight_between(a, b) % 2 == 0
+
+
+@pytest.mark.parametrize("quarter_turns", range(4))
+def test_positions_and_corners_at_half_a_millimetre_are_decided_equally_under_quarter_turns(make_plan, quarter_turns):
+    # 8.0255 m is 8026 mm, on the face of the wall from 8026 to 8226 mm, in every orientation.
+    def turned(x: float, y: float) -> tuple[float, float]:
+        for _ in range(quarter_turns):
+            x, y = -y, x
+        return x, y
+
+    corners = ((8.0255, 2.0005), (8.2255, 2.0005), (8.2255, 4.0005), (8.0255, 4.0005))
+    bounds = Bounds(min=(-10.0, -10.0), max=(10.0, 10.0))
+    block = Block(name="a", polygon=tuple(turned(*corner) for corner in corners))
+    faces = radio_faces(FloorPlan(name="a", bounds=bounds, blocks=(block,)), Radio())
+    expected_mm = {turned(x, y) for x, y in ((8026, 2001), (8226, 2001), (8226, 4001), (8026, 4001))}
+    assert {tuple(end) for end in faces.ends_mm.reshape(-1, 2).tolist()} == expected_mm
+    core = faces.core()
+    # A ray that ends a millimetre in front of the face pays nothing, one that ends behind it half of the wall.
+    assert core.weight_between(turned(7.0, 3.0), turned(8.0245, 3.0)) == 0
+    assert core.weight_between(turned(7.0, 3.0), turned(8.0265, 3.0)) == 38

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
-from robotteamsim.interface import Decision, Task
+from robotteamsim.interface import Decision, SwarmContext, Task
 from robotteamsim.mission.status import Event, MissionStatus
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
 from robotteamsim.propagation import FieldMap
@@ -53,7 +53,7 @@ class Trial:
             inboxes=((), (message,)),
             decisions=(
                 Decision(Twist(0.5, 0.0, 0.1), outbox=(message,), goal_m=(16.0, 5.0), local_best=2.5, search_counter=3),
-                Decision(excluded=True),
+                Decision(excluded=True, context=SwarmContext(*(0.1 * i for i in range(10)))),
             ),
             mission=status,
             events=events,

@@ -133,6 +133,9 @@ def test_messages_controllers_and_mission_are_in_the_bag(bag):
     assert [(m.sender, m.receiver, m.payload) for m in sent.messages] == [(0, -1, '{"best": 1.5}')]
     _, status = messages(bag, "/robot_0/controller/status")[0]
     assert (status.excluded, status.has_goal, status.goal.x, status.search_counter) == (False, True, 16.0, 3)
+    assert len(status.context) == 0
+    _, status = messages(bag, "/robot_1/controller/status")[0]
+    assert [(c.activity, c.alpha, c.c4) for c in status.context] == [(0.0, 0.5, 0.9)]
     _, status = messages(bag, "/mission/status")[3]
     assert (status.state, status.victims, list(status.explored)) == ("running", ["saved", "waiting"], [0, 0])
     assert (status.has_area, status.area_center.x, status.epoch) == (True, 16.0, 1)

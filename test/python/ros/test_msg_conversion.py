@@ -11,7 +11,7 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
 
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.interface import Decision, Discovery, Task
+from robotteamsim.interface import Decision, Discovery, SwarmContext, Task
 from robotteamsim.mission.status import DeliveredDiscoveries, Event, MissionStatus
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.propagation import FieldMap
@@ -172,6 +172,10 @@ def test_decision_keeps_all_but_command_and_outbox(make, goal_m):
     message = sent(ros_messages.controller_status(make, TIME_NS, 3, decision))
     assert conversion.decision(message) == Decision(Twist(), (), True, goal_m, 0.1, 7)
     assert message.robot_id == 3
+    adapted = Decision(context=SwarmContext(*(0.1 * i for i in range(10))))
+    message = sent(ros_messages.controller_status(make, TIME_NS, 3, adapted))
+    assert conversion.decision(message) == adapted
+    assert message.context[0].c4 == adapted.context.c4
 
 
 @pytest.mark.parametrize("task", [Task(True, 4, (18.0, 0.1), 2.0), Task()])

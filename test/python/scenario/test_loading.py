@@ -43,7 +43,13 @@ def test_shipped_scenario_loads_by_name_from_any_folder(tmp_path: Path, monkeypa
 
 
 def test_shipped_names_are_listed() -> None:
-    assert {"garage_sar", "tutorial_arena"} <= set(scenario_names())
+    assert {"garage_sar", "garage_sar_published", "tutorial_arena"} <= set(scenario_names())
+
+
+def test_published_garage_is_the_garage_with_every_addition_switched_off():
+    switches = ("communication.gated=false", "rule_out_places=false", "navigation=straight", "memory_of=commands")
+    garage = load("garage_sar", [f"control.{switch}" for switch in switches])
+    assert load("garage_sar_published") == garage.model_copy(update={"name": "garage_sar_published"})
     assert {"garage", "tutorial_arena"} <= set(map_names())
 
 

@@ -85,6 +85,17 @@ def test_drift_of_a_turn_on_the_spot_has_the_models_variances():
     assert np.array([pose.x_m for pose in poses]).var() == pytest.approx(0.03 * 0.1**2, rel=0.1)
 
 
+@pytest.mark.parametrize("omni", [False, True])
+@pytest.mark.parametrize(("x_m", "y_m"), [(0.0, -0.0), (-0.0, 0.0), (-0.0, -0.0)])
+def test_turn_on_the_spot_is_charged_once_whatever_the_sign_of_its_zeros(x_m, y_m, omni):
+    # 100 turns of 0.05 rad: the yaw variance is 100 * alpha1 * 0.05^2 = 0.01 rad^2.
+    turn = (Pose(x_m, y_m, 0.05), Twist(0.0, 0.0, 0.5))
+    usual = (Pose(0.0, 0.0, 0.05), Twist(0.0, 0.0, 0.5))
+    readings = drive([turn] * 100, MODEL, robots=3, omni=omni)
+    assert readings[:, 12] == pytest.approx([0.01] * 3, rel=1e-12)
+    assert readings.tolist() == drive([usual] * 100, MODEL, robots=3, omni=omni).tolist()
+
+
 def test_drift_has_no_bias_over_a_long_straight_way():
     motion, twist = arc(0.5, 0.0)
     model = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.02, alpha4=0.0)

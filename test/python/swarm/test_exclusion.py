@@ -1,6 +1,14 @@
 import pytest
 
-from robotteamsim.swarm import ExclusionRules, SwarmState, Verdict, judge, punished_search_counter, spawn_chance
+from robotteamsim.swarm import (
+    ExclusionRules,
+    SwarmState,
+    Verdict,
+    judge,
+    natural_selection,
+    punished_search_counter,
+    spawn_chance,
+)
 
 RULES = ExclusionRules(search_counter_max=15, min_robots=0, max_robots=15)
 MEMBERS = {0: -3.0, 1: -5.0, 2: -4.0}
@@ -71,6 +79,20 @@ def test_nobody_is_called_into_a_full_swarm():
 
 def test_swarm_without_robots_does_nothing():
     assert judge(SwarmState(3, 3), False, {}, MEMBERS, RULES, never) == Verdict(SwarmState(3, 3))
+
+
+def test_success_of_a_dpso_clears_both_counters_and_calls_in_the_best_where_there_is_room():
+    outside = {3: -7.0, 4: -1.0, 5: -1.0}
+    assert natural_selection(SwarmState(9, 2), True, MEMBERS, outside, RULES) == Verdict(SwarmState(), joins=(4,))
+    assert natural_selection(SwarmState(9, 2), True, MEMBERS, {}, RULES) == Verdict(SwarmState())
+    full = ExclusionRules(search_counter_max=15, min_robots=0, max_robots=3)
+    assert natural_selection(SwarmState(9, 2), True, MEMBERS, outside, full) == Verdict(SwarmState())
+
+
+def test_failure_of_a_dpso_is_punished_as_that_of_an_rdpso():
+    for state in (SwarmState(3, 1), SwarmState(14, 0)):
+        expected = judge(state, False, MEMBERS, {}, RULES, never)
+        assert natural_selection(state, False, MEMBERS, {}, RULES) == expected
 
 
 def test_chance_of_a_child_swarm_falls_with_the_number_of_swarms():

@@ -19,6 +19,7 @@ from robotteamsim.analysis.runs.totals import (
     links,
     max_hops,
 )
+from robotteamsim.interface import SwarmContext
 from robotteamsim.recording.files import atomically, prepare_folder
 from robotteamsim.wording import safe_cell
 
@@ -45,7 +46,11 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
     prepare_folder(folder)
     tables: dict[str, tuple[Row, Iterable[Row]]] = {
         "bags": (_bag_head(), map(_bag_row, all_totals)),
-        "robots": (("bag", *_names(RobotTotals)), (row for totals in all_totals for row in _robot_rows(totals))),
+        "robots": (("bag", *_robot_names()), (row for totals in all_totals for row in _robot_rows(totals))),
+        "contexts": (
+            ("bag", "robot", "time_s", *SwarmContext.__struct_fields__),
+            (row for run in runs for row in _context_rows(run)),
+        ),
         "events": (
             ("bag", "time_s", "kind", "subject", "robot_id", "detail"),
             ((run.name, *msgspec.structs.astuple(event)) for run in runs for _, event in run.events),
@@ -92,7 +97,24 @@ def _bag_row(totals: RunTotals) -> Row:
 
 def _robot_rows(totals: RunTotals) -> Iterator[Row]:
     for robot in totals.robots:
-        yield (totals.bag, *dataclasses.astuple(robot))
+        context = robot.context or {}
+        means = [context.get(key) for key in SwarmContext.__struct_fields__]
+        yield (totals.bag, *(getattr(robot, name) for name in _names(RobotTotals) if name != "context"), *means)
+
+
+def _robot_names() -> Row:
+    """Return the columns of robots; those of the context are means, and empty without adaptation."""
+    return (
+        *(name for name in _names(RobotTotals) if name != "context"),
+        *(f"mean_{key}" for key in SwarmContext.__struct_fields__),
+    )
+
+
+def _context_rows(run: RecordedRun) -> Iterator[Row]:
+    for robot in run.robots:
+        if robot.context is not None:
+            for time_s, values in zip(run.time_s(robot.context.stamps_ns), robot.context.values.tolist(), strict=True):
+                yield (run.name, robot.name, time_s, *values)
 
 
 def _progress_rows(run: RecordedRun) -> Iterator[Row]:

@@ -14,6 +14,7 @@ from robotteamsim.analysis.runs import tracks
 from robotteamsim.analysis.runs.recorded_run import (
     Flags,
     RecordedArea,
+    RecordedContext,
     RecordedNetwork,
     RecordedRobot,
     RecordedRun,
@@ -22,6 +23,7 @@ from robotteamsim.analysis.runs.recorded_run import (
 )
 from robotteamsim.analysis.runs.tracks import Absence
 from robotteamsim.errors import RecordingError
+from robotteamsim.interface import SwarmContext
 from robotteamsim.mission.status import DeliveredDiscoveries, Event
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.scenario.plan import OccupancyGrid
@@ -67,6 +69,14 @@ class _NetworkSample:
     endangered: np.ndarray
     hop_count: np.ndarray
     fiedler_value: float
+
+
+@dataclass(frozen=True, slots=True)
+class _ControllerSample:
+    """One ControllerStatus; context: the values of `SwarmContext`, None without adaptation."""
+
+    excluded: bool
+    context: tuple[float, ...] | None
 
 
 def read_run(paths: Sequence[Path]) -> RecordedRun:
@@ -196,8 +206,9 @@ def _robot(namespace: str, samples: Samples, transforms: tracks.Transforms) -> R
     track = tracks.from_truth(truth, absences) if truth else tracks.from_odometry(odom or [], transforms, absences)
     if track is None:
         return None
-    contact, excluded = samples.get(f"{namespace}/contact"), samples.get(f"{namespace}/controller/status")
-    return RecordedRobot(name, robot_id, track, _flags(contact), _flags(excluded))
+    contact, statuses = samples.get(f"{namespace}/contact"), samples.get(f"{namespace}/controller/status", [])
+    excluded = _flags([(stamp_ns, status.excluded) for stamp_ns, status in statuses])
+    return RecordedRobot(name, robot_id, track, _flags(contact), excluded, _context(statuses))
 
 
 def _absences(events: list[tuple[int, Event]]) -> tuple[Absence, ...]:
@@ -218,6 +229,13 @@ def _flags(samples: list[tuple[int, Any]] | None) -> Flags | None:
     return Flags(np.array([stamp for stamp, _ in samples]), np.array([value for _, value in samples], dtype=bool))
 
 
+def _context(statuses: list[tuple[int, _ControllerSample]]) -> RecordedContext | None:
+    found = [(stamp_ns, status.context) for stamp_ns, status in statuses if status.context is not None]
+    if not found:
+        return None
+    return RecordedContext(np.array([stamp_ns for stamp_ns, _ in found]), np.array([values for _, values in found]))
+
+
 def _network(samples: list[tuple[int, Any]]) -> RecordedNetwork:
     sizes = sorted({state.num_robots for _, state in samples})
     if len(sizes) > 1:
@@ -236,6 +254,13 @@ def _network(samples: list[tuple[int, Any]]) -> RecordedNetwork:
 def _pose_sample(stamp_ns: int, message: Any) -> tracks.PoseSample:
     position, q = message.pose.pose.position, message.pose.pose.orientation
     return tracks.PoseSample(message.header.frame_id.lstrip("/"), position.x, position.y, q.x, q.y, q.z, q.w)
+
+
+def _controller_sample(stamp_ns: int, message: Any) -> _ControllerSample:
+    # Older bags have no context.
+    contexts: Sequence[Any] = getattr(message, "context", ())
+    values = tuple(getattr(contexts[0], key) for key in SwarmContext.__struct_fields__) if len(contexts) else None
+    return _ControllerSample(message.excluded, values)
 
 
 def _network_sample(stamp_ns: int, message: Any) -> _NetworkSample:
@@ -286,7 +311,7 @@ _CONVERTERS: dict[str, Callable[[int, Any], Any]] = {
     "nav_msgs/Odometry": _pose_sample,
     "nav_msgs/OccupancyGrid": _grid,
     "robotteamsim/Contact": lambda stamp_ns, message: message.in_contact,
-    "robotteamsim/ControllerStatus": lambda stamp_ns, message: message.excluded,
+    "robotteamsim/ControllerStatus": _controller_sample,
     "robotteamsim/NetworkState": _network_sample,
     "robotteamsim/MissionStatus": _status,
     "robotteamsim/MissionEvent": lambda stamp_ns, m: Event(m.time_s, m.kind, m.subject, m.robot_id, m.detail),

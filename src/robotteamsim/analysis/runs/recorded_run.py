@@ -18,11 +18,24 @@ class Flags:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class RecordedContext:
+    """The measured context and adapted coefficients of a robot, while it adapts.
+
+    stamps_ns: int64, shape (n,), ascending.
+    values:    float64, shape (n, 10): metrics and coefficients in the order of `SwarmContext`.
+    """
+
+    stamps_ns: np.ndarray
+    values: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class RecordedRobot:
     """One robot.
 
     name:     its namespace without slashes, or "robot" if it has none.
     robot_id: the number in robot_<number>; None for other names.
+    context:  None without adaptation.
     """
 
     name: str
@@ -30,6 +43,7 @@ class RecordedRobot:
     track: Track
     contact: Flags | None
     excluded: Flags | None
+    context: RecordedContext | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -51,6 +51,8 @@ def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
         cells = [_robot_cells(robot) for robot in totals.robots]
         for table in _fitting_tables(_ROBOT_COLUMNS, cells, None, console.width):
             console.print(table)
+    if any(robot.context for robot in totals.robots):
+        console.print(_context_table(totals.robots))
     if totals.trajectory_hash:
         console.print(Text(f"  trajectories {totals.trajectory_hash}"), soft_wrap=True)
     _print_omitted(console, totals, "")
@@ -125,6 +127,18 @@ def _robot_cells(robot: RobotTotals) -> list[str]:
         _number(robot.excluded_s, ".1f"),
         robot.source,
     ]
+
+
+def _context_table(robots: Sequence[RobotTotals]) -> Table:
+    """Return the means of the metrics and coefficients of the robots that adapt."""
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table.add_column("robot")
+    for name in ("A_s", "S_n", "O_n", "P_n", "C_s", "alpha", "c1", "c2", "c3", "c4"):
+        table.add_column(name, justify="right")
+    for robot in robots:
+        if robot.context:
+            table.add_row(robot.name, *(f"{value:.2f}" for value in robot.context.values()))
+    return table
 
 
 def _cells(totals: RunTotals) -> list[str]:

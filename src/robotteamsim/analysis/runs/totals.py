@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from robotteamsim.analysis.runs.reading import TRUTH
-from robotteamsim.analysis.runs.recorded_run import Flags, RecordedNetwork, RecordedRobot, RecordedRun
+from robotteamsim.analysis.runs.recorded_run import Flags, RecordedContext, RecordedNetwork, RecordedRobot, RecordedRun
 from robotteamsim.geometry import PoseReading
+from robotteamsim.interface import SwarmContext
+from robotteamsim.network import newly_endangered
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
 
 SPEED_WINDOW_S = 1.0
@@ -39,6 +41,7 @@ class RobotTotals:
     max_speed_mps:  mean speed in the fastest second.
     collisions:     number of times it began to touch something.  contact_s: time in contact.
     excluded_s:     time as an excluded robot.
+    context:        means of its metrics and coefficients, by their names in `SwarmContext`; None without adaptation.
     """
 
     name: str
@@ -49,6 +52,7 @@ class RobotTotals:
     collisions: int | None
     contact_s: float | None
     excluded_s: float | None
+    context: dict[str, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +62,8 @@ class NetworkTotals:
     mean_links:       direct links, of at most num_robots (num_robots - 1) / 2.
     max_hops:         length of the longest shortest path; 0 if there never was a link.
     split_s:          time during which the team was disconnected.
-    endangered_links: number of times a link became endangered.  endangered_s: time with at least one endangered link.
+    endangered_links: how often a link became endangered (`newly_endangered`).
+    endangered_s:     time with at least one endangered link.
     """
 
     num_robots: int
@@ -196,11 +201,16 @@ def _robot(robot: RecordedRobot) -> RobotTotals:
         collisions=None if contact is None else int(onsets(contact.values).sum()),
         contact_s=_duration_s(contact),
         excluded_s=_duration_s(robot.excluded),
+        context=None if robot.context is None else _mean_context(robot.context),
     )
 
 
+def _mean_context(context: RecordedContext) -> dict[str, float]:
+    return dict(zip(SwarmContext.__struct_fields__, context.values.mean(axis=0).tolist(), strict=True))
+
+
 def _network(network: RecordedNetwork) -> NetworkTotals:
-    newly_endangered = onsets(network.endangered)
+    endangered = newly_endangered(network.adjacency, network.endangered, network.hop_count)
     return NetworkTotals(
         num_robots=network.adjacency.shape[1],
         mean_links=float(links(network).mean()),
@@ -208,7 +218,7 @@ def _network(network: RecordedNetwork) -> NetworkTotals:
         mean_fiedler_value=float(network.fiedler_value.mean()),
         min_fiedler_value=float(network.fiedler_value.min()),
         split_s=_time_s(network.stamps_ns, is_split(network)),
-        endangered_links=int(newly_endangered.sum()) // 2,
+        endangered_links=int(endangered.sum()) // 2,
         endangered_s=_time_s(network.stamps_ns, endangered_links(network) > 0),
     )
 

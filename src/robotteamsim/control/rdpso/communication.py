@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from robotteamsim import _core, swarm
+from robotteamsim.network import fiedler_value
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
@@ -17,6 +18,8 @@ from robotteamsim.swarm import Vector
 class LinkKeeper:
     """The communication term of eq. (22) for one robot; it is zero while the link to the swarm is safe.
 
+    With `control.communication.gated: false` it always acts, as in the printed equation.
+
     From the plan, the radio model and the positions that teammates sent, a robot predicts the link to keep: that to the
     nearest teammate, or (`control.kept_link: tree`) the weakest of its own links in the strongest spanning tree of the
     team. A team whose robots all keep their nearest neighbour can still split into pairs. The range that x_CB keeps is
@@ -26,6 +29,7 @@ class LinkKeeper:
 
     def __init__(self, scenario: Scenario) -> None:
         self._c4 = scenario.control.c4
+        self._is_gated = scenario.control.communication.gated
         self._keeps_tree = scenario.control.kept_link == "tree"
         self._network = scenario.network
         self._endangered_fraction = scenario.control.communication.endangered_fraction
@@ -38,15 +42,17 @@ class LinkKeeper:
         self._reference_dbm = max(signal_at_1_m_dbm, endangered_dbm, lost_dbm + 1e-9)
         at_risk_dbm = max(endangered_dbm, lost_dbm + 1e-9)
         self._endangered_proximity = swarm.robot_proximity_by_signal(at_risk_dbm, lost_dbm, self._reference_dbm)
-        self._field = _radio_field(scenario.plan, scenario.radio.model_dump_json()) if self._c4 > 0.0 else None
+        needs_field = self._c4 > 0.0 or scenario.control.adaptation != "none"
+        self._field = _radio_field(scenario.plan, scenario.radio.model_dump_json()) if needs_field else None
 
     def pull(
-        self, position: Vector, heard: Mapping[int, Vector], missing: Mapping[int, Vector]
+        self, position: Vector, heard: Mapping[int, Vector], missing: Mapping[int, Vector], c4: float | None = None
     ) -> tuple[Vector, float]:
         """Return x_CB and the weight of the term; if the weight is 0, x_CB is the robot's own position.
 
         Args: heard: positions of the other members of the swarm that sent an update in this iteration, by robot id.
               missing: last positions of those that did not; if there are any, the swarm counts as split (C_s = 0).
+              c4: the largest weight of the term; None: that of the scenario.
         """
         members = missing or heard
         if self._field is None or not members:
@@ -56,7 +62,9 @@ class LinkKeeper:
         else:
             neighbour = _core.base.nearest_point(position, list(members.values()))
         proximity, endangered, signal_dbm = self._link_to(position, neighbour)
-        weight = swarm.communication_weight(self._c4, proximity, endangered, not missing)
+        weight = self._c4 if c4 is None else c4
+        if self._is_gated:
+            weight = swarm.communication_weight(weight, proximity, endangered, not missing)
         if weight == 0.0:
             return position, 0.0
         if self._links_by_distance:
@@ -64,6 +72,21 @@ class LinkKeeper:
         else:
             range_m = math.dist(position, neighbour) * 10.0 ** ((signal_dbm - self._endangered_dbm) / self._slope_db)
         return swarm.communication_attractor(position, neighbour, range_m), weight
+
+    def proximity(self, position: Vector, others: Sequence[Vector]) -> float:
+        """Return P_n of eq. (31) or (32) for the nearest of the others, of which there is at least one."""
+        return self._link_to(position, _core.base.nearest_point(position, others))[0]
+
+    def connectivity(self, places: Sequence[Vector]) -> float:
+        """Return C_s of eq. (34) for robots at these places, with the links that are predicted between them."""
+        positions_m = np.array(places)
+        if self._links_by_distance:
+            is_link = _distances_m(positions_m) <= self._network.max_distance_m
+        else:
+            assert self._field is not None
+            is_link = self._field.rssi_matrix_dbm(positions_m) >= self._lost_dbm
+        np.fill_diagonal(is_link, False)
+        return swarm.swarm_connectivity(fiedler_value(is_link), len(places))
 
     def in_reach(self, places: Sequence[Vector], resolution_m: float) -> np.ndarray | None:
         """Return the cells of the plan with a good enough link to one of some places, bool, shape (rows, cols).
@@ -88,7 +111,7 @@ class LinkKeeper:
         """Return the other end of a robot's weakest link in the strongest spanning tree of it and these places."""
         positions_m = np.array([position, *places])
         if self._links_by_distance:
-            strength = -np.hypot(*(positions_m[:, None, :] - positions_m[None, :, :]).transpose(2, 0, 1))
+            strength = -_distances_m(positions_m)
         else:
             assert self._field is not None
             strength = self._field.rssi_matrix_dbm(positions_m)
@@ -105,6 +128,12 @@ class LinkKeeper:
         signal_dbm = self._tx_power_dbm - self._field.path_loss_db(position, neighbour)
         proximity = swarm.robot_proximity_by_signal(signal_dbm, self._lost_dbm, self._reference_dbm)
         return proximity, self._endangered_proximity, signal_dbm
+
+
+def _distances_m(positions_m: np.ndarray) -> np.ndarray:
+    """Return the distances between all pairs of points, shape (n, 2) [m]."""
+    distances_m: np.ndarray = np.hypot(*(positions_m[:, None, :] - positions_m[None, :, :]).transpose(2, 0, 1))
+    return distances_m
 
 
 def strongest_tree(strength: np.ndarray) -> list[tuple[int, int]]:

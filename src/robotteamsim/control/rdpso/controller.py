@@ -14,6 +14,7 @@ from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.driving.wander import Wander
 from robotteamsim.control.rdpso.common_view import CommonView
 from robotteamsim.control.rdpso.communication import LinkKeeper
+from robotteamsim.control.rdpso.context import ContextMeter
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
 from robotteamsim.control.rdpso.local_best import LocalBestFinder
 from robotteamsim.control.rdpso.membership import Membership
@@ -24,7 +25,7 @@ from robotteamsim.control.rdpso.update import Best, RdpsoUpdate
 from robotteamsim.control.rdpso.velocity_memory import Momentum
 from robotteamsim.control.runtime.streams import robot_stream
 from robotteamsim.geometry import Pose
-from robotteamsim.interface import OUTSIDE, Decision, Observation, Task
+from robotteamsim.interface import OUTSIDE, Decision, Observation, SwarmContext, Task
 from robotteamsim.network.messages import EVERYBODY, Message, batch_of
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Control
@@ -39,6 +40,9 @@ class RdpsoController:
     teammate is out of range), it reads the updates, finds the global best, and chooses its next point. In all other
     steps it drives there. Robots that heard the same updates have the same view of the swarm.
     """
+
+    membership: type[Membership] = Membership
+    """The rules by which robots leave, join and found swarms."""
 
     def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
         control = scenario.control
@@ -57,10 +61,14 @@ class RdpsoController:
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self._surroundings = Surroundings(body.laser, control.sensing_radius_m)
         self._links = LinkKeeper(scenario)
+        self._meter = None
+        """Measures the context; None without adaptation."""
+        if control.adaptation != "none":
+            self._meter = ContextMeter(control, control.adaptation, self._links)
         self._ruled_out = RuledOut(scenario)
         self._finder = LocalBestFinder(scenario)
-        self._membership = Membership(robot_id, scenario)
-        self._momentum = Momentum(self.memory(control))
+        self._membership = self.membership(robot_id, scenario)
+        self._momentum = Momentum(self.memory(control), control.memory_of)
         self._numbers = swarm.uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
         self._wander = Wander(
             control.wander, robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps
@@ -78,6 +86,7 @@ class RdpsoController:
         self._known_best: Best | None = None
         self._local_best: Best | None = None
         self._goal: Vector | None = None
+        self._context: SwarmContext | None = None
         self._speed_mps = control.max_step_speed_mps
         self._standing = self._decide_to_stand()
         """The decision to stand still."""
@@ -164,13 +173,14 @@ class RdpsoController:
         self._doors.hear(view.doors)
         self._update_map()
         if self._membership.excluded or self._known_best is None or self._local_best is None:
-            self._goal = None
+            self._goal = self._context = None
             self._momentum.forget()
             return
         self._wander.stop()
         self._momentum.note(position)
         velocity = self._next_velocity(pose, ranges_m, team, view, self._local_best, self._known_best)
         velocity = swarm.limit_speed(velocity, self._control.max_step_speed_mps * self._control.iteration_s)
+        self._momentum.note_command(velocity)
         self._goal = swarm.next_position(position, velocity)
         if self._control.navigation == "path":
             # A step ends at a wall. The paths around walls are in the attractors.
@@ -204,7 +214,16 @@ class RdpsoController:
         assert self._observation is not None
         position = (pose.x_m, pose.y_m)
         obstacle = self._surroundings.clearest_place(pose, ranges_m)
-        x_cb, c4 = self._links.pull(position, self._heard(view), self._missing(team, view))
+        heard, missing = self._heard(view), self._missing(team, view)
+        weights, c4 = self._weights, self._control.c4
+        if self._meter is not None:
+            places = {**heard, self._robot_id: position}
+            clearance_m = self._surroundings.clearance_m(ranges_m)
+            found = self._meter.measure(
+                view.iteration, self._robot_id, places, not missing, global_best.position, clearance_m
+            )
+            weights, c4 = self._adapt(found), found.c4
+        x_cb, c4 = self._links.pull(position, heard, missing, c4)
         x_lb = local_best.position
         if global_best.is_voice and not local_best.is_voice and self._observation.voice.heard:
             # Everything that this robot hears is ruled out. While the swarm follows a voice, ignore the area.
@@ -215,8 +234,15 @@ class RdpsoController:
             position if obstacle is None else obstacle,
             self._along_path(position, x_cb) if c4 > 0.0 else x_cb,
         )
-        weights = self._weights if c4 == 0.0 else self._weights._replace(communication=c4)
+        if c4 != 0.0:
+            weights = weights._replace(communication=c4)
         return swarm.next_velocity(position, self._momentum.term(), attractors, weights, self._numbers)
+
+    def _adapt(self, context: SwarmContext) -> swarm.Weights:
+        """Adopt the coefficients of a context; return c1 to c3."""
+        control, self._context = self._control, context
+        self._momentum.coefficients = swarm.memory_coefficients(control.memory, context.alpha, control.memory_terms)
+        return swarm.Weights(context.c1, context.c2, context.c3, 0.0)
 
     def _heard(self, view: CommonView) -> Mapping[int, Vector]:
         """Return the positions of the other members of the swarm that sent an update in this iteration, by robot id."""
@@ -256,4 +282,5 @@ class RdpsoController:
             local_best=self._local_best.value if self._local_best else 0.0,
             search_counter=membership.state.search_counter,
             swarm=membership.swarm_id,
+            context=self._context,
         )

@@ -5,7 +5,7 @@ and applies the result to itself. Robots that received the same updates come to 
 each part continues on its own, and each robot's own statement of its swarm counts.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
 from robotteamsim import rng
@@ -29,7 +29,7 @@ class Membership:
         limits = exclusion.search_counter_max, exclusion.min_robots, exclusion.max_robots
         self._rules = ExclusionRules(*limits)
         self._swarms = swarms
-        self._settings = self._seed, *limits, swarms.min, swarms.max, swarms.new_robots
+        self._settings = type(self).__name__, self._seed, *limits, swarms.min, swarms.max, swarms.new_robots
         """All inputs of a verdict besides the updates."""
         self.swarm_id = robot_id * swarms.initial // scenario.num_robots
         """OUTSIDE if it is excluded."""
@@ -67,23 +67,24 @@ class Membership:
         moves: dict[int, int] = {}
         # Swarms that were not heard in this iteration may still exist.
         taken = {*swarms, *in_use} - {OUTSIDE}
-        asking, num_swarms = [], len(taken)
+        asking: dict[int, int] = {}
+        num_swarms = len(taken)
         states: dict[int, SwarmState] = {}
         for swarm_id, members in sorted(swarms.items()):
             dice = partial(self._dice, iteration, swarm_id)
             free = {i: value for i, value in outside.items() if i not in moves}
             has_improved = swarm_id in improved
-            verdict = judge(view.states[swarm_id], has_improved, members, free, self._rules, dice)
+            verdict = self._judged(view.states[swarm_id], has_improved, members, free, dice)
             if len(verdict.leaves) == len(members):
                 verdict, num_swarms = self._dissolved_or_not(verdict, num_swarms)
             moves |= dict.fromkeys(verdict.leaves, OUTSIDE) | dict.fromkeys(verdict.joins, swarm_id)
             states[swarm_id] = verdict.state
-            if has_improved and verdict.state.search_counter == 0:
-                asking.append(len(members))
+            if len(verdict.leaves) < len(members) and self._asks(verdict.state, has_improved):
+                asking[swarm_id] = len(members)
         if OUTSIDE in improved:
-            asking.append(len(outside))
+            asking[OUTSIDE] = len(outside)
         if asking:
-            self._found(iteration, asking, outside, moves, num_swarms, taken)
+            self._found(iteration, asking, view.values, moves, num_swarms, taken)
         return moves, states
 
     def _dissolved_or_not(self, verdict: Verdict, num_swarms: int) -> tuple[Verdict, int]:
@@ -95,8 +96,8 @@ class Membership:
     def _found(
         self,
         iteration: int,
-        asking: list[int],
-        outside: Values,
+        asking: Mapping[int, int],
+        values: Mapping[int, Values],
         moves: dict[int, int],
         num_swarms: int,
         taken: set[int],
@@ -104,9 +105,14 @@ class Membership:
         """Found swarms of the best excluded robots: one per swarm that requests it, with probability f N_s / N_max.
 
         f is uniform in [0, 1]. The excluded robots also request one if their best improved.
+
+        Args: asking: number of members of each swarm that requests one.
+              values: of the local bests, by swarm and robot.
+              moves: the new swarm of each robot that changes; new members are added here.
+              taken: numbers of swarms that are in use.
         """
-        dice = None
-        for num_asking in asking:
+        dice, outside = None, values.get(OUTSIDE, {})
+        for num_asking in asking.values():
             free = [robot_id for robot_id in outside if robot_id not in moves]
             if num_swarms >= self._swarms.max or len(free) < self._swarms.new_robots:
                 return
@@ -118,6 +124,16 @@ class Membership:
                 moves |= dict.fromkeys(best_first[: self._swarms.new_robots], swarm_id)
                 taken = taken | {swarm_id}
                 num_swarms += 1
+
+    def _judged(
+        self, state: SwarmState, improved: bool, members: Values, free: Values, dice: Callable[[], float]
+    ) -> Verdict:
+        """Return what an iteration does to a swarm."""
+        return judge(state, improved, members, free, self._rules, dice)
+
+    def _asks(self, state: SwarmState, improved: bool) -> bool:
+        """Whether a swarm in this state after an iteration requests a new one."""
+        return improved and state.search_counter == 0
 
     def _move(self, swarm_id: int, states: Mapping[int, SwarmState]) -> None:
         """Join a swarm and adopt its memory; an excluded robot keeps that of the swarm that it left."""

@@ -1,5 +1,7 @@
 """The obstacle term of eq. (22), from a robot's laser."""
 
+import math
+
 import numpy as np
 
 from robotteamsim import _core
@@ -26,9 +28,21 @@ class Surroundings(_core.control.Surroundings):
         low_rad = last_rad = laser.angle_min_rad
         if laser.beams > 1:
             last_rad += (beams - 1) * stride * (laser.angle_max_rad - low_rad) / (laser.beams - 1)
+        angles_rad = np.linspace(low_rad, laser.angle_max_rad, laser.beams)
+        self._cos, self._sin = np.cos(angles_rad), np.sin(angles_rad)
+        self._forward_m, self._longest_m = laser.forward_m, laser.range_max_m * (1.0 - 1e-6)
         super().__init__(
             laser=laser_layout(laser.model_copy(update={"beams": beams, "angle_max_rad": last_rad})),
             stride=stride,
             sensing_radius_m=sensing_radius_m,
             headings_rad=np.linspace(low_rad, laser.angle_max_rad, _HEADINGS).tolist(),
         )
+
+    def clearance_m(self, ranges_m: np.ndarray) -> float:
+        """Return the distance from base_link to the nearest obstacle that the laser sees [m]; infinite if none."""
+        seen = ranges_m < self._longest_m
+        if not seen.any():
+            return math.inf
+        ranges_m = ranges_m[seen]
+        x_m, y_m = self._forward_m + ranges_m * self._cos[seen], ranges_m * self._sin[seen]
+        return float(np.hypot(x_m, y_m).min())

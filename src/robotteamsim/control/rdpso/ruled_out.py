@@ -2,6 +2,7 @@
 
 from robotteamsim import _core
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.swarm import Vector
 
 
 class RuledOut(_core.control.RuledOut):
@@ -13,7 +14,7 @@ class RuledOut(_core.control.RuledOut):
 
     `add` notes the loudest cell that a robot hears at its position, or None; of robots that hear the same within 0.25 m
     of each other, only the first counts. `covers` is whether no victim can be at a cell, although a voice is heard
-    there. `clear` discards everything, because the voice map has changed.
+    there; never with `control.rule_out_places: false`. `clear` discards everything, because the voice map has changed.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -22,3 +23,8 @@ class RuledOut(_core.control.RuledOut):
         save_m = scenario.mission.save_distance_m
         next_to_m = max(0.5 * save_m, save_m - cell_m)
         super().__init__(radius_m=scenario.voice.local_best_radius_m, cell_m=cell_m, next_to_m=next_to_m)
+        self._is_on = scenario.control.rule_out_places
+
+    def covers(self, place: Vector) -> bool:
+        """Whether no victim can be at a cell, although a voice is heard there."""
+        return self._is_on and super().covers(place)

@@ -11,11 +11,12 @@ from math import dist, hypot, isfinite
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Twist
-from robotteamsim.interface import EVERYBODY, OUTSIDE, Controller, Decision, Message, Observation, Task
+from robotteamsim.interface import EVERYBODY, OUTSIDE, Controller, Decision, Message, Observation, SwarmContext, Task
 
 _LARGEST = 2**31 - 1
 """ROS messages and bags hold numbers of swarms and search counters in 32 bits."""
@@ -83,6 +84,8 @@ def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
         return f"decide returned {twist!r:.120}; expected a Twist of finite numbers"
     if decision.goal_m is not None and not _is_point(decision.goal_m):
         return f"decide returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
+    if decision.context is not None and not _is_context(decision.context):
+        return f"decide returned the context {_shown(decision.context)}; expected a finite SwarmContext, or None"
     if not isinstance(decision.outbox, (tuple, list)):
         return f"decide returned the outbox {_shown(decision.outbox)}; expected a tuple of Messages"
     for message in decision.outbox:
@@ -119,6 +122,13 @@ def _problem_of_status(
 def _is_finite(*numbers: float) -> bool:
     try:
         return isfinite(hypot(*numbers))
+    except TypeError:
+        return False
+
+
+def _is_context(value: Any) -> bool:
+    try:
+        return isinstance(value, SwarmContext) and isfinite(sum(msgspec.structs.astuple(value)))
     except TypeError:
         return False
 

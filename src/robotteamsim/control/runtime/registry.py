@@ -6,7 +6,7 @@ from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
 
 from robotteamsim.control.baselines.greedy import GreedyController
-from robotteamsim.control.baselines.pso import PsoController, RpsoController
+from robotteamsim.control.baselines.pso import DpsoController, PsoController, RpsoController
 from robotteamsim.control.baselines.random_walk import RandomWalkController
 from robotteamsim.control.baselines.sebs import SebsController
 from robotteamsim.control.cover.controller import CoverController
@@ -27,6 +27,7 @@ ALGORITHMS: dict[str, MakeController] = {
     "random_walk": RandomWalkController,
     "greedy": GreedyController,
     "pso": PsoController,
+    "dpso": DpsoController,
     "rpso": RpsoController,
     "sebs": SebsController,
     "cover": CoverController,

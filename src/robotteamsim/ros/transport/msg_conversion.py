@@ -15,7 +15,7 @@ from genpy import Time
 import robotteamsim.msg
 from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.interface import Decision, Discovery, Task
+from robotteamsim.interface import Decision, Discovery, SwarmContext, Task
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.ros.transport.checks import check_finite, check_place
 from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
@@ -148,8 +148,16 @@ def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
         goal_m=_point(message.goal) if message.has_goal else None,
         local_best=message.local_best,
         search_counter=message.search_counter,
+        context=swarm_context(message),
         fault=message.fault,
     )
+
+
+def swarm_context(message: robotteamsim.msg.ControllerStatus) -> SwarmContext | None:
+    """Return the context in a status; None without adaptation."""
+    if not message.context:
+        return None
+    return SwarmContext(*(getattr(message.context[0], key) for key in SwarmContext.__struct_fields__))
 
 
 def task(message: robotteamsim.msg.MissionStatus) -> Task:
