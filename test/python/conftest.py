@@ -30,6 +30,14 @@ def _hall() -> FloorPlan:
     )
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _no_plan_cache() -> Iterator[None]:
+    """Import every image again, and leave the user's cache folder alone."""
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("ROBOTTEAMSIM_CACHE", "")
+        yield
+
+
 @pytest.fixture
 def hall_scenario() -> Callable[..., Scenario]:
     """Make a scenario in the hall: two robots, two areas, two victims; keywords replace whole sections."""

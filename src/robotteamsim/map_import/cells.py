@@ -16,6 +16,9 @@ SPECK_CELLS = 3
 POCKET_M2 = 0.1
 """Smaller areas enclosed by solid cells are filled, because no robot fits in."""
 
+OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
+"""map_server's usual thresholds: of a yaml that gives none, and of bitmaps that have no yaml."""
+
 
 MAX_PIXELS = 25_000_000
 """Of an image: 5000 x 5000, which is 250 m x 250 m in pixels of 0.05 m. Each takes some 40 bytes during the import."""
@@ -47,41 +50,66 @@ def read_image(path: Path) -> np.ndarray | None:
         cv2.utils.logging.setLogLevel(level)
 
 
-def darkness(image: np.ndarray, negate: bool) -> np.ndarray:
-    """Return how dark each pixel is, 0 white .. 1 black; float64, shape (rows, cols), row 0 at the lowest y.
+def lightness(image: np.ndarray, *, negate: bool, with_alpha: bool) -> np.ndarray:
+    """Return how light each pixel is as map_server reads it, 0 black .. 255 white; float64, row 0 at the lowest y.
 
-    Args: image: uint8 or uint16, grey or with channels, of which the first three count equally.
+    Args: image: uint8, grey or with channels in OpenCV's order.
           negate: white counts as black.
+          with_alpha: a fourth channel counts like a colour, as in map_server's mode `trinary`.
     """
-    lightness = image.astype(np.float64) / (255.0 if image.dtype == np.uint8 else 65535.0)
-    if lightness.ndim == 3:
-        lightness = lightness[:, :, :3].mean(axis=2)
-    dark: np.ndarray = np.flipud(lightness if negate else 1.0 - lightness)
-    return dark
+    light = image.astype(np.float64)
+    if light.ndim == 3:
+        light = (light if with_alpha else light[:, :, :3]).mean(axis=2)
+    upright: np.ndarray = np.flipud(255.0 - light if negate else light)
+    return upright
 
 
-def solid_cells(occupied: np.ndarray, free: np.ndarray, resolution_m: float) -> np.ndarray:
-    """Return which cells are solid; no two solid cells touch only at a corner.
+def in_bytes(image: np.ndarray) -> np.ndarray:
+    """Return an image of 8 or 16 bits in 8 bits: the upper ones."""
+    return image if image.dtype == np.uint8 else (image // 256).astype(np.uint8)
 
-    - Occupied cells are solid; groups of fewer than three cells are removed as noise, and enclosed areas below 0.1 m^2
-      are filled.
-    - Unknown cells are solid if their region is narrower than 1 m; a wider region is a void with a wall of one cell
-      where it touches free cells.
-    - The outermost cells are solid, so that no robot leaves the map.
 
-    Args: occupied, free: bool, shape (rows, cols); a cell that is neither is unknown.
+def darkness(light: np.ndarray) -> np.ndarray:
+    """Return the share of black in each pixel, 0 .. 1, rounded as by map_server. Args: light: of `lightness`."""
+    return (255.0 - light) / 255.0
+
+
+def solid_cells(
+    dark: np.ndarray, occupied_thresh: float, free_thresh: float, resolution_m: float, *, closed: bool
+) -> np.ndarray:
+    """Return which cells are solid; no two touch by a corner alone. The rule of every import (docs/propagation.md).
+
+    - Cells darker than `occupied_thresh` are occupied, those lighter than `free_thresh` free, all others unknown.
+    - Occupied cells are solid; groups of fewer than three cells are dropped as noise, and enclosed pockets below
+      0.1 m^2 filled.
+    - Unknown cells are solid where their region is narrower than 1 m; a wider one is a void behind a wall one cell
+      thick wherever it meets free cells.
+    - The outermost cells are solid if `closed`, so that no robot leaves the map.
+
+    Args: dark: of `darkness`, shape (rows, cols).
     """
+    occupied, free = dark > occupied_thresh, dark < free_thresh
     unknown = ~(occupied | free)
-    window = np.ones((max(1, round(WIDE_UNKNOWN_M / resolution_m)),) * 2, np.uint8)
-    void = cv2.morphologyEx(unknown.astype(np.uint8), cv2.MORPH_OPEN, window).astype(bool)
+    void = _opened(unknown, max(1, round(WIDE_UNKNOWN_M / resolution_m)))
     beside_free = cv2.dilate(free.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)
     solid = occupied | (unknown & ~void) | (void & beside_free)
-    solid[[0, -1]] = solid[:, [0, -1]] = True
+    if closed:
+        solid[[0, -1]] = solid[:, [0, -1]] = True
     _, labels, statistics, _ = cv2.connectedComponentsWithStats(solid.astype(np.uint8), connectivity=8)
     solid &= statistics[labels, cv2.CC_STAT_AREA] >= SPECK_CELLS
     _, labels, statistics, _ = cv2.connectedComponentsWithStats((~solid).astype(np.uint8), connectivity=4)
     solid |= statistics[labels, cv2.CC_STAT_AREA] * resolution_m**2 < POCKET_M2
     return without_corner_contacts(solid)
+
+
+def _opened(cells: np.ndarray, edge_cells: int) -> np.ndarray:
+    """Return the cells that a square window covers wherever it fits into them."""
+    window, middle = np.ones((edge_cells, edge_cells), np.uint8), edge_cells // 2
+    fits = cv2.erode(cells.astype(np.uint8), window, anchor=(middle, middle))
+    # With an even edge the window has no cell in its middle: only the mirrored anchor puts it back where it fitted.
+    back = edge_cells - 1 - middle
+    covered: np.ndarray = cv2.dilate(fits, window, anchor=(back, back)).astype(bool)
+    return covered
 
 
 def without_corner_contacts(solid: np.ndarray) -> np.ndarray:

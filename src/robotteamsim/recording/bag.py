@@ -15,12 +15,11 @@ from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
 from robotteamsim.recording.sensor_messages import sensor_topics
-from robotteamsim.scenario import occupancy_grid
+from robotteamsim.scenario.published_map import published_map
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
 from robotteamsim.world.placement import placed_robots
 
-MAP_RESOLUTION_M = 0.05
 """Cell size of `/map` [m]."""
 
 CHUNK_BYTES = 256 * 1024
@@ -229,7 +228,7 @@ class BagWriter:
     def _team_messages(self, record: StepRecord) -> Iterator[tuple[str, Any]]:
         make, time_ns, status, last = self._make, record.sim_time_ns, record.mission, self._last
         if last is None:
-            grid = occupancy_grid(self._scenario.plan, MAP_RESOLUTION_M)
+            grid = published_map(self._scenario)
             yield "/map", ros_messages.occupancy_grid(make, time_ns, grid)
         odometry = [
             reading.odometry if record.is_there(robot_id) else None for robot_id, reading in enumerate(record.readings)

@@ -8,7 +8,16 @@ import numpy as np
 import shapely
 from pydantic import ValidationError
 
-from robotteamsim.map_import.cells import read_image, without_corner_contacts
+from robotteamsim.map_import.cells import (
+    FREE_THRESH,
+    OCCUPIED_THRESH,
+    darkness,
+    in_bytes,
+    lightness,
+    read_image,
+    solid_cells,
+    without_corner_contacts,
+)
 from robotteamsim.map_import.pieces import solid_pieces
 from robotteamsim.scenario.body import MAX_CORNERS
 from robotteamsim.scenario.floor_plan import Block, Wall
@@ -18,6 +27,7 @@ from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.yaml_text import is_file, shown
 from robotteamsim.stage.values import Notes, Pose2, Values, compose, tidy
 from robotteamsim.stage.world_file import Entity
+from robotteamsim.wording import counted
 
 DEFAULT_SIZE_M = (0.4, 0.4, 1.0)
 """Default of `size` (Stage 4)."""
@@ -29,7 +39,7 @@ MIN_PIXEL_M, MAX_PIXEL_M = 0.001, 10.0
 """Sizes of a bitmap's pixels."""
 
 _FREE_ABOVE = 127
-"""A lighter pixel of a bitmap is free."""
+"""A lighter pixel of a bitmap is free in Stage."""
 
 _MAX_HEIGHT_M = 20.0
 
@@ -128,7 +138,7 @@ class SolidReader:
     def _add_bitmap(self, entity: Entity, pose: Pose2, size: tuple[float, ...], name: str) -> None:
         if entity.of_kind("block"):
             raise entity.error("bitmap", "expected a model without blocks")
-        solid = self._read_bitmap(entity)
+        solid = self._read_bitmap(entity, size)
         rows, columns = solid.shape
         cell = (size[0] / columns, size[1] / rows)
         if not (min(cell) >= MIN_PIXEL_M and max(cell) <= MAX_PIXEL_M):
@@ -146,8 +156,27 @@ class SolidReader:
             update = {"polygon": polygon, "name": f"{name}_{block.name}", **height}
             self.blocks.append(block.model_copy(update=update))
 
-    def _read_bitmap(self, entity: Entity) -> np.ndarray:
-        """Return which cells of a bitmap are solid, cropped to the solid ones as Stage does; row 0 at the lowest y."""
+    def _read_bitmap(self, entity: Entity, size: tuple[float, ...]) -> np.ndarray:
+        """Return which cells of a bitmap are solid, cropped to its dark pixels as Stage does; row 0 at the lowest y."""
+        image = self._read_image(entity)
+        # Stage uses the first channel, red; in OpenCV it is the third.
+        stage = np.flipud((image if image.ndim == 2 else image[:, :, 2]) <= _FREE_ABOVE)
+        if not stage.any():
+            raise entity.error("bitmap", f"no pixel of '{self._values.text(entity, 'bitmap', '')}' is dark")
+        rows, columns = np.flatnonzero(stage.any(axis=1)), np.flatnonzero(stage.any(axis=0))
+        crop = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+        dark = darkness(lightness(image, negate=False, with_alpha=False))[crop]
+        edge_m = math.sqrt(abs(size[0] * size[1]) / dark.size)
+        if not edge_m >= MIN_PIXEL_M:
+            return stage[crop]  # the size is rejected
+        solid = solid_cells(dark, OCCUPIED_THRESH, FREE_THRESH, edge_m, closed=False)
+        differing = int(np.count_nonzero(solid != without_corner_contacts(stage[crop])))
+        if differing:
+            text = f"bitmap: {counted(differing, 'pixel')} neither black nor white, or too small for a wall, "
+            self._notes.say(entity.place_of("bitmap"), f"{text}are read differently from Stage")
+        return solid
+
+    def _read_image(self, entity: Entity) -> np.ndarray:
         file = self._values.text(entity, "bitmap", "")
         path = self._folder / file
         if not is_file(path):
@@ -158,15 +187,7 @@ class SolidReader:
             raise entity.error("bitmap", f"{shown(file)} has {error}") from None
         if image is None or image.dtype not in (np.uint8, np.uint16):
             raise entity.error("bitmap", f"'{file}' cannot be read as an image")
-        if image.dtype == np.uint16:
-            image = image // 256
-        # Stage uses the first channel, red; in OpenCV it is the third.
-        first = image if image.ndim == 2 else image[:, :, 2]
-        solid = np.flipud(first <= _FREE_ABOVE)
-        if not solid.any():
-            raise entity.error("bitmap", f"no pixel of '{file}' is dark")
-        rows, columns = np.flatnonzero(solid.any(axis=1)), np.flatnonzero(solid.any(axis=0))
-        return without_corner_contacts(solid[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1])
+        return in_bytes(image)
 
     def _add_body(self, entity: Entity, pose: Pose2, z_m: float, tallest_m: float, name: str) -> None:
         body = body_of(entity, self._values)

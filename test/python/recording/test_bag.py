@@ -10,6 +10,7 @@ import textwrap
 from collections import Counter
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Reader
@@ -17,7 +18,7 @@ from rosbags.rosbag1 import Reader
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_types import bag_typestore
-from robotteamsim.scenario import load
+from robotteamsim.scenario import load, load_floor_plan
 from robotteamsim.simulation import Simulation
 
 ROSBAG = shutil.which("rosbag", path="/usr/bin:/opt/ros/noetic/bin")
@@ -163,6 +164,21 @@ def test_victim_who_walks_moves_in_the_bag(tmp_path):
     Simulation(load("garage_sar", ["mission.time_limit_s=3", *walk])).run([BagWriter(path)])
     places = [(time_ns, m.victims[0].position.x) for time_ns, m in messages(path, "/mission/victims")]
     assert places == [(100_000_000, 29.0), (1_000_000_000, 30.0), (2_000_000_000, 31.0)]
+
+
+def test_bag_of_an_imported_image_has_its_unknown_cells(trial, tmp_path):
+    cells = np.full((100, 200), 254, np.uint8)
+    cells[[0, -1]] = cells[:, [0, -1]] = 0
+    cells[20:40, 50:70] = 205
+    cv2.imwrite(str(tmp_path / "hall.png"), cells)
+    file = tmp_path / "hall.yaml"
+    file.write_text("image: hall.png\nresolution: 0.1\norigin: [0, 0, 0]\n", encoding="utf-8")
+    scenario = trial.scenario.model_copy(update={"plan": load_floor_plan(file)})
+    trial.scenario = scenario.read_from(scenario.origin, str(file))
+    trial.play(BagWriter(tmp_path / "mission.bag"), steps=1)
+    ((_, grid),) = messages(tmp_path / "mission.bag", "/map")
+    expected = np.select([cells == 0, cells == 205], [100, -1], 0)
+    np.testing.assert_array_equal(grid.data.reshape(100, 200), np.flipud(expected))
 
 
 def test_finished_bag_leaves_no_active_file(bag):

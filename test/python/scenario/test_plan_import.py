@@ -248,7 +248,7 @@ def test_plain_text_image_and_comments_are_read(tmp_path: Path) -> None:
         ("origin: [0, 0]", "origin: [0, 0] is not [x, y, yaw]"),
         ("resolution: 0", "resolution: 0 is below 0.001"),
         ("negate: 2", "negate: 2 is not one of 0, 1, False, True"),
-        ("mode: raw", "mode: 'raw' is not one of trinary, scale"),
+        ("mode: grey", "mode: 'grey' is not one of trinary, scale, raw"),
         ("free_thresh: 0.7", "free_thresh: 0.7 is not below occupied_thresh, 0.65"),
         ("negate: 1", "image: no cell of 'room.png' is free; is negate or free_thresh wrong?"),
     ],

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.errors import PlacementError, ScenarioError
-from robotteamsim.scenario import occupancy_grid, solids
+from robotteamsim.scenario import load_floor_plan, occupancy_grid, solids
 from robotteamsim.stage import StageImport, import_world
 from robotteamsim.world.placement import placed_robots
 
@@ -330,10 +330,26 @@ def test_robot_in_a_wall_is_a_mistake_of_place(world_of):
         world_of(ROOM + ROBOT.replace("2 2 0 0", "0 2 0 0"))
 
 
-def test_colours_are_judged_by_their_red_as_stage_does(world_of, tmp_path):
+def test_coloured_line_is_a_wall_and_a_single_pixel_is_not(world_of, tmp_path):
     picture = np.full((20, 20, 3), 255, np.uint8)
     picture[[0, -1]] = picture[:, [0, -1]] = (255, 255, 0)  # blue, green, red: cyan has no red
     picture[10, 10] = (0, 0, 255)  # red
     cv2.imwrite(str(tmp_path / "room.png"), picture)
     plan = world_of(ROBOT + 'model( bitmap "room.png" size [ 10 10 1 ] pose [ 5 5 0 0 ] )').plan
     assert np.count_nonzero(occupancy_grid(plan, 0.5).cells) == 4 * 19
+
+
+def test_bitmap_and_map_server_image_of_one_building_have_the_same_walls(world_of, tmp_path):
+    picture = np.full((100, 200), 254, np.uint8)
+    picture[[0, -1]] = picture[:, [0, -1]] = 0
+    picture[20:40, 50] = 0
+    picture[20:40, [49, 51]] = 150  # a smoothed edge
+    picture[60:90, 100:130] = 205
+    picture[60, 100:130] = 0
+    cv2.imwrite(str(tmp_path / "room.png"), picture)
+    keys = "image: room.png\nresolution: 0.1\norigin: [0, 0, 0]\n"
+    (tmp_path / "room.yaml").write_text(keys, encoding="utf-8")
+    found = world_of(ROBOT + 'model( bitmap "room.png" size [ 20 10 1 ] pose [ 10 5 0 0 ] )')
+    cells = [occupancy_grid(plan, 0.1).cells for plan in (found.plan, load_floor_plan(tmp_path / "room.yaml"))]
+    np.testing.assert_array_equal(*cells)
+    assert any("are read differently from Stage" in note for note in found.notes)

@@ -25,7 +25,7 @@ from robotteamsim.ros.transport.presence import ROBOTS
 from robotteamsim.ros.transport.services import Service, command
 from robotteamsim.ros.transport.settings import SEED, Settings, read_settings
 from robotteamsim.ros.transport.topics import Output
-from robotteamsim.scenario import occupancy_grid
+from robotteamsim.scenario.published_map import published_map
 from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
@@ -34,7 +34,6 @@ from robotteamsim.world.placement import placed_robots
 
 logger = logging.getLogger(__name__)
 
-MAP_RESOLUTION_M = 0.05
 SERVICE_TIMEOUT_S = 5.0
 """A service waits this long for the current step [s, wall]."""
 START_NS = 1_000_000
@@ -168,7 +167,7 @@ class WorldNode:
         self._clock.publish(ros_messages.clock(self._make, time_ns))
 
     def _offer_map(self) -> None:
-        grid = ros_messages.occupancy_grid(self._make, 0, occupancy_grid(self._scenario.plan, MAP_RESOLUTION_M))
+        grid = ros_messages.occupancy_grid(self._make, 0, published_map(self._scenario))
         self._map = Output("/map", OccupancyGrid, latched=True)
         self._map.publish(grid)
         self._static_map = Service("/static_map", GetMap, lambda _: GetMapResponse(map=grid))
