@@ -92,6 +92,7 @@ def heard(listener: str, count: int, steps: int) -> Heard:
             str(port),
             "robotteamsim",
             "world.launch",
+            "odometry:=step",
             "speed:=0",
             f"scenario:={folder}/many.yaml",
         )

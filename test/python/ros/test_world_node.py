@@ -14,6 +14,7 @@ from robotteamsim.ros.nodes import objects, team_outputs
 from robotteamsim.ros.nodes import world as world_node
 from robotteamsim.ros.nodes.gate import Gate, Pacer
 from robotteamsim.ros.transport import msg_conversion as conversion
+from robotteamsim.ros.transport.node import ParameterError
 from robotteamsim.ros.transport.serialization import deserialized
 from robotteamsim.ros.transport.settings import Settings
 from robotteamsim.scenario.floor_plan import Door
@@ -103,7 +104,7 @@ def serve(monkeypatch, hall_scenario) -> Callable[..., None]:
     """Let a world take its first steps at a speed: that of the hall, or another."""
     FakeOutput.sent = []
     FakeGate.now_s = 0.0
-    parameters = {"~speed": 0.0, "~localization": "ground_truth"}
+    parameters = {"~speed": 0.0, "~localization": "ground_truth", "~odometry": "step"}
     monkeypatch.setattr(world_node, "Output", FakeOutput)
     monkeypatch.setattr(team_outputs, "Output", FakeOutput)
     monkeypatch.setattr(objects, "Output", FakeOutput)
@@ -118,10 +119,13 @@ def serve(monkeypatch, hall_scenario) -> Callable[..., None]:
     monkeypatch.setattr(world_node, "Gate", FakeGate)
     monkeypatch.setattr(world_node, "Pacer", lambda speed: Pacer(speed, lambda: FakeGate.now_s))
 
-    def make(speed: float, scenario: Scenario | None = None) -> None:
-        parameters["~speed"] = speed
+    def make(
+        speed: float, scenario: Scenario | None = None, odometry: str = "step", controllers: bool = True, **more: bool
+    ) -> None:
+        parameters["~speed"], parameters["~odometry"] = speed, odometry
         scenario = scenario or hall_scenario()
-        settings = Settings(scenario, lockstep=False, controllers=True, teleop=-1, silence_limit_s=5.0)
+        lockstep = more.get("lockstep", False)
+        settings = Settings(scenario, lockstep, controllers, teleop=-1, silence_limit_s=5.0)
         world_node.WorldNode(settings).serve()
 
     return make
@@ -155,6 +159,50 @@ def test_clock_starts_near_zero_and_ticks_with_the_physics(sent):
     ticks_ns = [message.clock.to_nsec() for topic, message in sent if topic == "/clock"]
     # The last step is not taken, but the clock has already run up to it.
     assert ticks_ns == [1_000_000, *(20_000_000 * tick for tick in range(1, 5 * STEPS + 5))]
+
+
+def _stamps_and_places(topic: str) -> dict[int, tuple[float, ...]]:
+    """Return where robot 0 is in what was sent on a topic: x, y, z, w by stamp [ns]."""
+    return {time_ns: tuple(arrays[0][0, :4]) for name, (time_ns, arrays) in _of(topic)}
+
+
+def _of(topic: str) -> list[tuple[str, Any]]:
+    return [(name, message) for name, message in FakeOutput.sent if name == topic]
+
+
+@pytest.mark.parametrize("topic", ["/robot_0/odom", "/tf"])
+def test_odometry_and_tf_come_with_each_tick_of_the_clock_on_demand(serve, topic):
+    serve(0.0)
+    at_steps, scans = _stamps_and_places(topic), len(_of("/robot_0/base_scan"))
+    FakeOutput.sent.clear()
+    serve(0.0, odometry="clock", controllers=False)
+    places = _stamps_and_places(topic)
+    assert list(places) == [STEP_NS, *range(STEP_NS + 20_000_000, STEPS * STEP_NS + 1, 20_000_000)]
+    assert {time_ns: places[time_ns] for time_ns in at_steps} == at_steps
+    ways_m = [places[STEP_NS + tick * 20_000_000][0] for tick in range(6)]
+    assert ways_m == pytest.approx([ways_m[0] + (ways_m[-1] - ways_m[0]) * tick / 5 for tick in range(6)])
+    assert len(_of("/robot_0/base_scan")) == scans
+    # A client that sees a tick of the clock has the odometry of that tick, or gets it next.
+    clock_ns = 0
+    for name, message in FakeOutput.sent:
+        if name == "/clock":
+            assert clock_ns < STEP_NS or message.clock.to_nsec() in places
+            clock_ns = message.clock.to_nsec()
+        elif name == topic:
+            assert message[0] > clock_ns
+
+
+@pytest.mark.parametrize(
+    ("keywords", "message"),
+    [
+        ({"odometry": "10"}, "~odometry: '10'; expected step or clock"),
+        ({"odometry": "clock"}, "~odometry: clock does not work with controllers of this package, .*expected step"),
+        ({"odometry": "clock", "lockstep": True}, "~odometry: clock does not work with lockstep; expected step"),
+    ],
+)
+def test_wrong_rate_of_odometry_is_rejected(serve, keywords, message):
+    with pytest.raises(ParameterError, match=f"^{message}$"):
+        serve(0.0, **keywords)
 
 
 @pytest.mark.parametrize(("speed", "wall_s"), [(0.0, 0.0), (5.0, 0.076), (0.5, 0.76), (0.01, 38.0)])

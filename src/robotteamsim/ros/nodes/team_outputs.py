@@ -65,11 +65,7 @@ class TeamOutputs:
         """
         if self._truth.is_wanted:
             self._truth.publish(time_ns, readings.ground_truth, readings.twists, present=present)
-        if self._odom.is_wanted:
-            odometry = readings.odometry
-            pose_covariances = ros_messages.pose_covariances(odometry[:, 7:13])
-            twist_covariances = ros_messages.twist_covariances(odometry[:, 13:16])
-            self._odom.publish(time_ns, odometry, odometry[:, 4:7], pose_covariances, twist_covariances, present)
+        self._publish_odometry(time_ns, readings.odometry, present)
         if self._scan.is_wanted:
             self._scan.publish(time_ns, list(readings.ranges_m), present)
         if self._contact.is_wanted:
@@ -82,6 +78,18 @@ class TeamOutputs:
                 output.publish(message)
         self._tf.publish(time_ns, readings, present)
 
+    def publish_motion(self, time_ns: int, odometry: np.ndarray, present: np.ndarray | None = None) -> None:
+        """Publish odometry and tf of a time between two steps. Args: odometry: as `TeamReadings.odometry`."""
+        self._publish_odometry(time_ns, odometry, present)
+        self._tf.publish_motion(time_ns, odometry, present)
+
+    def _publish_odometry(self, time_ns: int, odometry: np.ndarray, present: np.ndarray | None) -> None:
+        if not self._odom.is_wanted:
+            return
+        pose_covariances = ros_messages.pose_covariances(odometry[:, 7:13])
+        twist_covariances = ros_messages.twist_covariances(odometry[:, 13:16])
+        self._odom.publish(time_ns, odometry, odometry[:, 4:7], pose_covariances, twist_covariances, present)
+
 
 class _Tf:
     """The frames of all robots, in one message."""
@@ -90,6 +98,7 @@ class _Tf:
         frames = [ros_messages.robot_transforms(make, 0, i, robot, _ORIGIN) for i, robot in enumerate(robots)]
         origins = [[ros_messages.localization(make, 0, i, _ORIGIN.pose)] for i in range(len(robots))]
         self._localized = localized
+        self._origins: np.ndarray | None = None
         self._topic = roscpp.FramesTopic(
             "/tf",
             [serialized(TFMessage(transforms)) for transforms in frames],
@@ -98,13 +107,15 @@ class _Tf:
 
     def publish(self, time_ns: int, readings: TeamReadings, present: np.ndarray | None) -> None:
         """Publish one step's frames, if there is a subscriber."""
-        if not self._topic.is_wanted:
-            return
-        origins = None
         if self._localized:
             places = [_origin(reading) for reading in readings]
-            origins = np.array([(place.x_m, place.y_m, place.qz, place.qw) for place in places])
-        self._topic.publish(time_ns, readings.odometry, origins, present)
+            self._origins = np.array([(place.x_m, place.y_m, place.qz, place.qw) for place in places])
+        self.publish_motion(time_ns, readings.odometry, present)
+
+    def publish_motion(self, time_ns: int, odometry: np.ndarray, present: np.ndarray | None) -> None:
+        """Publish the frames of a time between two steps: map -> odom is that of the last step."""
+        if self._topic.is_wanted:
+            self._topic.publish(time_ns, odometry, self._origins, present)
 
 
 def _origin(reading: RobotReading) -> PoseReading:

@@ -16,6 +16,7 @@ from robotteamsim.msg import Doors, Robots
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.commands import STOP
 from robotteamsim.ros.nodes.gate import Gate, Pacer
+from robotteamsim.ros.nodes.motion import StepMotion
 from robotteamsim.ros.nodes.objects import ObjectsOutput, set_object
 from robotteamsim.ros.nodes.team import FreeTeam, LockstepTeam
 from robotteamsim.ros.nodes.team_outputs import TeamOutputs
@@ -66,6 +67,7 @@ class WorldNode:
         localization = parameter("~localization", "none")
         if localization not in ("none", "ground_truth"):
             raise ParameterError(f"~localization: {localization!r}; expected none or ground_truth")
+        self._motion = _motion(settings)
         self._world_lock = threading.Lock()
         self._build()
         on_shutdown(self._gate.close)
@@ -93,7 +95,8 @@ class WorldNode:
         self._team.assemble()
         self._wait_for_subscribers()
         while self._gate.wait():
-            self._tick()
+            if self._motion is None:
+                self._tick(self._world.sim_time_ns)
             twists = self._team.twists(self._world.step_index, self._world.sim_time_ns)
             if twists is None:
                 return
@@ -108,6 +111,10 @@ class WorldNode:
                 self._world.step(twists)
                 readings, doors = self._sensors.read(), self._world.door_states()
                 present, arrivals = self._world.present, self._world.arrivals
+            if self._motion is not None:
+                # The step is made when it begins, so its motion is known at each tick.
+                self._motion.add(readings.odometry, arrivals)
+                self._tick(self._world.sim_time_ns - self._step_ns, present)
             self._publish(readings, doors, present, arrivals)
             self._gate.passed()
 
@@ -130,20 +137,24 @@ class WorldNode:
         self._scenario = self._settings.scenario
         # Before stamps jump back, which makes the other nodes start again.
         set_parameter(SEED, str(self._scenario.run.seed))
+        if self._motion is not None:
+            self._motion.clear()
         with self._world_lock:
             self._build()
             self._objects.show(self._world)
         self._publish_clock(START_NS)
         logger.info("the world is reset")
 
-    def _tick(self) -> None:
+    def _tick(self, from_ns: int, present: np.ndarray | None = None) -> None:
         """Publish the ticks of the clock up to the next step; the tick of a step follows its data."""
         ticks = self._scenario.run.physics_substeps
         for tick in range(1, ticks + 1):
-            time_ns = self._world.sim_time_ns + tick * self._step_ns // ticks
+            time_ns = from_ns + tick * self._step_ns // ticks
             while (delay_s := self._pacer.delay_s(time_ns)) > 0.0 and self._gate.sleep(min(delay_s, NAP_S)):
                 pass
             if tick < ticks:
+                if self._motion is not None and self._motion.is_known:
+                    self._outputs.publish_motion(time_ns, self._motion.at(tick / ticks), present)
                 self._publish_clock(time_ns)
 
     def _publish(
@@ -230,6 +241,17 @@ class WorldNode:
     def _remove_object(self, request: srv.RemoveObjectRequest) -> None:
         self._world.remove_object(request.name)
         self._objects.show(self._world)
+
+
+def _motion(settings: Settings) -> StepMotion | None:
+    """Return the motion for odometry and tf at the rate of the clock; None: they are published per step."""
+    rate = parameter("~odometry", "step")
+    if rate not in ("step", "clock"):
+        raise ParameterError(f"~odometry: {rate!r}; expected step or clock")
+    if rate == "clock" and (settings.lockstep or settings.controllers):
+        with_what = "lockstep" if settings.lockstep else "controllers of this package, which need one odom per scan"
+        raise ParameterError(f"~odometry: clock does not work with {with_what}; expected step")
+    return StepMotion() if rate == "clock" else None
 
 
 def _pacer() -> Pacer:
