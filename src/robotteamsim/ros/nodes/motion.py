@@ -22,7 +22,7 @@ class StepMotion:
         """Take the odometry at the end of the next step.
 
         Args: odometry: as `TeamReadings.odometry`: float64, shape (n, 16), x, y, z and w of the quaternion first.
-              arrivals: as `World.arrivals`; the odometry of a robot that has just arrived starts at the end of its step.
+              arrivals: as `World.arrivals`; a robot that has just arrived stays at the end of its step.
         """
         self._before, self._after = self._after, odometry.copy()
         if self._before is not None:

@@ -11,6 +11,7 @@ from robotteamsim.geometry import Twist
 from robotteamsim.msg import FloatMap, MissionStatus
 from robotteamsim.recording.ros_messages import robot_name
 from robotteamsim.ros.nodes.commands import STOP, Answers, Commands
+from robotteamsim.ros.nodes.stage import robot_topic
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.serialization import message_type
 from robotteamsim.ros.transport.settings import Settings
@@ -35,7 +36,7 @@ logger = logging.getLogger(__name__)
 class _Team:
     """Commands by topic `cmd_vel`."""
 
-    def __init__(self, robots: Sequence[PlacedRobot], driven: Sequence[int]) -> None:
+    def __init__(self, settings: Settings, robots: Sequence[PlacedRobot], driven: Sequence[int]) -> None:
         """Args: driven: the robots whose topic `cmd_vel` counts."""
         self._commands = Commands([round(robot.cmd_vel_hold_s * 1e9) for robot in robots])
         self._ids = range(len(robots))
@@ -45,7 +46,8 @@ class _Team:
         self._queue = message_queue()
         twist = message_type(TwistMessage)
         for robot_id in driven:
-            self._queue.subscribe(f"/{robot_name(robot_id)}/cmd_vel", twist, COMMANDS_KEPT)
+            topic = robot_topic(robot_id, "cmd_vel", unprefixed=settings.unprefixed)
+            self._queue.subscribe(topic, twist, COMMANDS_KEPT)
 
     def note_presence(self, stamp_ns: int, present: tuple[bool, ...]) -> None:
         """Set which robots are present in a step: the world does not wait for others, and drops their commands."""
@@ -86,7 +88,7 @@ class LockstepTeam(_Team):
     """
 
     def __init__(self, settings: Settings, robots: Sequence[PlacedRobot]) -> None:
-        super().__init__(robots, [i for i in range(len(robots)) if not settings.drives(i)])
+        super().__init__(settings, robots, [i for i in range(len(robots)) if not settings.drives(i)])
         self._answers = {robot_id: f"/{robot_name(robot_id)}/cmd_vel_stamped" for robot_id in settings.controlled}
         inputs = [
             Input(Channel(topic, may_be_silent=True, robot_id=i), TwistStamped, conversion.read_twist_stamped)
@@ -137,7 +139,7 @@ class FreeTeam(_Team):
     """Uses the commands that have arrived. If `follow` is true, waits a moment for the answers to each step."""
 
     def __init__(self, settings: Settings, robots: Sequence[PlacedRobot], *, follow: Callable[[], bool]) -> None:
-        super().__init__(robots, range(len(robots)))
+        super().__init__(settings, robots, range(len(robots)))
         self._follow = follow
         self._controllers = {robot_id: f"/{robot_name(robot_id)}/controller" for robot_id in settings.controlled}
         self._answering: list[str] = []

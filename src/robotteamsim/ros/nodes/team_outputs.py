@@ -10,6 +10,7 @@ from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.recording import ros_messages
 from robotteamsim.recording.sensor_messages import SensorTopic, sensor_topics
+from robotteamsim.ros.nodes.stage import UnprefixedTypes, robot_topic
 from robotteamsim.ros.transport.msg_conversion import RosTypes
 from robotteamsim.ros.transport.serialization import serialized
 from robotteamsim.ros.transport.topics import Output
@@ -25,9 +26,14 @@ class TeamOutputs:
     Messages are made once, by `recording.ros_messages`; in each step roscpp fills them from the readings' arrays.
     """
 
-    def __init__(self, robots: Sequence[PlacedRobot], *, latched: bool, localized: bool) -> None:
-        """Args: localized: whether tf also has map -> odom, without error."""
-        self._make = make = RosTypes()
+    def __init__(
+        self, robots: Sequence[PlacedRobot], *, latched: bool, localized: bool, unprefixed: bool = False
+    ) -> None:
+        """Args: localized: whether tf also has map -> odom, without error.
+
+        unprefixed: whether topics and frames have no robot_<id>/ before them.
+        """
+        self._make = make = UnprefixedTypes() if unprefixed else RosTypes()
         ids = range(len(robots))
         still = RobotReading.of(_ORIGIN.pose, _ORIGIN.twist, _ORIGIN, np.zeros(0, np.float32), in_contact=False)
         truths = [serialized(ros_messages.ground_truth(make, 0, i, still)) for i in ids]
@@ -37,7 +43,7 @@ class TeamOutputs:
         contacts = [serialized(ros_messages.contact(make, 0, i, in_contact=False)) for i in ids]
 
         def names(topic: str) -> list[str]:
-            return [f"/{ros_messages.robot_name(robot_id)}/{topic}" for robot_id in ids]
+            return [robot_topic(robot_id, topic, unprefixed=unprefixed) for robot_id in ids]
 
         self._truth = roscpp.OdometryTopic(names("base_pose_ground_truth"), truths, latched=latched)
         self._odom = roscpp.OdometryTopic(names("odom"), odometry, latched=latched)
@@ -46,7 +52,7 @@ class TeamOutputs:
         self._sensors: list[tuple[int, SensorTopic, Output]] = []
         for i, robot in enumerate(robots):
             for sensor in sensor_topics(robot):
-                name = f"/{ros_messages.robot_name(i)}/{sensor.name}"
+                name = robot_topic(i, sensor.name, unprefixed=unprefixed)
                 output = Output(name, make.message_class(sensor.type_name), latched=latched)
                 self._sensors.append((i, sensor, output))
         self._tf = _Tf(make, robots, localized)

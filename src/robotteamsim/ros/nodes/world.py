@@ -18,6 +18,7 @@ from robotteamsim.ros.nodes.commands import STOP
 from robotteamsim.ros.nodes.gate import Gate, Pacer
 from robotteamsim.ros.nodes.motion import StepMotion
 from robotteamsim.ros.nodes.objects import ObjectsOutput, set_object
+from robotteamsim.ros.nodes.stage import StageRequests
 from robotteamsim.ros.nodes.team import FreeTeam, LockstepTeam
 from robotteamsim.ros.nodes.team_outputs import TeamOutputs
 from robotteamsim.ros.transport import msg_conversion as conversion
@@ -82,7 +83,13 @@ class WorldNode:
         self._doors = Output("/world/doors", Doors, latched=True)
         self._presence = Output(ROBOTS, Robots, latched=True)
         # In lockstep a late subscriber must still get the step that all nodes wait for.
-        self._outputs = TeamOutputs(self._robots, latched=settings.lockstep, localized=localization == "ground_truth")
+        self._outputs = TeamOutputs(
+            self._robots,
+            latched=settings.lockstep,
+            localized=localization == "ground_truth",
+            unprefixed=settings.unprefixed,
+        )
+        self._requests = StageRequests(self._pacer.set_speed) if settings.stage else None
         self._offer_map()
         self._offer_services()
         # Of messages that wait together roscpp sends those first whose topic was advertised first, and the clock must
