@@ -47,14 +47,15 @@ def test_settings_follow_the_parameters(parameters):
     assert [read.drives(robot_id) for robot_id in range(6)] == [True, False, True, True, True, False]
 
 
-def test_names_of_stage_are_for_a_single_robot_of_the_world_alone(parameters):
-    parameters |= {"/robotteamsim/stage": True, "/robotteamsim/robots": 1, "/robotteamsim/controllers": "false"}
-    with pytest.raises(ParameterError, match="/robotteamsim/stage: True; expected False with a mission"):
-        read_settings()
-    parameters["/robotteamsim/mission"] = False
-    assert read_settings().unprefixed
-    parameters["/robotteamsim/robots"] = 2
-    assert not read_settings().unprefixed
+def test_names_without_a_prefix_are_for_a_single_robot_of_the_world_alone(parameters):
+    alone = {"/robotteamsim/robots": 1, "/robotteamsim/controllers": "false", "/robotteamsim/mission": False}
+    parameters |= {"/robotteamsim/prefix": False, **alone}
+    assert not read_settings().prefix
+    others = {"/robotteamsim/robots": 2, "/robotteamsim/controllers": "team", "/robotteamsim/mission": True}
+    for name, value in others.items():
+        parameters |= {**alone, name: value}
+        with pytest.raises(ParameterError, match=r"^/robotteamsim/prefix: False; expected True unless"):
+            read_settings()
 
 
 def test_seed_of_a_reset_reaches_the_nodes_that_start_again(parameters):

@@ -74,5 +74,5 @@ def test_single_robot_of_stage_has_topics_and_frames_without_a_prefix(hall_scena
     frames = [(link.header.frame_id, link.child_frame_id) for link in links]
     assert frames == [("odom", "base_footprint"), ("base_footprint", "base_link"), ("base_link", "base_laser_link")]
     assert ros_messages.contact(make, 0, 0, in_contact=False).header.frame_id == "base_link"
-    assert robot_topic(0, "odom", unprefixed=True) == "/odom"
-    assert robot_topic(0, "odom", unprefixed=False) == "/robot_0/odom"
+    assert robot_topic(0, "odom", prefix=False) == "/odom"
+    assert robot_topic(0, "odom", prefix=True) == "/robot_0/odom"

@@ -104,7 +104,7 @@ def serve(monkeypatch, hall_scenario) -> Callable[..., None]:
     """Let a world take its first steps at a speed: that of the hall, or another."""
     FakeOutput.sent = []
     FakeGate.now_s = 0.0
-    parameters = {"~speed": 0.0, "~localization": "ground_truth", "~odometry": "step"}
+    parameters = {"~speed": 0.0, "~localization": "ground_truth", "~odometry": "step", "~stage_requests": False}
     monkeypatch.setattr(world_node, "Output", FakeOutput)
     monkeypatch.setattr(team_outputs, "Output", FakeOutput)
     monkeypatch.setattr(objects, "Output", FakeOutput)

@@ -24,9 +24,9 @@ POLL_S = 1.0
 logger = logging.getLogger(__name__)
 
 
-def robot_topic(robot_id: int, name: str, *, unprefixed: bool) -> str:
+def robot_topic(robot_id: int, name: str, *, prefix: bool) -> str:
     """Return the full name of a robot's topic: /robot_0/odom, or /odom."""
-    return f"/{name}" if unprefixed else f"/{robot_name(robot_id)}/{name}"
+    return f"/{robot_name(robot_id)}/{name}" if prefix else f"/{name}"
 
 
 class UnprefixedTypes(RosTypes):

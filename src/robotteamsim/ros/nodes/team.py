@@ -46,7 +46,7 @@ class _Team:
         self._queue = message_queue()
         twist = message_type(TwistMessage)
         for robot_id in driven:
-            topic = robot_topic(robot_id, "cmd_vel", unprefixed=settings.unprefixed)
+            topic = robot_topic(robot_id, "cmd_vel", prefix=settings.prefix)
             self._queue.subscribe(topic, twist, COMMANDS_KEPT)
 
     def note_presence(self, stamp_ns: int, present: tuple[bool, ...]) -> None:

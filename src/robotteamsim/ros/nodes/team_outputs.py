@@ -26,14 +26,12 @@ class TeamOutputs:
     Messages are made once, by `recording.ros_messages`; in each step roscpp fills them from the readings' arrays.
     """
 
-    def __init__(
-        self, robots: Sequence[PlacedRobot], *, latched: bool, localized: bool, unprefixed: bool = False
-    ) -> None:
+    def __init__(self, robots: Sequence[PlacedRobot], *, latched: bool, localized: bool, prefix: bool = True) -> None:
         """Args: localized: whether tf also has map -> odom, without error.
 
-        unprefixed: whether topics and frames have no robot_<id>/ before them.
+        prefix: whether topics and frames begin with robot_<id>/.
         """
-        self._make = make = UnprefixedTypes() if unprefixed else RosTypes()
+        self._make = make = RosTypes() if prefix else UnprefixedTypes()
         ids = range(len(robots))
         still = RobotReading.of(_ORIGIN.pose, _ORIGIN.twist, _ORIGIN, np.zeros(0, np.float32), in_contact=False)
         truths = [serialized(ros_messages.ground_truth(make, 0, i, still)) for i in ids]
@@ -43,7 +41,7 @@ class TeamOutputs:
         contacts = [serialized(ros_messages.contact(make, 0, i, in_contact=False)) for i in ids]
 
         def names(topic: str) -> list[str]:
-            return [robot_topic(robot_id, topic, unprefixed=unprefixed) for robot_id in ids]
+            return [robot_topic(robot_id, topic, prefix=prefix) for robot_id in ids]
 
         self._truth = roscpp.OdometryTopic(names("base_pose_ground_truth"), truths, latched=latched)
         self._odom = roscpp.OdometryTopic(names("odom"), odometry, latched=latched)
@@ -52,7 +50,7 @@ class TeamOutputs:
         self._sensors: list[tuple[int, SensorTopic, Output]] = []
         for i, robot in enumerate(robots):
             for sensor in sensor_topics(robot):
-                name = robot_topic(i, sensor.name, unprefixed=unprefixed)
+                name = robot_topic(i, sensor.name, prefix=prefix)
                 output = Output(name, make.message_class(sensor.type_name), latched=latched)
                 self._sensors.append((i, sensor, output))
         self._tf = _Tf(make, robots, localized)

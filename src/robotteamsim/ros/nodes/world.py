@@ -87,9 +87,9 @@ class WorldNode:
             self._robots,
             latched=settings.lockstep,
             localized=localization == "ground_truth",
-            unprefixed=settings.unprefixed,
+            prefix=settings.prefix,
         )
-        self._requests = StageRequests(self._pacer.set_speed) if settings.stage else None
+        self._requests = StageRequests(self._pacer.set_speed) if parameter("~stage_requests", False) else None
         self._offer_map()
         self._offer_services()
         # Of messages that wait together roscpp sends those first whose topic was advertised first, and the clock must

@@ -39,13 +39,8 @@ class Settings:
     silence_limit_s: float
     mission: bool = True
     """Whether there are an environment and a mission to wait for."""
-    stage: bool = False
-    """Whether the world has the names and requests of stage_ros."""
-
-    @property
-    def unprefixed(self) -> bool:
-        """Whether topics and frames of robots have no prefix: as in stage_ros, if there is only one robot."""
-        return self.stage and self.num_robots == 1
+    prefix: bool = True
+    """Whether topics and frames begin with robot_<id>/; without it, there is a single robot, as in stage_ros."""
 
     @property
     def controlled(self) -> range:
@@ -114,12 +109,12 @@ def _read_settings() -> Settings:
         teleop=parameter(f"{PARAMETERS}/teleop", NOT_SET),
         silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
         mission=parameter(f"{PARAMETERS}/mission", True),
-        stage=parameter(f"{PARAMETERS}/stage", False),
+        prefix=parameter(f"{PARAMETERS}/prefix", True),
     )
     if settings.controllers and not parameter(f"{PARAMETERS}/allow_code", False):
         foreign_code.check_scenario(scenario, "allow_code:=true")
-    if settings.stage and (settings.mission or settings.controllers):
-        raise ParameterError(f"{PARAMETERS}/stage: True; expected False with a mission or with our controllers")
+    if not settings.prefix and (settings.num_robots > 1 or settings.mission or settings.controllers):
+        raise ParameterError(f"{PARAMETERS}/prefix: False; expected True unless world.launch runs a single robot")
     if settings.lockstep and not settings.mission:
         raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False without a mission")
     if num_robots not in (NOT_SET, settings.num_robots):
