@@ -122,7 +122,7 @@ def _of(made: Call, *methods: tuple[Any, ...]) -> Iterator[Call]:
 def _plan() -> Iterator[Call]:
     yield new("base.hypot", np.array([3.0]), np.array([4.0]))
     yield new("base.nearest_point", (1.0, 2.0), [(3.0, 4.0), (5.0, 6.0)])
-    yield new("base.reached_places", np.array([[1.0, 2.0]]), np.array([[3.0, 4.0]]), np.array([5.0]))
+    yield new("base.Places", [(3.0, 4.0)], [5.0]).of(("reached", np.array([[1.0, 2.0]])))
     yield from _of(
         _GRID,
         ("blocked",),
@@ -240,7 +240,8 @@ def _signals() -> Iterator[Call]:
     square = Output((3, 3), np.float64)
     yield links.of(
         ("step", _TEAM, square, square),
-        *((name,) for name in ("version", "endangered_version", "fiedler_value", "adjacency", "hop_count")),
+        ("step", _TEAM, square),
+        *((name,) for name in ("fiedler_value", "adjacency", "hop_count")),
         ("endangered",),
     )
 
@@ -320,7 +321,8 @@ def _sensors() -> Iterator[Call]:
     yield _LASER.of(("scan", _WORLD, [0, 1], np.full((2, 7), 0.01)), ("nearest", _WORLD, [0, 1], np.full((2, 1), 0.01)))
     yield _ODOMETRY.of(("step", _THREE, _THREE, _THREE), ("follow", _WORLD, _THREE), ("restart", 0))
     sensors = new("sensing.TeamSensors", _ODOMETRY, [(_LASER, [0, 1])])
-    yield sensors.of(("read", _WORLD, _THREE, [np.full((2, 7), 0.01)]))
+    readings, ranges_m = Output((2, 24), np.float64), [Output((2, 7), np.float32)]
+    yield sensors.of(("read", _WORLD, _THREE, [np.full((2, 7), 0.01)], readings, ranges_m))
     ear = new("sensing.VoiceSensor", (-1.0, 2.0), 0.5, _MAP, 2.0)
     yield ear.of(("hear", np.array([[0.0, 3.0], [1.0, 4.0]])), ("hear", np.array([[0.1, 3.0], [1.0, 4.1]])))
     totals = new("simulation.TeamTotals", 2)

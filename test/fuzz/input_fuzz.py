@@ -180,7 +180,7 @@ class MessageTarget:
             MissionStatus(explored=bytes(3), victims=["saved"], undelivered=[Discovery(name="a")], has_area=True),
         )
         self._read = [fast.get(type(message)) or reader(type(message), settings) for message in messages]
-        self._use = {NetworkState: msg_conversion.network_state, MissionStatus: msg_conversion.mission_status}
+        self._use = {NetworkState: msg_conversion.network_state}
         self._use |= {ControllerStatus: msg_conversion.decision, Doors: msg_conversion.door_states}
         self._valid = [serialized(message) for message in messages]
 

@@ -34,7 +34,7 @@ def test_target_notices_an_error_that_is_none_of_ours(tmp_path: Path, monkeypatc
     ("keys", "image", "message"),
     [
         ({"image": "x" * 300}, b"", "image: there is no file '" + "x" * 56 + "..."),
-        ({"image": "a\x00b"}, b"", "image: there is no file 'a\x00b'"),
+        ({"image": "a\x00b"}, b"", "image: there is no file 'a\\x00b'"),
         ({"resolution": 1e-300}, TARGET["ROOM_IMAGE"], "resolution: 1e-300 is below 0.001"),
         ({"resolution": 1e-6}, TARGET["ROOM_IMAGE"], "resolution: 1e-06 is below 0.001"),
         (
