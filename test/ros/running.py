@@ -26,6 +26,8 @@ def environment(folder: Path) -> dict[str, str]:
     inherited = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
     return inherited | {
         "PWD": str(folder),
+        # Otherwise roslaunch and nodes keep their output back until a pipe's buffer is full.
+        "PYTHONUNBUFFERED": "1",
         "ROS_HOME": str(folder / "home"),
         "ROS_LOG_DIR": str(folder / "log"),
         "ROS_TEST_RESULTS_DIR": str(folder / "results"),
