@@ -227,7 +227,7 @@ def trajectory_hash(path: Path, steps: int) -> str:
         robots = zip(*(truths(bag, typestore, robot_id) for robot_id in range(3)), strict=True)
         for step, messages in enumerate(robots, 1):
             if step <= steps:
-                computed.update(step * STEP_NS, [conversion.pose_reading(message.pose.pose) for message in messages])
+                computed.update(step * STEP_NS, [conversion.odometry_reading(message).pose for message in messages])
     return computed.hexdigest()
 
 
