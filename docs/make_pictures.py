@@ -29,7 +29,7 @@ from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
 from robotteamsim.ros.nodes.rviz_view import fitted
-from robotteamsim.ros.transport.node import PARAMETERS
+from robotteamsim.ros.transport.settings import PARAMETERS
 from robotteamsim.scenario import load
 
 ROOT = Path(__file__).resolve().parents[1]
