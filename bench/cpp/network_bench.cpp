@@ -15,7 +15,7 @@
 namespace robotteamsim {
 namespace {
 
-const propagation::RadioModel kModel;
+const propagation::RadioModel kModel{0.0, 0.0, 0.0, 0.1};
 constexpr double kWeakestLinkDbm = -80.0;
 
 const propagation::FaceSet& Garage() {
