@@ -9,11 +9,10 @@ Usage: python bench/adaptation.py [--trials 30] [--workers 2] [--csv bench/resul
 from __future__ import annotations
 
 import argparse
-import csv
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from additions import FIRST_SEED, Row, mission, row_of
+from additions import FIRST_SEED, Row, mission, row_of, write_rows
 
 CSV = Path(__file__).resolve().parent / "results" / "adaptation.csv"
 OFFICE = (
@@ -53,10 +52,7 @@ def main() -> None:
             row = row_of(f"{place}, {kind}", PLACES[place][2], [trial.result() for trial in trials])
             rows.append(row)
             print(row, flush=True)
-    with options.csv.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, rows[0], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_rows(options.csv, rows)
 
 
 if __name__ == "__main__":

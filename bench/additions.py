@@ -73,6 +73,14 @@ def row_of(name: str, noise_db: float, results: list[Result]) -> Row:
     return row | {"complete": f"{complete / len(results):.3g}"}
 
 
+def write_rows(path: Path, rows: list[Row]) -> None:
+    """Write the rows as a table with a header."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, rows[0], lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
 def main() -> None:
     """Run all missions, print the table and write it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -95,10 +103,7 @@ def main() -> None:
             cells = [f"{row[key]} [{row[f'{key}_low_95']}, {row[f'{key}_high_95']}]" for key in ("time_s", "victims")]
             line = f"{noise_db:3g} dB  {name:42}{cells[0]:>24}{cells[1]:>22}{row['areas']:>8}{row['complete']:>8}"
             print(line, flush=True)
-    with options.csv.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, rows[0], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_rows(options.csv, rows)
 
 
 if __name__ == "__main__":

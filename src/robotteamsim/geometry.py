@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from math import atan2, pi
 
 import msgspec
 
@@ -11,7 +10,7 @@ import msgspec
 def normalise_angle(angle_rad: float) -> float:
     """Return the same direction as an angle in (-pi, pi]."""
     wrapped_rad = math.remainder(angle_rad, math.tau)
-    return pi if wrapped_rad == -pi else wrapped_rad
+    return math.pi if wrapped_rad == -math.pi else wrapped_rad
 
 
 class Pose(msgspec.Struct, frozen=True, gc=False):
@@ -41,8 +40,8 @@ class Pose(msgspec.Struct, frozen=True, gc=False):
 
 def pose_of(x_m: float, y_m: float, qz: float, qw: float) -> Pose:
     """Return the pose at a position [m] with the orientation of the unit quaternion (0, 0, qz, qw)."""
-    yaw_rad = 2.0 * atan2(qz, qw)
-    return Pose(x_m, y_m, yaw_rad if -pi < yaw_rad <= pi else normalise_angle(yaw_rad))
+    yaw_rad = 2.0 * math.atan2(qz, qw)
+    return Pose(x_m, y_m, yaw_rad if -math.pi < yaw_rad <= math.pi else normalise_angle(yaw_rad))
 
 
 class PoseReading(msgspec.Struct, frozen=True, gc=False):
