@@ -30,24 +30,20 @@ class FurtherSensors:
         self._lasers = {model: Laser(model, world) for model in lasers}
         sonars = dict.fromkeys(model for robot in self._robots for model in robot.sonars)
         self._sonars = {model: Sonar(model, world) for model in sonars}
-        self.has_any = bool(lasers or sonars or any(robot.gps for robot in self._robots))
+        self.has_any = any(map(_names, self._robots))
         """Whether any robot has an additional sensor."""
         self.reset()
 
     def reset(self) -> None:
         """Restart all random streams."""
-        self._streams: dict[tuple[int, str], np.random.Generator] = {}
-        self._gps_streams: dict[int, np.random.Generator] = {}
+        self._streams: dict[tuple[int | str, ...], np.random.Generator] = {}
         for robot_id in range(len(self._robots)):
             self.restart(robot_id, ())
 
     def restart(self, robot_id: int, again: tuple[int, ...]) -> None:
         """Restart a robot's random streams. Args: again: appended to their names."""
-        robot = self._robots[robot_id]
-        for kind, sensors in (("laser", robot.lasers), ("sonar", robot.sonars)):
-            for sensor in sensors:
-                self._streams[robot_id, sensor.name] = stream(self._seed, kind, robot_id, sensor.name, *again)
-        self._gps_streams[robot_id] = stream(self._seed, "gps", robot_id, *again)
+        for kind, *name in _names(self._robots[robot_id]):
+            self._streams[robot_id, kind, *name] = stream(self._seed, kind, robot_id, *name, *again)
 
     def read(self) -> tuple[FurtherReadings, ...]:
         """Return every robot's additional readings after the last step of the world; () if no robot has any."""
@@ -60,7 +56,8 @@ class FurtherSensors:
             else FurtherReadings(
                 scans_m=tuple(self._scan(robot_id, laser) for laser in robot.lasers),
                 sonars_m=tuple(
-                    self._sonars[sonar].read(robot_id, self._streams[robot_id, sonar.name]) for sonar in robot.sonars
+                    self._sonars[sonar].read(robot_id, self._streams[robot_id, "sonar", sonar.name])
+                    for sonar in robot.sonars
                 ),
                 fix=self._fix(robot_id, robot.gps, tuple(positions_m[robot_id])),
             )
@@ -70,11 +67,20 @@ class FurtherSensors:
     def _fix(self, robot_id: int, gps: Gps | None, position_m: tuple[float, float]) -> Fix | None:
         if gps is None or not is_due(gps, self._world.sim_time_ns, self._world.step_ns):
             return None
-        return fix(gps, position_m, self._gps_streams[robot_id])
+        return fix(gps, position_m, self._streams[robot_id, "gps"])
 
     def _scan(self, robot_id: int, laser: MountedLaser) -> np.ndarray | None:
         if self._world.step_index % laser.every_steps:
             return None
-        scans: np.ndarray = self._lasers[laser].scan([robot_id], [self._streams[robot_id, laser.name]])
+        scans: np.ndarray = self._lasers[laser].scan([robot_id], [self._streams[robot_id, "laser", laser.name]])
         ranges_m: np.ndarray = scans[0]
         return ranges_m
+
+
+def _names(robot: PlacedRobot) -> list[tuple[str, ...]]:
+    """Return kind and name of each additional sensor of a robot; a kind of which it has only one has no names."""
+    names: list[tuple[str, ...]] = [("laser", laser.name) for laser in robot.lasers]
+    names += [("sonar", sonar.name) for sonar in robot.sonars]
+    if robot.gps is not None:
+        names.append(("gps",))
+    return names

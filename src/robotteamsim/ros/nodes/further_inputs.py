@@ -25,6 +25,7 @@ class FurtherInputs:
         self._fix = f"{prefix}fix"
         self._step_ns = step_ns
         self._robot_id = robot_id
+        self._has_any = bool(self.inputs)
         self.restart()
 
     @property
@@ -47,13 +48,12 @@ class FurtherInputs:
 
     def reading(self, step: Step) -> FurtherReadings:
         """Return the readings of the sensors in a step."""
-        robot = self._robot
-        if not robot.mounts and robot.gps is None:
+        if not self._has_any:
             return NOTHING_FURTHER
         for i, name in enumerate(self._sonars):
             if (message := step.latest(name)) is not None:
                 self._sonars_m[i] = float(message.range)
-        fix = None if robot.gps is None else step.latest(self._fix)
+        fix = step.latest(self._fix)
         scans_m = tuple(step.latest(name) for name in self._lasers)
         return FurtherReadings(scans_m, tuple(self._sonars_m), None if fix is None else conversion.fix(fix))
 
