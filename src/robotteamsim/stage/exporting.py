@@ -14,7 +14,7 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import OCCUPIED, Corners, grid_shape, occupancy_grid
 from robotteamsim.scenario.plan_export import RESOLUTION_M
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import Odometry, PlacedRobot
+from robotteamsim.scenario.sections import Odometry, PlacedRobot, Robot
 from robotteamsim.scenario.sensors import Laser
 from robotteamsim.world.placement import check_places, placed_robots
 
@@ -121,8 +121,10 @@ def _notes(scenario: Scenario, robots: Sequence[PlacedRobot]) -> tuple[str, ...]
         notes.append("sonars: Stage has no cones; a ranger reports every ray, the shortest is the sonar's")
     if any(robot.mounts for robot in robots):
         notes.append("lasers, sonars: stage_ros numbers the scans of such a robot; the first laser's is base_scan_0")
-    if any(robot.gps for robot in robots):
-        notes.append("gps: omitted: Stage has no satellite navigation")
+    # Sensors that a robot has at most once are None by default; Stage has none of them.
+    for key in (key for key, field in Robot.model_fields.items() if field.default is None):
+        if any(getattr(robot, key) is not None for robot in robots):
+            notes.append(f"{key}: omitted: stage_ros has no such sensor")
     if len(robots) == 1:
         notes.append("robots: stage_ros omits robot_0/ in the names of topics if there is only one robot")
     return tuple(notes)
