@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
 
 import pytest
+from pydantic import ValidationError
 
 from robotteamsim.control import ALGORITHMS, algorithm_names, make_controller
 from robotteamsim.errors import ScenarioError
@@ -94,7 +96,16 @@ def goals(team, scenario, arrival: int) -> list[tuple[float, float] | None]:
     return [decision.goal_m for _ in range(300) for decision in hall.step()]
 
 
-@pytest.mark.parametrize("name", sorted(set(ALGORITHMS) - {"cover"}))
+@pytest.mark.parametrize("name", sorted(set(ALGORITHMS) - {"rdpso"}))
+def test_adaptation_is_refused_for_controllers_without_it(name):
+    with pytest.raises(ValidationError, match=f"'fuzzy' has no effect on algorithm '{name}'; expected rdpso"):
+        Control(algorithm=name, adaptation="fuzzy")
+
+
+RANDOM = sorted(name for name, make in ALGORITHMS.items() if "arrival" in inspect.signature(make).parameters)
+
+
+@pytest.mark.parametrize("name", RANDOM)
 def test_controller_of_a_robot_that_comes_again_draws_other_numbers_each_time(team, hall_scenario, name):
     scenario = hall_scenario(control=Control(algorithm=name))
     first, again, third = (goals(team, scenario, arrival) for arrival in (1, 2, 3))

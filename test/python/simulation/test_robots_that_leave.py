@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from robotteamsim.control import ALGORITHMS
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation, StepRecord
@@ -142,7 +143,7 @@ def test_mission_fails_when_the_last_robot_does():
     assert all(math.isfinite(robot.distance_m) for robot in result.robots)
 
 
-@pytest.mark.parametrize("algorithm", ["rdpso", "random_walk", "greedy", "pso", "rpso", "sebs", "cover"])
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_every_controller_goes_on_without_a_teammate_and_with_a_new_one(algorithm: str):
     schedule = "schedule=[{at_s: 3, remove: 1}, {at_s: 6, spawn: 1}]"
     records = steps(garage(f"control.algorithm={algorithm}", schedule), 120)
