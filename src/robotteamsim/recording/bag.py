@@ -20,8 +20,6 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
 from robotteamsim.world.placement import placed_robots
 
-"""Cell size of `/map` [m]."""
-
 CHUNK_BYTES = 256 * 1024
 """Size of a chunk [bytes], the most that a killed process can lose; three robots fill one in about 4 s simulated."""
 
