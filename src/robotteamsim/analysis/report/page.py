@@ -26,7 +26,7 @@ from robotteamsim.analysis.report.contrasts import contrasts, overall
 from robotteamsim.analysis.report.criteria import Verdict
 from robotteamsim.analysis.report.opening import DISSERTATION, calibration, compared_settings
 from robotteamsim.analysis.report.rank_tests import PERMUTATIONS
-from robotteamsim.analysis.report.samples import Campaign, pooled, read_campaign
+from robotteamsim.analysis.report.samples import Campaign, Cell, pooled, read_campaign
 from robotteamsim.analysis.report.statistics import RESAMPLES, TABLES
 from robotteamsim.analysis.report.tables import Table, all_tables, passed_text
 from robotteamsim.analysis.report.wording import listed, percents, unbroken
@@ -144,14 +144,7 @@ def _pictures(campaign: Campaign, comparisons: Sequence[Comparison]) -> Iterator
         "was cut short counts as the time limit."
     )
     yield _picture("fig20_times", f"Mission durations{_number(campaign, 20)}", caption, figures.draw_times(cells))
-    if any(math.isfinite(comparison.mean.interval.high) for comparison in comparisons):
-        caption = (
-            "Mean duration, ours over the dissertation's, with its 90 % bootstrap interval. If the whole interval is "
-            f"within the green band of {100.0 * MARGIN:g} %, the means are equivalent (two one-sided tests)."
-        )
-        yield _picture(
-            "equivalence", "Durations compared with the dissertation", caption, figures.draw_ratios(comparisons)
-        )
+    yield from _ratio_pictures(comparisons)
     caption = (
         f"Share of missions still exploring at each time (Kaplan-Meier){diss}. Missions that were cut short are "
         "censored at the limit."
@@ -170,6 +163,21 @@ def _pictures(campaign: Campaign, comparisons: Sequence[Comparison]) -> Iterator
     if not diss:
         caption = f"Share of missions by how often a link fell below {threshold}."
     yield _picture("fig22_endangered", f"Endangered connections{_number(campaign, 22)}", caption, drawn)
+    yield from _path_pictures(cells)
+
+
+def _ratio_pictures(comparisons: Sequence[Comparison]) -> Iterator[_Picture]:
+    if any(math.isfinite(comparison.mean.interval.high) for comparison in comparisons):
+        caption = (
+            "Mean duration, ours over the dissertation's, with its 90 % bootstrap interval. If the whole interval is "
+            f"within the green band of {100.0 * MARGIN:g} %, the means are equivalent (two one-sided tests)."
+        )
+        yield _picture(
+            "equivalence", "Durations compared with the dissertation", caption, figures.draw_ratios(comparisons)
+        )
+
+
+def _path_pictures(cells: Sequence[Cell]) -> Iterator[_Picture]:
     if heated := maps.drawable(cells):
         caption = (
             "Mean time that robots spent at each place in a mission. Red: the path of one robot in the mission of "
