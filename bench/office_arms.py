@@ -19,6 +19,7 @@ import matplotlib as mpl
 import numpy as np
 from scipy.stats import bootstrap, wilcoxon
 
+from robotteamsim import palette
 from robotteamsim.control.cover.floor_cover import FloorCover
 from robotteamsim.scenario import load
 from robotteamsim.scenario.scenario import Scenario
@@ -158,7 +159,7 @@ def draw(rows: list[Row], series: list[Row], file: Path) -> None:
     from matplotlib import pyplot as plt
 
     figure, axes = plt.subplots(1, 3, figsize=(12.0, 3.8), layout="constrained")
-    for arm, colour in (("with", "#1b6ca8"), ("without", "#c8553d")):
+    for arm, colour in (("with", palette.BLUE), ("without", palette.VERMILLION)):
         times_s = sorted({float(row["time_s"]) for row in series})
         label = f"{arm} the term" if arm == "with" else "without it"
         for axis, name in ((axes[0], "coverage"), (axes[1], "split_now")):

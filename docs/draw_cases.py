@@ -16,7 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from robotteamsim.analysis.plan_picture import FLOOR, ROBOT, draw_doors, draw_solids
+from robotteamsim import palette
+from robotteamsim.analysis.plan_picture import draw_doors, draw_solids
 from robotteamsim.propagation import RadioField
 from robotteamsim.propagation.faces import MM_PER_M, radio_faces
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
@@ -29,9 +30,9 @@ UNITS_PER_DB = 20
 MOVED_MM = (1e-3, 1e-6)
 """Faces are moved by (eps, eps^2) to decide ties at corners and along faces."""
 
-INK = "#16202e"
-PAID = "#c2410c"
-HALO = (withStroke(linewidth=2.6, foreground="white"),)
+INK, ROBOT = palette.INK, palette.BLUE
+PAID = palette.VERMILLION
+HALO = (withStroke(linewidth=2.6, foreground=palette.PAPER),)
 
 Point = tuple[float, float]
 
@@ -189,7 +190,7 @@ def write_next_to(axes: Axes, text: str, point: Point, offset_points: np.ndarray
 
 def draw(axes: Axes, case: Case) -> None:
     """Draw one case."""
-    axes.set_facecolor(FLOOR)
+    axes.set_facecolor(palette.FLOOR)
     draw_solids(axes, case.plan)
     draw_doors(axes, case.plan)
     for a, b, text_at in case.rays:
@@ -198,10 +199,10 @@ def draw(axes: Axes, case: Case) -> None:
         axes.plot(*zip(a, b, strict=True), "-", color=ROBOT, linewidth=1.6, zorder=5, path_effects=HALO)
         ahead = np.subtract(b, a) / np.hypot(*np.subtract(b, a))
         for name, end, outward in (("a", a, -ahead), ("b", b, ahead)):
-            axes.plot(*end, "o", color=ROBOT, markersize=6, markeredgecolor="white", zorder=6)
+            axes.plot(*end, "o", color=ROBOT, markersize=6, markeredgecolor=palette.PAPER, zorder=6)
             write_next_to(axes, name, end, 10.0 * outward, ROBOT)
         for point, loss_db in found:
-            axes.plot(*point, "o", color=PAID, markersize=7, markeredgecolor="white", zorder=7)
+            axes.plot(*point, "o", color=PAID, markersize=7, markeredgecolor=palette.PAPER, zorder=7)
             side = -1.0 if math.dist(point, a) < math.dist(found[-1][0], a) else 1.0
             below = -1.0 if side * ahead[1] >= 0.0 else 1.0
             write_next_to(axes, f"{loss_db:g}", point, np.array([side * 17.0, below * 9.0]), PAID)

@@ -14,6 +14,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from robotteamsim import palette
 from robotteamsim.swarm import MemoryMode, RdpsoOptions, memory_coefficients
 from robotteamsim.swarm.adaptation import EXACT_LEVELS, PUBLISHED_LEVELS, Levels
 from robotteamsim.swarm.options import FRACTIONAL_ORDER
@@ -27,10 +28,9 @@ SUMS = np.linspace(0.1, 5.0, 50)
 BOUND = 1.0 - 1e-9
 """Just below 1, because at alpha = 1 the exact memory has a radius of exactly 1."""
 
-INK = "#16202e"
-COLOURS = ("#ffffff", "#f6c98f", "#9cc5e0")
+COLOURS = (palette.DIVERGES, palette.MEAN_CONVERGES, palette.CONVERGES)
 """Diverges; only the mean converges; mean and variance converge."""
-MARK = "#b3261e"
+MARK = palette.VERMILLION
 
 
 def kinds(mode: MemoryMode, terms: int) -> np.ndarray:
@@ -49,13 +49,13 @@ def draw(axes: Axes, mode: MemoryMode, terms: int, title: str, levels: Levels) -
     """Draw one memory."""
     axes.pcolormesh(ALPHAS, SUMS, kinds(mode, terms), cmap=ListedColormap(COLOURS), vmin=0, vmax=2, rasterized=True)
     adapted = (levels.alpha_small, levels.alpha_nominal, levels.alpha_large)
-    axes.plot(adapted, (2.0, 2.0, 2.0), "o", color=INK, ms=6, label="levels of the adaptation, $c_T = 2$")
+    axes.plot(adapted, (2.0, 2.0, 2.0), "o", color=palette.INK, ms=6, label="levels of the adaptation, $c_T = 2$")
     options = RdpsoOptions(memory=mode)
     axes.plot(FRACTIONAL_ORDER[mode], options.c1 + options.c2, "*", color=MARK, ms=13, label="default")
     if mode == "published":
         axes.axvline(0.632, color=MARK, lw=1.2, ls="--")
         axes.text(0.64, 4.7, "α = 0.632", color=MARK, fontsize=9)
-    axes.set_title(title, fontsize=10, color=INK)
+    axes.set_title(title, fontsize=10, color=palette.INK)
     axes.set_xlabel("fractional order α")
     axes.set_xlim(0.0, 1.0)
     axes.set_ylim(0.0, SUMS[-1])
@@ -71,7 +71,7 @@ def main() -> None:
     panels[0].set_ylabel("$c_1 + c_2$, half each")
     handles, _ = panels[2].get_legend_handles_labels()
     patches = [
-        Patch(facecolor=colour, edgecolor=INK, lw=0.5, label=label)
+        Patch(facecolor=colour, edgecolor=palette.INK, lw=0.5, label=label)
         for colour, label in zip(
             reversed(COLOURS), ("converges", "mean converges, variance diverges", "diverges"), strict=True
         )

@@ -17,9 +17,10 @@ import yaml
 from PIL import Image
 from running import TIMEOUT_S, environment, wait_for_port
 
+from robotteamsim import palette
 from robotteamsim.recording import BagWriter
 from robotteamsim.ros.nodes.rviz_view import fitted
-from robotteamsim.ros.scene.plan import FLOOR, WALL
+from robotteamsim.ros.scene.plan import FLOOR
 from robotteamsim.ros.scene.team import robot_colour
 from robotteamsim.scenario import Bounds, load
 from robotteamsim.simulation import Simulation
@@ -200,7 +201,11 @@ def test_rviz_shows_floor_walls_and_robots(master, tmp_path):
             rviz, master | {"DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"}, stderr=subprocess.DEVNULL
         ) as process:
             deadline_s = time.monotonic() + TIMEOUT_S
-            wanted = {"floor": (FLOOR, 100_000), "walls": (WALL, 3_000), "robot 0": (robot_colour(0), 30)}
+            wanted = {
+                "floor": (FLOOR, 100_000),
+                "walls": (palette.rgb(palette.LIT_SOLIDS["wall"]), 3_000),
+                "robot 0": (robot_colour(0), 30),
+            }
             missing = list(wanted)
             while missing and time.monotonic() < deadline_s:
                 assert process.poll() is None, "rviz has died"

@@ -8,6 +8,7 @@ from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Patch, Polygon
 
+from robotteamsim import palette
 from robotteamsim.scenario import Door, FloorPlan, Scenario, solids
 from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.body import corners_at
@@ -16,14 +17,9 @@ from robotteamsim.scenario.plan import bay_lines
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.world.placement import placed_robots
 
-FLOOR = "#f6f5f2"
-_SOLID = {"wall": "#3b4252", "block": "#5a6275", "pillar": "#767f92"}
-_BAY = "#c9c6bd"
-_DOOR = {"normal": "#b07a2a", "fireproof": "#c0392b"}
-_AREA = "#2a7f62"
-VICTIM = "#d1495b"
-_OBJECT = "#a9793f"
-ROBOT = "#1f6feb"
+VICTIM_SHAPES = {"waiting": "X", "heard": "^", "saved": "s"}
+"""Markers by state; colour alone does not suffice for everybody."""
+
 _PLAN_INCHES = 11.0
 
 
@@ -42,8 +38,10 @@ def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
     scale = _PLAN_INCHES / max(width_m, height_m)
     figure = Figure(figsize=(width_m * scale + 1.0, height_m * scale + 1.4), dpi=120, layout="constrained")
     axes = figure.subplots()
-    axes.add_patch(Polygon([(min_x, min_y), (max_x, min_y), (max_x, max_y), (min_x, max_y)], color=FLOOR, zorder=0))
-    axes.add_collection(LineCollection(bay_lines(plan), colors=_BAY, linewidths=0.8, zorder=1))
+    axes.add_patch(
+        Polygon([(min_x, min_y), (max_x, min_y), (max_x, max_y), (min_x, max_y)], color=palette.FLOOR, zorder=0)
+    )
+    axes.add_collection(LineCollection(bay_lines(plan), colors=palette.BAY, linewidths=0.8, zorder=1))
     draw_solids(axes, plan)
     draw_doors(axes, plan)
     if scenario is not None:
@@ -66,7 +64,7 @@ def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
 def draw_solids(axes: Axes, plan: FloorPlan) -> None:
     """Draw walls, blocks and pillars."""
     for solid in solids(plan.model_copy(update={"doors": ()})):
-        colour = _SOLID[solid.kind]
+        colour = palette.SOLIDS[solid.kind]
         # The thin edge hides the gaps that anti-aliasing leaves between adjacent polygons.
         axes.add_patch(Polygon(solid.corners, facecolor=colour, edgecolor=colour, linewidth=0.4, zorder=3))
 
@@ -79,7 +77,7 @@ def draw_doors(axes: Axes, plan: FloorPlan) -> None:
 
 def _draw_door(axes: Axes, door: Door) -> None:
     (x0, y0), (x1, y1) = door.start, door.end
-    colour = _DOOR[door.kind]
+    colour = palette.DOORS[door.kind]
     if door.closed:
         axes.plot([x0, x1], [y0, y1], color=colour, linewidth=3.0, solid_capstyle="butt", zorder=4)
         return
@@ -103,37 +101,52 @@ def _draw_mission(axes: Axes, scenario: Scenario, unit_m: float) -> None:
     """Draw areas as circles numbered in their order, victims as named crosses."""
     areas, victims = scenario.mission.areas, scenario.mission.victims
     for number, area in enumerate(areas, 1):
-        circle = Circle(area.center, area.radius_m, facecolor=_AREA, edgecolor=_AREA, alpha=0.25, zorder=2)
+        circle = Circle(
+            area.center,
+            area.radius_m,
+            facecolor=palette.EXPLORED_AREA,
+            edgecolor=palette.EXPLORED_AREA,
+            alpha=0.25,
+            zorder=2,
+        )
         axes.add_patch(circle)
-        axes.text(*area.center, str(number), color=_AREA, ha="center", va="center", weight="bold", zorder=5)
+        axes.text(
+            *area.center, str(number), color=palette.EXPLORED_AREA, ha="center", va="center", weight="bold", zorder=5
+        )
     if areas:
-        axes.plot([], [], "o", color=_AREA, alpha=0.4, markersize=9, label="area, in this order")
+        axes.plot([], [], "o", color=palette.EXPLORED_AREA, alpha=0.4, markersize=9, label="area, in this order")
     for i, victim in enumerate(victims):
-        axes.plot(*victim.position, "X", color=VICTIM, markersize=9, label=None if i else "victim", zorder=6)
+        axes.plot(*victim.position, "X", color=palette.WAITING, markersize=9, label=None if i else "victim", zorder=6)
         x, y = victim.position
-        axes.text(x, y + 0.5 * unit_m, victim.name, color=VICTIM, fontsize=8, ha="center", va="bottom", zorder=6)
+        axes.text(
+            x, y + 0.5 * unit_m, victim.name, color=palette.WAITING, fontsize=8, ha="center", va="bottom", zorder=6
+        )
 
 
 def _draw_robots(axes: Axes, scenario: Scenario) -> None:
     robots = placed_robots(scenario)
     bodies = [_outline(robot, robot.start_pose) for robot in robots]
-    axes.add_collection(PatchCollection(bodies, facecolor=ROBOT, edgecolor="white", linewidth=0.4, zorder=6))
+    axes.add_collection(
+        PatchCollection(bodies, facecolor=palette.BLUE, edgecolor=palette.PAPER, linewidth=0.4, zorder=6)
+    )
     headings = []
     for robot in robots:
         x, y, yaw = robot.start_pose
         reach_m = 2.0 * robot.reach_m
         headings.append([(x, y), (x + reach_m * math.cos(yaw), y + reach_m * math.sin(yaw))])
-    axes.add_collection(LineCollection(headings, colors=ROBOT, linewidths=1.0, zorder=6))
+    axes.add_collection(LineCollection(headings, colors=palette.BLUE, linewidths=1.0, zorder=6))
     count = f"{len(robots)} robots" if len(robots) > 1 else "robot"
-    axes.plot([], [], "o", color=ROBOT, markersize=6, label=f"{count} at the start")
+    axes.plot([], [], "o", color=palette.BLUE, markersize=6, label=f"{count} at the start")
 
 
 def _draw_objects(axes: Axes, scenario: Scenario) -> None:
     """Draw objects to scale where they stand at the start."""
     shapes = [_outline(obj, obj.pose) for obj in scenario.objects]
     if shapes:
-        axes.add_collection(PatchCollection(shapes, facecolor=_OBJECT, edgecolor="white", linewidth=0.4, zorder=5))
-        axes.plot([], [], "s", color=_OBJECT, markersize=6, label="object that robots push")
+        axes.add_collection(
+            PatchCollection(shapes, facecolor=palette.OBJECT, edgecolor=palette.PAPER, linewidth=0.4, zorder=5)
+        )
+        axes.plot([], [], "s", color=palette.OBJECT, markersize=6, label="object that robots push")
 
 
 def _outline(thing: PlacedRobot | MovableObject, pose: PlanarPose) -> Patch:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from robotteamsim import palette
 from robotteamsim.analysis.runs.film import RunFilm, link_segments
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
 
-BLUE = (0x1F, 0x6F, 0xEB)
+FIRST = tuple(round(255 * part) for part in palette.rgb(palette.robot_colour(0)))
 SECOND_NS = 10**9
 
 
@@ -57,7 +58,7 @@ def test_robot_moves_on_the_plan_as_it_did(film, run):
     for stamp_ns in (run.start_ns, run.end_ns):
         frame = film.frame(stamp_ns)
         x, y = axes.transData.transform(track.poses[track.index_at(stamp_ns), :2])
-        rows, columns = np.nonzero(marks(frame, BLUE))
+        rows, columns = np.nonzero(marks(frame, FIRST))
         assert np.hypot(rows - (frame.shape[0] - y), columns - x).min() < 8.0
 
 
@@ -67,7 +68,7 @@ def test_links_are_those_of_the_time_with_the_endangered_in_another_colour(run):
         segments, colours = link_segments(network, list(run.robots), int(network.stamps_ns[index]))
         assert len(segments) == np.triu(network.adjacency[index], 1).sum()
         endangered = np.triu(network.endangered[index], 1).sum()
-        assert len([colour for colour in colours if colour == "#d1495b"]) == endangered
+        assert len([colour for colour in colours if colour == palette.ENDANGERED_LINK]) == endangered
 
 
 def test_bag_with_odometry_alone_is_filmed_too(write_bag, odometry, tmp_path):
@@ -76,7 +77,7 @@ def test_bag_with_odometry_alone_is_filmed_too(write_bag, odometry, tmp_path):
     ]
     run = read_run([write_bag(tmp_path / "real.bag", samples)])
     first, *_, last = RunFilm(run, run_totals(run), None, width_px=640).frames(5)
-    columns = [np.nonzero(marks(frame, BLUE))[1].mean() for frame in (first, last)]
+    columns = [np.nonzero(marks(frame, FIRST))[1].mean() for frame in (first, last)]
     assert columns[1] > columns[0] + 50
 
 

@@ -10,10 +10,12 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
+from robotteamsim import palette
 from robotteamsim.analysis.runs.picture import draw_runs, outcome
-from robotteamsim.analysis.runs.plan_panel import extent_m, robot_colour
+from robotteamsim.analysis.runs.plan_panel import extent_m
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
+from robotteamsim.palette import robot_colour
 from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.bag_types import BagTypes
@@ -66,7 +68,15 @@ def test_path_breaks_where_a_robot_left_and_came_elsewhere(comes_again):
 
 def test_one_run_has_its_plan_and_all_curves(run, busy):
     figure = draw_runs([run], [run_totals(run)])
-    assert names(figure) == ["y [m]", "mission", "network", "Fiedler value", "speed [m/s]", "driven [m]"]
+    assert names(figure) == [
+        "y [m]",
+        "mission",
+        "links",
+        "longest path\n[hops]",
+        "Fiedler value",
+        "speed [m/s]",
+        "driven [m]",
+    ]
     assert figure.axes[0].get_aspect() == 1.0
     assert len([patch for patch in figure.axes[0].patches if isinstance(patch, Circle)]) == 5
     assert f"robot_0: {busy.result.robots[0].distance_m:.0f} m" in " ".join(legend(figure))
@@ -95,7 +105,7 @@ def test_bag_with_the_network_alone_has_its_curves_and_says_that_there_is_no_pla
         states = [(topic, kind, stamp_ns, state) for topic, stamp_ns, state in bag.messages({"/network/state"})]
     only = read_run([write_bag(tmp_path / "net.bag", states)])
     figure = draw_runs([only], [run_totals(only)])
-    assert [axes.get_ylabel() for axes in figure.axes[1:]] == ["network", "Fiedler value"]
+    assert [axes.get_ylabel() for axes in figure.axes[1:]] == ["links", "longest path\n[hops]", "Fiedler value"]
     assert [text.get_text() for text in figure.axes[0].texts] == ["no paths and no floor plan in this bag"]
     assert run_totals(only).title == "net: 5 robots"
 
@@ -116,9 +126,9 @@ def test_plan_of_a_scenario_replaces_the_map(run):
 
 def test_runs_beside_each_other_share_the_scales_and_say_what_one_lacks(run, real):
     figure = draw_runs([run, real], [run_totals(run), run_totals(real)])
-    rows = np.reshape(figure.axes, (5, 2))
-    assert rows[4, 0].get_xlim() == rows[4, 1].get_xlim()
-    assert rows[4, 0].get_ylim() == rows[4, 1].get_ylim()
+    rows = np.reshape(figure.axes, (6, 2))
+    assert rows[5, 0].get_xlim() == rows[5, 1].get_xlim()
+    assert rows[5, 0].get_ylim() == rows[5, 1].get_ylim()
     assert [text.get_text() for text in rows[1, 1].texts] == ["not in this bag"]
 
 
@@ -133,5 +143,5 @@ def test_picture_has_colour_where_paths_are(run, tmp_path):
     draw_runs([run], [run_totals(run)]).savefig(tmp_path / "run.png")
     image = cv2.imread(str(tmp_path / "run.png"))
     assert image.shape[1] > 1500
-    blue = np.all(np.abs(image.astype(int) - (0xEB, 0x6F, 0x1F)) < 12, axis=-1)
-    assert blue.sum() > 200
+    first = [round(255 * part) for part in reversed(palette.rgb(robot_colour(0)))]
+    assert np.all(np.abs(image.astype(int) - first) < 12, axis=-1).sum() > 200

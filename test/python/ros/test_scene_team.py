@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from visualization_msgs.msg import Marker
 
+from robotteamsim import palette
 from robotteamsim.geometry import Pose
 from robotteamsim.network.messages import NetworkState
 from robotteamsim.ros.scene.shapes import colour, label
@@ -37,8 +38,7 @@ def test_ids_of_a_team_are_unique_and_no_frame_has_a_leading_slash():
 
 
 def test_first_robots_have_different_colours():
-    assert len({robot_colour(robot_id) for robot_id in range(7)}) == 7
-    assert robot_colour(7) == robot_colour(0)
+    assert len({robot_colour(robot_id) for robot_id in range(30)}) == 30
 
 
 def test_body_has_the_robots_size_and_every_part_its_place():
@@ -176,7 +176,13 @@ POSITIONS_M = {0: (0.0, 0.0), 1: (10.0, 0.0), 2: (30.0, 0.0)}
 
 
 @pytest.mark.parametrize(
-    ("rssi_dbm", "code"), [(-50.0, "#4dff88"), (-70.0, "#ffe14d"), (-80.0, "#ff4d4d"), (-90.0, "#ff4d4d")]
+    ("rssi_dbm", "code"),
+    [
+        (-50.0, palette.STRONG_LINK),
+        (-70.0, palette.WEAK_LINK),
+        (-80.0, palette.ENDANGERED_LINK),
+        (-90.0, palette.ENDANGERED_LINK),
+    ],
 )
 def test_link_is_green_when_strong_yellow_at_70_and_red_from_80_dbm(rssi_dbm, code):
     links, _ = link_markers([LinkView(0, 1, rssi_dbm, True, 1)], POSITIONS_M)

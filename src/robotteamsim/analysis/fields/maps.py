@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from robotteamsim import palette
 from robotteamsim.analysis.fields.picture import FieldStyle, Level, Panel, Spot
 from robotteamsim.propagation import RadioField, VoiceField, VoiceSource
 from robotteamsim.scenario import FloorPlan, Scenario
@@ -101,10 +102,10 @@ def radio_style(scenarios: Sequence[Scenario], levels: Sequence[float], loss: bo
         means = {power - value: meaning for value, meaning in meanings.items()}
         marks = tuple(Level(value, means.get(value, "")) for value in values)
         return FieldStyle(
-            "path loss", "dB", "YlGnBu_r", power - strongest, power - lost + _BEYOND_LOST_DB, levels=marks
+            "path loss", "dB", palette.LOSS_MAP, power - strongest, power - lost + _BEYOND_LOST_DB, levels=marks
         )
     marks = tuple(Level(value, meanings.get(value, "")) for value in values)
-    return FieldStyle("signal strength", "dBm", "YlGnBu", lost, max(strongest, lost + 1.0), "no link", marks)
+    return FieldStyle("signal strength", "dBm", palette.SIGNAL_MAP, lost, max(strongest, lost + 1.0), "no link", marks)
 
 
 def voice_style(scenarios: Sequence[Scenario], levels: Sequence[float]) -> FieldStyle:
@@ -116,4 +117,6 @@ def voice_style(scenarios: Sequence[Scenario], levels: Sequence[float]) -> Field
     loudest = max(-scenario.voice.constant_db[0] for scenario in scenarios)
     usual = sorted({noise_db, *VOICE_LEVELS_DB} - {0.0})
     marks = tuple(Level(value) for value in levels or [value for value in usual if value >= noise_db])
-    return FieldStyle("voice level", "dB", "YlOrRd", noise_db, max(loudest, noise_db + 1.0), "not heard", marks)
+    return FieldStyle(
+        "voice level", "dB", palette.VOICE_MAP, noise_db, max(loudest, noise_db + 1.0), "not heard", marks
+    )

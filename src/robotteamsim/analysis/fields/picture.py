@@ -18,7 +18,8 @@ from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from scipy import ndimage
 
-from robotteamsim.analysis.plan_picture import FLOOR, ROBOT, VICTIM, draw_doors, draw_solids
+from robotteamsim import palette
+from robotteamsim.analysis.plan_picture import draw_doors, draw_solids
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario import FloorPlan, occupancy_grid
 from robotteamsim.scenario.plan import OCCUPIED, obstacles
@@ -46,8 +47,7 @@ _MIN_LABELLED = 0.15
 _MAX_LABELS = 3
 """Most labels per level."""
 
-_LINE = "#16202e"
-_HALO = (withStroke(linewidth=2.4, foreground="white"),)
+_HALO = (withStroke(linewidth=2.4, foreground=palette.PAPER),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +152,7 @@ def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle) -> AxesImage:
     rows, columns = values.shape
     x0, y0 = field.origin_m
     extent = (x0, x0 + columns * field.resolution_m, y0, y0 + rows * field.resolution_m)
-    colours = matplotlib.colormaps[style.colours].with_extremes(bad=FLOOR)
+    colours = matplotlib.colormaps[style.colours].with_extremes(bad=palette.FLOOR)
     image = axes.imshow(
         values, origin="lower", extent=extent, cmap=colours, vmin=style.low, vmax=style.high, interpolation="nearest"
     )
@@ -186,13 +186,13 @@ def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level]) -> None:
     x = field.origin_m[0] + (np.arange(columns) + 0.5) * field.resolution_m
     y = field.origin_m[1] + (np.arange(rows) + 0.5) * field.resolution_m
     lines = axes.contour(
-        x, y, values, levels=[level.value for level in present], colors=_LINE, linewidths=0.9, linestyles="solid"
+        x, y, values, levels=[level.value for level in present], colors=palette.INK, linewidths=0.9, linestyles="solid"
     )
-    lines.set(path_effects=[withStroke(linewidth=1.9, foreground="white")])
+    lines.set(path_effects=[withStroke(linewidth=1.9, foreground=palette.PAPER)])
     _remove_short(lines, _MIN_DRAWN * max(np.ptp(x), np.ptp(y)))
     texts = {level.value: str(level) for level in present}
     for label in lines.clabel(fmt=texts, fontsize=8, manual=_label_places(lines, panel)):
-        label.set(path_effects=_HALO, color=_LINE)
+        label.set(path_effects=_HALO, color=palette.INK)
 
 
 def _remove_short(lines: ContourSet, min_length_m: float) -> None:
@@ -239,7 +239,7 @@ def _mark_levels(bar: Colorbar, style: FieldStyle) -> None:
             marks.append(Level(value))
     bar.set_ticks([mark.value for mark in marks], labels=[f"{mark} {mark.meaning}".rstrip() for mark in marks])
     for level in levels:
-        bar.ax.axhline(level.value, color=_LINE, linewidth=0.9)
+        bar.ax.axhline(level.value, color=palette.INK, linewidth=0.9)
     bar.ax.set_title(style.unit, fontsize=10)
     if style.silence:
         bar.ax.set_xlabel(f"blank:\n{style.silence}", fontsize=8)
@@ -252,8 +252,8 @@ def _is_named_to_the_left(spot: Spot, plan: FloorPlan) -> bool:
 
 
 def _draw_spot(axes: Axes, spot: Spot, to_the_left: bool) -> None:
-    marker, colour = {"robot": ("o", ROBOT), "victim": ("X", VICTIM)}[spot.kind]
-    axes.plot(*spot.position_m, marker, color=colour, markersize=8, markeredgecolor="white", zorder=6)
+    marker, colour = {"robot": ("o", palette.BLUE), "victim": ("X", palette.WAITING)}[spot.kind]
+    axes.plot(*spot.position_m, marker, color=colour, markersize=8, markeredgecolor=palette.PAPER, zorder=6)
     axes.annotate(
         spot.name,
         spot.position_m,
@@ -261,7 +261,7 @@ def _draw_spot(axes: Axes, spot: Spot, to_the_left: bool) -> None:
         textcoords="offset points",
         ha="right" if to_the_left else "left",
         fontsize=8,
-        color=_LINE,
+        color=palette.INK,
         path_effects=_HALO,
         zorder=6,
     )

@@ -13,17 +13,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from scipy import stats
 
+from robotteamsim import palette
 from robotteamsim.analysis.report.comparison import MARGIN, Comparison, generator
 from robotteamsim.analysis.report.samples import Cell, Sample
 from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson, survival
+from robotteamsim.palette import GRID, INK, OURS, PAPER, THEIRS
 
-OURS, THEIRS, INK, FAINT = "#1f6feb", "#d9822b", "#1d2733", "#d5dae1"
 MAX_CELLS = 24
 """Most cells in a figure; tables contain all cells."""
 
 _STYLE: dict[Any, Any] = {
     "font.size": 10.5,
-    "axes.edgecolor": "#8a94a3",
+    "axes.edgecolor": palette.AXIS,
     "axes.labelcolor": INK,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -31,8 +32,8 @@ _STYLE: dict[Any, Any] = {
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
     "text.color": INK,
-    "xtick.color": "#4a5563",
-    "ytick.color": "#4a5563",
+    "xtick.color": palette.SOFT_INK,
+    "ytick.color": palette.SOFT_INK,
 }
 _DPI = 160
 _WIDTH_INCHES = 10.0
@@ -66,12 +67,12 @@ def draw_times(cells: Sequence[Cell]) -> Figure:
         for limit_s in limits:
             axes.axvline(limit_s, color=INK, linewidth=0.9, linestyle=":")
     axes.set(xlabel="time to explore all areas [s]", ylim=(-len(rows) + 0.35, 0.85))
-    axes.grid(axis="x", color=FAINT, linewidth=0.7)
+    axes.grid(axis="x", color=GRID, linewidth=0.7)
     axes.set_axisbelow(True)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     dot = Line2D([], [], color=INK, marker="o", linestyle="", alpha=0.5, markersize=4)
-    cut = Line2D([], [], marker="o", linestyle="", markerfacecolor="white", markeredgecolor=INK, markersize=4.5)
+    cut = Line2D([], [], marker="o", linestyle="", markerfacecolor=PAPER, markeredgecolor=INK, markersize=4.5)
     mean = Line2D([], [], color=INK, marker="D", markersize=5)
     handles, labels = [dot, mean], ["one mission", "mean, 95 % interval"]
     if any(not sample.finished.all() for _, sample, _ in rows):
@@ -104,7 +105,7 @@ def draw_counts(cells: Sequence[Cell], of: Callable[[Sample], np.ndarray], what:
         axes.set_xticks(range(len(counts)), [_bin_name(counts, place) for place in range(len(counts))])
         axes.set(ylim=(0.0, 1.04), xlim=(-0.6, len(counts) - 0.4), xlabel=what)
         axes.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "", "50 %", "", "100 %"])
-        axes.grid(axis="y", color=FAINT, linewidth=0.7)
+        axes.grid(axis="y", color=GRID, linewidth=0.7)
         axes.set_axisbelow(True)
         if index % columns == 0:
             axes.set_ylabel("share of missions")
@@ -130,7 +131,7 @@ def draw_survival(cells: Sequence[Cell]) -> Figure:
         axes.set_title(cell.name)
         axes.set(xlabel="time [s]", ylim=(-0.02, 1.04), ylabel="still exploring" if index % columns == 0 else "")
         axes.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "", "50 %", "", "100 %"])
-        axes.grid(color=FAINT, linewidth=0.7)
+        axes.grid(color=GRID, linewidth=0.7)
     assert first is not None
     earliest = min(float(s.restricted_s.min()) for cell in shown for s in (cell.ours, cell.theirs) if s is not None)
     latest = max(cell.ours.limit_s for cell in shown)
@@ -148,12 +149,12 @@ def draw_ratios(comparisons: Sequence[Comparison]) -> Figure:
     comparisons = [comparison for comparison in comparisons if math.isfinite(comparison.mean.interval.high)]
     figure = Figure(figsize=(_WIDTH_INCHES, 1.3 + 0.55 * len(comparisons)), dpi=_DPI, layout="constrained")
     axes = figure.subplots()
-    axes.axvspan(1.0 - MARGIN, 1.0 + MARGIN, color="#2a7f62", alpha=0.13, linewidth=0)
-    axes.axvline(1.0, color="#2a7f62", linewidth=1.0)
+    axes.axvspan(1.0 - MARGIN, 1.0 + MARGIN, color=palette.REPRODUCED, alpha=0.13, linewidth=0)
+    axes.axvline(1.0, color=palette.REPRODUCED, linewidth=1.0)
     for place, comparison in enumerate(comparisons):
         interval = comparison.mean.interval
         axes.plot([interval.low, interval.high], [-place, -place], color=OURS, linewidth=3.0, solid_capstyle="butt")
-        axes.plot(interval.value, -place, "D", color=OURS, markersize=8, markeredgecolor="white")
+        axes.plot(interval.value, -place, "D", color=OURS, markersize=8, markeredgecolor=PAPER)
         axes.annotate(
             f"{interval.value:.3f}", (interval.value, -place), xytext=(0, 8), textcoords="offset points", ha="center"
         )
@@ -186,7 +187,7 @@ def _raincloud(axes: Axes, sample: Sample, y: float, colour: str, name: str) -> 
         )
     low, middle, high = np.percentile(times, [25, 50, 75])
     axes.plot([times.min(), times.max()], [y, y], color=colour, linewidth=1.0, zorder=2)
-    axes.fill_between([low, high], y - 0.07, y + 0.07, facecolor="white", edgecolor=colour, linewidth=1.2, zorder=3)
+    axes.fill_between([low, high], y - 0.07, y + 0.07, facecolor=PAPER, edgecolor=colour, linewidth=1.2, zorder=3)
     axes.plot([middle, middle], [y - 0.07, y + 0.07], color=colour, linewidth=2.4, zorder=4, solid_capstyle="butt")
     dots = slice(None, _DOTS)
     places = y - 0.15 - 0.2 * generator("dots", name).random(len(times))[dots]
@@ -196,14 +197,14 @@ def _raincloud(axes: Axes, sample: Sample, y: float, colour: str, name: str) -> 
         times[dots][~done],
         places[~done],
         "o",
-        markerfacecolor="white",
+        markerfacecolor=PAPER,
         markeredgecolor=colour,
         markersize=4.2,
         zorder=3,
     )
     mean = bootstrap_mean(times, generator("time", name))
     axes.plot([mean.low, mean.high], [y, y], color=INK, linewidth=2.2, zorder=5)
-    axes.plot(mean.value, y, "D", color=INK, markersize=5.5, markeredgecolor="white", zorder=6)
+    axes.plot(mean.value, y, "D", color=INK, markersize=5.5, markeredgecolor=PAPER, zorder=6)
 
 
 def _bins(lowest: int, highest: int) -> list[tuple[int, int]]:
@@ -242,7 +243,7 @@ def _shares(
         "X",
         color=colour,
         markersize=7.5,
-        markeredgecolor="white",
+        markeredgecolor=PAPER,
         zorder=5,
     )
 

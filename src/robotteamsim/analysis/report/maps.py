@@ -14,10 +14,11 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Circle, Patch
 from matplotlib.patheffects import withStroke
 
+from robotteamsim import palette
 from robotteamsim.analysis.fields.maps import VoiceRange, radio_panel, radio_style, voice_panel
 from robotteamsim.analysis.fields.picture import draw_fields
-from robotteamsim.analysis.plan_picture import FLOOR, VICTIM, draw_doors, draw_solids
-from robotteamsim.analysis.report.figures import INK, styled
+from robotteamsim.analysis.plan_picture import draw_doors, draw_solids
+from robotteamsim.analysis.report.figures import styled
 from robotteamsim.analysis.report.samples import Campaign, Cell
 from robotteamsim.propagation import FieldMap, VoiceField, VoiceSource
 from robotteamsim.scenario import Scenario, occupancy_grid
@@ -29,7 +30,7 @@ MAX_MAPS = 9
 MAX_TEAM = 64
 """Largest team for which the time of the widest spread is searched."""
 
-_HALO = (withStroke(linewidth=2.2, foreground="white"),)
+_HALO = (withStroke(linewidth=2.2, foreground=palette.PAPER),)
 _CELLS = 300
 _HEAT_CELLS = 120
 _MIN_HEAT_CELL_M = 0.25
@@ -52,7 +53,7 @@ def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: Voi
     shown_db = list(levels_db[:MAX_MAPS])
     quietest = scenario.model_copy(update={"voice": scenario.voice.model_copy(update={"noise_db": shown_db[0]})})
     panel = voice_panel(quietest, (), _resolution_m(scenario, _CELLS), voice_range)
-    colours = matplotlib.colormaps["YlOrRd"](np.linspace(0.12, 0.62, len(shown_db)))
+    colours = matplotlib.colormaps[palette.VOICE_MAP](np.linspace(0.12, 0.62, len(shown_db)))
     (min_x, min_y), (max_x, max_y) = scenario.plan.bounds.min, scenario.plan.bounds.max
     rows, columns = panel.field.values.shape
     x0, y0 = panel.field.origin_m
@@ -65,7 +66,7 @@ def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: Voi
         values,
         origin="lower",
         extent=extent,
-        cmap=ListedColormap(colours).with_extremes(bad=FLOOR),
+        cmap=ListedColormap(colours).with_extremes(bad=palette.FLOOR),
         norm=BoundaryNorm([*shown_db, max(float(values.max()), shown_db[-1]) + 1.0], len(shown_db)),
         interpolation="nearest",
     )
@@ -77,7 +78,7 @@ def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: Voi
     axes.spines[:].set_visible(False)
     names = [f"{low:g} dB of noise" if low == shown_db[0] else f"{low:g} dB" for low in shown_db]
     names = [f"heard at up to {name}" if index == 0 else f"up to {name}" for index, name in enumerate(names)]
-    patches = [Patch(facecolor=colour, edgecolor="#8a94a3", linewidth=0.6) for colour in colours]
+    patches = [Patch(facecolor=colour, edgecolor=palette.AXIS, linewidth=0.6) for colour in colours]
     figure.legend(patches, names, loc="outside lower center", ncols=min(len(names), 3), frameon=False, fontsize=11)
     return figure
 
@@ -85,7 +86,7 @@ def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: Voi
 def _draw_victim(axes: Axes, name: str, position_m: tuple[float, float], middle_m: float) -> None:
     """Draw a victim with a name on the side of the middle of the map, where there is room."""
     to_the_left = position_m[0] > middle_m
-    axes.plot(*position_m, "X", color=INK, markersize=11, markeredgecolor="white", zorder=6)
+    axes.plot(*position_m, "X", color=palette.INK, markersize=11, markeredgecolor=palette.PAPER, zorder=6)
     axes.annotate(
         name,
         position_m,
@@ -94,7 +95,7 @@ def _draw_victim(axes: Axes, name: str, position_m: tuple[float, float], middle_
         ha="right" if to_the_left else "left",
         va="center",
         fontsize=11,
-        color=INK,
+        color=palette.INK,
         path_effects=_HALO,
         zorder=6,
     )
@@ -225,22 +226,24 @@ def _draw_heat(axes: Axes, cell: Cell, field: FieldMap, norm: PowerNorm) -> Axes
     rows, columns = field.values.shape
     x0, y0 = field.origin_m
     extent = (x0, x0 + columns * field.resolution_m, y0, y0 + rows * field.resolution_m)
-    colours = matplotlib.colormaps["GnBu"].with_extremes(bad="#f6f5f2")
+    colours = matplotlib.colormaps[palette.HEAT_MAP].with_extremes(bad=palette.FLOOR)
     values = np.ma.masked_equal(field.values, 0.0)
     image = axes.imshow(values, origin="lower", extent=extent, cmap=colours, norm=norm, interpolation="nearest")
     draw_solids(axes, cell.scenario.plan)
     draw_doors(axes, cell.scenario.plan)
     middle = int(np.argsort(cell.ours.restricted_s, kind="stable")[(len(cell.ours) - 1) // 2])
     if middle < len(cell.paths_m):
-        axes.plot(*cell.paths_m[middle][:, 0].T, color="#d1495b", linewidth=0.9, alpha=0.9, zorder=5)
+        axes.plot(*cell.paths_m[middle][:, 0].T, color=palette.VERMILLION, linewidth=0.9, alpha=0.9, zorder=5)
     for number, area in enumerate(cell.scenario.mission.areas, 1):
         axes.add_patch(
-            Circle(area.center, area.radius_m, facecolor="none", edgecolor="#2a7f62", linewidth=1.2, zorder=5)
+            Circle(
+                area.center, area.radius_m, facecolor="none", edgecolor=palette.EXPLORED_AREA, linewidth=1.2, zorder=5
+            )
         )
         axes.text(
             *area.center,
             str(number),
-            color="#2a7f62",
+            color=palette.EXPLORED_AREA,
             ha="center",
             va="center",
             weight="bold",
@@ -249,13 +252,13 @@ def _draw_heat(axes: Axes, cell: Cell, field: FieldMap, norm: PowerNorm) -> Axes
             path_effects=_HALO,
         )
     for victim in cell.scenario.mission.victims:
-        axes.plot(*victim.position, "X", color=VICTIM, markersize=7, markeredgecolor="white", zorder=6)
+        axes.plot(*victim.position, "X", color=palette.INK, markersize=7, markeredgecolor=palette.PAPER, zorder=6)
     (min_x, min_y), (max_x, max_y) = _bounds(cell)
     axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), aspect="equal")
     axes.set_xticks([])
     axes.set_yticks([])
     axes.spines[:].set_visible(False)
-    axes.set_title(cell.name, color=INK)
+    axes.set_title(cell.name, color=palette.INK)
     return image
 
 

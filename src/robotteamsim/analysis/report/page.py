@@ -18,6 +18,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
+from robotteamsim import palette
 from robotteamsim.analysis.fields.maps import VoiceRange
 from robotteamsim.analysis.report import figures, maps
 from robotteamsim.analysis.report.claims import MIN_TRIALS, Claim, judge
@@ -248,6 +249,7 @@ def _page(
     opening = () if claims else ("differences",)
     return environment.from_string(text).render(
         campaign=campaign,
+        colours=palette.css(),
         groups=(
             ("not-fitted", "Claims that were not fitted: the test", not_fitted),
             ("fitted", "Claims that were fitted: calibration", [claim for claim in claims if claim.fitted]),

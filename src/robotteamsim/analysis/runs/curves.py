@@ -6,36 +6,53 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import Normal, withStroke
 from matplotlib.ticker import MaxNLocator
 
-from robotteamsim.analysis.runs.plan_panel import (
-    COLLISION,
-    ENDANGERED,
-    EXPLORED,
-    INK,
-    LINK,
-    VICTIM_COLOURS,
-    robot_colour,
-)
-from robotteamsim.analysis.runs.recorded_run import RecordedRun
+from robotteamsim import palette
+from robotteamsim.analysis.runs.plan_panel import colour_of
+from robotteamsim.analysis.runs.recorded_run import RecordedNetwork, RecordedRun
 from robotteamsim.analysis.runs.totals import endangered_links, is_split, links, max_hops, onsets, speeds_mps
+from robotteamsim.wording import counted
 
 Curve = Callable[[Axes, RecordedRun], None]
 
 _SMOOTH_S = 10
-_FIEDLER, _HOPS = "#8250df", "#6e7781"
 
 
-def curves(run: RecordedRun) -> list[Curve]:
-    """Return the curves that can be drawn for a run, from top to bottom."""
+def curves(run: RecordedRun, changing: bool = False) -> list[Curve]:
+    """Return the curves that can be drawn for a run, from top to bottom.
+
+    Args: changing: without those of the network that do not change; `unchanging` states their values.
+    """
     found: list[Curve] = []
     if run.statuses:
         found.append(draw_progress)
     if run.network is not None:
-        found += [draw_links, draw_fiedler]
+        flat = set(_flat(run.network)) if changing else set()
+        found += [draw for draw in (draw_links, draw_hops, draw_fiedler) if draw not in flat]
     if run.robots:
         found += [draw_speeds, draw_distances]
     return found
+
+
+def unchanging(run: RecordedRun) -> str:
+    """Return the values of the network that do not change during a run, or ""."""
+    values = list(_flat(run.network).values()) if run.network is not None else []
+    return f"{', '.join(values)} all the time" if values else ""
+
+
+def _flat(network: RecordedNetwork) -> dict[Curve, str]:
+    """Return the curves of the network that would be horizontal lines, with their values in words."""
+    count, hops = links(network), max_hops(network)
+    flat: dict[Curve, str] = {}
+    if np.ptp(count) == 0 and not endangered_links(network).any():
+        flat[draw_links] = counted(int(count[0]), "link")
+    if np.ptp(hops) == 0:
+        flat[draw_hops] = f"longest path {counted(int(hops[0]), 'hop')}"
+    if np.ptp(network.fiedler_value) < 1e-6 and not is_split(network).any():
+        flat[draw_fiedler] = f"Fiedler value {network.fiedler_value[0]:.3g}"
+    return flat
 
 
 def draw_column(figure: Figure, place: Any, shown: Sequence[Curve], run: RecordedRun) -> list[Axes]:
@@ -58,39 +75,57 @@ def draw_progress(axes: Axes, run: RecordedRun) -> None:
     saved = np.array([status.victims.count("saved") for status in run.statuses])
     heard = saved + [status.victims.count("heard") for status in run.statuses]
     explored = [sum(status.explored) for status in run.statuses]
-    axes.step(times_s, heard, where="post", color=VICTIM_COLOURS["heard"], linewidth=1.2, label="victims heard")
-    axes.step(times_s, saved, where="post", color=INK, linewidth=1.4, label="victims saved")
-    axes.step(times_s, explored, where="post", color=EXPLORED, linewidth=1.6, label="areas explored")
+    # Lines that coincide stay visible, because each lies within the one before.
+    dashed = {"color": palette.INK, "linewidth": 1.3, "linestyle": (0, (4, 2))}
+    axes.step(times_s, explored, where="post", color=palette.EXPLORED_AREA, linewidth=4.0, label="areas explored")
+    edge = [withStroke(linewidth=3.2, foreground=palette.INK), Normal()]
+    axes.step(
+        times_s, heard, where="post", color=palette.HEARD, linewidth=2.2, path_effects=edge, label="victims heard"
+    )
+    axes.step(times_s, saved, where="post", label="victims saved", **dashed)
     last = run.statuses[-1]
     _whole(axes, max(len(last.explored), len(last.victims), 1))
     _finish(axes, "mission")
 
 
 def draw_links(axes: Axes, run: RecordedRun) -> None:
-    """Links, endangered links, and the longest shortest path in hops."""
+    """Links, and endangered links."""
     assert run.network is not None
-    times_s, count, hops = run.time_s(run.network.stamps_ns), links(run.network), max_hops(run.network)
-    endangered = endangered_links(run.network)
-    axes.fill_between(
-        times_s, endangered, step="post", color=ENDANGERED, alpha=0.35, linewidth=0, label="endangered links"
-    )
-    axes.step(times_s, count, where="post", color=LINK, linewidth=1.4, label="links")
-    axes.step(times_s, hops, where="post", color=_HOPS, linewidth=1.2, label="longest path [hops]")
-    _whole(axes, int(max(count.max(), hops.max(), 1)))
-    _finish(axes, "network")
+    times_s, count, endangered = run.time_s(run.network.stamps_ns), links(run.network), endangered_links(run.network)
+    fill = {"color": palette.ENDANGERED_LINK, "alpha": 0.45, "linewidth": 0}
+    axes.fill_between(times_s, endangered, step="post", label="endangered links", **fill)
+    axes.step(times_s, count, where="post", color=palette.STRONG_LINK, linewidth=1.6, label="links")
+    _whole(axes, int(max(count.max(), 1)))
+    _finish(axes, "links")
+
+
+def draw_hops(axes: Axes, run: RecordedRun) -> None:
+    """The longest shortest path between two robots in hops."""
+    assert run.network is not None
+    hops = max_hops(run.network)
+    axes.step(run.time_s(run.network.stamps_ns), hops, where="post", color=palette.HOPS, linewidth=1.6)
+    _whole(axes, int(max(hops.max(), 1)))
+    _finish(axes, "longest path\n[hops]")
 
 
 def draw_fiedler(axes: Axes, run: RecordedRun) -> None:
     """The Fiedler value, and the times when the team was split."""
     assert run.network is not None
     times_s, values, split = run.time_s(run.network.stamps_ns), run.network.fiedler_value, is_split(run.network)
-    axes.plot(times_s, values, color=_FIEDLER, linewidth=1.2)
+    axes.plot(times_s, values, color=palette.FIEDLER, linewidth=1.2)
     axes.set_ylim(0.0, max(1.1 * float(values.max()), 1.0))
     if split.any():
         axes.fill_between(
-            times_s, 0, 1, where=split, transform=axes.get_xaxis_transform(), color=ENDANGERED, alpha=0.25, linewidth=0
+            times_s,
+            0,
+            1,
+            where=split,
+            transform=axes.get_xaxis_transform(),
+            color=palette.ENDANGERED_LINK,
+            alpha=0.25,
+            linewidth=0,
         )
-        axes.fill_between([], [], color=ENDANGERED, alpha=0.25, linewidth=0, label="team split")
+        axes.fill_between([], [], color=palette.ENDANGERED_LINK, alpha=0.25, linewidth=0, label="team split")
     _finish(axes, "Fiedler value")
 
 
@@ -102,9 +137,9 @@ def draw_speeds(axes: Axes, run: RecordedRun) -> None:
             smooth = np.convolve(speeds, np.full(_SMOOTH_S, 1.0 / _SMOOTH_S), "valid")
             begin = (_SMOOTH_S - 1) // 2
             times_s = run.time_s(middles_ns)[begin : begin + len(smooth)]
-            axes.plot(times_s, smooth, color=robot_colour(index), linewidth=1.0)
+            axes.plot(times_s, smooth, color=colour_of(index, robot), linewidth=1.0)
         elif len(speeds):
-            axes.plot(run.time_s(middles_ns), speeds, color=robot_colour(index), linewidth=1.0)
+            axes.plot(run.time_s(middles_ns), speeds, color=colour_of(index, robot), linewidth=1.0)
     axes.set_ylim(bottom=0.0)
     _finish(axes, "speed [m/s]")
 
@@ -113,11 +148,11 @@ def draw_distances(axes: Axes, run: RecordedRun) -> None:
     """The distance that each robot has driven, with a star at each collision."""
     for index, robot in enumerate(run.robots):
         times_s = run.time_s(robot.track.stamps_ns)
-        axes.plot(times_s, robot.track.driven_m, color=robot_colour(index), linewidth=1.3)
+        axes.plot(times_s, robot.track.driven_m, color=colour_of(index, robot), linewidth=1.3)
         if robot.contact is not None:
             hit_ns = robot.contact.stamps_ns[onsets(robot.contact.values)]
             driven_m = np.interp(hit_ns, robot.track.stamps_ns, robot.track.driven_m)
-            axes.plot(run.time_s(hit_ns), driven_m, "*", color=COLLISION, markersize=6, markeredgewidth=0)
+            axes.plot(run.time_s(hit_ns), driven_m, "*", color=palette.COLLISION, markersize=6, markeredgewidth=0)
     axes.set_ylim(bottom=0.0)
     _finish(axes, "driven [m]")
 
@@ -131,8 +166,8 @@ def _finish(axes: Axes, name: str) -> None:
     axes.set_ylabel(name, fontsize=8)
     axes.tick_params(labelsize=7, length=2)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.spines[["left", "bottom"]].set_color("#9a978f")
-    axes.grid(axis="y", color="#e9e7e1", linewidth=0.6)
+    axes.spines[["left", "bottom"]].set_color(palette.AXIS)
+    axes.grid(axis="y", color=palette.GRID, linewidth=0.6)
     axes.margins(x=0.01)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.96), ncols=3, fontsize=7, frameon=False, borderaxespad=0.1)

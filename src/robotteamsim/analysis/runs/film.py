@@ -12,18 +12,16 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from robotteamsim.analysis.runs.curves import Curve, curves, draw_column, draw_speeds
+from robotteamsim import palette
+from robotteamsim.analysis.runs.curves import Curve, curves, draw_column, draw_speeds, unchanging
+from robotteamsim.analysis.runs.legend import film_entries
 from robotteamsim.analysis.runs.plan_panel import (
-    ENDANGERED,
-    EXPLORED,
-    INK,
-    LINK,
-    VICTIM_COLOURS,
+    colour_of,
     draw_areas,
     draw_floor,
     drawn_robots,
     is_on_map,
-    robot_colour,
+    victim_style,
 )
 from robotteamsim.analysis.runs.recorded_run import RecordedNetwork, RecordedRobot, RecordedRun
 from robotteamsim.analysis.runs.totals import RunTotals
@@ -49,7 +47,7 @@ class RunFilm:
         self._run = run
         self._figure = Figure(figsize=_INCHES, dpi=width_px / _INCHES[0], layout="constrained")
         self._canvas = FigureCanvasAgg(self._figure)
-        shown = [curve for curve in curves(run) if curve is not draw_speeds]
+        shown = [curve for curve in curves(run, changing=True) if curve is not draw_speeds]
         grid = self._figure.add_gridspec(1, 2, width_ratios=(2.0, 1.0))
         floor = self._figure.add_subplot(grid[0])
         draw_floor(floor, run, plan)
@@ -57,7 +55,10 @@ class RunFilm:
         self._add_places(floor)
         self._add_team(floor)
         self._covers = self._add_curves(grid[1], shown)
-        self._figure.suptitle(totals.title, x=0.01, ha="left", fontsize=14, weight="bold", color=INK)
+        title = ": ".join(filter(None, (totals.title, unchanging(run))))
+        self._figure.suptitle(title, x=0.01, ha="left", fontsize=13, weight="bold", color=palette.INK)
+        entries = film_entries(run)
+        self._figure.legend(handles=entries, loc="outside lower left", ncols=7, frameon=False, fontsize=8)
         self._clock = self._text(floor, (0.0, 1.015), "left", 12)
         self._caption = self._text(floor, (1.0, 1.015), "right", 11)
         for artist in self._moving:
@@ -86,7 +87,7 @@ class RunFilm:
         return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
 
     def _text(self, axes: Axes, place: tuple[float, float], side: str, size: int) -> Any:
-        text = axes.text(*place, " ", ha=side, va="bottom", fontsize=size, color=INK, transform=axes.transAxes)
+        text = axes.text(*place, " ", ha=side, va="bottom", fontsize=size, color=palette.INK, transform=axes.transAxes)
         self._moving.append(text)
         return text
 
@@ -95,8 +96,7 @@ class RunFilm:
         areas = self._run.areas if is_shown else ()
         self._areas = draw_areas(axes, areas, ())
         most = max((len(victims) for _, victims in self._run.victims), default=0) if is_shown else 0
-        mark = {"markersize": 11, "markeredgecolor": "white", "zorder": 7}
-        self._victims = [axes.plot(*_HIDDEN, "X", **mark)[0] for _ in range(most)]  # type: ignore[arg-type]
+        self._victims = [axes.plot(*_HIDDEN, zorder=7)[0] for _ in range(most)]
         self._moving += [*self._areas, *self._victims]
 
     def _add_team(self, axes: Axes) -> None:
@@ -104,15 +104,15 @@ class RunFilm:
         axes.add_collection(self._links)
         self._trails, self._tails, self._dots, self._noses, self._names = [], [], [], [], []
         for index, robot in drawn_robots(self._run):
-            colour = robot_colour(index)
+            colour = colour_of(index, robot)
             self._trails.append(axes.plot([], [], color=colour, linewidth=1.0, alpha=0.35, zorder=3)[0])
             self._tails.append(axes.plot([], [], color=colour, linewidth=2.2, alpha=0.9, zorder=4)[0])
             self._noses.append(axes.plot([], [], color=colour, linewidth=3.0, zorder=8)[0])
-            dot = {"color": colour, "markersize": 13, "markeredgecolor": "white", "zorder": 9}
+            dot = {"color": colour, "markersize": 13, "markeredgecolor": palette.PAPER, "zorder": 9}
             self._dots.append(axes.plot(*_HIDDEN, "o", **dot)[0])  # type: ignore[arg-type]
             name = str(index if robot.robot_id is None else robot.robot_id)
             style = {"ha": "center", "va": "center", "weight": "bold", "clip_on": True}
-            self._names.append(axes.text(*_HIDDEN, name, color="white", fontsize=7, zorder=10, **style))  # type: ignore[arg-type]
+            self._names.append(axes.text(*_HIDDEN, name, color=palette.PAPER, fontsize=7, zorder=10, **style))  # type: ignore[arg-type]
         team = (self._trails, self._tails, [self._links], self._noses, self._dots, self._names)
         self._moving += [artist for artists in team for artist in artists]
         low, high = axes.get_xlim()
@@ -123,7 +123,9 @@ class RunFilm:
         covers = []
         for axes in draw_column(self._figure, place, shown, self._run):
             axes.set_xlim(0.0, max((self._run.end_ns - self._run.start_ns) / 1e9, 1e-3))
-            cover = Rectangle((0.0, 0.0), 1.0, 1.0, transform=axes.get_xaxis_transform(), color="white", alpha=0.82)
+            cover = Rectangle(
+                (0.0, 0.0), 1.0, 1.0, transform=axes.get_xaxis_transform(), color=palette.PAPER, alpha=0.82
+            )
             cover.set(linewidth=0, zorder=20)
             axes.add_patch(cover)
             covers.append(cover)
@@ -149,17 +151,19 @@ class RunFilm:
         if network is None or not is_on_map(self._run) or stamp_ns < network.stamps_ns[0]:
             return
         segments, colours = link_segments(network, [robot for _, robot in drawn_robots(self._run)], stamp_ns)
-        self._links.set(segments=segments, color=colours)
+        styles = ["--" if colour == palette.ENDANGERED_LINK else "-" for colour in colours]
+        self._links.set(segments=segments, color=colours, linestyle=styles or "-")
 
     def _show_places(self, stamp_ns: int) -> None:
         status = next((s for s in reversed(self._run.statuses) if s.stamp_ns <= stamp_ns), None)
         for patch, explored in zip(self._areas, status.explored if status else (), strict=False):
-            patch.set(facecolor=to_rgba(EXPLORED, 0.28 if explored else 0.05), linestyle="-" if explored else ":")
+            patch.set(
+                facecolor=to_rgba(palette.EXPLORED_AREA, 0.28 if explored else 0.05), linestyle="-" if explored else ":"
+            )
         victims = next((v for stamp, v in reversed(self._run.victims) if stamp <= stamp_ns), ())
         for mark, victim in zip(self._victims, victims, strict=False):
             mark.set_data([victim.position_m[0]], [victim.position_m[1]])
-            mark.set_color(VICTIM_COLOURS.get(victim.state, INK))
-            mark.set_markeredgecolor("white")
+            mark.set(**victim_style(victim.state))
 
     def _show_time(self, stamp_ns: int) -> None:
         now_s = (stamp_ns - self._run.start_ns) / 1e9
@@ -187,5 +191,5 @@ def link_segments(
     for i, j in np.argwhere(np.triu(adjacency, 1)).tolist():
         if i in places and j in places:
             segments.append(np.array([places[i], places[j]]))
-            colours.append(ENDANGERED if endangered[i, j] else LINK)
+            colours.append(palette.ENDANGERED_LINK if endangered[i, j] else palette.STRONG_LINK)
     return segments, colours

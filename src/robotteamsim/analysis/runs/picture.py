@@ -7,12 +7,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from robotteamsim.analysis.runs.curves import curves, draw_column, draw_speeds
+from robotteamsim import palette
+from robotteamsim.analysis.runs.curves import curves, draw_column, draw_speeds, unchanging
+from robotteamsim.analysis.runs.legend import (
+    MAX_NAMED_ROBOTS,
+    area_entries,
+    mark,
+    robot_entries,
+    states_at_end,
+    victim_entries,
+)
 from robotteamsim.analysis.runs.plan_panel import (
-    COLLISION,
-    EXPLORED,
-    INK,
-    VICTIM_COLOURS,
     draw_areas,
     draw_collisions,
     draw_floor,
@@ -21,7 +26,6 @@ from robotteamsim.analysis.runs.plan_panel import (
     drawn_robots,
     extent_m,
     is_on_map,
-    robot_colour,
 )
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.analysis.runs.totals import RunTotals
@@ -29,7 +33,6 @@ from robotteamsim.mission.status import END_TEXTS
 from robotteamsim.scenario import FloorPlan
 
 _SLIDE_INCHES = (13.3, 7.0)
-_MAX_NAMED_ROBOTS = 10
 _MAX_OMITTED = 5
 _LEGEND_COLUMNS = 8
 
@@ -63,9 +66,9 @@ def _draw_one(run: RecordedRun, totals: RunTotals, plan: FloorPlan | None) -> Fi
     grid = figure.add_gridspec(1, 2, width_ratios=(0.9, 1.0) if is_tall else (1.75, 1.0))
     floor = figure.add_subplot(grid[0])
     _draw_plan(floor, run, plan)
-    draw_column(figure, grid[1], curves(run), run)
-    figure.suptitle(totals.title, x=0.01, ha="left", fontsize=13, weight="bold", color=INK)
-    floor.set_title(outcome(totals), loc="left", fontsize=10)
+    draw_column(figure, grid[1], curves(run, changing=True), run)
+    figure.suptitle(totals.title, x=0.01, ha="left", fontsize=13, weight="bold", color=palette.INK)
+    floor.set_title("\n".join(filter(None, (outcome(totals), unchanging(run)))), loc="left", fontsize=10)
     _add_legend(figure, [run], [totals], with_totals=True)
     return figure
 
@@ -89,7 +92,7 @@ def _draw_columns(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals], 
                     axes.get_legend().remove()
             else:
                 axes.set_axis_off()
-                axes.text(0.5, 0.5, "not in this bag", ha="center", va="center", color="#8a877f", fontsize=8)
+                axes.text(0.5, 0.5, "not in this bag", ha="center", va="center", color=palette.FAINT_INK, fontsize=8)
         all_axes[-1, column].set_xlabel("time [s]", fontsize=8)
     for row in range(1, 1 + len(rows)):
         _share(all_axes[row])
@@ -123,25 +126,20 @@ def _draw_plan(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
 def _add_legend(
     figure: Figure, runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals], with_totals: bool
 ) -> None:
-    handles = [] if not with_totals else _robot_handles(runs[0], all_totals[0])
-    if not with_totals:
-        most = max(runs, key=lambda run: len(run.robots))
-        handles = [_line(robot_colour(i), robot.name) for i, robot in list(enumerate(most.robots))[:_MAX_NAMED_ROBOTS]]
+    most = max(runs, key=lambda run: len(run.robots))
+    handles = _entries_with_totals(runs[0], all_totals[0]) if with_totals else robot_entries(most)
     if any(run.robots for run in runs):
-        handles.append(_marker("o", "white", "start", edge="#555555"))
-        handles.append(_marker("o", "#555555", "end"))
-    states = {victim.state for run in runs if run.victims for victim in run.victims[-1][1]}
-    handles += [_marker("X", colour, f"victim {state}") for state, colour in VICTIM_COLOURS.items() if state in states]
-    if any(run.areas for run in runs):
-        handles.append(_marker("o", EXPLORED, "area, filled when explored", alpha=0.35))
+        handles.append(mark("o", palette.PAPER, "start", edge=palette.SOFT_INK))
+        handles.append(mark("o", palette.SOFT_INK, "end"))
+    handles += [*victim_entries(states_at_end(runs)), *area_entries(runs)]
     if any(totals.collisions for totals in all_totals):
-        handles.append(_marker("*", COLLISION, "collision"))
+        handles.append(mark("*", palette.COLLISION, "collision"))
     legend = figure.legend(
         handles=handles, loc="outside lower left", ncols=_LEGEND_COLUMNS, frameon=False, fontsize=8, alignment="left"
     )
     if lines := _omitted(all_totals):
         legend.set_title("\n".join(lines))
-        legend.get_title().set(fontsize=7, color="#77746c")
+        legend.get_title().set(fontsize=7, color=palette.FAINT_INK)
 
 
 def _omitted(all_totals: Sequence[RunTotals]) -> list[str]:
@@ -153,20 +151,10 @@ def _omitted(all_totals: Sequence[RunTotals]) -> list[str]:
     return [f"omitted: {row}" for row in rows]
 
 
-def _robot_handles(run: RecordedRun, totals: RunTotals) -> list[Line2D]:
-    handles = []
-    for index, _ in drawn_robots(run)[:_MAX_NAMED_ROBOTS]:
+def _entries_with_totals(run: RecordedRun, totals: RunTotals) -> list[Line2D]:
+    entries = robot_entries(run)
+    for (index, _), entry in zip(drawn_robots(run)[:MAX_NAMED_ROBOTS], entries, strict=True):
         robot = totals.robots[index]
         speed = "" if robot.mean_speed_mps is None else f", {robot.mean_speed_mps:.2f} m/s"
-        handles.append(_line(robot_colour(index), f"{robot.name}: {robot.distance_m:.0f} m{speed}"))
-    return handles
-
-
-def _line(colour: str, label: str) -> Line2D:
-    return Line2D([], [], color=colour, linewidth=2.0, label=label)
-
-
-def _marker(marker: str, colour: str, label: str, edge: str = "white", alpha: float = 1.0) -> Line2D:
-    line = Line2D([], [], color=colour, marker=marker, linestyle="", markersize=8, markeredgecolor=edge, label=label)
-    line.set_alpha(alpha)
-    return line
+        entry.set_label(f"{robot.name}: {robot.distance_m:.0f} m{speed}")
+    return entries

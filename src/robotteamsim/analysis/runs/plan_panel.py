@@ -1,5 +1,7 @@
 """Draws recorded runs on the floor plan: floor, areas, victims, paths, robots."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -7,38 +9,20 @@ from matplotlib.colors import to_rgb, to_rgba
 from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 
-from robotteamsim.analysis.plan_picture import FLOOR, draw_doors, draw_solids
+from robotteamsim import palette
+from robotteamsim.analysis.plan_picture import VICTIM_SHAPES, draw_doors, draw_solids
 from robotteamsim.analysis.runs.recorded_run import RecordedArea, RecordedRobot, RecordedRun, RecordedVictim
 from robotteamsim.analysis.runs.totals import onsets
 from robotteamsim.scenario import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, UNKNOWN, OccupancyGrid, bay_lines
 
-ROBOT_COLOURS = (
-    "#1f6feb",
-    "#e07b00",
-    "#8250df",
-    "#0f9d8a",
-    "#c2185b",
-    "#6b7a00",
-    "#00838f",
-    "#a0522d",
-    "#5c6bc0",
-    "#ad8b00",
-)
-EXPLORED = "#2a7f62"
-VICTIM_COLOURS = {"waiting": "#d1495b", "heard": "#e09f3e", "saved": "#2a7f62"}
-COLLISION = "#e3170a"
-LINK = "#2f8f4e"
-ENDANGERED = "#d1495b"
-INK = "#16202e"
-_WALL, _UNSEEN, _BAY = "#3b4252", "#dedcd6", "#c9c6bd"
 _MARGIN = 0.03
 _MIN_SIZE_M = 4.0
 
 
-def robot_colour(index: int) -> str:
-    """Return the colour of a robot by its index; colours repeat after ten robots."""
-    return ROBOT_COLOURS[index % len(ROBOT_COLOURS)]
+def colour_of(index: int, robot: RecordedRobot) -> str:
+    """Return the colour of a robot by its number, as in rviz, or by its index if it has no number."""
+    return palette.robot_colour(index if robot.robot_id is None else robot.robot_id)
 
 
 def drawn_robots(run: RecordedRun) -> list[tuple[int, RecordedRobot]]:
@@ -87,19 +71,24 @@ def draw_floor(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
     x0, x1, y0, y1 = extent_m(run, plan)
     if is_on_map(run) and plan:
         (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
-        axes.fill([min_x, max_x, max_x, min_x], [min_y, min_y, max_y, max_y], color=FLOOR, zorder=0)
-        axes.add_collection(LineCollection(bay_lines(plan), colors=_BAY, linewidths=0.8, zorder=1))
+        axes.fill([min_x, max_x, max_x, min_x], [min_y, min_y, max_y, max_y], color=palette.FLOOR, zorder=0)
+        axes.add_collection(LineCollection(bay_lines(plan), colors=palette.BAY, linewidths=0.8, zorder=1))
         draw_solids(axes, plan)
         draw_doors(axes, plan)
     elif is_on_map(run) and run.grid is not None:
         _draw_grid(axes, run.grid)
     else:
-        axes.grid(color="#e4e2dc", linewidth=0.6)
+        axes.grid(color=palette.GRID, linewidth=0.6)
         axes.set_axisbelow(True)
     if not (run.robots or run.areas or run.grid or plan):
         axes.set(xticks=[], yticks=[])
         axes.text(
-            0.5, 0.5, "no paths and no floor plan in this bag", ha="center", color="#8a877f", transform=axes.transAxes
+            0.5,
+            0.5,
+            "no paths and no floor plan in this bag",
+            ha="center",
+            color=palette.FAINT_INK,
+            transform=axes.transAxes,
         )
     axes.set(xlim=(x0, x1), ylim=(y0, y1), aspect="equal")
     where = "" if is_on_map(run) else ", each robot in the frame of its own odometry"
@@ -111,8 +100,8 @@ def draw_floor(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
 
 def _draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
     levels = np.clip(np.arange(256) / OCCUPIED, 0.0, 1.0)[:, None]
-    colours = (1.0 - levels) * to_rgb(FLOOR) + levels * to_rgb(_WALL)
-    colours[np.uint8(UNKNOWN & 0xFF)] = to_rgb(_UNSEEN)
+    colours = (1.0 - levels) * to_rgb(palette.FLOOR) + levels * to_rgb(palette.SOLIDS["wall"])
+    colours[np.uint8(UNKNOWN & 0xFF)] = to_rgb(palette.UNSEEN)
     image = np.round(255.0 * colours).astype(np.uint8)[grid.cells.view(np.uint8)]
     (x, y), (rows, columns) = grid.origin_m, grid.cells.shape
     extent = (x, x + columns * grid.resolution_m, y, y + rows * grid.resolution_m)
@@ -125,33 +114,42 @@ def draw_areas(axes: Axes, areas: tuple[RecordedArea, ...], explored: tuple[bool
     circles = []
     for number, area in enumerate(areas, 1):
         is_explored = number <= len(explored) and explored[number - 1]
-        colour = to_rgba(EXPLORED, 0.28 if is_explored else 0.05)
+        colour = to_rgba(palette.EXPLORED_AREA, 0.28 if is_explored else 0.05)
         style = "-" if is_explored else ":"
-        circle = Circle(area.center_m, area.radius_m, facecolor=colour, edgecolor=EXPLORED, linestyle=style, zorder=2)
+        circle = Circle(
+            area.center_m, area.radius_m, facecolor=colour, edgecolor=palette.EXPLORED_AREA, linestyle=style, zorder=2
+        )
         axes.add_patch(circle)
         circles.append(circle)
-        name = axes.text(*area.center_m, str(number), color=EXPLORED, ha="center", va="center", weight="bold", zorder=6)
-        name.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+        name = axes.text(
+            *area.center_m, str(number), color=palette.EXPLORED_AREA, ha="center", va="center", weight="bold", zorder=6
+        )
+        name.set_path_effects([withStroke(linewidth=2.5, foreground=palette.PAPER)])
     return circles
 
 
+def victim_style(state: str) -> dict[str, Any]:
+    """Return Matplotlib's properties of the marker of a victim."""
+    colour, shape = palette.VICTIMS.get(state, palette.INK), VICTIM_SHAPES.get(state, "o")
+    return {"color": colour, "marker": shape, "markersize": 10, "linestyle": "", "markeredgecolor": palette.INK}
+
+
 def draw_victims(axes: Axes, victims: tuple[RecordedVictim, ...]) -> None:
-    """Draw victims as crosses in the colour of their state."""
+    """Draw victims in the colour and the shape of their state."""
     for victim in victims:
-        colour = VICTIM_COLOURS.get(victim.state, INK)
-        axes.plot(*victim.position_m, "X", color=colour, markersize=9, markeredgecolor="white", zorder=7)
+        axes.plot(*victim.position_m, **victim_style(victim.state), zorder=7)
 
 
 def draw_paths(axes: Axes, run: RecordedRun) -> None:
     """Draw every path, with a ring at its start and a dot at its end, and both at each absence of the robot."""
     for index, robot in drawn_robots(run):
-        colour, places = robot_colour(index), robot.track.poses[:, :2]
+        colour, places = colour_of(index, robot), robot.track.poses[:, :2]
         begins = np.array([0, *robot.track.breaks])
         ends = np.array([*robot.track.breaks, len(places)]) - 1
-        halo = [withStroke(linewidth=2.8, foreground="white", alpha=0.7)]
-        axes.plot(*robot.track.line(0, len(places)).T, color=colour, linewidth=1.4, zorder=4, path_effects=halo)
-        axes.plot(*places[begins].T, "o", color="white", markeredgecolor=colour, markersize=5, zorder=5)
-        axes.plot(*places[ends].T, "o", color=colour, markeredgecolor="white", markersize=8, zorder=8)
+        halo = [withStroke(linewidth=3.4, foreground=palette.PAPER, alpha=0.7)]
+        axes.plot(*robot.track.line(0, len(places)).T, color=colour, linewidth=1.9, zorder=4, path_effects=halo)
+        axes.plot(*places[begins].T, "o", color=palette.PAPER, markeredgecolor=colour, markersize=5, zorder=5)
+        axes.plot(*places[ends].T, "o", color=colour, markeredgecolor=palette.PAPER, markersize=8, zorder=8)
 
 
 def draw_collisions(axes: Axes, run: RecordedRun) -> None:
@@ -160,4 +158,4 @@ def draw_collisions(axes: Axes, run: RecordedRun) -> None:
         if robot.contact is not None:
             for stamp_ns in robot.contact.stamps_ns[onsets(robot.contact.values)].tolist():
                 place = robot.track.poses[robot.track.index_at(stamp_ns), :2]
-                axes.plot(*place, "*", color=COLLISION, markersize=9, markeredgecolor="white", zorder=8)
+                axes.plot(*place, "*", color=palette.COLLISION, markersize=9, markeredgecolor=palette.PAPER, zorder=8)

@@ -10,7 +10,7 @@ import shapely
 from scipy import ndimage
 from visualization_msgs.msg import Marker
 
-from robotteamsim import msg
+from robotteamsim import msg, palette
 from robotteamsim.ros.scene.plan import AREA_Z_M, VOICE_Z_M
 from robotteamsim.ros.scene.shapes import (
     CONTOUR_LAYER,
@@ -29,33 +29,29 @@ from robotteamsim.ros.scene.shapes import (
 )
 from robotteamsim.scenario.floor_plan import Bounds
 
-VICTIM_COLOURS = {"waiting": colour("#ff6b3d"), "heard": colour("#ffd23f"), "saved": colour("#2fe0a6")}
-VICTIM_GROUND = colour("#14171c", 0.6)
-SKIN = colour("#f1d3b8")
+VICTIM_COLOURS = {state: colour(code) for state, code in palette.VICTIMS.items()}
+VICTIM_GROUND = colour(palette.ROBOT_BODY, 0.6)
+SKIN = colour(palette.SKIN)
 
 NAME_M = 1.1
 """Height of a capital letter of a victim's name."""
 NAME_Z_M = 1.7
 """Height of names: above walls that are cut at the default height, so that walls do not hide them."""
 
-OPEN_AREA = colour("#c3ccd6")
-TARGET_AREA = colour("#ffffff")
-EXPLORED_AREA = colour("#2fe0a6")
+OPEN_AREA, TARGET_AREA = colour(palette.OPEN_AREA), colour(palette.TARGET_AREA)
+EXPLORED_AREA = colour(palette.EXPLORED_AREA)
 
-HEADLINE = colour("#f4f1ea")
+HEADLINE = colour(palette.HEADLINE)
 
-VOICE_COLOURS = (
-    (10.0, colour("#5a2a9c", 0.40)),
-    (30.0, colour("#8a2f9e", 0.50)),
-    (50.0, colour("#c73a7d", 0.60)),
-    (70.0, colour("#f0713f", 0.68)),
-    (95.0, colour("#ffc05c", 0.75)),
+VOICE_OPACITIES = (0.40, 0.50, 0.60, 0.68, 0.75)
+VOICE_COLOURS = tuple(
+    (level_db, colour(code, opacity)) for (level_db, code), opacity in zip(palette.VOICE, VOICE_OPACITIES, strict=True)
 )
 """Colour by voice level [dB]."""
 VOICE_FADE_DB = 8.0
 """The voice layer fades out over this range above the noise, so that its edge does not show the cells."""
 VOICE_CONTOUR_DB = 10.0
-VOICE_CONTOUR = colour("#ffd0e4", 0.25)
+VOICE_CONTOUR = colour(palette.VOICE_CONTOUR, 0.25)
 MAX_VOICE_CELLS = 12_000
 """Largest number of cells; a finer map is thinned, because a marker is a list of points and not an image."""
 

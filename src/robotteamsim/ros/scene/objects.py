@@ -6,16 +6,15 @@ from collections.abc import Sequence
 
 from visualization_msgs.msg import Marker, MarkerArray
 
+from robotteamsim import palette
 from robotteamsim.geometry import Pose
 from robotteamsim.ros.scene.plan import SHADOW_Z_M
 from robotteamsim.ros.scene.shapes import WHITE, Mesh, circle_points, colour, marker, shaded
 from robotteamsim.scenario.objects import MovableObject
 
-BOX = colour("#c9924f")
-TAPE = colour("#ecd9ae")
-BARREL = colour("#6f93a8")
-HOOP = colour("#d8dee2")
-GROUND = colour("#0b0e13")
+BOX, TAPE = colour(palette.BOX), colour(palette.TAPE)
+BARREL, HOOP = colour(palette.BARREL), colour(palette.HOOP)
+GROUND = colour(palette.SHADOW)
 GROUND_M = 0.035
 """Width of the dark ground around an object, which connects the object with the floor visually."""
 

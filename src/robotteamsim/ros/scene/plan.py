@@ -8,6 +8,7 @@ import shapely
 from shapely.geometry.polygon import orient
 from visualization_msgs.msg import Marker
 
+from robotteamsim import palette
 from robotteamsim.msg import MissionEvent
 from robotteamsim.ros.scene.shapes import (
     SHADOW_LAYER,
@@ -24,17 +25,11 @@ from robotteamsim.ros.scene.shapes import (
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.plan import Solid, leaf_corners, solids
 
-FLOOR = colour("#2f3640")
-FLOOR_EDGE = colour("#1f242c")
-FLOOR_LINE = colour("#3a434f")
-WALL = colour("#dcd8ce")
-BLOCK = colour("#b4b2ad")
-PILLAR = colour("#c9cdd2")
-WALL_EDGE = colour("#8d8a83")
-SOLID_COLOURS = {"wall": WALL, "block": BLOCK, "pillar": PILLAR}
-SHADOW = colour("#0b0e13", 0.38)
-DOOR = colour("#c58b4e")
-FIREPROOF_DOOR = colour("#b8503c")
+FLOOR = colour(palette.DARK_FLOOR)
+FLOOR_EDGE = colour(palette.DARK_FLOOR_EDGE)
+FLOOR_LINE = colour(palette.DARK_FLOOR_LINE)
+WALL_EDGE = colour(palette.WALL_EDGE)
+SHADOW = colour(palette.SHADOW, 0.38)
 
 FLOOR_MARGIN_M = 1.2
 FLOOR_LINE_SPACING_M = 5.0
@@ -136,7 +131,7 @@ def _wall_markers(fixed: list[Solid], cut_height_m: float) -> Iterator[Marker]:
         groups.setdefault((height_m, solid.kind), []).append(solid.polygon)
     body, edges = Mesh(), []
     for (height_m, kind), outlines in groups.items():
-        tint = SOLID_COLOURS[kind]
+        tint = colour(palette.LIT_SOLIDS[kind])
         for part in _polygons(shapely.union_all(outlines)):
             body.polygon(part, height_m, tint)
             for loop in (part.exterior, *part.interiors):
@@ -164,7 +159,7 @@ def _add_sides(body: Mesh, loop: list[tuple[float, float]], height_m: float, tin
 
 def _door_marker(marker_id: int, door: Door, opening: float, cut_height_m: float) -> Marker:
     closed = opening == 0.0
-    tint = FIREPROOF_DOOR if door.kind == "fireproof" else DOOR
+    tint = colour(palette.LIT_DOORS[door.kind])
     leaf = shapely.Polygon(leaf_corners(door, opening))
     if not closed:
         if door.motion == "instant":

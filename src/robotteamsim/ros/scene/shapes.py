@@ -9,6 +9,8 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
+from robotteamsim import palette
+
 FRAME = "map"
 
 # Flat transparent layers on the floor, from top to bottom; see `drawn_below`.
@@ -25,13 +27,12 @@ Position = tuple[float, float, float]
 """x, y, z in the map frame, or in the frame of the marker's own pose [m]."""
 
 
-WHITE: Colour = (1.0, 1.0, 1.0, 1.0)
-
-
 def colour(code: str, alpha: float = 1.0) -> Colour:
-    """Return the colour of a code such as "#56b4e9"."""
-    red, green, blue = (int(code[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
-    return (red, green, blue, alpha)
+    """Return the colour of a code of the palette."""
+    return (*palette.rgb(code), alpha)
+
+
+WHITE = colour(palette.WHITE)
 
 
 def faded(base: Colour, alpha: float) -> Colour:

@@ -12,6 +12,7 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
+from robotteamsim import palette
 from robotteamsim.geometry import Pose
 from robotteamsim.network.messages import NetworkState
 from robotteamsim.ros.scene.plan import LABEL_Z_M, TRAIL_Z_M
@@ -34,19 +35,17 @@ from robotteamsim.ros.scene.shapes import (
 from robotteamsim.scenario.body import corners_at
 from robotteamsim.scenario.plan import Corners
 
-# From Okabe and Ito's colour-blind-safe palette, without green and red, which show the states of victims and links.
-ROBOT_COLOURS = tuple(map(colour, ("#56b4e9", "#f0e442", "#f08cc8", "#ffffff", "#e69f00", "#9b8cff", "#2f7fd0")))
-EXCLUDED = colour("#9aa0a8")
-BODY = colour("#14171c")
-BUMPER = colour("#ff4d4d")
+EXCLUDED = colour(palette.EXCLUDED_ROBOT)
+BODY = colour(palette.ROBOT_BODY)
+BUMPER = colour(palette.COLLISION)
 
 LINK_COLOURS = (
-    (-80.0, colour("#ff4d4d")),
-    (-70.0, colour("#ffe14d")),
-    (-55.0, colour("#4dff88")),
+    (-80.0, colour(palette.ENDANGERED_LINK)),
+    (-70.0, colour(palette.WEAK_LINK)),
+    (-55.0, colour(palette.STRONG_LINK)),
 )
-"""Colour by signal [dBm]: red at the endangered threshold."""
-RELAYED = colour("#8d97a3")
+"""Colour by signal [dBm]: that of endangered links from their threshold on."""
+RELAYED = colour(palette.RELAYED)
 LINK_HEIGHT_M = 0.36
 DASH_M = 0.8
 FEW_ROBOTS = 8
@@ -85,8 +84,8 @@ class RobotView:
 
 
 def robot_colour(number: int) -> Colour:
-    """Return the colour of a robot, or of a swarm's rings, by its number; colours repeat after the palette's length."""
-    return ROBOT_COLOURS[number % len(ROBOT_COLOURS)]
+    """Return the colour of a robot, or of a swarm's rings, by its number."""
+    return colour(palette.robot_colour(max(number, 0)))
 
 
 def label_offset(position_m: tuple[float, float], others_m: Iterable[tuple[float, float]]) -> tuple[float, float]:

@@ -1,0 +1,99 @@
+"""The colours of rviz, plots, films and reports: one colour has one meaning everywhere.
+
+States and the first robots have the hues of Okabe and Ito's palette [okabe2008], which people with any common kind of
+colour blindness can tell apart. States also differ in shape, because no palette suffices for everybody. All colours are
+codes such as "#56b4e9", which also suit a browser; `css` gives them as custom properties of a style sheet.
+"""
+
+BLACK, WHITE = "#000000", "#ffffff"
+ORANGE, SKY_BLUE, GREEN, YELLOW = "#e69f00", "#56b4e9", "#009e73", "#f0e442"
+BLUE, VERMILLION, PURPLE = "#0072b2", "#d55e00", "#cc79a7"
+
+# The colours after the first four are as far as possible from all others, for normal and for colour-blind sight.
+ROBOTS = (SKY_BLUE, ORANGE, BLUE, PURPLE, "#b4c3a5", "#a569ff", "#96d2ff", "#964b3c", "#e1c369", "#d200c3")
+EXCLUDED_ROBOT = "#9aa0a8"
+ROBOT_BODY = "#14171c"
+
+WAITING, HEARD, SAVED = VERMILLION, YELLOW, GREEN
+VICTIMS = {"waiting": WAITING, "heard": HEARD, "saved": SAVED}
+SKIN = "#f1d3b8"
+OPEN_AREA, TARGET_AREA, EXPLORED_AREA = "#c3ccd6", WHITE, GREEN
+COLLISION = VERMILLION
+
+STRONG_LINK, WEAK_LINK, ENDANGERED_LINK = GREEN, YELLOW, VERMILLION
+RELAYED = "#8d97a3"
+HOPS, FIEDLER = BLUE, PURPLE
+OURS, THEIRS = BLUE, ORANGE
+"""In a report: our missions, and those of the dissertation."""
+
+VOICE = ((10.0, "#5a2a9c"), (30.0, "#8a2f9e"), (50.0, "#c73a7d"), (70.0, "#f0713f"), (95.0, "#ffc05c"))
+"""On a dark ground, by voice level [dB]."""
+VOICE_CONTOUR = "#ffd0e4"
+# ColorBrewer's sequential maps, by their names in Matplotlib, which are colour-blind-safe, too.
+VOICE_MAP, SIGNAL_MAP, LOSS_MAP, HEAT_MAP = "YlOrRd", "YlGnBu", "YlGnBu_r", "GnBu"
+
+# Plots, on a light ground.
+PAPER, FLOOR, UNSEEN = WHITE, "#f6f5f2", "#dedcd6"
+INK, SOFT_INK, FAINT_INK, GRID, CARD = "#16202e", "#4a5563", "#77746c", "#dfe3e8", "#f3f5f7"
+AXIS = "#8a94a3"
+SOLIDS = {"wall": "#3b4252", "block": "#5a6275", "pillar": "#767f92"}
+BAY = "#c9c6bd"
+DOORS = {"normal": "#b07a2a", "fireproof": "#8f2d1f"}
+OBJECT = "#a9793f"
+REPRODUCED, CONTRADICTED, UNDECIDED = "#00795a", "#b34a00", "#8a6100"
+"""Verdicts of a report: as GREEN, VERMILLION and ORANGE, dark enough for text."""
+DIVERGES, MEAN_CONVERGES, CONVERGES = WHITE, "#f3cf80", "#aad9f4"
+
+# rviz, on a dark ground.
+BACKGROUND = "#14181e"
+DARK_FLOOR, DARK_FLOOR_EDGE, DARK_FLOOR_LINE, SHADOW = "#2f3640", "#1f242c", "#3a434f", "#0b0e13"
+LIT_SOLIDS = {"wall": "#dcd8ce", "block": "#b4b2ad", "pillar": "#c9cdd2"}
+WALL_EDGE = "#8d8a83"
+LIT_DOORS = {"normal": "#c58b4e", "fireproof": "#b8503c"}
+BOX, TAPE, BARREL, HOOP = "#c9924f", "#ecd9ae", "#6f93a8", "#d8dee2"
+HEADLINE = "#f4f1ea"
+
+
+def robot_colour(index: int) -> str:
+    """Return the colour of a robot, or of a swarm, by its index >= 0; the first 30 differ.
+
+    After each ten, the same hues follow in a lighter and then in a darker tone.
+    """
+    rounds, place = divmod(index, len(ROBOTS))
+    other, share = ((WHITE, 0.0), (WHITE, 0.55), (BLACK, 0.4))[rounds % 3]
+    return mixed(ROBOTS[place], other, share)
+
+
+def mixed(low: str, high: str, share: float) -> str:
+    """Return the colour at a fraction `share` (0..1) from `low` to `high`."""
+    parts = (a + share * (b - a) for a, b in zip(rgb(low), rgb(high), strict=True))
+    return "#" + "".join(f"{round(255.0 * part):02x}" for part in parts)
+
+
+def rgb(code: str) -> tuple[float, float, float]:
+    """Return red, green and blue, each 0..1, of a code such as "#56b4e9"."""
+    red, green, blue = (int(code[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
+    return (red, green, blue)
+
+
+def css() -> str:
+    """Return the colours of a page as custom properties, such as "--saved: #009e73;"."""
+    names = {
+        "ink": INK,
+        "soft": SOFT_INK,
+        "line": GRID,
+        "paper": PAPER,
+        "card": CARD,
+        "link": BLUE,
+        "reproduced": REPRODUCED,
+        "contradicted": CONTRADICTED,
+        "undecided": UNDECIDED,
+        **VICTIMS,
+        "floor": FLOOR,
+        "explored": EXPLORED_AREA,
+        "strong-link": STRONG_LINK,
+        "weak-link": WEAK_LINK,
+        "endangered-link": ENDANGERED_LINK,
+        **{f"robot-{index}": code for index, code in enumerate(ROBOTS)},
+    }
+    return " ".join(f"--{name}: {code};" for name, code in names.items())
