@@ -18,6 +18,7 @@
 #include "publisher.hpp"
 #include "services.hpp"
 #include "team_publishers.hpp"
+#include "transform_listener.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -339,6 +340,26 @@ void BindTeams(nb::module_& m) {
            "present"_a.none() = nb::none(), "Publish a step: poses and origins (n, 4) x, y, qz, qw; present (n,).");
 }
 
+// Without an exception if there is none, because a node asks in each step.
+nb::tuple Newest(const TransformListener& listener, const std::string& target, const std::string& source) {
+  try {
+    const PlanarTransform found = listener.Newest(target, source);
+    return nb::make_tuple(nb::make_tuple(found.stamp_ns, found.x, found.y, found.yaw), "");
+  } catch (const tf2::TransformException& problem) {
+    return nb::make_tuple(nb::none(), problem.what());
+  }
+}
+
+void BindTransforms(nb::module_& m) {
+  nb::class_<TransformListener>(m, "TransformListener", "The transforms on /tf and /tf_static.")
+      .def(nb::init<>(), WithoutGil())
+      .def("newest", &Newest, "target"_a, "source"_a,
+           nb::sig("def newest(self, target: str, source: str) -> tuple[tuple[int, float, float, float] | None, str]"),
+           "Return stamp [ns], x, y [m] and yaw [rad] of the source frame in the target frame, and \"\"; None and the"
+           " reason if there is no transform. The stamp is 0 if all transforms between them are static.")
+      .def("clear", &TransformListener::Clear, "Forget all transforms but static ones: time has jumped back.");
+}
+
 void BindReading(nb::module_& m) {
   m.def("read_odometry", &ReadOdometry, "message"_a,
         nb::sig("def read_odometry(message: bytes) -> tuple[tuple[float, float, float, float],"
@@ -367,6 +388,7 @@ NB_MODULE(_ros_transport, m) {
   BindTopics(m);
   BindServices(m);
   BindTeams(m);
+  BindTransforms(m);
   BindReading(m);
 }
 

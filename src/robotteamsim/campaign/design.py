@@ -11,6 +11,7 @@ from typing import Any
 from robotteamsim import rng, scenario
 from robotteamsim.campaign.factors import MAX_TRIALS, Factor
 from robotteamsim.control import foreign_code, make_controller
+from robotteamsim.control.driving.localisation import check_headless
 from robotteamsim.errors import CampaignError, RobotTeamSimError, ScenarioError
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import shown
@@ -159,6 +160,7 @@ def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
     try:
         loaded = scenario.load(scenario_name, [f"{s.key}={json.dumps(s.values[0])}" for s in settings])
         check_places(loaded)
+        check_headless(loaded)
         return loaded
     except ScenarioError as error:
         message = str(error).removeprefix("--set: ")

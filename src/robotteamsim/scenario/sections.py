@@ -321,8 +321,15 @@ class Control(Model):
     navigation: Literal["path", "straight"] = Field(
         default="path", description="distances and directions along free paths of the known map, or in a straight line"
     )
-    localisation: Literal["ground_truth", "odometry"] = Field(
-        default="ground_truth", description="source of the robot's pose"
+    localisation: Literal["ground_truth", "odometry", "tf"] = Field(
+        default="ground_truth",
+        description="source of the robot's pose; tf: transform map -> robot_<id>/base_link, only in ROS",
+    )
+    tf_timeout_s: float = Field(
+        default=0.3,
+        gt=0.0,
+        le=60.0,
+        description="with localisation tf, a robot without a new transform for this time stops [s]",
     )
     exclusion: SocialExclusion = SocialExclusion()
     swarms: Swarms = Swarms()

@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 
 from robotteamsim.control import Guard, make_controller
+from robotteamsim.control.driving.localisation import check_headless
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.mission import Mission
@@ -134,7 +135,10 @@ class Simulation:
 
         Whatever interrupts the run (an observer's RecordingError, a signal) is raised after every observer that began
         has abandoned the trial.
+
+        Raises: ScenarioError: the robots' poses come from tf.
         """
+        check_headless(self.scenario)
         begun: list[Observer] = []
         try:
             for observer in observers:

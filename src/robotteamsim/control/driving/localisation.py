@@ -9,7 +9,10 @@ from robotteamsim.world.placement import placed_robots
 
 
 class Localiser:
-    """The robot's pose in `map`: the ground truth, or its known start composed with its odometry."""
+    """The robot's pose in `map`: the ground truth, or its known start composed with its odometry.
+
+    With localisation tf, the nodes of ROS put the pose from tf in place of the ground truth.
+    """
 
     def __init__(self, robot_id: int, scenario: Scenario) -> None:
         self._map_T_odom: Pose | None = None
@@ -21,6 +24,14 @@ class Localiser:
         if self._map_T_odom is None:
             return reading.true_pose
         return self._map_T_odom @ reading.odometry.pose.pose
+
+
+def check_headless(scenario: Scenario) -> None:
+    """Raises: ScenarioError: the robots' poses come from tf, which only nodes of ROS can read."""
+    if scenario.control.localisation == "tf":
+        key = "control.localisation"
+        text = f"{key}: 'tf' is available only in ROS; expected 'ground_truth' or 'odometry'"
+        raise ScenarioError(scenario.origin.line(text, key))
 
 
 def body_of(robot_id: int, scenario: Scenario) -> Robot:

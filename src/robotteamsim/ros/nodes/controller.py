@@ -6,22 +6,27 @@ The first runs in its robot's namespace; the second, in the global namespace, ho
 from collections.abc import Sequence
 from functools import partial
 
+import msgspec
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
+from robotteamsim import _ros_transport as roscpp
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.driving.localisation import body_of
+from robotteamsim.geometry import Twist
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.msg import Contact, ControllerStatus, MissionStatus, NetworkMessages, Voice
 from robotteamsim.recording import ros_messages
+from robotteamsim.recording.ros_messages import robot_name
 from robotteamsim.ros.nodes.further_inputs import FurtherInputs
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.node import ParameterError, parameter, run
 from robotteamsim.ros.transport.presence import PRESENCE, Presence
 from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
+from robotteamsim.ros.transport.tf_pose import TfPose, Transforms
 from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
 from robotteamsim.sensing.readings import RobotReading
 
@@ -43,25 +48,35 @@ def _serve_robot() -> None:
     robot_id = parameter("~robot_id", -1)
     if not 0 <= robot_id < settings.num_robots:
         raise ParameterError(f"~robot_id: {robot_id}; expected 0 to {settings.num_robots - 1}")
-    ControllerNode(settings, [ControllerSlot(settings, robot_id, "")]).serve()
+    transforms = _transforms(settings)
+    ControllerNode(settings, [ControllerSlot(settings, robot_id, "", transforms)], transforms).serve()
 
 
 def _serve_team() -> None:
     settings = read_settings()
+    transforms = _transforms(settings)
     slots = [
-        ControllerSlot(settings, robot_id, f"/{ros_messages.robot_name(robot_id)}/")
+        ControllerSlot(settings, robot_id, f"/{robot_name(robot_id)}/", transforms)
         for robot_id in range(settings.num_robots)
     ]
-    ControllerNode(settings, slots).serve()
+    ControllerNode(settings, slots, transforms).serve()
+
+
+def _transforms(settings: Settings) -> Transforms | None:
+    """Return the source of the robots' poses, if that is tf."""
+    return roscpp.TransformListener() if settings.scenario.control.localisation == "tf" else None
 
 
 class ControllerSlot:
     """One robot's controller and its topics, each with `prefix` before its name."""
 
-    def __init__(self, settings: Settings, robot_id: int, prefix: str) -> None:
+    def __init__(self, settings: Settings, robot_id: int, prefix: str, transforms: Transforms | None) -> None:
+        """Args: transforms: where the robot's pose comes from; None if it comes with its topics."""
         self._robot_id = robot_id
         self._make = conversion.RosTypes()
-        self._by_truth = settings.scenario.control.localisation == "ground_truth"
+        control = settings.scenario.control
+        self._by_truth = control.localisation == "ground_truth"
+        self._tf = None if transforms is None else TfPose(transforms, robot_name(robot_id), control.tf_timeout_s)
         self._odom, self._scan, self._truth = (
             f"{prefix}{name}" for name in ("odom", "base_scan", "base_pose_ground_truth")
         )
@@ -80,10 +95,11 @@ class ControllerSlot:
     def inputs(self) -> list[Input]:
         """The topics that the controller needs."""
         of_robot = partial(Channel, robot_id=self._robot_id)
+        truth = Input(of_robot(self._truth, needed=self._by_truth), Odometry, conversion.read_odometry)
         return [
             Input(of_robot(self._odom, needed=True), Odometry, conversion.read_odometry),
             Input(of_robot(self._scan, needed=True), LaserScan, conversion.read_ranges_m),
-            Input(of_robot(self._truth, needed=self._by_truth), Odometry, conversion.read_odometry),
+            *([truth] if self._tf is None else []),
             Input(of_robot(self._contact), Contact),
             Input(of_robot(self._voice, needed=True), Voice),
             Input(of_robot(self._received), NetworkMessages),
@@ -92,6 +108,9 @@ class ControllerSlot:
 
     def build(self, settings: Settings) -> None:
         """Create the controller, or create it again."""
+        self._decision = Decision()
+        if self._tf is not None:
+            self._tf.restart()
         self._further.restart()
         make = partial(make_controller, self._robot_id, settings.scenario, self._arrival)
         self._controller = Guard(self._robot_id, settings.num_robots, make)
@@ -108,18 +127,26 @@ class ControllerSlot:
         self._answer.publish(ros_messages.twist_stamped(self._make, 0, self._robot_id, Decision().twist))
 
     def step(self, step: Step, task: Task) -> None:
-        """Pass the inputs to the controller, and publish its decision."""
+        """Pass the inputs to the controller, and publish its decision; without a pose the robot stands still."""
+        if self._tf is not None:
+            lost = self._tf.follow(step.stamp_ns)
+            if lost or self._tf.newest is None:
+                standing = msgspec.structs.replace(self._decision, twist=Twist(), outbox=(), fault=lost)
+                self._publish(step.stamp_ns, standing)
+                return
         inbox = conversion.network_messages(step.messages[self._received])
-        decision = self._controller.step(self._observation(step), inbox, task)
-        self._publish(step.stamp_ns, decision)
+        self._decision = self._controller.step(self._observation(step), inbox, task)
+        self._publish(step.stamp_ns, self._decision)
 
     def _observation(self, step: Step) -> Observation:
         odometry = step.latest(self._odom)
-        # A real robot that navigates by odometry has no ground truth.
+        # A real robot that navigates by odometry or tf has no ground truth.
         ground_truth = step.latest(self._truth) or odometry
+        pose = ground_truth.pose if self._tf is None else self._tf.newest
+        assert pose is not None
         contact = step.latest(self._contact)
         robot = RobotReading.of(
-            ground_truth=ground_truth.pose,
+            ground_truth=pose,
             twist=ground_truth.twist,
             odometry=odometry,
             ranges_m=step.latest(self._scan),
@@ -143,9 +170,12 @@ class ControllerSlot:
 class ControllerNode:
     """Steps the controllers of its slots with the robots' readings and messages."""
 
-    def __init__(self, settings: Settings, slots: Sequence[ControllerSlot]) -> None:
+    def __init__(
+        self, settings: Settings, slots: Sequence[ControllerSlot], transforms: Transforms | None = None
+    ) -> None:
         self._settings = settings
         self._slots = slots
+        self._transforms = transforms
         self._task = Task()
         self._presence = Presence()
         status = Input(Channel(STATUS, of_last_step=True), MissionStatus)
@@ -160,6 +190,8 @@ class ControllerNode:
             if step.restarted:
                 self._settings = read_seed(self._settings)
                 self._task = Task()
+                if self._transforms is not None:
+                    self._transforms.clear()
                 for slot in self._slots:
                     slot.build(self._settings)
             status = step.latest(STATUS)

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from nav_msgs.msg import OccupancyGrid, Odometry
+from nav_msgs.msg import OccupancyGrid
 
 from robotteamsim import srv
 from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkMessages, NetworkState, Voice
@@ -21,6 +21,7 @@ from robotteamsim.ros.transport.presence import PRESENCE, Presence
 from robotteamsim.ros.transport.services import Service, call_service, command
 from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
+from robotteamsim.ros.transport.team_poses import team_poses
 from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
 from robotteamsim.sensing.readings import NOT_THERE
 from robotteamsim.simulation.environment import Environment
@@ -83,7 +84,7 @@ class EnvironmentNode:
         self._make = RosTypes()
         self._environment_lock = threading.Lock()
         names = [f"/{ros_messages.robot_name(robot_id)}" for robot_id in range(settings.num_robots)]
-        self._places = [f"{name}/base_pose_ground_truth" for name in names]
+        self._poses = team_poses(settings)
         self._sent = [f"{name}/network/tx" for name in names]
         latched = settings.lockstep
         self._voices = [Output(f"{name}/voice", Voice, latched=latched) for name in names]
@@ -115,13 +116,16 @@ class EnvironmentNode:
                 with self._environment_lock:
                     self._settings = read_seed(self._settings)
                     self._build()
-            self._step(step)
+                self._poses.restart()
+            self._presence.follow(step)
+            is_located = self._poses.follow(step, self._presence)
+            for line in self._poses.newly_lost():
+                logger.warning("%s", line)
+            if is_located:
+                self._step(step)
 
     def _inputs(self) -> list[Input]:
-        places = [
-            Input(Channel(topic, needed=True, robot_id=robot_id), Odometry, conversion.read_odometry)
-            for robot_id, topic in enumerate(self._places)
-        ]
+        poses = [an_input for robot_id in range(self._settings.num_robots) for an_input in self._poses.inputs(robot_id)]
         controlled = self._settings.controlled
         sent = [
             Input(Channel(topic, of_last_step=True, may_be_silent=True, robot_id=robot_id), NetworkMessages)
@@ -129,7 +133,7 @@ class EnvironmentNode:
             if robot_id in controlled or not self._settings.lockstep
         ]
         doors = [Input(Channel(DOORS), Doors)] if self._settings.scenario.plan.doors else []
-        return [*places, *sent, *doors, PRESENCE, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
+        return [*poses, *sent, *doors, PRESENCE, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
 
     def _build(self) -> None:
         self._environment = Environment(self._settings.scenario)
@@ -140,11 +144,10 @@ class EnvironmentNode:
             radio_maps.restart()
 
     def _step(self, step: Step) -> None:
-        self._presence.follow(step)
         is_present = self._presence.is_present
         places = [
-            step.latest(topic).pose if is_present(robot_id) else NOT_THERE.ground_truth
-            for robot_id, topic in enumerate(self._places)
+            self._poses.reading(robot_id).pose if is_present(robot_id) else NOT_THERE.ground_truth
+            for robot_id in range(self._settings.num_robots)
         ]
         positions_m = np.array([(place.x_m, place.y_m) for place in places])
         outboxes = [conversion.network_messages(step.messages.get(topic, ())) for topic in self._sent]

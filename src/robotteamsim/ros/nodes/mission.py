@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from nav_msgs.msg import Odometry
 from rich.console import Console
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
@@ -25,6 +24,7 @@ from robotteamsim.ros.transport.presence import PRESENCE, Presence
 from robotteamsim.ros.transport.services import Service, command
 from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
+from robotteamsim.ros.transport.team_poses import TeamPoses, team_poses
 from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
 from robotteamsim.sensing.readings import NOT_THERE, NOTHING_HEARD, RobotReading
 from robotteamsim.simulation import Observer
@@ -47,10 +47,12 @@ def main() -> None:
 class RobotInputs:
     """The topics of one robot that the mission needs."""
 
-    def __init__(self, robot_id: int) -> None:
+    def __init__(self, robot_id: int, poses: TeamPoses, lockstep: bool) -> None:
         name = ros_messages.robot_name(robot_id)
         self._robot_id = robot_id
-        self.ground_truth = f"/{name}/base_pose_ground_truth"
+        self._poses = poses
+        self._lockstep = lockstep
+        self._decision = Decision()
         self.contact = f"/{name}/contact"
         self.voice = f"/{name}/voice"
         self.status = f"/{name}/controller/status"
@@ -59,7 +61,7 @@ class RobotInputs:
         """Return the inputs; a robot without a controller publishes no decisions."""
         mine = partial(Channel, robot_id=self._robot_id)
         inputs = [
-            Input(mine(self.ground_truth, needed=True), Odometry, conversion.read_odometry),
+            *self._poses.inputs(self._robot_id),
             Input(mine(self.contact), msg.Contact),
             Input(mine(self.voice, needed=True), msg.Voice),
         ]
@@ -69,14 +71,22 @@ class RobotInputs:
 
     def reading(self, step: Step) -> RobotReading:
         """Return the readings of the robot for the mission, without odometry and ranges."""
-        truth = step.latest(self.ground_truth)
+        found = self._poses.reading(self._robot_id)
         contact = step.latest(self.contact)
-        return RobotReading.of(truth.pose, truth.twist, truth, _NO_RANGES, contact is not None and contact.in_contact)
+        return RobotReading.of(found.pose, found.twist, found, _NO_RANGES, contact is not None and contact.in_contact)
 
     def decision(self, step: Step) -> Decision:
-        """Return the published part of the robot's decision."""
+        """Return the published part of the robot's decision; without lockstep that of the newest message."""
         status = step.latest(self.status)
-        return Decision() if status is None else conversion.decision(status)
+        if status is not None:
+            self._decision = conversion.decision(status)
+        elif self._lockstep:
+            self._decision = Decision()
+        return self._decision
+
+    def forget(self) -> None:
+        """Forget the last decision, because the robot is absent or time has jumped back."""
+        self._decision = Decision()
 
 
 class MissionNode:
@@ -88,7 +98,10 @@ class MissionNode:
         self._stays = parameter("~stays", False)
         out = parameter("~out", "")
         self._folder = Path(out).expanduser() if out else None
-        self._robots = [RobotInputs(robot_id) for robot_id in range(settings.num_robots)]
+        self._poses = team_poses(settings)
+        self._robots = [
+            RobotInputs(robot_id, self._poses, settings.lockstep) for robot_id in range(settings.num_robots)
+        ]
         base = settings.scenario.mission.base
         self._base = base
         self._base_received = "" if base is None else f"/{ros_messages.robot_name(base)}/network/rx"
@@ -117,6 +130,12 @@ class MissionNode:
                         self._trial.abandon()
                         self._settings = read_seed(self._settings)
                         self._trial = self._begin_trial()
+                    self._poses.restart()
+                    for topics in self._robots:
+                        topics.forget()
+                self._presence.follow(step)
+                if not self._poses.follow(step, self._presence):
+                    continue
                 running = self._trial.result is None
                 self._step(step)
                 if running and self._trial.result is not None:
@@ -144,7 +163,6 @@ class MissionNode:
         return Trial(self._settings.scenario, recorders)
 
     def _step(self, step: Step) -> None:
-        self._presence.follow(step)
         present = self._presence.present
         robots = [(topics, self._presence.is_present(robot_id)) for robot_id, topics in enumerate(self._robots)]
         readings = tuple(topics.reading(step) if is_present else NOT_THERE for topics, is_present in robots)
@@ -152,7 +170,10 @@ class MissionNode:
         voices = tuple(
             heard(step.latest(topics.voice)) if is_present else NOTHING_HEARD for topics, is_present in robots
         )
-        decisions = tuple(topics.decision(step) if is_present else Decision() for topics, is_present in robots)
+        for topics, is_present in robots:
+            if not is_present:
+                topics.forget()
+        decisions = tuple(topics.decision(step) for topics, _ in robots)
         network = conversion.network_state(step.latest(NETWORK))
         message = step.latest(DOORS)
         doors = None if message is None else conversion.door_states(message)

@@ -9,19 +9,23 @@ from sensor_msgs.msg import PointCloud2
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
+from robotteamsim import _ros_transport as roscpp
 from robotteamsim import msg
+from robotteamsim.recording.ros_messages import robot_name
 from robotteamsim.ros.scene import laser as scene_laser
 from robotteamsim.ros.scene import mission as scene_mission
 from robotteamsim.ros.scene import plan as scene_plan
 from robotteamsim.ros.scene import sensors as scene_sensors
 from robotteamsim.ros.scene import team as scene_team
 from robotteamsim.ros.scene.feed import Feed, robot_topics
+from robotteamsim.ros.scene.poses import PoseFeed, TfPoses, TruePoses
 from robotteamsim.ros.scene.robot import RobotFeed
 from robotteamsim.ros.scene.shapes import FRAME, Shown
 from robotteamsim.ros.transport import msg_conversion
 from robotteamsim.ros.transport.node import is_running, parameter, published_topics, run, wait_for_shutdown
 from robotteamsim.ros.transport.presence import ROBOTS
 from robotteamsim.ros.transport.settings import read_settings
+from robotteamsim.ros.transport.tf_pose import TfPose
 from robotteamsim.ros.transport.topics import Output
 from robotteamsim.scenario import Bounds, Scenario, occupancy_grid
 from robotteamsim.scenario.plan import OCCUPIED
@@ -89,6 +93,7 @@ class Scene:
         layers = ("building", "doors", "voice", "areas", "victims", "trails", "links", "robots", "headline", *SENSORS)
         self._canvas = {layer: Canvas(f"/scene/{layer}") for layer in layers}
         self._laser = Output("/scene/laser", PointCloud2)
+        self._transforms = roscpp.TransformListener() if scenario.control.localisation == "tf" else None
         self._robots: dict[int, RobotFeed] = {}
         self._missing: set[int] = set()
         self._status = Feed("/mission/status", msg.MissionStatus)
@@ -161,7 +166,9 @@ class Scene:
 
     def _discover(self) -> None:
         """Follow the published robots; the last ones stay on display when a run or a bag has ended."""
-        found = robot_topics(published_topics())
+        published = published_topics()
+        with_truth = robot_topics(published)
+        found = with_truth if self._transforms is None else robot_topics(published, "odom") | with_truth
         if not found:
             return
         gone = self._robots.keys() - found.keys()
@@ -171,8 +178,16 @@ class Scene:
         self._missing = gone
         for robot_id in found.keys() - self._robots.keys():
             robot = self._placed[robot_id] if robot_id < len(self._placed) else Robot()
-            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot, self._scenario.control.swarms.max > 1)
+            poses = self._pose_feed(robot_id, found[robot_id], robot_id in with_truth)
+            several_swarms = self._scenario.control.swarms.max > 1
+            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot, poses, several_swarms)
         self._robots = dict(sorted(self._robots.items()))
+
+    def _pose_feed(self, robot_id: int, prefix: str, has_truth: bool) -> PoseFeed:
+        if has_truth or self._transforms is None:
+            return TruePoses(prefix)
+        tf = TfPose(self._transforms, robot_name(robot_id), self._scenario.control.tf_timeout_s)
+        return TfPoses(prefix, self._transforms, tf)
 
     def _draw_mission(self) -> None:
         areas, victims = self._areas.newest(), self._victims.newest()

@@ -57,12 +57,12 @@ def thinned(items: Sequence[Any], at_most: int) -> list[Any]:
     return list(items[::-1][::stride][::-1])
 
 
-def robot_topics(published: Iterable[str]) -> dict[int, str]:
-    """Return the prefix of the published topics of each robot, by id, in id order.
+def robot_topics(published: Iterable[str], name: str = GROUND_TRUTH) -> dict[int, str]:
+    """Return the prefix of the published topics of each robot that has a topic of this name, by id, in id order.
 
     "/robot_3/base_pose_ground_truth" gives {3: "/robot_3/"}; a single robot without a namespace is robot 0.
     """
-    pattern = re.compile(rf"(/(?:robot_(\d+)/)?){GROUND_TRUTH}")
+    pattern = re.compile(rf"(/(?:robot_(\d+)/)?){name}")
     found = {}
     for topic in published:
         if match := pattern.fullmatch(topic):

@@ -3,14 +3,14 @@
 from collections import deque
 from collections.abc import Iterable
 
-from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan, NavSatFix, Range
 
 from robotteamsim.geometry import Pose
 from robotteamsim.msg import Contact, ControllerStatus
 from robotteamsim.ros.scene import team as scene_team
-from robotteamsim.ros.scene.feed import GROUND_TRUTH, Feed
+from robotteamsim.ros.scene.feed import Feed
 from robotteamsim.ros.scene.laser import ScanView
+from robotteamsim.ros.scene.poses import PoseFeed
 from robotteamsim.ros.scene.sensors import FixView, SonarView
 from robotteamsim.ros.transport import msg_conversion
 from robotteamsim.scenario.sections import Laser, Robot
@@ -23,13 +23,13 @@ FIXES_KEPT = 30
 class RobotFeed:
     """The latest messages of one robot."""
 
-    def __init__(self, robot_id: int, prefix: str, robot: Robot, several_swarms: bool = False) -> None:
+    def __init__(self, robot_id: int, prefix: str, robot: Robot, poses: PoseFeed, several_swarms: bool = False) -> None:
         self._id = robot_id
         self._several_swarms = several_swarms
         self._swarm: int | None = None
         self._prefix = prefix
         self._robot = robot
-        self._truth = Feed(prefix + GROUND_TRUTH, Odometry, keep=1000)
+        self._poses = poses
         self._status = Feed(f"{prefix}controller/status", ControllerStatus)
         self._contact = Feed(f"{prefix}contact", Contact)
         self._fix = Feed(f"{prefix}fix", NavSatFix, keep=FIXES_KEPT) if robot.gps else None
@@ -46,10 +46,8 @@ class RobotFeed:
 
     def look(self, trail_points: int) -> bool:
         """Process new messages; return whether there were any."""
-        truths = self._truth.take(at_most=20)
-        for truth in truths:
-            pose = msg_conversion.odometry_reading(truth).pose.pose
-            stamp_ns = msg_conversion.stamp_ns(truth)
+        poses = self._poses.take(at_most=20)
+        for stamp_ns, pose in poses:
             self.trail.add(pose.x_m, pose.y_m, 1e-9 * stamp_ns, self._robot.drive.max_speed_mps, trail_points)
             if stamp_ns < self.stamp_ns:
                 self._recent.clear()
@@ -66,7 +64,7 @@ class RobotFeed:
         contact = self._contact.newest()
         if contact is not None:
             self._contact_angles_rad = tuple(contact.angles_rad)
-        return bool(truths) or status is not None
+        return bool(poses) or status is not None
 
     def view(self) -> scene_team.RobotView | None:
         """Return the view of the robot; None before its first pose."""
@@ -123,7 +121,7 @@ class RobotFeed:
 
     def close(self) -> None:
         """Unsubscribe from all topics."""
-        for feed in (self._truth, self._status, self._contact, self._fix, self._scans, self._sonars):
+        for feed in (self._poses, self._status, self._contact, self._fix, self._scans, self._sonars):
             if feed is not None:
                 feed.close()
 

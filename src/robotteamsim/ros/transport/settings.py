@@ -18,8 +18,11 @@ PARAMETERS = "/robotteamsim"
 SEED = f"{PARAMETERS}/seed"
 """The parameter of the seed for all nodes; a string, because XML-RPC has only 32-bit integers."""
 
-WORLD_REPORTS_S = 5.0
-"""Delay before nodes other than the world report a mistake in the settings [s, wall]."""
+USE_SIM_TIME = "/use_sim_time"
+
+REPORT_DELAYS_S = {"/world": 0.0, "/environment": 5.0}
+OTHERS_REPORT_S = 10.0
+"""Delay before a node reports a mistake in the settings [s, wall]."""
 NOT_SET = -1
 """Default for the number of robots and for the id of the one driven by hand: not given."""
 
@@ -71,13 +74,13 @@ def read_settings() -> Settings:
     """Return the settings from the parameter server.
 
     Raises: ParameterError, ScenarioError. All nodes of a launch find the same mistake: the world reports it at once,
-    which ends the launch, and the others only if they are still running after a while.
+    which ends the launch. The environment follows, because there is no world with real robots, and then the others.
     """
     try:
         return _read_settings()
     except RobotTeamSimError:
-        if node_name() != "/world":
-            wait_for_shutdown(WORLD_REPORTS_S)
+        if delay_s := REPORT_DELAYS_S.get(node_name(), OTHERS_REPORT_S):
+            wait_for_shutdown(delay_s)
         raise
 
 
@@ -117,6 +120,8 @@ def _read_settings() -> Settings:
         raise ParameterError(f"{PARAMETERS}/prefix: False; expected True unless world.launch runs a single robot")
     if settings.lockstep and not settings.mission:
         raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False without a mission")
+    if scenario.control.localisation == "tf":
+        _check_tf(settings)
     if num_robots not in (NOT_SET, settings.num_robots):
         raise ParameterError(
             f"{PARAMETERS}/robots: {num_robots}; expected {settings.num_robots}, the length of the robots' list in"
@@ -125,3 +130,15 @@ def _read_settings() -> Settings:
     if settings.teleop not in range(NOT_SET, settings.num_robots):
         raise ParameterError(f"{PARAMETERS}/teleop: {settings.teleop}; expected 0 to {settings.num_robots - 1}")
     return read_seed(settings)
+
+
+def _check_tf(settings: Settings) -> None:
+    """Raise ParameterError if the settings do not fit to poses from tf, as of real robots."""
+    if settings.lockstep:
+        raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False with control.localisation=tf")
+    scenario = settings.scenario
+    walking = [f"victim {victim.name} who walks" for victim in scenario.mission.victims if victim.walks]
+    timed = ["schedule", *walking] if scenario.schedule else walking
+    # Their times begin at 0.
+    if timed and not parameter(USE_SIM_TIME, False):
+        raise ParameterError(f"{USE_SIM_TIME}: False; expected True, because the scenario has a {timed[0]}")

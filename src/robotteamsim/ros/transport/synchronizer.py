@@ -148,10 +148,18 @@ class LatestSynchronizer(StepSynchronizer):
     is recognised by the next message, which is newer than that one and still older than the last one before.
     """
 
-    def __init__(self, channels: Iterable[Channel], *, stale_ns: int = 0) -> None:
-        """Start without messages. stale_ns: a single message that is older by less than this is late."""
+    def __init__(self, channels: Iterable[Channel], *, stale_ns: int = 0, period_ns: int = 0) -> None:
+        """Start without messages.
+
+        Args:
+            stale_ns:  a single message that is older by less than this is late.
+            period_ns: steps are this far apart on average, even if messages come more often; 0: as often as they come.
+        """
         super().__init__(channels)
         self._stale_ns = stale_ns
+        self._period_ns = period_ns
+        self._due_ns = 0
+        """Stamp of the next step; half a period less is enough, so that jitter of the messages skips no step."""
 
     def _accept(self, queue: _Queue, stamp_ns: int, message: Any) -> None:
         if queue.channel.needed and stamp_ns < queue.last_ns:
@@ -171,7 +179,13 @@ class LatestSynchronizer(StepSynchronizer):
 
     def _has_step(self) -> bool:
         # With no robot present all channels may be ready without a new message.
-        return super()._has_step() and any(queue.waiting for queue in self._pacing())
+        return super()._has_step() and any(queue.waiting for queue in self._pacing()) and self._is_due()
+
+    def _is_due(self) -> bool:
+        return not self._period_ns or self._restarted or self._newest_ns() >= self._due_ns - self._period_ns // 2
+
+    def _newest_ns(self) -> int:
+        return max(queue.last_ns for queue in self._pacing())
 
     def _pacing(self) -> list[_Queue]:
         """Return the queues that determine a step: those needed or, with no robot present, those with presence."""
@@ -187,7 +201,9 @@ class LatestSynchronizer(StepSynchronizer):
         for queue in self._queues.values():
             if self._is_absent(queue, present):
                 queue.waiting.clear()
-        stamp_ns = max(queue.last_ns for queue in self._pacing())
+        stamp_ns = self._newest_ns()
+        is_late = self._restarted or stamp_ns >= self._due_ns + self._period_ns
+        self._due_ns = (stamp_ns if is_late else self._due_ns) + self._period_ns
         self._present = {} if present is None else {stamp_ns: present}
         messages = {name: tuple(message for _, message in queue.waiting) for name, queue in self._queues.items()}
         for queue in self._queues.values():

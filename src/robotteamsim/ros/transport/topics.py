@@ -72,7 +72,9 @@ def make_synchronizer(settings: Settings, inputs: Iterable[Input]) -> StepSynchr
     channels = [an_input.channel for an_input in inputs]
     if settings.lockstep:
         return LockstepSynchronizer(channels, step_ns=settings.step_ns, silence_limit_s=settings.silence_limit_s)
-    return LatestSynchronizer(channels, stale_ns=STALE_NS)
+    # Real robots publish odometry at 50 Hz and more.
+    period_ns = settings.step_ns if settings.scenario.control.localisation == "tf" else 0
+    return LatestSynchronizer(channels, stale_ns=STALE_NS, period_ns=period_ns)
 
 
 def receive_steps(synchronizer: StepSynchronizer, inputs: Iterable[Input], settings: Settings) -> StepReceiver:

@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""Locates two robots by tf, as amcl does, first one, then both; loses one for a while, and finds it again."""
+# ruff: noqa: PT009 - rostest runs this by unittest, whose assertions tell the values
+
+from __future__ import annotations
+
+import unittest
+from typing import Any
+
+import numpy as np
+import rosgraph
+import rospy
+import rostest
+from geometry_msgs.msg import TransformStamped
+from listening import Topic, speed_mps
+from nav_msgs.msg import Odometry
+from robotteamsim.msg import ControllerStatus, MissionEvent, MissionStatus, Voice
+from rosgraph_msgs.msg import Log
+from tf2_msgs.msg import TFMessage
+
+from robotteamsim.geometry import Pose
+from robotteamsim.ros.transport.msg_conversion import odometry_reading
+
+ROBOTS = range(2)
+LOST = 1
+OFFSET_M = 0.2
+"""Error of the localisation to the east, by which its positions differ from the true ones."""
+STOP_S = 0.8
+
+
+def stamp_s(message: Any) -> float:
+    return message.header.stamp.to_sec()
+
+
+def pose_of(message: Odometry) -> Pose:
+    return odometry_reading(message).pose.pose
+
+
+def moves(message: Odometry) -> bool:
+    return speed_mps(message) > 0.2
+
+
+def stands(message: Odometry) -> bool:
+    return abs(speed_mps(message)) < 1e-3 and abs(message.twist.twist.angular.z) < 1e-3
+
+
+class Localiser:
+    """Publishes map -> odom of one robot with each odometry, while it is on."""
+
+    def __init__(self, robot_id: int, output: rospy.Publisher) -> None:
+        self.is_on = False
+        self.last_s = 0.0
+        self._odom = f"robot_{robot_id}/odom"
+        self._output = output
+        self._truths: dict[int, Odometry] = {}
+        rospy.Subscriber(f"/hidden/robot_{robot_id}", Odometry, self._put_truth, tcp_nodelay=True)
+        rospy.Subscriber(f"/{self._odom}", Odometry, self._put_odometry, tcp_nodelay=True)
+
+    def _put_truth(self, truth: Odometry) -> None:
+        self._truths[truth.header.stamp.to_nsec()] = truth
+
+    def _put_odometry(self, odometry: Odometry) -> None:
+        truth = self._truths.get(odometry.header.stamp.to_nsec())
+        if truth is None or not self.is_on:
+            return
+        map_T_odom = Pose(OFFSET_M, 0.0, 0.0) @ pose_of(truth) @ pose_of(odometry).inverse()  # noqa: N806
+        link = TransformStamped(odometry.header, self._odom, None)
+        link.header.frame_id = "map"
+        link.transform = TransformStamped().transform
+        link.transform.translation.x, link.transform.translation.y = map_T_odom.x_m, map_T_odom.y_m
+        half_rad = 0.5 * map_T_odom.yaw_rad
+        link.transform.rotation.z, link.transform.rotation.w = np.sin(half_rad), np.cos(half_rad)
+        self._output.publish(TFMessage([link]))
+        self.last_s = stamp_s(odometry)
+
+
+class LocalisedTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("localised_test", disable_rostime=True)
+        cls.log = Topic("/rosout", Log)
+        cls.truths = [Topic(f"/hidden/robot_{i}", Odometry) for i in ROBOTS]
+        cls.statuses = [Topic(f"/robot_{i}/controller/status", ControllerStatus) for i in ROBOTS]
+        cls.voice = Topic("/robot_0/voice", Voice)
+        cls.events = Topic("/mission/events", MissionEvent)
+        cls.mission = Topic("/mission/status", MissionStatus)
+        output = rospy.Publisher("/tf", TFMessage, queue_size=0)
+        localisers = [Localiser(i, output) for i in ROBOTS]
+        cls.run_mission(localisers)
+
+    @classmethod
+    def run_mission(cls, localisers: list[Localiser]) -> None:
+        """Locate one robot, both, lose one, find it, and wait for the end."""
+        localisers[0].is_on = True
+        cls.log.wait_for_after(0, lambda line: line.msg.startswith("/tf: waited"), "a report")
+        cls.before = [len(truth.messages) for truth in cls.truths]
+        localisers[LOST].is_on = True
+        for truth in cls.truths:
+            truth.wait_for_after(0, moves, "a robot that moves")
+        cls.truths[LOST].wait_for(moves, "a robot that moves")
+        localisers[LOST].is_on = False
+        cls.lost = len(cls.truths[LOST].messages)
+        stood = cls.truths[LOST].wait_for_after(cls.lost, stands, "a robot that stands")
+        cls.stopped_s = stamp_s(stood) - localisers[LOST].last_s
+        cls.fault = cls.statuses[LOST].wait_for_after(0, lambda status: bool(status.fault), "a fault").fault
+        cls.truths[0].wait_for(moves, "the other robot, which moves")
+        cls.events.wait_for_after(0, lambda event: event.kind == "controller_failed", "a stopped robot")
+        localisers[LOST].is_on = True
+        cls.found_again = cls.truths[LOST].wait_for(moves, "a robot that moves again")
+        cls.end = cls.mission.wait_for_after(0, lambda status: status.state == "ended", "state ended")
+
+    def test_nobody_publishes_ground_truth(self) -> None:
+        published, _, _ = rosgraph.Master("/localised_test").getSystemState()
+        self.assertEqual([name for name, _ in published if "ground_truth" in name], [])
+
+    def test_transform_that_does_not_arrive_is_reported_once_with_its_name_and_the_wait(self) -> None:
+        lines = [line.msg for line in self.log.messages if line.msg.startswith("/tf: waited")]
+        self.assertEqual(len(lines), 1, lines)
+        self.assertRegex(lines[0], r"^/tf: waited 10 s for map -> robot_1/base_link; expected ")
+
+    def test_robots_stand_until_all_are_located(self) -> None:
+        for truth, count in zip(self.truths, self.before, strict=True):
+            self.assertGreater(count, 0)
+            self.assertTrue(all(map(stands, truth.messages[:count])))
+
+    def test_robot_whose_tf_stops_stands_within_0_8_s(self) -> None:
+        self.assertLessEqual(self.stopped_s, STOP_S)
+        self.assertGreater(self.stopped_s, 0.0)
+
+    def test_lost_robot_is_reported_by_status_and_event(self) -> None:
+        reason = "/tf: no transform map -> robot_1/base_link for 0.3 s (control.tf_timeout_s)"
+        self.assertEqual(self.fault, reason)
+        failed = [event for event in self.events.messages if event.kind == "controller_failed"]
+        self.assertIn((LOST, f"robot 1 is stopped: {reason}"), [(event.robot_id, event.detail) for event in failed])
+
+    def test_robot_drives_again_when_its_tf_is_back(self) -> None:
+        self.assertTrue(moves(self.found_again))
+
+    def test_environment_takes_positions_from_tf(self) -> None:
+        # A robot that hears nothing is its own local best.
+        truths = {stamp_s(truth): pose_of(truth) for truth in self.truths[0].messages}
+        errors_m = [
+            (voice.local_best.x - truth.x_m, voice.local_best.y - truth.y_m)
+            for voice in self.voice.messages
+            if not voice.heard and (truth := truths.get(stamp_s(voice))) is not None
+        ]
+        self.assertGreater(len(errors_m), 20)
+        # A transform may be one or two steps old.
+        np.testing.assert_allclose(np.median(errors_m, axis=0), (OFFSET_M, 0.0), atol=0.1)
+
+    def test_mission_explores_its_area(self) -> None:
+        self.assertEqual(self.end.end, "areas_explored")
+        explored = [event.subject for event in self.events.messages if event.kind == "area_explored"]
+        self.assertEqual(explored, ["area_1"])
+
+
+if __name__ == "__main__":
+    rostest.rosrun("robotteamsim", "localised", LocalisedTest)
