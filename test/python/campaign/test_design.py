@@ -92,6 +92,10 @@ def test_paired_trials_of_equal_number_have_the_same_seed_in_all_cells(short_des
             ["schedule=[],[{at_s: 1, remove: 0}, {at_s: 2, spawn: 0, pose: [-9, 0, 0]}]"],
             "--sweep: schedule.1.pose: [-9, 0]: robot 0 lies outside the plan, [-2, -2] .. [8, 8]",
         ),
+        (
+            ["control.localisation=odometry,tf"],
+            "--sweep: control.localisation: 'tf' is available only in ROS; expected 'ground_truth' or 'odometry'",
+        ),
         (["run.seed=1,2"], "--sweep: run.seed: not allowed: the seed of each trial is derived from --seed"),
     ],
 )

@@ -148,6 +148,10 @@ def test_broken_pipe_is_silent():
         (["run", "garage_sar", "--noise", "nan"], "argument --noise: 'nan' is not a number"),
         (["run", "garage_sar", "--seed", "-1"], "--seed: -1 is below 0"),
         (["run", "garage_sar", "--noise", "99"], "--noise: 99 is above 80"),
+        (
+            ["run", "garage_sar", "--set", "control.localisation=tf"],
+            "--set: control.localisation: 'tf' is available only in ROS; expected 'ground_truth' or 'odometry'",
+        ),
         (["run", "garage_sar", "--robots", "0"], "--robots: 0 is below 1"),
         (["run", "garage_sar", "--set", "run.seed=-1"], "--set: run.seed: -1 is below 0"),
         (["run", "garage_sar", "--set", "control.alfa=1"], "--set: control.alfa: unknown key; did you mean 'alpha'?"),
@@ -260,6 +264,8 @@ def test_scenario_check_summarises_valid_scenarios(capsys):
 def test_scenario_check_takes_overrides(capsys):
     assert main(["scenario", "check", "tutorial_arena", "--set", "robots.count=2"]) == 0
     assert capsys.readouterr().out.startswith("tutorial_arena: valid: 2 robots, 4 areas, 1 victim in ")
+    assert main(["scenario", "check", "tutorial_arena", "--set", "control.localisation=tf"]) == 0  # for ROS
+    assert "valid" in capsys.readouterr().out
     assert main(["scenario", "check", "tutorial_arena", "--set", "robots.count=none"]) == 2
     assert capsys.readouterr().err.startswith("robotteamsim: --set: robots.count: ")
 

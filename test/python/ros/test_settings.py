@@ -112,14 +112,41 @@ def test_wrong_override_is_reported(parameters):
         read_settings()
 
 
-def test_other_nodes_leave_a_mistake_to_the_world(parameters, monkeypatch):
+def test_other_nodes_leave_a_mistake_to_the_world_or_else_to_the_environment(parameters, monkeypatch):
     waited_s: list[float] = []
     monkeypatch.setattr(settings, "wait_for_shutdown", waited_s.append)
-    monkeypatch.setattr(settings, "node_name", lambda: "/robot_0/controller")
     parameters["/robotteamsim/set"] = "voice.noise_db=99"
-    with pytest.raises(ScenarioError, match="99 is above 80"):
+    for name in ("/world", "/environment", "/robot_0/controller"):
+        monkeypatch.setattr(settings, "node_name", lambda name=name: name)
+        with pytest.raises(ScenarioError, match="99 is above 80"):
+            read_settings()
+    assert waited_s == [5.0, 10.0]
+
+
+def test_poses_from_tf_do_not_go_with_lockstep(parameters):
+    parameters |= {"/robotteamsim/set": "control.localisation=tf", "/robotteamsim/lockstep": True}
+    wanted = r"^/robotteamsim/lockstep: True; expected False with control.localisation=tf$"
+    with pytest.raises(ParameterError, match=wanted):
         read_settings()
-    assert waited_s == [settings.WORLD_REPORTS_S]
+    parameters["/robotteamsim/lockstep"] = False
+    assert read_settings().scenario.control.tf_timeout_s == 0.3
+
+
+@pytest.mark.parametrize(
+    ("setting", "what"),
+    [
+        ('schedule=[{"at_s":9.0,"noise_db":20.0}]', "schedule"),
+        ("mission.victims.0.path=[[29.0,5.0]]", "victim victim_1 who walks"),
+    ],
+)
+def test_times_of_a_scenario_need_the_simulated_clock_with_poses_from_tf(parameters, setting, what):
+    parameters["/robotteamsim/set"] = f"control.localisation=tf {setting}"
+    with pytest.raises(
+        ParameterError, match=f"^/use_sim_time: False; expected True, because the scenario has a {what}$"
+    ):
+        read_settings()
+    parameters["/use_sim_time"] = True
+    read_settings()
 
 
 def test_number_of_robots_must_fit_a_list_of_robots(parameters, tmp_path):

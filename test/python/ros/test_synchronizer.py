@@ -140,6 +140,38 @@ def test_latest_step_needs_something_new_from_each_needed_channel_and_gets_all_t
     assert steps.take_step().messages == {"scan": ("scan 3",), "odom": ("odom 2",), "rx": ()}
 
 
+@pytest.mark.parametrize(
+    ("stamps", "taken"),
+    [
+        (range(20, 1020, 20), [20, *range(60, 1020, 100)]),
+        ([95, 205, 299, 402, 500, 595], [95, 205, 299, 402, 500, 595]),
+        ([100, 900, 920, 1000], [100, 900, 1000]),
+    ],
+    ids=["frequent", "jittering", "after a gap"],
+)
+def test_latest_steps_are_a_period_apart_on_average_and_lose_no_message(stamps, taken):
+    steps = LatestSynchronizer((Channel("odom", needed=True), Channel("tx")), period_ns=STEP_NS)
+    found, messages = [], []
+    for stamp_ns in stamps:
+        steps.add("tx", stamp_ns, stamp_ns)
+        steps.add("odom", stamp_ns, stamp_ns)
+        if (step := steps.take_step()) is not None:
+            found.append(step.stamp_ns)
+            messages += step.messages["tx"]
+    assert found == taken
+    assert messages == list(stamps)[: len(messages)]
+
+
+def test_latest_step_with_a_period_comes_at_once_after_time_has_jumped_back():
+    steps = LatestSynchronizer((Channel("odom", needed=True),), period_ns=STEP_NS)
+    for stamp_ns in (900, 100):
+        steps.add("odom", stamp_ns, "odom")
+        step = steps.take_step()
+    assert step == Step(100, True, {"odom": ("odom",)})
+    steps.add("odom", 120, "odom")
+    assert steps.take_step() is None
+
+
 def test_latest_restarts_once_when_needed_stamps_jump_back():
     steps = LatestSynchronizer((Channel("scan", needed=True), Channel("odom", needed=True), Channel("rx")))
     steps.add("scan", 900, "old scan")
