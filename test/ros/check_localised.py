@@ -11,12 +11,15 @@ import numpy as np
 import rosgraph
 import rospy
 import rostest
-from geometry_msgs.msg import TransformStamped
-from listening import Topic, speed_mps
+from geometry_msgs.msg import TransformStamped, Twist
+from listening import Topic, call, speed_mps
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import ControllerStatus, MissionEvent, MissionStatus, Voice
+from robotteamsim.srv import Step
 from rosgraph_msgs.msg import Log
+from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
 
 from robotteamsim.geometry import Pose
 from robotteamsim.ros.transport.msg_conversion import odometry_reading
@@ -82,8 +85,10 @@ class LocalisedTest(unittest.TestCase):
         cls.truths = [Topic(f"/hidden/robot_{i}", Odometry) for i in ROBOTS]
         cls.statuses = [Topic(f"/robot_{i}/controller/status", ControllerStatus) for i in ROBOTS]
         cls.voice = Topic("/robot_0/voice", Voice)
+        cls.commands = Topic(f"/robot_{LOST}/cmd_vel", Twist)
         cls.events = Topic("/mission/events", MissionEvent)
         cls.mission = Topic("/mission/status", MissionStatus)
+        cls.scene = Topic("/scene/robots", MarkerArray)
         output = rospy.Publisher("/tf", TFMessage, queue_size=0)
         localisers = [Localiser(i, output) for i in ROBOTS]
         cls.run_mission(localisers)
@@ -98,16 +103,32 @@ class LocalisedTest(unittest.TestCase):
         for truth in cls.truths:
             truth.wait_for_after(0, moves, "a robot that moves")
         cls.truths[LOST].wait_for(moves, "a robot that moves")
+        call("/pause", Trigger)
+        for _ in range(5):  # until the controller is up to date
+            cls.step()
         localisers[LOST].is_on = False
-        cls.lost = len(cls.truths[LOST].messages)
-        stood = cls.truths[LOST].wait_for_after(cls.lost, stands, "a robot that stands")
-        cls.stopped_s = stamp_s(stood) - localisers[LOST].last_s
+        last = next(truth for truth in iter(cls.step, None) if stands(truth))
+        cls.stopped_s = stamp_s(last) - localisers[LOST].last_s
+        rospy.loginfo("stopped after %.2f s", cls.stopped_s)
+        call("/resume", Trigger)
         cls.fault = cls.statuses[LOST].wait_for_after(0, lambda status: bool(status.fault), "a fault").fault
         cls.truths[0].wait_for(moves, "the other robot, which moves")
         cls.events.wait_for_after(0, lambda event: event.kind == "controller_failed", "a stopped robot")
         localisers[LOST].is_on = True
         cls.found_again = cls.truths[LOST].wait_for(moves, "a robot that moves again")
         cls.end = cls.mission.wait_for_after(0, lambda status: status.state == "ended", "state ended")
+
+    @classmethod
+    def step(cls) -> Odometry:
+        """Take one step, and wait for the command of the robot that is lost; return where it is after the step.
+
+        The world waits meanwhile, so that the time to stop does not depend on the machine.
+        """
+        truths, commands = cls.truths[LOST], cls.commands
+        num_truths, num_commands = len(truths.messages), len(commands.messages)
+        call("/step", Step, steps=1)
+        commands.wait_for_count(num_commands + 1)
+        return truths.wait_for_count(num_truths + 1)[-1]
 
     def test_nobody_publishes_ground_truth(self) -> None:
         published, _, _ = rosgraph.Master("/localised_test").getSystemState()
@@ -147,6 +168,10 @@ class LocalisedTest(unittest.TestCase):
         self.assertGreater(len(errors_m), 20)
         # A transform may be one or two steps old.
         np.testing.assert_allclose(np.median(errors_m, axis=0), (OFFSET_M, 0.0), atol=0.1)
+
+    def test_scene_draws_both_robots(self) -> None:
+        drawn = {marker.id for message in self.scene.messages for marker in message.markers if marker.ns == "bodies"}
+        self.assertEqual(drawn, set(ROBOTS))
 
     def test_mission_explores_its_area(self) -> None:
         self.assertEqual(self.end.end, "areas_explored")
