@@ -7,6 +7,10 @@ setup(
     **generate_distutils_setup(
         packages=find_packages("src"),
         package_dir={"": "src"},
-        package_data={"robotteamsim.campaign": ["data/*"], "robotteamsim.analysis.report": ["page.html"]},
+        package_data={
+            "robotteamsim.campaign": ["data/*"],
+            "robotteamsim.analysis.report": ["page.html"],
+            "robotteamsim.view": ["page/*"],
+        },
     )
 )

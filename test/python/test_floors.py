@@ -26,6 +26,7 @@ FLOORS = (
     ("recording",),
     ("campaign",),
     ("analysis",),
+    ("view",),
     ("_ros_transport",),
     ("cli", "ros"),
 )

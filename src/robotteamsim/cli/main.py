@@ -18,6 +18,7 @@ from robotteamsim.cli import (
     report_command,
     run_command,
     scenario_command,
+    view_command,
 )
 from robotteamsim.cli.interrupt import Terminated, terminated_as_interrupted
 from robotteamsim.cli.parser import Parser
@@ -36,6 +37,7 @@ _DEBUG = "--debug"
 _EXAMPLES = """\
 examples:
   robotteamsim run garage_sar                        one mission, with a table of its events
+  robotteamsim view garage_sar                       the same, live in the browser
   robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
   robotteamsim run my.yaml --set control.alpha=0.5 --json
   robotteamsim campaign garage_sar --noise 10 --noise 20 --trials 30 --out DIR
@@ -119,6 +121,7 @@ def make_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for command in (
         run_command,
+        view_command,
         campaign_command,
         report_command,
         analyse_command,

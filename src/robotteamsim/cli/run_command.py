@@ -18,6 +18,7 @@ from robotteamsim.recording import BagWriter, ResultWriter, TumWriter, result_su
 from robotteamsim.recording.results import FILE_NAME, EventList
 from robotteamsim.recording.table import print_result
 from robotteamsim.simulation import Observer, Simulation
+from robotteamsim.view.page_writer import PageWriter
 
 ALLOW_CODE = "--allow-code"
 TRAJECTORIES = "trajectories"
@@ -35,6 +36,7 @@ with `roslaunch robotteamsim replay.launch bag:=...`.
 examples:
   robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
   robotteamsim run garage_sar --robots 5 --set mission.time_limit_s=300
+  robotteamsim run garage_sar --html mission.html
   robotteamsim run garage_sar --json | jq .trajectory_hash"""
 
 
@@ -42,16 +44,22 @@ def add_to(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser("run", help="run one mission", description=_DESCRIPTION, epilog=_EPILOG)
     parser.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
+    add_scenario_options(parser)
+    parser.add_argument("--out", type=path_of, metavar="DIR", help="write mission.json and trajectories to this folder")
+    parser.add_argument("--bag", type=path_of, metavar="FILE", help="write a ROS bag of the run")
+    parser.add_argument("--html", type=path_of, metavar="FILE", help="write the mission as a page for any browser")
+    parser.add_argument("--json", action="store_true", help="print the result as one JSON object instead of a table")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar, no table")
+    parser.set_defaults(command=run)
+
+
+def add_scenario_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that `load_scenario` and `check_code` read."""
     parser.add_argument("--seed", type=whole_number, metavar="N", help="seed of all random numbers (run.seed)")
     parser.add_argument("--noise", type=number, metavar="DB", help="background noise [dB] (voice.noise_db)")
     parser.add_argument("--robots", type=whole_number, metavar="N", help="number of robots (robots.count)")
     add_set_option(parser)
     add_code_option(parser)
-    parser.add_argument("--out", type=path_of, metavar="DIR", help="write mission.json and trajectories to this folder")
-    parser.add_argument("--bag", type=path_of, metavar="FILE", help="write a ROS bag of the run")
-    parser.add_argument("--json", action="store_true", help="print the result as one JSON object instead of a table")
-    parser.add_argument("--quiet", action="store_true", help="no progress bar, no table")
-    parser.set_defaults(command=run)
 
 
 def add_set_option(parser: argparse.ArgumentParser) -> None:
@@ -84,12 +92,14 @@ def check_code(options: argparse.Namespace, loaded: scenario.Scenario) -> None:
 def run(options: argparse.Namespace) -> None:
     """Run the mission."""
     _check_files(options)
-    loaded = _load(options)
+    loaded = load_scenario(options, options.scenario)
     check_code(options, loaded)
     simulation = Simulation(loaded)
     _check_controllers(simulation)
     events = EventList()
     observers: list[Observer] = [events, *_recorders(options)]
+    if options.html:
+        observers.append(PageWriter(options.html, simulation))
     if not options.quiet:
         observers.append(ProgressBar(Console(stderr=True)))
     observers.append(InterruptBetweenSteps())
@@ -97,16 +107,21 @@ def run(options: argparse.Namespace) -> None:
     if options.json:
         print(json.dumps(result_summary(result)))
     elif not options.quiet:
-        print_result(Console(), result, events.events, [options.out, options.bag])
+        print_result(Console(), result, events.events, [options.out, options.bag, options.html])
 
 
 def _check_files(options: argparse.Namespace) -> None:
-    """Raises: UsageError: the bag would be overwritten by a file of --out."""
-    if not (options.bag and options.out):
+    """Raises: UsageError: a file would be overwritten by another one of this command."""
+    named = {"--bag": options.bag, "--html": options.html}
+    files = {option: Path(os.path.realpath(path)) for option, path in named.items() if path}
+    if len(set(files.values())) < len(files):
+        raise UsageError(f"--html {options.html}: --bag writes this file; choose another one")
+    if not options.out:
         return
-    bag, out = Path(os.path.realpath(options.bag)), Path(os.path.realpath(options.out))
-    if bag == out / FILE_NAME or out / TRAJECTORIES in bag.parents:
-        raise UsageError(f"--bag {options.bag}: --out writes a file of this name; choose another one")
+    out = Path(os.path.realpath(options.out))
+    for option, file in files.items():
+        if file == out / FILE_NAME or out / TRAJECTORIES in file.parents:
+            raise UsageError(f"{option} {named[option]}: --out writes a file of this name; choose another one")
 
 
 def _check_controllers(simulation: Simulation) -> None:
@@ -119,8 +134,8 @@ def _check_controllers(simulation: Simulation) -> None:
             )
 
 
-def _load(options: argparse.Namespace) -> scenario.Scenario:
-    """Return the scenario with all overrides of the command line; named options take precedence over --set.
+def load_scenario(options: argparse.Namespace, name: str) -> scenario.Scenario:
+    """Return a scenario with all overrides of the command line; named options take precedence over --set.
 
     Raises: ScenarioError: names the option as the user typed it.
     """
@@ -132,9 +147,7 @@ def _load(options: argparse.Namespace) -> scenario.Scenario:
     }
     given = {option: (key, value) for option, (key, value) in named.items() if value is not None}
     try:
-        return scenario.load(
-            options.scenario, [*options.overrides, *(f"{key}={value}" for key, value in given.values())]
-        )
+        return scenario.load(name, [*options.overrides, *(f"{key}={value}" for key, value in given.values())])
     except ScenarioError as error:
         for option, (key, _) in given.items():
             if str(error).startswith(f"--set: {key}: "):

@@ -2,7 +2,7 @@
 
 from robotteamsim.scenario.dumping import dump, write_floor_plan
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
-from robotteamsim.scenario.loading import load, load_floor_plan
+from robotteamsim.scenario.loading import from_mapping, load, load_floor_plan
 from robotteamsim.scenario.plan import OccupancyGrid, Solid, door_corners, occupancy_grid, solids, wall_corners
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schema import json_schema
@@ -19,6 +19,7 @@ __all__ = [
     "Wall",
     "door_corners",
     "dump",
+    "from_mapping",
     "json_schema",
     "load",
     "load_floor_plan",

@@ -63,6 +63,17 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     return scenario.read_from(origin, None if plan_path is None else str(plan_path.resolve()))
 
 
+def from_mapping(data: dict[str, Any], place: str) -> Scenario:
+    """Return the scenario of plain values with the plan among them, such as in mission.json.
+
+    Args: place: where they come from, for errors.  Raises: ScenarioError, PlacementError: as `load`.
+    """
+    origin = Origin(place, ())
+    scenario = _validated(Scenario, data, origin)
+    _check_doors(scenario.plan, "plan.", origin)
+    return scenario.read_from(origin, None)
+
+
 def load_floor_plan(path_or_name: str | os.PathLike[str]) -> FloorPlan:
     """Return the floor plan of a plan file, a map_server yaml, or a shipped map's name.
 

@@ -1,0 +1,168 @@
+"""`robotteamsim view`: watch a mission in the browser, live or recorded, or write it as one HTML file."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from robotteamsim import scenario
+from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of, positive_number, whole_number
+from robotteamsim.cli.run_command import add_scenario_options, check_code, load_scenario
+from robotteamsim.errors import RecordingError
+from robotteamsim.recording.files import check_replaceable, write_atomically
+from robotteamsim.recording.results import FILE_NAME
+from robotteamsim.simulation import Simulation
+
+if TYPE_CHECKING:
+    from robotteamsim.view.recorder import Recording
+    from robotteamsim.view.server import ViewServer
+
+_DESCRIPTION = """\
+Show a mission in the browser. A scenario runs live: pause it, open doors, move victims, change the
+noise. A bag, or the folder of `run --out`, is played back. With --html, the mission is written to one
+file that any browser opens without a network, on phones as well."""
+
+_EPILOG = """\
+Only browsers on this machine can connect. A folder is simulated again from its mission.json, which
+takes a second; the result must be the same, bit for bit.
+
+examples:
+  robotteamsim view garage_sar
+  robotteamsim view garage_sar --html mission.html
+  robotteamsim view results --html mission.html
+  robotteamsim view mission.bag --scenario garage_sar
+  robotteamsim view one.bag --compare two.bag --html both.html"""
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser(
+        "view", help="watch a mission in the browser, or write it as one HTML file", description=_DESCRIPTION,
+        epilog=_EPILOG,
+    )  # fmt: skip
+    parser.add_argument("target", metavar="TARGET", help=f"a bag, a folder of `run --out`, or {SCENARIO_HELP}")
+    add_scenario_options(parser)
+    parser.add_argument("--html", type=path_of, metavar="FILE", help="write one self-contained page instead")
+    parser.add_argument("--compare", metavar="TARGET", help="show a second mission next to the first")
+    parser.add_argument("--scenario", metavar="SCENARIO", help="for bags: draw its building instead of the bag's /map")
+    parser.add_argument(
+        "--speed", type=positive_number, default=10.0, metavar="X", help="simulated over wall time; default 10"
+    )
+    parser.add_argument("--port", type=whole_number, default=0, metavar="N", help="of the address; default: a free one")
+    parser.add_argument("--no-browser", action="store_true", help="print the address, and open no browser")
+    parser.set_defaults(command=view)
+
+
+def view(options: argparse.Namespace) -> None:
+    """Show the mission until Ctrl-C, or write the page."""
+    if not 0 <= options.port <= 65535:
+        raise UsageError(f"--port {options.port} is outside 0 to 65535")
+    targets = [options.target, *([options.compare] if options.compare else [])]
+    if options.html:
+        check_replaceable(options.html)
+        write_atomically(options.html, _page(options, targets))
+        print(options.html)
+    elif options.compare or _is_recorded(options.target):
+        from robotteamsim.view.server import ViewServer
+
+        _serve(options, lambda: ViewServer(options.port, _page(options, targets)))
+    else:
+        _show_live(options)
+
+
+def _show_live(options: argparse.Namespace) -> None:
+    # Imported late, because other commands need neither server nor page.
+    from robotteamsim.view.html import live_page
+    from robotteamsim.view.live import LiveMission
+    from robotteamsim.view.server import ViewServer
+
+    loaded = load_scenario(options, options.target)
+    check_code(options, loaded)
+
+    def load(seed: int | None) -> scenario.Scenario:
+        if seed is not None:
+            options.seed = seed
+        return load_scenario(options, options.target)
+
+    mission = LiveMission(load, speed=min(options.speed, 1000.0), playing=True)
+    mission.start()
+    try:
+        _serve(options, lambda: ViewServer(options.port, live_page(loaded.name), mission))
+    finally:
+        mission.close()
+
+
+def _serve(options: argparse.Namespace, make: Any) -> None:
+    """Serve until Ctrl-C. Raises: UsageError: the port is in use."""
+    try:
+        server: ViewServer = make()
+    except OSError as error:
+        raise UsageError(f"--port {options.port}: {error.strerror or error}") from None
+    with server:
+        print(f"{server.url}  (Ctrl-C ends it)", flush=True)
+        if not options.no_browser and not webbrowser.open(server.url):
+            print("No browser was found: open this address yourself.", flush=True)
+        try:
+            server.serve_forever(poll_interval=0.1)
+        except KeyboardInterrupt:
+            return
+
+
+def _page(options: argparse.Namespace, targets: list[str]) -> str:
+    from robotteamsim.view.html import mission_page
+
+    recordings = [_recording(options, target) for target in targets]
+    title = recordings[0].title if len(recordings) == 1 else " and ".join(one.title for one in recordings)
+    return mission_page(recordings, title, compare=len(recordings) > 1)
+
+
+def _is_recorded(target: str) -> bool:
+    return Path(target).is_dir() or target.endswith(".bag")
+
+
+def _recording(options: argparse.Namespace, target: str) -> Recording:
+    """Read a bag, or simulate a scenario or the mission of a folder again."""
+    if Path(target).is_dir():
+        return _repeated(options, Path(target))
+    if target.endswith(".bag"):
+        from robotteamsim.analysis.runs.reading import read_run
+        from robotteamsim.view.from_bag import recording_of
+
+        building = scenario.load(options.scenario) if options.scenario else None
+        return recording_of(read_run([Path(target)]), building)
+    loaded = load_scenario(options, target)
+    check_code(options, loaded)
+    return _simulated(loaded)[0]
+
+
+def _repeated(options: argparse.Namespace, folder: Path) -> Recording:
+    """Simulate the mission of a folder again. Raises: RecordingError: the result is another one."""
+    path = folder / FILE_NAME
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        data, expected = document["scenario"], document["result"]["trajectory_hash"]
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read: {error.strerror}; expected a folder of `run --out`") from None
+    except (ValueError, KeyError, TypeError):
+        raise RecordingError(f"{path}: is not a mission.json of `run --out`") from None
+    loaded = scenario.from_mapping(data, str(path))
+    check_code(options, loaded)
+    recording, found = _simulated(loaded)
+    if found != expected:
+        raise RecordingError(
+            f"{path}: this version computes another mission (trajectory hash {found[:8]}.. instead of "
+            f"{expected[:8]}..), so it cannot be shown; a bag can"
+        )
+    return recording
+
+
+def _simulated(loaded: scenario.Scenario) -> tuple[Recording, str]:
+    """Return the recording and the trajectory hash of a mission."""
+    from robotteamsim.view.recorder import FrameRecorder
+
+    simulation = Simulation(loaded)
+    recorder = FrameRecorder(simulation)
+    return recorder.recording, simulation.run([recorder]).trajectory_hash

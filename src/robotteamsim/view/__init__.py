@@ -1,0 +1,1 @@
+"""Shows a mission in a browser: live, or as one HTML file."""

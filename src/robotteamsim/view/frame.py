@@ -1,0 +1,108 @@
+"""A frame: everything that a viewer shows of one moment of a mission."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import msgspec
+import numpy as np
+
+from robotteamsim.interface import OUTSIDE
+from robotteamsim.mission.status import Event
+from robotteamsim.simulation import StepRecord
+from robotteamsim.world import World
+
+Pose = tuple[float, float, float]
+"""x, y [m], yaw [rad] in `map`."""
+
+Link = tuple[int, int, int]
+"""Two robots, the smaller index first, and the signal between them [dBm]."""
+
+UNKNOWN_SIGNAL_DBM = 0
+"""Signal of a link in a recording without signals."""
+
+
+class VictimShape(msgspec.Struct, frozen=True):
+    """A victim: where they are [m], and their state."""
+
+    name: str
+    position_m: tuple[float, float]
+    state: str
+
+
+class ShownEvent(msgspec.Struct, frozen=True):
+    """An event with the time of the frame in which it is shown [s]."""
+
+    time_s: float
+    kind: str
+    text: str
+
+
+class Frame(msgspec.Struct, frozen=True):
+    """One moment of a mission.
+
+    time_s:  since the start of the world, or of the recorded mission [s].
+    poses:   of each robot; None: it is absent.
+    swarms:  of each robot; -1: it is excluded.
+    links:   that exist.
+    doors:   opening of each door, 0 closed .. 1 open.
+    objects: pose of each object.
+    explored, target: whether each area is explored; the area to explore now, -1 for none.
+    endangered: how often a link became endangered so far.
+    scans_m: ranges of each robot's laser; empty in frames without scans.
+    """
+
+    time_s: float
+    poses: tuple[Pose | None, ...]
+    swarms: tuple[int, ...] = ()
+    links: tuple[Link, ...] = ()
+    fiedler_value: float = 0.0
+    doors: tuple[float, ...] = ()
+    objects: tuple[Pose, ...] = ()
+    victims: tuple[VictimShape, ...] = ()
+    explored: tuple[bool, ...] = ()
+    target: int = -1
+    state: str = ""
+    noise_db: float = 0.0
+    endangered: int = 0
+    scans_m: tuple[list[float], ...] = ()
+
+
+def frame_of(record: StepRecord, world: World, *, with_scans: bool) -> Frame:
+    """Return the frame of a step. Args: world: just after that step, for its objects."""
+    poses = []
+    for robot_id, reading in enumerate(record.readings):
+        pose = reading.true_pose
+        poses.append((pose.x_m, pose.y_m, pose.yaw_rad) if record.is_there(robot_id) else None)
+    status = record.mission
+    return Frame(
+        time_s=record.sim_time_s,
+        poses=tuple(poses),
+        swarms=tuple(OUTSIDE if decision.excluded else decision.swarm for decision in record.decisions),
+        links=links_of(record.network.adjacency, record.network.rssi_dbm),
+        fiedler_value=record.network.fiedler_value,
+        doors=tuple(state.opening for state in record.doors.values()),
+        objects=tuple((pose.x_m, pose.y_m, pose.yaw_rad) for pose in world.objects().values()),
+        victims=tuple(
+            VictimShape(victim.name, victim.position, state)
+            for victim, state in zip(record.victims, status.victims, strict=True)
+        ),
+        explored=status.explored,
+        target=status.target_area,
+        state=status.state,
+        noise_db=record.noise_db,
+        endangered=status.endangered_links,
+        scans_m=tuple(reading.ranges_m.tolist() for reading in record.readings) if with_scans else (),
+    )
+
+
+def links_of(adjacency: np.ndarray, rssi_dbm: np.ndarray | None) -> tuple[Link, ...]:
+    """Return the links of a network. Args: bool and float64, shape (n, n); None: the signals are unknown."""
+    first, second = np.nonzero(np.triu(adjacency, 1))
+    signals = np.full(len(first), UNKNOWN_SIGNAL_DBM) if rssi_dbm is None else np.rint(rssi_dbm[first, second])
+    return tuple(zip(first.tolist(), second.tolist(), signals.astype(int).tolist(), strict=True))
+
+
+def shown_events(events: Sequence[Event], time_s: float) -> list[ShownEvent]:
+    """Return events of the step at a time [s]."""
+    return [ShownEvent(time_s, event.kind, event.detail) for event in events]

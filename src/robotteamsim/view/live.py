@@ -1,0 +1,307 @@
+"""A mission that runs at a chosen speed while viewers watch it and interfere."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Annotated, Any
+
+import msgspec
+
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.simulation import Simulation, StepRecord
+from robotteamsim.view.columns import header
+from robotteamsim.view.frame import Frame, ShownEvent, frame_of, shown_events
+from robotteamsim.view.recorder import LayerMap, RadioCoverage, Recording, layer_map
+from robotteamsim.view.scene import scene_of
+
+_FRAME_WALL_S = 1.0 / 15.0
+"""Least time between frames that are sent [s]."""
+
+_RADIO_SIM_S = 1.0
+"""Simulated time between maps of the radio coverage [s]."""
+
+Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
+
+
+class Command(msgspec.Struct, tag_field="command", forbid_unknown_fields=True):
+    """What a viewer may ask for."""
+
+
+class Play(Command, tag="play"):
+    """Go on."""
+
+
+class Pause(Command, tag="pause"):
+    """Stop after this step."""
+
+
+class Step(Command, tag="step"):
+    """Make one step, and pause."""
+
+
+class SetSpeed(Command, tag="set_speed"):
+    """Set the simulated time per wall time."""
+
+    speed: Annotated[float, msgspec.Meta(gt=0.0, le=1000.0)]
+
+
+class Restart(Command, tag="restart"):
+    """Begin again with a seed."""
+
+    seed: Annotated[int, msgspec.Meta(ge=0, le=2**53)]
+
+
+class SetNoise(Command, tag="set_noise"):
+    """Set the background noise [dB]."""
+
+    noise_db: Annotated[float, msgspec.Meta(ge=0.0, le=200.0)]
+
+
+class SetDoor(Command, tag="set_door"):
+    """Open or close a door."""
+
+    name: str
+    closed: bool
+
+
+class SetVictim(Command, tag="set_victim"):
+    """Add or move a victim [m, map]."""
+
+    name: str
+    position_m: tuple[Coordinate, Coordinate]
+
+
+class SetLayers(Command, tag="set_layers"):
+    """Send these layers, of voice, radio and laser."""
+
+    layers: list[str]
+
+
+class Watched(Command):
+    """The mission begins with its first viewer; not for viewers to ask."""
+
+
+AnyCommand = Play | Pause | Step | SetSpeed | Restart | SetNoise | SetDoor | SetVictim | SetLayers
+
+
+class Update(msgspec.Struct):
+    """What a viewer receives: what has happened since the last update.
+
+    restarted: a mission has begun, or this viewer is new; then title, scene and palette are set.
+    frames:    those that are new, in order.
+    layers:    maps that have changed, by name.
+    """
+
+    status: dict[str, Any]
+    events: list[ShownEvent]
+    frames: list[Frame]
+    layers: dict[str, dict[str, Any]]
+    restarted: bool = False
+    title: str = ""
+    scene: Any = None
+    palette: Any = None
+
+
+class Outlet:
+    """Updates for one viewer; what it has not fetched yet is merged."""
+
+    def __init__(self, first: Update) -> None:
+        self._pending: Update | None = first
+        self._changed = threading.Condition()
+
+    def put(self, update: Update) -> None:
+        """Add an update to those that wait."""
+        with self._changed:
+            waiting = self._pending
+            if waiting is not None and not update.restarted:
+                update = msgspec.structs.replace(
+                    waiting,
+                    status=update.status,
+                    events=[*waiting.events, *update.events],
+                    frames=[*waiting.frames, *update.frames],
+                    layers=waiting.layers | update.layers,
+                )
+            self._pending = update
+            self._changed.notify()
+
+    def take(self, timeout_s: float) -> Update | None:
+        """Return what has happened since the last call; None if nothing happens before the timeout."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._pending is not None, timeout_s)
+            update, self._pending = self._pending, None
+            return update
+
+
+class LiveMission:
+    """Runs a mission in a thread of its own."""
+
+    def __init__(self, load: Callable[[int | None], Scenario], *, speed: float, playing: bool) -> None:
+        """Args: load: returns the scenario, with another seed unless it is None.  speed: simulated over wall time.
+
+        Raises: RobotTeamSimError: the scenario cannot be simulated.
+        """
+        self._load, self._speed, self._playing = load, speed, playing
+        self._commands: queue.SimpleQueue[tuple[Command, Future[None]] | None] = queue.SimpleQueue()
+        self._outlets: list[Outlet] = []
+        self._layers: frozenset[str] = frozenset()
+        self._lock = threading.Lock()
+        self._was_watched = False
+        self._begin(None)
+        self._thread = threading.Thread(target=self._run, daemon=True, name="mission")
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the thread."""
+        self._commands.put(None)
+        self._thread.join()
+
+    def ask(self, command: AnyCommand) -> None:
+        """Execute a command between two steps. Raises: RobotTeamSimError, ValueError: it is not possible."""
+        done: Future[None] = Future()
+        self._commands.put((command, done))
+        done.result(timeout=30.0)
+
+    def listen(self) -> Outlet:
+        """Return the updates of a new viewer, the first of which contains the scene."""
+        with self._lock:
+            outlet = Outlet(self._first_update())
+            self._outlets.append(outlet)
+        self._commands.put((Watched(), Future()))
+        return outlet
+
+    def leave(self, outlet: Outlet) -> None:
+        """End the updates of a viewer."""
+        with self._lock:
+            self._outlets.remove(outlet)
+
+    def _begin(self, seed: int | None) -> None:
+        scenario = self._load(seed)
+        simulation = Simulation(scenario)
+        simulation.mission.start()
+        self._simulation, self._coverage = simulation, RadioCoverage(scenario)
+        recording = Recording(scene_of(scenario), f"{scenario.name}, seed {scenario.run.seed}")
+        self._header = header(recording)
+        self._events: list[ShownEvent] = []
+        self._record = simulation.step()
+        self._frames = [self._frame_of(self._record)]
+        """Those that were sent."""
+        self._note(self._record)
+        self._sent_events, self._radio_s, self._voice_changes = len(self._events), -_RADIO_SIM_S, -1
+
+    def _run(self) -> None:
+        due_s = sent_s = time.perf_counter()
+        while True:
+            is_moving = self._playing and self._was_watched and self._record.mission.state != "ended"
+            wait_s = max(due_s - time.perf_counter(), 0.0) if is_moving else None
+            try:
+                wanted = self._commands.get(timeout=wait_s) if wait_s != 0.0 else self._commands.get_nowait()
+            except queue.Empty:
+                self._step()
+                now_s = time.perf_counter()
+                due_s = max(due_s + self._simulation.scenario.run.step_s / self._speed, now_s - 0.1)
+                if now_s - sent_s >= _FRAME_WALL_S or self._record.mission.state == "ended":
+                    self._send()
+                    sent_s = now_s
+                continue
+            if wanted is None:
+                return
+            self._answer(*wanted)
+            due_s = time.perf_counter()
+
+    def _answer(self, command: Command, done: Future[None]) -> None:
+        try:
+            self._execute(command)
+        except Exception as error:  # whatever is wrong with a command, the mission goes on
+            done.set_exception(error)
+            return
+        self._send()
+        done.set_result(None)
+
+    def _execute(self, command: Command) -> None:
+        simulation = self._simulation
+        match command:
+            case Watched():
+                self._was_watched = True
+            case Play():
+                self._playing = True
+            case Pause():
+                self._playing = False
+            case Step():
+                self._playing = False
+                self._step()
+            case SetSpeed(speed):
+                self._speed = speed
+            case SetNoise(noise_db):
+                simulation.set_noise_db(noise_db)
+            case SetDoor(name, closed):
+                simulation.set_door(name, closed)
+            case SetVictim(name, position_m):
+                simulation.set_victim(name, position_m)
+            case SetLayers(layers):
+                self._layers, self._radio_s, self._voice_changes = frozenset(layers), -_RADIO_SIM_S, -1
+            case Restart(seed):
+                self._begin(seed)
+                with self._lock:
+                    for outlet in self._outlets:
+                        outlet.put(self._first_update())
+
+    def _step(self) -> None:
+        if self._record.mission.state == "ended":
+            return
+        self._record = self._simulation.step()
+        self._note(self._record)
+
+    def _note(self, record: StepRecord) -> None:
+        self._events += shown_events(record.events, record.sim_time_s)
+
+    def _send(self) -> None:
+        """Send the latest frame, and the events and maps that are new, to all viewers."""
+        self._frames.append(self._frame_of(self._record))
+        update = Update(self._status(), self._events[self._sent_events :], self._frames[-1:], self._new_layers())
+        self._sent_events = len(self._events)
+        with self._lock:
+            for outlet in self._outlets:
+                outlet.put(update)
+
+    def _frame_of(self, record: StepRecord) -> Frame:
+        return frame_of(record, self._simulation.world, with_scans="laser" in self._layers)
+
+    def _new_layers(self) -> dict[str, dict[str, Any]]:
+        found: dict[str, LayerMap] = {}
+        time_s, environment = self._record.sim_time_s, self._simulation.environment
+        if "voice" in self._layers and environment.voice.changes != self._voice_changes:
+            self._voice_changes = environment.voice.changes
+            found["voice"] = layer_map(time_s, environment.voice_map())
+        if "radio" in self._layers and time_s - self._radio_s >= _RADIO_SIM_S:
+            self._radio_s = time_s
+            maps = self._coverage.at(self._frames[-1])
+            found |= {"radio": maps[-1]} if maps else {}
+        return {name: plain_layer(layer) for name, layer in found.items()}
+
+    def _status(self) -> dict[str, Any]:
+        record = self._record
+        seed = self._simulation.scenario.run.seed
+        return {"playing": self._playing, "speed": self._speed, "seed": seed, "noise_db": record.noise_db}
+
+    def _first_update(self) -> Update:
+        return Update(self._status(), list(self._events), list(self._frames), {}, restarted=True, **self._header)
+
+
+def plain_layer(layer: LayerMap) -> dict[str, Any]:
+    """Return a map as plain values for JSON, rounded to 1 dB."""
+    rows, columns = layer.values.shape
+    return {
+        "time_s": layer.time_s,
+        "origin_m": layer.origin_m,
+        "cell_m": layer.cell_m,
+        "rows": rows,
+        "columns": columns,
+        "values": layer.values.clip(-200.0, 200.0).round().astype(int).ravel().tolist(),
+    }

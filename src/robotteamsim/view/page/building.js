@@ -1,0 +1,81 @@
+// The building: floor, painted bays, walls and doors. Lengths in metres, z points up.
+
+import {
+  BufferAttribute, BufferGeometry, EdgesGeometry, ExtrudeGeometry, Group, LineBasicMaterial, LineSegments, Mesh,
+  MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Shape,
+} from "three";
+
+const FLOOR_MARGIN_M = 1.0;
+const CUT_M = 1.2; // taller walls would hide the robots behind them
+
+/** A prism over an outline of corners [x, y]. */
+export function prism(outline, height) {
+  const shape = new Shape();
+  outline.forEach(([x, y], index) => (index ? shape.lineTo(x, y) : shape.moveTo(x, y)));
+  return new ExtrudeGeometry(shape, { depth: height, bevelEnabled: false });
+}
+
+export function segments(points, material) {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
+  return new LineSegments(geometry, material);
+}
+
+export class Building {
+  constructor(scene) {
+    this.group = new Group();
+    this.floor = this._floor(scene.bounds);
+    this.doors = scene.doors.map((door) => this._door(door));
+    const edge = new LineBasicMaterial({ color: "#8d8a83" });
+    for (const solid of scene.solids) {
+      const mesh = new Mesh(
+        prism(solid.outline, Math.min(solid.height_m, CUT_M)), new MeshLambertMaterial({ color: solid.colour }));
+      mesh.add(new LineSegments(new EdgesGeometry(mesh.geometry, 30), edge));
+      this.group.add(mesh);
+    }
+    const bays = scene.bays.flatMap(([[x0, y0], [x1, y1]]) => [x0, y0, 0.02, x1, y1, 0.02]);
+    if (bays.length) this.group.add(segments(bays, new LineBasicMaterial({ color: "#a9a59b" })));
+  }
+
+  _floor([x0, y0, x1, y1]) {
+    const rectangle = (margin, z) => {
+      const mesh = new Mesh(
+        new PlaneGeometry(x1 - x0 + 2 * margin, y1 - y0 + 2 * margin), new MeshBasicMaterial());
+      mesh.position.set((x0 + x1) / 2, (y0 + y1) / 2, z);
+      this.group.add(mesh);
+      return mesh;
+    };
+    this.edge = rectangle(FLOOR_MARGIN_M, -0.05);
+    return rectangle(0, 0);
+  }
+
+  _door(door) {
+    const hinge = new Group(), [x, y] = door.hinge_m;
+    const outline = door.outline.map(([px, py]) => [px - x, py - y]);
+    const leaf = new Mesh(
+      prism(outline, Math.min(door.height_m, CUT_M)), new MeshLambertMaterial({ color: door.colour }));
+    leaf.userData.door = door.name;
+    hinge.add(leaf);
+    this.group.add(hinge);
+    return { door, hinge, leaf };
+  }
+
+  /** Colour the floor as the theme asks. */
+  paint(style) {
+    this.floor.material.color.set(style.getPropertyValue("--floor").trim());
+    this.edge.material.color.set(style.getPropertyValue("--floor-edge").trim());
+  }
+
+  /** Move the doors; the open leaf of an instant door, which does not exist, is drawn transparent at its hinge. */
+  show(openings) {
+    this.doors.forEach(({ door, hinge, leaf }, index) => {
+      const opening = openings?.[index] ?? 1;
+      const [x, y] = door.hinge_m, [dx, dy] = door.shift_m;
+      hinge.position.set(x + dx * opening, y + dy * opening, 0);
+      hinge.rotation.z = opening * (door.is_instant ? Math.PI / 2 : door.angle_rad);
+      leaf.material.transparent = door.is_instant && opening > 0;
+      leaf.material.opacity = leaf.material.transparent ? 0.45 : 1;
+      leaf.material.needsUpdate = true;
+    });
+  }
+}

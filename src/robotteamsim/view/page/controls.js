@@ -1,0 +1,77 @@
+// Commands to a live mission: noise, seed, doors and victims.
+
+import { make } from "viewer/panel";
+
+export class LiveControls {
+  constructor(section, mission, player) {
+    Object.assign(this, { mission, player });
+    this.moving = null;
+    section.hidden = false;
+    this.answer = make("p");
+    this.victims = make("select", "", { title: "Move this victim: choose one, then click on the floor" });
+    section.replaceChildren(
+      make("h2", "Live"),
+      this._row("noise [dB]", this._number("noise", mission.status.noise_db), () => this.noise.value, "set", (value) =>
+        ({ command: "set_noise", noise_db: Number(value) })),
+      this._row("seed", this._number("seed", mission.status.seed), () => this.seed.value, "restart", (value) =>
+        ({ command: "restart", seed: Number(value) })),
+      this._victimRow(),
+      make("p", mission.scene.doors.length ? "Click on a door to open or close it." : ""),
+      this.answer,
+    );
+    mission.onanswer = (error) => { this.answer.textContent = error; };
+    player.onplay = (playing) => mission.send({ command: playing ? "play" : "pause" });
+    player.onspeed = (speed) => mission.send({ command: "set_speed", speed });
+    player.onstep = () => mission.send({ command: "step" });
+    player.onlayers = (shown) => mission.send({
+      command: "set_layers", layers: ["voice", "radio", "laser"].filter((name) => shown[name]),
+    });
+  }
+
+  _number(name, value) {
+    this[name] = make("input", "", { type: "number", value, ariaLabel: name, id: `live-${name}` });
+    return this[name];
+  }
+
+  _row(text, input, value, verb, command) {
+    const row = make("p"), button = make("button", verb);
+    button.addEventListener("click", () => this.mission.send(command(value())));
+    row.append(make("span", text), input, button);
+    return row;
+  }
+
+  _victimRow() {
+    const row = make("p"), button = make("button", "move");
+    this.refreshVictims();
+    button.addEventListener("click", () => {
+      this.moving = this.victims.value || null;
+      this.answer.textContent = this.moving ? `Click on the floor to place ${this.moving}.` : "";
+    });
+    row.append(make("span", "victim"), this.victims, button);
+    return row;
+  }
+
+  refreshVictims() {
+    const names = (this.mission.frames.at(-1)?.victims ?? []).map((victim) => victim.name);
+    if (names.join("\n") !== this.names) {
+      this.names = names.join("\n");
+      this.victims.replaceChildren(...names.map((name) => make("option", name, { value: name })));
+    }
+  }
+
+  /** A click on a door: open or close it. */
+  door(name) {
+    const index = this.mission.scene.doors.findIndex((door) => door.name === name);
+    const opening = this.mission.frames.at(-1)?.doors[index] ?? 0;
+    this.mission.send({ command: "set_door", name, closed: opening > 0 });
+    return true;
+  }
+
+  /** A click on the floor: place the chosen victim there. Returns whether there was one. */
+  floor(x, y) {
+    if (!this.moving) return false;
+    this.mission.send({ command: "set_victim", name: this.moving, position_m: [x, y] });
+    this.moving = null;
+    return true;
+  }
+}

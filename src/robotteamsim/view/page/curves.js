@@ -1,0 +1,82 @@
+// Small curves over time with a cursor: areas explored, victims saved, links, Fiedler value.
+
+const CURVES = [
+  { key: "areas", name: "areas explored", step: true, colour: "#009e73" },
+  { key: "saved", name: "victims saved", step: true, colour: "#d55e00" },
+  { key: "links", name: "links", step: true, colour: "#0072b2" },
+  { key: "fiedler", name: "Fiedler value", step: false, colour: "#cc79a7" },
+];
+const TOP = 20, LEFT = 30, RIGHT = 6, BOTTOM = 6;
+
+export class Curves {
+  constructor(container, onSeek) {
+    this.canvases = CURVES.map((curve) => {
+      const canvas = document.createElement("canvas");
+      canvas.setAttribute("role", "img");
+      canvas.setAttribute("aria-label", curve.name);
+      canvas.addEventListener("click", (event) => {
+        const share = (event.offsetX - LEFT) / (canvas.clientWidth - LEFT - RIGHT);
+        onSeek(this.start + Math.min(Math.max(share, 0), 1) * (this.end - this.start));
+      });
+      container.append(canvas);
+      return canvas;
+    });
+  }
+
+  /** Args: all: the curves of each mission that is shown. */
+  draw(all, start, end, time) {
+    Object.assign(this, { start, end });
+    CURVES.forEach((curve, index) => this._draw(this.canvases[index], curve, all.map((one) => one[curve.key]), time));
+  }
+
+  _draw(canvas, { name, step, colour }, series, time) {
+    const ratio = window.devicePixelRatio, width = canvas.clientWidth, height = canvas.clientHeight;
+    if (!width) return;
+    canvas.width = width * ratio;
+    canvas.height = height * ratio;
+    const pen = canvas.getContext("2d"), style = getComputedStyle(document.documentElement);
+    pen.scale(ratio, ratio);
+    const highest = Math.max(1, ...series.map(({ values }) => values.reduce((a, b) => Math.max(a, b), 0)));
+    const span = Math.max(this.end - this.start, 1e-9);
+    const x = (t) => LEFT + (width - LEFT - RIGHT) * (t - this.start) / span;
+    const y = (value) => height - BOTTOM - (height - TOP - BOTTOM) * value / highest;
+    pen.strokeStyle = style.getPropertyValue("--line");
+    pen.beginPath();
+    for (const value of [0, highest]) { pen.moveTo(LEFT, y(value)); pen.lineTo(width - RIGHT, y(value)); }
+    pen.stroke();
+    series.forEach(({ times, values }, index) => {
+      pen.strokeStyle = colour;
+      pen.lineWidth = 1.6;
+      pen.setLineDash(index ? [4, 3] : []);
+      pen.beginPath();
+      times.forEach((t, i) => {
+        if (i && step) pen.lineTo(x(t), y(values[i - 1]));
+        if (i) pen.lineTo(x(t), y(values[i])); else pen.moveTo(x(t), y(values[i]));
+      });
+      if (times.length) pen.lineTo(x(this.end), y(values.at(-1)));
+      pen.stroke();
+    });
+    pen.setLineDash([]);
+    pen.strokeStyle = style.getPropertyValue("--ink");
+    pen.lineWidth = 1;
+    pen.beginPath();
+    pen.moveTo(x(time), TOP - 3);
+    pen.lineTo(x(time), height - BOTTOM);
+    pen.stroke();
+    const now = series.map(({ times, values }) => at(times, values, time)).join(" · ");
+    pen.font = "12px system-ui, 'DejaVu Sans', sans-serif";
+    pen.fillStyle = style.getPropertyValue("--ink");
+    pen.fillText(`${name}: ${now}`, LEFT, 12);
+    pen.fillStyle = style.getPropertyValue("--soft");
+    pen.textAlign = "right";
+    for (const value of [0, highest]) pen.fillText(rounded(value), LEFT - 4, y(value) + 4);
+  }
+}
+
+const rounded = (value) => (Number.isInteger(value) ? String(value) : value.toFixed(value < 10 ? 2 : 1));
+
+function at(times, values, time) {
+  let found = values[0] ?? 0;
+  for (let i = 0; i < times.length && times[i] <= time; i++) found = values[i];
+  return rounded(found);
+}

@@ -1,0 +1,99 @@
+// Starts the page: with the missions that it contains, or with the live mission of its server.
+
+import { LiveControls } from "viewer/controls";
+import { LiveMission } from "viewer/live";
+import { make } from "viewer/panel";
+import { Player } from "viewer/player";
+import { decodeMissions } from "viewer/recording";
+import { View } from "viewer/view";
+
+const element = (id) => document.getElementById(id);
+
+export async function start() {
+  try {
+    document.documentElement.dataset.theme = "dark";
+    if (window.innerWidth < 500) document.body.classList.add("narrow");
+    const data = element("missions");
+    if (data) await startRecorded(data); else await startLive();
+    document.body.dataset.ready = "true";
+  } catch (error) {
+    element("failure").hidden = false;
+    element("failure").textContent = `This page cannot be shown: ${error.message}`;
+    console.error(error);
+  }
+}
+
+function addView(mission, player, name, floor = () => false, door = () => false) {
+  const container = make("div", "", { className: "view" });
+  element("views").append(container);
+  const view = new View(container, mission, {
+    onDraw: () => player()?.draw(),
+    onSelect: (selected, robot) => { selected.selected = robot; player()?.draw(); },
+    onDoor: door,
+    onFloor: floor,
+  });
+  if (name) container.append(make("div", name, { className: "name" }));
+  return view;
+}
+
+async function startRecorded(data) {
+  const missions = await decodeMissions(data.textContent);
+  const compare = data.dataset.mode === "compare";
+  element("title").textContent = compare ? "Comparison" : missions[0].title;
+  let player = null;
+  const shown = compare ? missions : missions.slice(0, 1);
+  document.body.classList.toggle("side-by-side", compare);
+  const views = shown.map((mission, index) =>
+    addView(mission, () => player, compare ? `${"AB"[index] ?? index}: ${mission.title}` : ""));
+  player = new Player(views);
+  if (!compare && missions.length > 1) chooseAmong(missions, player);
+  obey(player, new URLSearchParams(location.hash.slice(1)));
+}
+
+/** The address may end with #t=120&layers=voice,laser&theme=light&play=1. */
+function obey(player, wishes) {
+  const { t, play, layers, theme } = Object.fromEntries(wishes);
+  for (const name of layers?.split(",") ?? []) element(`layer-${name}`)?.click();
+  if (theme === "light") element("theme").click();
+  if (t !== undefined) player.seek(player.start + Number(t));
+  if (play !== undefined) player.toggle(true);
+}
+
+function chooseAmong(missions, player) {
+  const select = element("mission");
+  select.hidden = false;
+  missions.forEach((mission, index) => select.add(new Option(mission.title, index)));
+  select.addEventListener("change", () => {
+    const [view] = player.views;
+    view.mission = missions[Number(select.value)];
+    element("title").textContent = view.mission.title;
+    view.rebuild();
+    player.seek(player.time);
+    player.refresh();
+  });
+}
+
+async function startLive() {
+  const mission = await LiveMission.connect();
+  let player = null, controls = null;
+  element("title").textContent = mission.title;
+  const view = addView(mission, () => player, "", (x, y) => controls.floor(x, y), (name) => controls.door(name));
+  player = new Player([view]);
+  player.following = true;
+  player.toggle(mission.status.playing);
+  controls = new LiveControls(element("live"), mission, player);
+  mission.onupdate = () => {
+    if (player.following) player.time = mission.end;
+    controls.refreshVictims();
+    player.refresh();
+  };
+  mission.onrestart = () => {
+    element("title").textContent = mission.title;
+    player.following = true;
+    view.rebuild();
+  };
+  mission.onclose = () => {
+    element("failure").hidden = false;
+    element("failure").textContent = "The simulation has ended, or its program was closed.";
+  };
+}

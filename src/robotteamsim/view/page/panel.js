@@ -1,0 +1,76 @@
+// The panel at the side: the selected robot, curves, and events.
+
+import { Curves } from "viewer/curves";
+import { lastIndex } from "viewer/recording";
+
+const element = (id) => document.getElementById(id);
+
+/** A new element with text; never HTML, because names come from files. */
+export function make(tag, text = "", attributes = {}) {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  Object.assign(made, attributes);
+  return made;
+}
+
+export class Panel {
+  constructor(onSeek) {
+    this.onSeek = onSeek;
+    this.curves = new Curves(element("curves"), onSeek);
+    this.events = [];
+  }
+
+  /** List the events of missions, and mark them on the slider. */
+  setEvents(missions, start, end, colours) {
+    this.events = missions.flatMap((mission, index) =>
+      mission.events.map((event) => ({ ...event, text: missions.length > 1 ? `${"AB"[index] ?? index}: ${event.text}` : event.text })));
+    this.events.sort((a, b) => a.time_s - b.time_s);
+    const list = make("ol");
+    this.items = this.events.map((event) => {
+      const item = make("li");
+      item.append(make("time", event.time_s.toFixed(1)), make("span", event.text));
+      item.addEventListener("click", () => this.onSeek(event.time_s));
+      list.append(item);
+      return item;
+    });
+    element("events").replaceChildren(make("h2", "Events"), list);
+    const marks = this.events.map((event) => {
+      const mark = make("i", "", { title: event.text });
+      mark.style.left = `${100 * (event.time_s - start) / Math.max(end - start, 1e-9)}%`;
+      mark.style.background = colours(event.kind);
+      return mark;
+    });
+    element("marks").replaceChildren(...marks);
+  }
+
+  show(views, curves, start, end, time) {
+    const past = this.events.length && this.events[0].time_s <= time
+      ? lastIndex(this.events, time, (event) => event.time_s) + 1 : 0;
+    this.items?.forEach((item, index) => item.classList.toggle("past", index < past));
+    this.curves.draw(curves, start, end, time);
+    this._showRobot(views.find((view) => view.selected !== null));
+  }
+
+  _showRobot(view) {
+    const section = element("robot");
+    section.hidden = !view;
+    if (!view) return;
+    const { frame, selected, mission } = view, pose = frame.poses[selected];
+    const links = frame.links.filter(([a, b]) => a === selected || b === selected).map(([a, b, signal]) =>
+      `${a === selected ? b : a}${signal ? ` (${signal} dBm)` : ""}`);
+    const swarm = frame.swarms?.[selected];
+    const rows = [
+      ["position", pose ? `${pose[0].toFixed(2)}, ${pose[1].toFixed(2)} m` : "absent"],
+      ["heading", pose ? `${Math.round(((pose[2] * 180 / Math.PI) % 360 + 360) % 360)}°` : "–"],
+      ["swarm", swarm === undefined ? "–" : swarm < 0 ? "excluded" : String(swarm)],
+      ["links", links.join(", ") || "none"],
+    ];
+    const table = make("table");
+    for (const [name, value] of rows) {
+      const row = make("tr");
+      row.append(make("td", name), make("td", value));
+      table.append(row);
+    }
+    section.replaceChildren(make("h2", mission.scene.robots[selected].name), table);
+  }
+}

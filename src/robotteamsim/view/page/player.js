@@ -1,0 +1,159 @@
+// Time: play, pause, seek, speed; it draws all views of the page at the same time.
+
+import { Panel } from "viewer/panel";
+
+const SPEEDS = [0.5, 1, 2, 5, 10, 20, 50];
+const element = (id) => document.getElementById(id);
+const LAYERS = { links: true, trails: true, names: true, voice: false, radio: false, laser: false };
+
+const EVENT_COLOURS = {
+  victim_saved: "victims.saved", victim_heard: "victims.heard", area_explored: "areas.explored",
+  link_endangered: "links.endangered", robot_excluded: "excluded", end: "hops",
+};
+
+export class Player {
+  constructor(views) {
+    this.views = views;
+    this.time = this.start;
+    this.playing = false;
+    this.speed = 10;
+    this.shown = { ...LAYERS };
+    this.dirty = true;
+    this.panel = new Panel((time) => this.seek(time));
+    this._controls();
+    this._changed();
+    requestAnimationFrame((now) => this._tick(now, now));
+  }
+
+  get missions() { return this.views.map((view) => view.mission); }
+  get isLive() { return this.missions.some((mission) => mission.isLive); }
+  get start() { return Math.min(...this.views.map((view) => view.mission.start)); }
+  get end() { return Math.max(...this.views.map((view) => view.mission.end)); }
+
+  seek(time) {
+    this.time = Math.min(Math.max(time, this.start), this.end);
+    this.following = this.isLive && this.time >= this.end;
+    this.dirty = true;
+  }
+
+  draw() { this.dirty = true; }
+
+  toggle(playing = !this.playing) {
+    if (playing && !this.isLive && this.time >= this.end) this.time = this.start;
+    this.playing = playing;
+    element("play").classList.toggle("playing", playing);
+    this.onplay?.(playing);
+    this.dirty = true;
+  }
+
+  /** New frames or another mission: the range of time, curves and events have changed. */
+  _changed() {
+    const slider = element("time");
+    slider.min = this.start;
+    slider.max = this.end;
+    this.curves = this.missions.map((mission) => mission.curves());
+    this.panel.setEvents(this.missions, this.start, this.end, (kind) => this._eventColour(kind));
+    this.dirty = true;
+  }
+
+  refresh() { this._changed(); }
+
+  _eventColour(kind) {
+    const path = EVENT_COLOURS[kind];
+    return path ? path.split(".").reduce((part, key) => part[key], this.views[0].mission.palette) : "#8d97a3";
+  }
+
+  _tick(now, before) {
+    if (this.playing && !this.isLive) {
+      this.time = Math.min(this.time + this.speed * Math.min((now - before) / 1000, 0.25), this.end);
+      this.dirty = true;
+      if (this.time >= this.end) this.toggle(false);
+    }
+    if (this.dirty) this._show();
+    requestAnimationFrame((next) => this._tick(next, now));
+  }
+
+  _show() {
+    this.dirty = false;
+    for (const view of this.views) view.show(Math.min(this.time, view.mission.end), this.shown);
+    this.panel.show(this.views, this.curves, this.start, this.end, this.time);
+    element("time").value = this.time;
+    element("clock").textContent = `${(this.time - this.start).toFixed(1)} / ${(this.end - this.start).toFixed(1)} s`;
+    element("state").textContent = this.views.map((view) => statusText(view.frame)).join("   |   ");
+  }
+
+  _controls() {
+    element("play").addEventListener("click", () => this.toggle());
+    element("step").addEventListener("click", () => this._step());
+    element("time").addEventListener("input", (event) => this.seek(Number(event.target.value)));
+    const speeds = element("speed");
+    for (const speed of SPEEDS) speeds.add(new Option(`${speed}×`, speed, false, speed === this.speed));
+    speeds.addEventListener("change", () => {
+      this.speed = Number(speeds.value);
+      this.onspeed?.(this.speed);
+    });
+    element("camera").addEventListener("click", () => this._each((view) => { view.selected = null; view.fit(); }));
+    element("above").addEventListener("click", () => this._each((view) => { view.selected = null; view.fit(true); }));
+    element("theme").addEventListener("click", () => {
+      const root = document.documentElement;
+      root.dataset.theme = root.dataset.theme === "dark" ? "light" : "dark";
+      this._each((view) => view.paint());
+    });
+    element("side").addEventListener("click", () => {
+      document.body.classList.toggle("narrow");
+      this.dirty = true;
+    });
+    for (const name of Object.keys(LAYERS)) this._layerBox(name);
+    document.addEventListener("keydown", (event) => this._key(event));
+  }
+
+  _layerBox(name) {
+    const label = document.createElement("label"), box = document.createElement("input");
+    box.type = "checkbox";
+    box.id = `layer-${name}`;
+    box.checked = this.shown[name];
+    box.addEventListener("change", () => {
+      this.shown[name] = box.checked;
+      this.onlayers?.(this.shown);
+      this.dirty = true;
+    });
+    label.append(box, ` ${name}`);
+    label.hidden = !this.isLive && !this._has(name);
+    element("layers").append(label);
+  }
+
+  /** Whether a recording has the data of a layer. */
+  _has(name) {
+    if (name === "laser") return this.missions.some((mission) => mission.scans.length > 0);
+    if (name === "voice" || name === "radio") return this.missions.some((mission) => mission.layers[name].length > 0);
+    return true;
+  }
+
+  _key(event) {
+    if (["INPUT", "SELECT", "TEXTAREA", "BUTTON"].includes(event.target.tagName)) return;
+    if (event.key === " ") { event.preventDefault(); this.toggle(); }
+    if (event.key === ".") this._step();
+    if (event.key === "ArrowLeft") this.seek(this.time - 1);
+    if (event.key === "ArrowRight") this.seek(this.time + 1);
+  }
+
+  _step() {
+    if (this.onstep) this.onstep(); else this.seek(this.time + 0.2);
+  }
+
+  _each(action) {
+    this.views.forEach(action);
+    this.dirty = true;
+  }
+}
+
+function statusText(frame) {
+  const victims = frame.victims ?? [], explored = frame.explored ?? [];
+  const parts = [];
+  if (explored.length) parts.push(`${explored.filter(Boolean).length} of ${explored.length} areas`);
+  if (victims.length) {
+    parts.push(`${victims.filter((victim) => victim.state === "saved").length} of ${victims.length} victims saved`);
+  }
+  if (frame.noise_db !== undefined && frame.state) parts.push(`${frame.noise_db} dB noise`, frame.state);
+  return parts.join(", ");
+}

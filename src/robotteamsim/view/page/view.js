@@ -1,0 +1,180 @@
+// One mission in one canvas: camera, light, building, team, layers, labels, and clicks.
+
+import {
+  DirectionalLight, HemisphereLight, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
+  OrbitControls,
+} from "three";
+import { Building } from "viewer/building";
+import { Labels } from "viewer/labels";
+import { Layers, scale } from "viewer/layers";
+import { Team } from "viewer/team";
+
+const CLICK_PX = 5;
+const TILT_RAD = 0.5; // from the vertical
+
+export class View {
+  selected = null;
+
+  /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw(). */
+  constructor(container, mission, callbacks) {
+    Object.assign(this, { container, mission, callbacks });
+    this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    container.append(this.renderer.domElement);
+    this.camera = new PerspectiveCamera(42, 1, 0.1, 5000);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.maxPolarAngle = 1.5;
+    this.controls.addEventListener("change", () => callbacks.onDraw());
+    this.labels = new Labels(container);
+    this.legend = document.createElement("div");
+    this.legend.className = "legend";
+    container.append(this.legend);
+    this._build();
+    this._listen();
+    new ResizeObserver(() => this._resize()).observe(container);
+    this._resize();
+  }
+
+  _build() {
+    const { scene, palette } = this.mission;
+    this.scene = new Scene();
+    this.scene.add(new HemisphereLight("#ffffff", "#8a8f98", 2.2));
+    const sun = new DirectionalLight("#ffffff", 1.6);
+    sun.position.set(-0.5, -0.3, 1);
+    this.scene.add(sun);
+    this.building = new Building(scene);
+    this.team = new Team(scene, palette);
+    this.layers = new Layers(palette, scene.robots);
+    this.scene.add(this.building.group, this.team.group, this.layers.group);
+    this.paint();
+    this.fit();
+  }
+
+  /** Draw another scene, such as after a restart with other settings. */
+  rebuild() {
+    this.selected = null;
+    this._build();
+  }
+
+  paint() {
+    const style = getComputedStyle(document.documentElement);
+    this.renderer.setClearColor(style.getPropertyValue("--back").trim());
+    this.building.paint(style);
+    this.team.ink = style.getPropertyValue("--ink").trim();
+  }
+
+  /** Place the camera so that the whole building is visible, tilted or from above. */
+  fit(fromAbove = false) {
+    const [x0, y0, x1, y1] = this.mission.scene.bounds;
+    const centre = new Vector3((x0 + x1) / 2, (y0 + y1) / 2, 0);
+    const tilt = fromAbove ? 0.001 : TILT_RAD;
+    const direction = new Vector3(0, -Math.sin(tilt), Math.cos(tilt));
+    const corners = [[x0, y0], [x1, y0], [x0, y1], [x1, y1]].map(([x, y]) => new Vector3(x, y, 0));
+    this.fittedFromAbove = fromAbove;
+    this.camera.aspect = Math.max(this.container.clientWidth, 1) / Math.max(this.container.clientHeight, 1);
+    this.camera.updateProjectionMatrix();
+    let near = 1, far = 4000; // the nearest distance from which all corners are visible
+    for (let i = 0; i < 40; i++) {
+      const distance = (near + far) / 2;
+      this.camera.position.copy(centre).addScaledVector(direction, distance);
+      this.camera.lookAt(centre);
+      this.camera.updateMatrixWorld();
+      const visible = corners.every((corner) => {
+        const point = corner.clone().project(this.camera);
+        return Math.abs(point.x) < 0.96 && Math.abs(point.y) < 0.93 && point.z < 1;
+      });
+      if (visible) far = distance; else near = distance;
+    }
+    this.controls.target.copy(centre);
+    this.controls.update();
+    this.moved = false;
+  }
+
+  _resize() {
+    const { clientWidth, clientHeight } = this.container;
+    if (!clientWidth || !clientHeight) return;
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.camera.aspect = clientWidth / clientHeight;
+    this.camera.updateProjectionMatrix();
+    if (!this.moved) this.fit(this.fittedFromAbove);
+    this.callbacks.onDraw();
+  }
+
+  _listen() {
+    const canvas = this.renderer.domElement;
+    let down = null;
+    canvas.addEventListener("pointerdown", (event) => { down = [event.clientX, event.clientY]; });
+    canvas.addEventListener("pointerup", (event) => {
+      const far = down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) > CLICK_PX;
+      if (far) this.moved = true; else this._click(event);
+    });
+    canvas.addEventListener("wheel", () => { this.moved = true; }, { passive: true });
+  }
+
+  _click(event) {
+    const box = this.renderer.domElement.getBoundingClientRect();
+    const place = new Vector2(
+      2 * (event.clientX - box.left) / box.width - 1, 1 - 2 * (event.clientY - box.top) / box.height);
+    const ray = new Raycaster();
+    ray.setFromCamera(place, this.camera);
+    const robot = ray.intersectObjects(this.team.bodies)[0];
+    if (robot) return this.callbacks.onSelect(this, robot.object.userData.ids[robot.instanceId]);
+    const door = ray.intersectObjects(this.building.doors.map(({ leaf }) => leaf))[0];
+    if (door && this.callbacks.onDoor(door.object.userData.door)) return;
+    const floor = ray.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), 0), new Vector3());
+    if (floor && this.callbacks.onFloor(floor.x, floor.y)) return;
+    this.callbacks.onSelect(this, null);
+  }
+
+  /** Draw a time. Args: shown: which layers are. */
+  show(time, shown) {
+    const frame = this.mission.at(time);
+    this.frame = frame;
+    this.building.show(frame.doors);
+    this.team.show(frame, this.mission, shown, this.camera);
+    this.team.mark(frame, this.selected, this.camera);
+    this.layers.show(this.mission, frame, shown, this.selected);
+    this._showLegend(shown);
+    this._follow(frame);
+    this.renderer.render(this.scene, this.camera);
+    this.labels.show(frame, this.mission.scene, this.camera, shown.names, this.selected);
+    this._report(frame);
+  }
+
+  /** Keep the selected robot in the middle of the view. */
+  _follow(frame) {
+    const pose = this.selected === null ? null : frame.poses[this.selected];
+    if (!pose) return;
+    const shift = new Vector3(pose[0], pose[1], 0).sub(this.controls.target);
+    if (shift.lengthSq() < 1e-8) return;
+    this.controls.target.add(shift);
+    this.camera.position.add(shift);
+    this.camera.updateMatrixWorld();
+    this.controls.update();
+  }
+
+  /** A scale of colours for each layer that has one. */
+  _showLegend(shown) {
+    const names = ["voice", "radio"].filter((name) => shown[name]);
+    this.legend.hidden = !names.length;
+    if (this.legend.dataset.names === names.join()) return;
+    this.legend.dataset.names = names.join();
+    this.legend.replaceChildren(...names.map((name) => {
+      const { low, high, css } = scale(this.mission.palette, name), row = document.createElement("div");
+      const bar = document.createElement("i");
+      bar.style.background = css;
+      row.append(`${name} ${low}`, bar, high);
+      return row;
+    }));
+  }
+
+  /** Numbers of what is drawn, as attributes, for tests and screen readers. */
+  _report(frame) {
+    const saved = (frame.victims ?? []).filter((victim) => victim.state === "saved").length;
+    Object.assign(this.container.dataset, {
+      time: frame.time.toFixed(1), robots: frame.poses.filter(Boolean).length, links: frame.links.length,
+      victims: (frame.victims ?? []).length, saved,
+    });
+  }
+}

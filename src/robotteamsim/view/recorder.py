@@ -1,0 +1,115 @@
+"""Records the frames of a mission while it runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robotteamsim.propagation import FieldMap, RadioField
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.simulation import Result, Simulation, StepRecord
+from robotteamsim.view.frame import Frame, ShownEvent, frame_of, shown_events
+from robotteamsim.view.scene import Scene, scene_of
+
+FRAME_S = 0.2
+"""Time between frames; the viewer interpolates [s]."""
+
+SCAN_S = 1.0
+"""Time between frames with scans [s]."""
+
+MOST_SCANNED = 8
+"""Scans of larger teams would make files too large."""
+
+RADIO_S = 10.0
+"""Time between maps of the team's radio coverage [s]."""
+
+_RADIO_CELL_M = 0.5
+_MAX_CELLS = 40_000
+"""Most cells of a map that is shown; finer maps are thinned out."""
+
+
+@dataclass(frozen=True, slots=True)
+class LayerMap:
+    """One map of a layer, from a time on [s]: values in rows from the lower left corner `origin_m`."""
+
+    time_s: float
+    origin_m: tuple[float, float]
+    cell_m: float
+    values: np.ndarray
+
+
+@dataclass(slots=True)
+class Recording:
+    """Everything that a viewer shows of one mission; `voice` and `radio` are empty if they are unknown."""
+
+    scene: Scene
+    title: str
+    frames: list[Frame] = field(default_factory=list)
+    events: list[ShownEvent] = field(default_factory=list)
+    voice: list[LayerMap] = field(default_factory=list)
+    radio: list[LayerMap] = field(default_factory=list)
+
+
+class FrameRecorder:
+    """Observes a simulation and keeps its frames in `recording`."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._world = simulation.world
+        self._coverage = RadioCoverage(simulation.scenario)
+        scenario = simulation.scenario
+        self._every = max(round(FRAME_S / scenario.run.step_s), 1)
+        self._every_scan = max(round(SCAN_S / scenario.run.step_s / self._every), 1) * self._every
+        self._every_radio = max(round(RADIO_S / scenario.run.step_s / self._every), 1) * self._every
+        self._has_scans = scenario.num_robots <= MOST_SCANNED
+        title = f"{scenario.name}, seed {scenario.run.seed}, {scenario.voice.noise_db:g} dB"
+        self.recording = Recording(scene_of(scenario), title)
+
+    def begin(self, scenario: Scenario) -> None:
+        """Do nothing: the recording begins with the first step."""
+
+    def step(self, record: StepRecord) -> None:
+        """Keep the frame of a step, if one is due, and its events."""
+        found, index = self.recording, record.step_index - 1
+        found.events += shown_events(record.events, record.sim_time_s)
+        if record.voice_map is not None:
+            found.voice.append(layer_map(record.sim_time_s, record.voice_map))
+        if index % self._every and record.mission.state != "ended":
+            return
+        with_scans = self._has_scans and index % self._every_scan == 0
+        frame = frame_of(record, self._world, with_scans=with_scans)
+        found.frames.append(frame)
+        if index % self._every_radio == 0:
+            found.radio += self._coverage.at(frame)
+
+    def end(self, result: Result) -> None:
+        """Do nothing: the recording is complete."""
+
+    def abandon(self) -> None:
+        """Do nothing."""
+
+
+class RadioCoverage:
+    """The best signal of the team over the floor, through the doors as they are."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._field = RadioField(scenario.plan, scenario.radio)
+        self._doors = [door.name for door in scenario.plan.doors]
+        (x0, y0), (x1, y1) = scenario.plan.bounds.min, scenario.plan.bounds.max
+        self._cell_m = max(_RADIO_CELL_M, ((x1 - x0) * (y1 - y0) / _MAX_CELLS) ** 0.5)
+
+    def at(self, frame: Frame) -> list[LayerMap]:
+        """Return the map at a frame; [] where no robot is present."""
+        for name, opening in zip(self._doors, frame.doors, strict=False):
+            self._field.set_door(name, opening == 0.0)
+        places = [pose[:2] for pose in frame.poses if pose is not None]
+        if not places:
+            return []
+        return [layer_map(frame.time_s, self._field.best_rssi_map_dbm(places, self._cell_m))]
+
+
+def layer_map(time_s: float, field_map: FieldMap) -> LayerMap:
+    """Return a map for a layer, thinned out if it has very many cells."""
+    stride = max(int(np.ceil((field_map.values.size / _MAX_CELLS) ** 0.5)), 1)
+    cell_m = field_map.resolution_m * stride
+    return LayerMap(time_s, field_map.origin_m, cell_m, field_map.values[::stride, ::stride])

@@ -1,0 +1,238 @@
+"""What a viewer draws and what stays the same during a mission: building, areas, robots, objects, colours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import msgspec
+import numpy as np
+
+from robotteamsim import palette
+from robotteamsim.analysis.runs.recorded_run import RecordedRun
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.plan import OCCUPIED, Corners, OccupancyGrid, bay_lines, door_corners, solids
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.world.placement import placed_robots
+
+_GRID_WALL_HEIGHT_M = 1.0
+"""Height of walls that are known only from an occupancy grid."""
+
+
+class SolidShape(msgspec.Struct, frozen=True):
+    """A wall, block or pillar: its outline [m], its height [m] and its colour."""
+
+    outline: Corners
+    height_m: float
+    colour: str
+
+
+class DoorShape(msgspec.Struct, frozen=True):
+    """A door: the outline of its closed leaf [m], which turns about `hinge_m` or slides by `shift_m` as it opens."""
+
+    name: str
+    outline: Corners
+    hinge_m: tuple[float, float]
+    angle_rad: float
+    shift_m: tuple[float, float]
+    height_m: float
+    colour: str
+    is_instant: bool
+
+
+class AreaShape(msgspec.Struct, frozen=True):
+    """An area to explore: a disc [m]."""
+
+    name: str
+    center_m: tuple[float, float]
+    radius_m: float
+
+
+class RobotShape(msgspec.Struct, frozen=True):
+    """A robot: its outline in base_link [m], empty for a disc, and its laser.
+
+    beams, angle_min_rad, angle_step_rad, forward_m, range_max_m: of the laser; no beams if it is unknown.
+    """
+
+    name: str
+    colour: str
+    radius_m: float
+    outline: Corners
+    height_m: float
+    beams: int = 0
+    angle_min_rad: float = 0.0
+    angle_step_rad: float = 0.0
+    forward_m: float = 0.0
+    range_max_m: float = 0.0
+
+
+class ObjectShape(msgspec.Struct, frozen=True):
+    """A box or barrel: its outline around its centre [m], empty for a disc."""
+
+    name: str
+    radius_m: float
+    outline: Corners
+    height_m: float
+    colour: str
+
+
+class Scene(msgspec.Struct, frozen=True):
+    """Everything that a viewer draws and that does not change during a mission; lengths in metres, frame `map`.
+
+    bounds: x and y of the lower left and of the upper right corner.
+    bays:   painted lines.
+    """
+
+    title: str
+    bounds: tuple[float, float, float, float]
+    solids: tuple[SolidShape, ...]
+    doors: tuple[DoorShape, ...]
+    bays: tuple[tuple[tuple[float, float], tuple[float, float]], ...]
+    areas: tuple[AreaShape, ...]
+    robots: tuple[RobotShape, ...]
+    objects: tuple[ObjectShape, ...]
+
+
+def scene_of(scenario: Scenario) -> Scene:
+    """Return the scene of a scenario."""
+    plan = scenario.plan
+    return Scene(
+        title=scenario.name,
+        bounds=(*plan.bounds.min, *plan.bounds.max),
+        solids=_solids(plan),
+        doors=_doors(plan),
+        bays=bay_lines(plan),
+        areas=tuple(AreaShape(area.name, area.center, area.radius_m) for area in scenario.mission.areas),
+        robots=tuple(_robot(index, robot) for index, robot in enumerate(placed_robots(scenario))),
+        objects=tuple(
+            ObjectShape(
+                obj.name,
+                obj.reach_m,
+                obj.corners_m,
+                obj.height_m,
+                palette.BOX if obj.kind == "box" else palette.BARREL,
+            )
+            for obj in scenario.objects
+        ),
+    )
+
+
+def scene_of_run(run: RecordedRun, scenario: Scenario | None) -> Scene:
+    """Return the scene of a recorded run: its areas and robots, in the building of a scenario or of the bag's map."""
+    if scenario is not None:
+        known = scene_of(scenario)
+        bounds, walls, doors, bays = known.bounds, known.solids, known.doors, known.bays
+    else:
+        bounds, walls, doors, bays = _bounds(run), _grid_solids(run.grid), (), ()
+    shapes = {} if scenario is None else dict(enumerate(known.robots))
+    robots = (
+        msgspec.structs.replace(
+            shapes.get(index if robot.robot_id is None else robot.robot_id, _UNKNOWN_ROBOT),
+            name=robot.name,
+            colour=palette.robot_colour(index),
+        )
+        for index, robot in enumerate(run.robots)
+    )
+    return Scene(
+        title=run.name,
+        bounds=bounds,
+        solids=walls,
+        doors=doors,
+        bays=bays,
+        areas=tuple(AreaShape(area.name, area.center_m, area.radius_m) for area in run.areas),
+        robots=tuple(robots),
+        objects=(),
+    )
+
+
+_UNKNOWN_ROBOT = RobotShape("", "", 0.2, (), 0.25)
+
+
+def _solids(plan: FloorPlan) -> tuple[SolidShape, ...]:
+    fixed = (solid for solid in solids(plan) if solid.kind != "door")
+    return tuple(SolidShape(solid.corners, solid.element.height_m, palette.LIT_SOLIDS[solid.kind]) for solid in fixed)
+
+
+def _doors(plan: FloorPlan) -> tuple[DoorShape, ...]:
+    return tuple(
+        DoorShape(
+            name=door.name,
+            outline=door_corners(door),
+            hinge_m=door.start,
+            angle_rad=door.leaf_angle_rad,
+            shift_m=door.leaf_shift_m,
+            height_m=door.height_m,
+            colour=palette.LIT_DOORS[door.kind],
+            is_instant=door.motion == "instant",
+        )
+        for door in plan.doors
+    )
+
+
+def _robot(index: int, robot: PlacedRobot) -> RobotShape:
+    laser = robot.laser
+    return RobotShape(
+        name=f"robot_{index}",
+        colour=palette.robot_colour(index),
+        radius_m=robot.reach_m,
+        outline=robot.corners_m,
+        height_m=robot.height_m,
+        beams=laser.beams,
+        angle_min_rad=laser.angle_min_rad,
+        angle_step_rad=(laser.angle_max_rad - laser.angle_min_rad) / max(laser.beams - 1, 1),
+        forward_m=laser.forward_m,
+        range_max_m=laser.range_max_m,
+    )
+
+
+def _bounds(run: RecordedRun) -> tuple[float, float, float, float]:
+    """Return the rectangle around the known part of the bag's map, all paths and areas [m]."""
+    points = [robot.track.poses[:, :2] for robot in run.robots]
+    points += [np.add(area.center_m, [[-area.radius_m] * 2, [area.radius_m] * 2]) for area in run.areas]
+    if run.grid is not None:
+        rows, columns = np.nonzero(run.grid.cells == OCCUPIED)
+        cells = np.column_stack((columns, rows))
+        points += [run.grid.origin_m + run.grid.resolution_m * (cells + corner) for corner in (0, 1)]
+    everything = np.concatenate([*points, np.zeros((0, 2))])
+    if not len(everything):
+        return (0.0, 0.0, 1.0, 1.0)
+    (x0, y0), (x1, y1) = everything.min(axis=0).tolist(), everything.max(axis=0).tolist()
+    return x0 - 1.0, y0 - 1.0, x1 + 1.0, y1 + 1.0
+
+
+def _grid_solids(grid: OccupancyGrid | None) -> tuple[SolidShape, ...]:
+    if grid is None:
+        return ()
+    (x0, y0), size_m = grid.origin_m, grid.resolution_m
+    return tuple(
+        SolidShape(
+            (
+                (x0 + left * size_m, y0 + bottom * size_m),
+                (x0 + right * size_m, y0 + bottom * size_m),
+                (x0 + right * size_m, y0 + top * size_m),
+                (x0 + left * size_m, y0 + top * size_m),
+            ),
+            _GRID_WALL_HEIGHT_M,
+            palette.LIT_SOLIDS["wall"],
+        )
+        for left, right, bottom, top in rectangles(grid.cells == OCCUPIED)
+    )
+
+
+def rectangles(occupied: np.ndarray) -> Iterator[tuple[int, int, int, int]]:
+    """Yield rectangles (left, right, bottom, top) that together cover the occupied cells, each cell once.
+
+    Equal runs of cells in successive rows become one rectangle. Args: occupied: bool, shape (rows, columns).
+    """
+    begun: dict[tuple[int, int], int] = {}
+    for row, cells in enumerate([*occupied, np.zeros(occupied.shape[1], dtype=bool)]):
+        runs = set(_runs(cells))
+        for left, right in sorted(begun.keys() - runs):
+            yield left, right, begun.pop((left, right)), row
+        for run in sorted(runs - begun.keys()):
+            begun[run] = row
+
+
+def _runs(cells: np.ndarray) -> Sequence[tuple[int, int]]:
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], cells.astype(np.int8), [0])))).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))

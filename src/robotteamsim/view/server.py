@@ -1,0 +1,122 @@
+"""Serves the viewer on this machine only: a recorded mission as one page, or a live one."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any, ClassVar
+
+import msgspec
+
+from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.view.html import MODULES, PAGE
+from robotteamsim.view.live import AnyCommand, LiveMission
+
+HOST = "127.0.0.1"
+_MAX_COMMAND_BYTES = 10_000
+_SCRIPTS = {f"/page/{name}.js": PAGE / f"{name}.js" for name in (*MODULES, "three.min")}
+_COMMANDS: msgspec.json.Decoder[AnyCommand] = msgspec.json.Decoder(AnyCommand)
+_KEEP_ALIVE_S = 5.0
+
+
+class ViewServer(ThreadingHTTPServer):
+    """Answers browsers of this machine."""
+
+    daemon_threads = True
+
+    def __init__(self, port: int, page: str, mission: LiveMission | None = None) -> None:
+        """Args: port: 0 for a free one.  page: the HTML page.  mission: None for a page with recorded missions.
+
+        Raises: OSError: the port is in use.
+        """
+        super().__init__((HOST, port), _Handler)
+        self.page, self.mission = page.encode(), mission
+
+    @property
+    def url(self) -> str:
+        """The address of the page."""
+        return f"http://{HOST}:{self.server_address[1]}/"
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Ignore a browser that has gone."""
+
+
+class _Handler(BaseHTTPRequestHandler):
+    server: ViewServer
+    protocol_version = "HTTP/1.1"
+    server_version = "robotteamsim"
+    _HEADERS: ClassVar = {"Cache-Control": "no-store", "X-Content-Type-Options": "nosniff"}
+
+    def do_GET(self) -> None:
+        """Answer a request for the page, one of its scripts, or the frames."""
+        if not self._is_from_here():
+            self._reply(HTTPStatus.FORBIDDEN, b"for this machine only", "text/plain")
+        elif self.path == "/":
+            self._reply(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
+        elif self.path in _SCRIPTS:
+            self._reply(HTTPStatus.OK, _SCRIPTS[self.path].read_bytes(), "text/javascript; charset=utf-8")
+        elif self.path == "/frames" and self.server.mission is not None:
+            self._send_frames(self.server.mission)
+        else:
+            self._reply(HTTPStatus.NOT_FOUND, b"not found", "text/plain")
+
+    def do_POST(self) -> None:
+        """Execute a command of the page."""
+        mission = self.server.mission
+        # A page from elsewhere can send JSON only after a question that this server does not answer.
+        is_json = self.headers.get("Content-Type") == "application/json"
+        if mission is None or self.path != "/command" or not is_json or not self._is_from_here():
+            self.close_connection = True  # the body has not been read
+            self._reply(HTTPStatus.FORBIDDEN, b"{}", "application/json")
+            return
+        length = self.headers.get("Content-Length", "")
+        if not length.isdecimal() or int(length) > _MAX_COMMAND_BYTES:
+            self.close_connection = True
+            self._reply(HTTPStatus.BAD_REQUEST, b'{"error": "the command is too long"}', "application/json")
+            return
+        error = _execute(mission, self.rfile.read(int(length)))
+        status = HTTPStatus.BAD_REQUEST if error else HTTPStatus.OK
+        self._reply(status, msgspec.json.encode({"error": error}), "application/json")
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Log nothing."""
+
+    def _is_from_here(self) -> bool:
+        """Whether the page was asked for by an address of this machine, not by a name that leads here."""
+        return self.headers.get("Host", "").rpartition(":")[0] in (HOST, "localhost")
+
+    def _send_frames(self, mission: LiveMission) -> None:
+        self.close_connection = True
+        self.send_response(HTTPStatus.OK)
+        self.send_header("Content-Type", "text/event-stream")
+        self.send_header("Cache-Control", "no-store")
+        self.end_headers()
+        outlet = mission.listen()
+        try:
+            while True:
+                update = outlet.take(_KEEP_ALIVE_S)
+                # A comment finds out whether the browser is still there.
+                data = b": \n\n" if update is None else b"data: " + msgspec.json.encode(update) + b"\n\n"
+                self.wfile.write(data)
+        except OSError:
+            return
+        finally:
+            mission.leave(outlet)
+
+    def _reply(self, status: HTTPStatus, body: bytes, kind: str) -> None:
+        self.send_response(status)
+        self.send_header("Content-Type", kind)
+        self.send_header("Content-Length", str(len(body)))
+        for name, value in self._HEADERS.items():
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(body)
+
+
+def _execute(mission: LiveMission, text: bytes) -> str:
+    """Execute a command; return what is wrong with it, or ""."""
+    try:
+        mission.ask(_COMMANDS.decode(text))
+    except (msgspec.ValidationError, msgspec.DecodeError, RobotTeamSimError, ValueError) as error:
+        return str(error)
+    return ""

@@ -1,0 +1,59 @@
+"""`robotteamsim view`: pages of scenarios, folders and bags; mistakes in one line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from robotteamsim.cli.main import main
+
+_SHORT = ["--set", "mission.time_limit_s=5"]
+
+
+def test_page_of_a_scenario_is_one_file_of_at_most_two_megabytes(tmp_path: Path) -> None:
+    page = tmp_path / "mission.html"
+    assert main(["view", "garage_sar", *_SHORT, "--html", str(page)]) == 0
+    assert page.stat().st_size < 2_000_000
+    assert "http://" not in page.read_text(encoding="utf-8").replace("http://www.w3.org", "")
+
+
+def test_folder_of_a_run_is_shown_and_one_of_another_version_is_rejected(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, page = tmp_path / "out", tmp_path / "mission.html"
+    assert main(["run", "garage_sar", *_SHORT, "--quiet", "--seed", "5", "--out", str(folder)]) == 0
+    assert main(["view", str(folder), "--html", str(page)]) == 0
+    assert "garage_sar, seed 5" in page.read_text(encoding="utf-8")
+    path = folder / "mission.json"
+    document = json.loads(path.read_text(encoding="utf-8"))
+    document["result"]["trajectory_hash"] = "0" * 64
+    path.write_text(json.dumps(document), encoding="utf-8")
+    capsys.readouterr()
+    assert main(["view", str(folder), "--html", str(page)]) == 2
+    assert "computes another mission" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["none.bag"], "none.bag: cannot be read"),
+        (["none"], "no shipped scenario"),
+        (["."], "mission.json: cannot be read"),
+        (["garage_sar", "--noise", "x"], "'x' is not a number"),
+        (["garage_sar", "--port", "70000"], "--port 70000 is outside 0 to 65535"),
+        (["garage_sar", "--speed", "0"], "not above 0"),
+        (["garage_sar", "--html", "."], "is a folder"),
+        (["garage_sar", "--compare", "none.bag", "--html", "x.html"], "none.bag: cannot be read"),
+    ],
+)
+def test_a_mistake_gives_one_line(
+    words: list[str], said: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["view", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []

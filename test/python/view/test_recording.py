@@ -1,0 +1,85 @@
+"""Recordings survive packing: what a page decodes is what the simulation had, to the centimetre."""
+
+from __future__ import annotations
+
+import base64
+import itertools
+import json
+import math
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.recording import BagWriter
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.simulation import Simulation
+from robotteamsim.view.columns import NO_LINK, packed
+from robotteamsim.view.from_bag import recording_of
+from robotteamsim.view.recorder import FRAME_S, FrameRecorder, Recording
+
+
+def _unpacked(recording: Recording) -> dict[str, Any]:
+    [document] = json.loads(zlib.decompress(base64.b64decode(packed([recording]))))
+    found: dict[str, Any] = document
+    return found
+
+
+def _at(changes: list[Any], index: int) -> Any:
+    return [value for first, value in changes if first <= index][-1]
+
+
+def test_poses_are_kept_to_half_a_centimetre_and_half_a_hundredth_of_a_radian(recording: Recording) -> None:
+    document = _unpacked(recording)
+    for robot, track in enumerate(document["robots"]):
+        x, y, yaw = (list(itertools.accumulate(track[key])) for key in ("x", "y", "yaw"))
+        for index, frame in enumerate(recording.frames):
+            pose = frame.poses[robot]
+            assert pose is not None
+            assert (x[index] / 100, y[index] / 100) == pytest.approx(pose[:2], abs=0.00501)
+            assert abs(math.remainder(yaw[index] / 100 - pose[2], math.tau)) < 0.00501
+
+
+def test_links_and_states_are_kept_exactly(recording: Recording) -> None:
+    document = _unpacked(recording)
+    for index, frame in enumerate(recording.frames):
+        links = []
+        for first, second, indices, signals in document["links"]:
+            changes = zip(itertools.accumulate(indices), itertools.accumulate(signals), strict=True)
+            signal = ([NO_LINK] + [value for since, value in changes if since <= index])[-1]
+            links += [(first, second, signal)] if signal != NO_LINK else []
+        assert links == sorted(frame.links)
+        assert [victim["state"] for victim in _at(document["changes"]["victims"], index)] == [
+            victim.state for victim in frame.victims
+        ]
+        assert _at(document["changes"]["explored"], index) == list(frame.explored)
+
+
+def test_frames_are_regular_and_end_with_the_mission(recording: Recording) -> None:
+    times_s = [frame.time_s for frame in recording.frames]
+    gaps_s = [after - before for before, after in itertools.pairwise(times_s)]
+    assert gaps_s[:-1] == pytest.approx([FRAME_S] * (len(gaps_s) - 1))
+    assert recording.frames[-1].state == "ended"
+    assert recording.events[-1].kind == "end"
+
+
+def test_a_bag_shows_the_same_mission(hall_scenario: Callable[..., Scenario], tmp_path: Path) -> None:
+    simulation = Simulation(hall_scenario())
+    recorder = FrameRecorder(simulation)
+    simulation.run([recorder, BagWriter(tmp_path / "mission.bag")])
+    bag = recording_of(read_run([tmp_path / "mission.bag"]), hall_scenario())
+    by_time = {round(frame.time_s, 3): frame for frame in recorder.recording.frames}
+    step_s = simulation.scenario.run.step_s
+    compared = 0
+    for frame in bag.frames:
+        own = by_time.get(round(frame.time_s + step_s, 3))
+        if own is not None:
+            compared += 1
+            assert [link[:2] for link in frame.links] == [link[:2] for link in own.links]
+            assert frame.explored == own.explored
+            assert frame.victims == own.victims
+    assert compared > 100
+    assert [event.text for event in bag.events] == [event.text for event in recorder.recording.events]

@@ -1,0 +1,157 @@
+"""The live server: on this machine only, obeys its page, and reports what it cannot do."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import threading
+from collections.abc import Callable, Iterator
+
+import pytest
+from playwright.sync_api import Browser
+
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Run
+from robotteamsim.simulation import Simulation
+from robotteamsim.view.html import live_page
+from robotteamsim.view.live import LiveMission, Outlet, Pause, Restart, SetNoise, SetVictim, Step, Update
+from robotteamsim.view.server import ViewServer
+
+_WAIT_S = 60.0
+
+
+@pytest.fixture
+def mission(hall_scenario: Callable[..., Scenario]) -> Iterator[LiveMission]:
+    """A mission that waits for its first step."""
+
+    def load(seed: int | None) -> Scenario:
+        return hall_scenario(run=Run(seed=1 if seed is None else seed))
+
+    started = LiveMission(load, speed=1000.0, playing=False)
+    started.start()
+    yield started
+    started.close()
+
+
+@pytest.fixture
+def server(mission: LiveMission) -> Iterator[ViewServer]:
+    with ViewServer(0, live_page("hall"), mission) as server:
+        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
+        thread.start()
+        yield server
+        server.shutdown()
+        thread.join()
+
+
+def _taken(outlet: Outlet) -> Update:
+    update = outlet.take(_WAIT_S)
+    assert update is not None
+    return update
+
+
+def _post(server: ViewServer, body: str, headers: dict[str, str] | None = None) -> tuple[int, str]:
+    connection = http.client.HTTPConnection(*server.server_address[:2], timeout=_WAIT_S)
+    connection.request("POST", "/command", body, {"Content-Type": "application/json"} | (headers or {}))
+    answer = connection.getresponse()
+    text = answer.read().decode()
+    connection.close()
+    return answer.status, str(json.loads(text).get("error", "")) if text else ""
+
+
+def test_first_update_contains_the_scene_and_further_ones_each_step(mission: LiveMission) -> None:
+    outlet = mission.listen()
+    first = _taken(outlet)
+    assert first.restarted
+    assert len(first.scene.robots) == 2
+    assert first.events[0].kind == "start"
+    mission.ask(Step())
+    times_s = [frame.time_s for frame in _taken(outlet).frames]
+    assert times_s[-1] == pytest.approx(first.frames[-1].time_s + 0.1)
+
+
+def test_steps_are_those_of_the_same_mission_without_a_viewer(
+    mission: LiveMission, hall_scenario: Callable[..., Scenario]
+) -> None:
+    outlet = mission.listen()
+    for _ in range(20):
+        mission.ask(Step())
+    frames = _taken(outlet).frames
+    alone = Simulation(hall_scenario())
+    alone.mission.start()
+    for _ in range(21):
+        record = alone.step()
+    expected = [reading.true_pose for reading in record.readings]
+    assert frames[-1].poses == tuple((pose.x_m, pose.y_m, pose.yaw_rad) for pose in expected)
+
+
+def test_commands_change_the_mission_and_a_restart_begins_it_again(mission: LiveMission) -> None:
+    outlet = mission.listen()
+    mission.ask(SetNoise(33.0))
+    mission.ask(SetVictim("eve", (10.0, 5.0)))
+    mission.ask(Step())
+    frame = _taken(outlet).frames[-1]
+    assert frame.noise_db == 33.0
+    assert frame.victims[-1].name == "eve"
+    mission.ask(Restart(7))
+    again = _taken(outlet)
+    assert again.restarted
+    assert again.status["seed"] == 7
+    assert len(again.frames[-1].victims) == 2
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ('{"command": "set_noise", "noise_db": -1}', ">= 0.0"),
+        ('{"command": "set_noise", "noise_db": NaN}', "malformed"),
+        ('{"command": "set_door", "name": "none", "closed": true}', "unknown door 'none'"),
+        ('{"command": "set_victim", "name": "eve", "position_m": [1e300, 0]}', "<= 1000000.0"),
+        ('{"command": "set_speed", "speed": 0}', "> 0.0"),
+        ('{"command": "watched"}', "Invalid value"),
+        ('{"command": "fly"}', "Invalid value"),
+        ('{"command": "play", "more": 1}', "unknown field"),
+        ('{"comm', "truncated"),
+        ("x" * 20_000, "too long"),
+    ],
+)
+def test_a_wrong_command_is_answered_in_one_line_and_the_mission_goes_on(
+    server: ViewServer, mission: LiveMission, body: str, said: str
+) -> None:
+    status, error = _post(server, body)
+    assert status == 400
+    assert said in error
+    assert "\n" not in error
+    mission.ask(Pause())
+
+
+def test_server_answers_only_on_loopback_and_only_to_its_own_page(server: ViewServer) -> None:
+    assert server.server_address[0] == "127.0.0.1"
+    assert _post(server, '{"command": "play"}', {"Host": "attacker.example"})[0] == 403
+    assert _post(server, '{"command": "play"}', {"Content-Type": "text/plain"})[0] == 403
+    connection = http.client.HTTPConnection(*server.server_address[:2], timeout=_WAIT_S)
+    for path, status in {"/": 200, "/page/main.js": 200, "/page/../server.py": 404, "/etc/passwd": 404}.items():
+        connection.request("GET", path)
+        answer = connection.getresponse()
+        answer.read()
+        assert answer.status == status
+    connection.close()
+
+
+def test_live_page_follows_the_mission_and_sends_commands(
+    browser: Browser, server: ViewServer, mission: LiveMission
+) -> None:
+    page = browser.new_page(viewport={"width": 1200, "height": 800})
+    wrong: list[str] = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("request", lambda request: None if request.url.startswith(server.url) else wrong.append(request.url))
+    page.goto(server.url)
+    page.wait_for_selector("body[data-ready]", state="attached", timeout=120_000)
+    page.fill("#live-noise", "42")
+    page.click("#live >> text=set")
+    page.click("#step")
+    page.wait_for_function("document.getElementById('state').textContent.includes('42 dB')", timeout=60_000)
+    page.fill("#live-noise", "-5")
+    page.click("#live >> text=set")
+    page.wait_for_selector("#live >> text=noise_db", timeout=60_000)
+    assert wrong == []
+    page.close()
