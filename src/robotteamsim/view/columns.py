@@ -58,8 +58,17 @@ def colours() -> dict[str, Any]:
         },
         "excluded": palette.EXCLUDED_ROBOT,
         "voice": palette.VOICE,
-        "hops": palette.HOPS,
-        "fiedler": palette.FIEDLER,
+        "laser": palette.COLLISION,
+        "edge": palette.WALL_EDGE,
+        "bay": palette.BAY,
+        "nose": palette.ROBOT_BODY,
+        "curves": {
+            "areas": palette.EXPLORED_AREA,
+            "saved": palette.WAITING,
+            "links": palette.HOPS,
+            "fiedler": palette.FIEDLER,
+        },
+        "event": palette.RELAYED,
     }
 
 

@@ -22,11 +22,11 @@ export function segments(points, material) {
 }
 
 export class Building {
-  constructor(scene) {
+  constructor(scene, palette) {
     this.group = new Group();
     this.floor = this._floor(scene.bounds);
     this.doors = scene.doors.map((door) => this._door(door));
-    const edge = new LineBasicMaterial({ color: "#8d8a83" });
+    const edge = new LineBasicMaterial({ color: palette.edge });
     for (const solid of scene.solids) {
       const mesh = new Mesh(
         prism(solid.outline, Math.min(solid.height_m, CUT_M)), new MeshLambertMaterial({ color: solid.colour }));
@@ -34,7 +34,7 @@ export class Building {
       this.group.add(mesh);
     }
     const bays = scene.bays.flatMap(([[x0, y0], [x1, y1]]) => [x0, y0, 0.02, x1, y1, 0.02]);
-    if (bays.length) this.group.add(segments(bays, new LineBasicMaterial({ color: "#a9a59b" })));
+    if (bays.length) this.group.add(segments(bays, new LineBasicMaterial({ color: palette.bay })));
   }
 
   _floor([x0, y0, x1, y1]) {

@@ -1,15 +1,16 @@
 // Small curves over time with a cursor: areas explored, victims saved, links, Fiedler value.
 
 const CURVES = [
-  { key: "areas", name: "areas explored", step: true, colour: "#009e73" },
-  { key: "saved", name: "victims saved", step: true, colour: "#d55e00" },
-  { key: "links", name: "links", step: true, colour: "#0072b2" },
-  { key: "fiedler", name: "Fiedler value", step: false, colour: "#cc79a7" },
+  { key: "areas", name: "areas explored", step: true },
+  { key: "saved", name: "victims saved", step: true },
+  { key: "links", name: "links", step: true },
+  { key: "fiedler", name: "Fiedler value", step: false },
 ];
 const TOP = 20, LEFT = 30, RIGHT = 6, BOTTOM = 6;
 
 export class Curves {
-  constructor(container, onSeek) {
+  constructor(container, onSeek, colours) {
+    this.colours = colours;
     this.canvases = CURVES.map((curve) => {
       const canvas = document.createElement("canvas");
       canvas.setAttribute("role", "img");
@@ -29,7 +30,7 @@ export class Curves {
     CURVES.forEach((curve, index) => this._draw(this.canvases[index], curve, all.map((one) => one[curve.key]), time));
   }
 
-  _draw(canvas, { name, step, colour }, series, time) {
+  _draw(canvas, { key, name, step }, series, time) {
     const ratio = window.devicePixelRatio, width = canvas.clientWidth, height = canvas.clientHeight;
     if (!width) return;
     canvas.width = width * ratio;
@@ -45,7 +46,7 @@ export class Curves {
     for (const value of [0, highest]) { pen.moveTo(LEFT, y(value)); pen.lineTo(width - RIGHT, y(value)); }
     pen.stroke();
     series.forEach(({ times, values }, index) => {
-      pen.strokeStyle = colour;
+      pen.strokeStyle = this.colours[key];
       pen.lineWidth = 1.6;
       pen.setLineDash(index ? [4, 3] : []);
       pen.beginPath();

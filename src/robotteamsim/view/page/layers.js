@@ -40,7 +40,7 @@ export class Layers {
     this.planes = {};
     this.fans = new Mesh(
       new BufferGeometry(),
-      new MeshBasicMaterial({ color: "#d55e00", transparent: true, opacity: 0.28, side: DoubleSide, depthWrite: false }),
+      new MeshBasicMaterial({ color: palette.laser, transparent: true, opacity: 0.28, side: DoubleSide, depthWrite: false }),
     );
     this.fans.frustumCulled = false;
     this.group.add(this.fans);

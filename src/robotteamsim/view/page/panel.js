@@ -14,9 +14,9 @@ export function make(tag, text = "", attributes = {}) {
 }
 
 export class Panel {
-  constructor(onSeek) {
+  constructor(onSeek, colours) {
     this.onSeek = onSeek;
-    this.curves = new Curves(element("curves"), onSeek);
+    this.curves = new Curves(element("curves"), onSeek, colours);
     this.events = [];
   }
 

@@ -8,7 +8,7 @@ const LAYERS = { links: true, trails: true, names: true, voice: false, radio: fa
 
 const EVENT_COLOURS = {
   victim_saved: "victims.saved", victim_heard: "victims.heard", area_explored: "areas.explored",
-  link_endangered: "links.endangered", robot_excluded: "excluded", end: "hops",
+  link_endangered: "links.endangered", robot_excluded: "excluded", end: "curves.links",
 };
 
 export class Player {
@@ -19,7 +19,7 @@ export class Player {
     this.speed = 10;
     this.shown = { ...LAYERS };
     this.dirty = true;
-    this.panel = new Panel((time) => this.seek(time));
+    this.panel = new Panel((time) => this.seek(time), views[0].mission.palette.curves);
     this._controls();
     this._changed();
     requestAnimationFrame((now) => this._tick(now, now));
@@ -60,7 +60,7 @@ export class Player {
 
   _eventColour(kind) {
     const path = EVENT_COLOURS[kind];
-    return path ? path.split(".").reduce((part, key) => part[key], this.views[0].mission.palette) : "#8d97a3";
+    return path ? path.split(".").reduce((part, key) => part[key], this.views[0].mission.palette) : this.views[0].mission.palette.event;
   }
 
   _tick(now, before) {

@@ -39,7 +39,7 @@ export class Team {
     this.areas = scene.areas.map((area) => this._area(area));
     this.objects = scene.objects.map((object) => this._object(object));
     this.victims = [];
-    this.ring = new Mesh(new RingGeometry(1.15, 1.5, 40), new MeshBasicMaterial({ color: "#ffffff", side: DoubleSide }));
+    this.ring = new Mesh(new RingGeometry(1.15, 1.5, 40), new MeshBasicMaterial({ color: "white", side: DoubleSide }));
     this.ring.visible = false;
     this.group.add(this.ring);
   }
@@ -63,7 +63,7 @@ export class Team {
   }
 
   _instances(geometry, count, coloured) {
-    const mesh = new InstancedMesh(geometry, new MeshLambertMaterial({ color: coloured ? "#ffffff" : "#14171c" }), count);
+    const mesh = new InstancedMesh(geometry, new MeshLambertMaterial({ color: coloured ? "white" : this.palette.nose }), count);
     mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     mesh.frustumCulled = false;
     this.group.add(mesh);
@@ -185,7 +185,7 @@ export class Team {
       if (!victim) return;
       mesh.position.set(victim.position_m[0], victim.position_m[1], 0);
       mesh.scale.setScalar(enlarged(0.5, mesh.position, camera));
-      for (const part of mesh.children) part.material.color.set(this.palette.victims[victim.state] ?? "#888888");
+      for (const part of mesh.children) part.material.color.set(this.palette.victims[victim.state] ?? this.palette.excluded);
     });
   }
 

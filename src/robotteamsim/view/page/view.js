@@ -43,7 +43,7 @@ export class View {
     const sun = new DirectionalLight("#ffffff", 1.6);
     sun.position.set(-0.5, -0.3, 1);
     this.scene.add(sun);
-    this.building = new Building(scene);
+    this.building = new Building(scene, palette);
     this.team = new Team(scene, palette);
     this.layers = new Layers(palette, scene.robots);
     this.scene.add(this.building.group, this.team.group, this.layers.group);
