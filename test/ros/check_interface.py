@@ -17,7 +17,7 @@ import rostest
 from listening import Topic, call, place_m
 from nav_msgs.msg import OccupancyGrid, Odometry
 from nav_msgs.srv import GetMap
-from robotteamsim.msg import Areas, FloatMap, MissionStatus, NetworkMessages, NetworkState, Victims, Voice
+from robotteamsim.msg import Areas, FloatMap, MissionStatus, NetworkLinks, NetworkMessages, NetworkState, Victims, Voice
 from robotteamsim.srv import GetRadioMap
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
@@ -66,6 +66,7 @@ class InterfaceTest(unittest.TestCase):
         cls.voice = Topic("/robot_1/voice", Voice)
         cls.received = Topic("/robot_1/network/rx", NetworkMessages)
         cls.network = Topic("/network/state", NetworkState)
+        cls.links = Topic("/network/links", NetworkLinks)
         cls.status = Topic("/mission/status", MissionStatus)
         cls.map = Topic("/map", OccupancyGrid)
         cls.voice_picture = Topic("/voice_map", OccupancyGrid)
@@ -130,7 +131,7 @@ class InterfaceTest(unittest.TestCase):
 
     def test_others_answer_with_the_stamps_of_the_world(self) -> None:
         # Out of lockstep they may leave a step out on a busy machine.
-        for topic in (self.voice, self.received, self.network, self.status):
+        for topic in (self.voice, self.received, self.network, self.links, self.status):
             stamps = stamps_ns(topic.messages)
             self.assertEqual(stamps, sorted(set(stamps)))
             self.assertEqual({stamp % STEP_NS for stamp in stamps}, {0})
@@ -210,6 +211,14 @@ class InterfaceTest(unittest.TestCase):
         self.assertEqual([len(matrix) for matrix in matrices], 6 * [4])
         self.assertEqual(list(state.adjacency), [0, 1, 1, 0])
         self.assertAlmostEqual(state.fiedler_value, 2.0)
+
+    def test_links_of_a_step_are_those_of_its_matrices(self) -> None:
+        state = self.network.next()
+        links = self.links.wait_for_after(0, lambda message: message.header.stamp == state.header.stamp, "the stamp")
+        self.assertEqual((links.num_robots, links.num_links, bytes(links.present)), (2, 1, b"\1\1"))
+        self.assertEqual(bytes(links.adjacency), b"\2\1")
+        self.assertEqual(bytes(links.endangered), b"\0\0")
+        self.assertEqual(links.fiedler_value, state.fiedler_value)
 
     def test_messages_reach_the_other_robot(self) -> None:
         message = self.received.wait_for_after(0, lambda message: message.messages, "messages")

@@ -7,7 +7,7 @@ import math
 
 import rospy
 from nav_msgs.msg import Odometry
-from robotteamsim.msg import Doors, MissionStatus, NetworkMessage, NetworkMessages, NetworkState, Robots, Voice
+from robotteamsim.msg import Doors, MissionStatus, NetworkLinks, NetworkMessage, NetworkMessages, Robots, Voice
 
 ODD = (math.inf, -math.inf, math.nan, 1e300)
 
@@ -21,7 +21,7 @@ def main() -> None:
         "/robot_0/voice": Voice,
         "/robot_1/network/tx": NetworkMessages,
         "/robot_1/network/rx": NetworkMessages,
-        "/network/state": NetworkState,
+        "/network/links": NetworkLinks,
         "/mission/status": MissionStatus,
         "/world/robots": Robots,
         "/world/doors": Doors,
@@ -48,7 +48,7 @@ def message_of(kind: type, odd: float) -> object:
         message.messages = [NetworkMessage(sender=99, receiver=-5)]
     elif kind is MissionStatus:
         message.area_center.x, message.has_area = odd, True
-    elif kind is NetworkState:
+    elif kind is NetworkLinks:
         message.num_robots = 1000
     return message
 

@@ -36,7 +36,7 @@ come from ROS runs, headless runs, real robots or another simulator with the sam
 or not. Values that cannot be computed from a bag are omitted, and listed with the missing topic."""
 
 _EPILOG = """\
-Topics: /mission/status, events, victims, areas; /network/state; for each robot odom or
+Topics: /mission/status, events, victims, areas; /network/state or links; for each robot odom or
 base_pose_ground_truth, contact, controller/status; /map, /tf. Paths are drawn from the true poses
 if the bag has them, else from odometry, transformed to map with /tf.
 

@@ -292,8 +292,9 @@ class Mission:
         hops = np.stack([state.hop_count for state in states])
         for i, j in np.argwhere(np.triu(newly_endangered(adjacency, endangered, hops)[-1], 1)).tolist():
             self._endangered_links += 1
-            what = f"is {'endangered' if network.adjacency[i, j] else 'lost'} at {network.rssi_dbm[i, j]:.1f} dBm"
-            self._add_event("link_endangered", f"{i}-{j}", NOBODY, f"link {i}-{j} {what}")
+            what, rssi_dbm = "endangered" if network.adjacency[i, j] else "lost", network.rssi_dbm[i, j]
+            at = "" if math.isnan(rssi_dbm) else f" at {rssi_dbm:.1f} dBm"
+            self._add_event("link_endangered", f"{i}-{j}", NOBODY, f"link {i}-{j} is {what}{at}")
 
     def _judge_messages(self, traffic: Traffic) -> None:
         for refusal in traffic.refused:

@@ -113,6 +113,8 @@ class NetworkState(msgspec.Struct, frozen=True, gc=False, eq=False):
     endangered:          bool, shape (n, n): links that exist but are below the endangered threshold.
     traffic:             numbers of messages delivered, lost, cut off and refused.
 
+    Values that are not known are NaN, in networks that `compact.LinksDecoder` has restored.
+
     An absent robot has no links, is on no path and does not count; its rows and columns are 0, but -inf in `rssi_dbm`
     and -1 in `hop_count`, including the diagonal.
     """

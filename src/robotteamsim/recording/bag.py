@@ -11,6 +11,7 @@ from typing import Any
 from rosbags.rosbag1 import Writer
 
 from robotteamsim.errors import RecordingError
+from robotteamsim.network.compact import LinksEncoder
 from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
@@ -42,6 +43,7 @@ TEAM_TOPICS = (
     Topic("/map", "nav_msgs/OccupancyGrid", latched=True),
     Topic("/voice_map", "nav_msgs/OccupancyGrid", latched=True),
     Topic("/voice_map/values", "robotteamsim/FloatMap", latched=True),
+    Topic("/network/links", "robotteamsim/NetworkLinks"),
     Topic("/network/state", "robotteamsim/NetworkState"),
     Topic("/mission/status", "robotteamsim/MissionStatus"),
     Topic("/mission/events", "robotteamsim/MissionEvent"),
@@ -117,6 +119,7 @@ class BagWriter:
         self._step_ns = round(scenario.run.step_s * 1e9)
         self._steps, self._within_step = 0, False
         self._last: StepRecord | None = None
+        self._encoder = LinksEncoder()
         self._make = BagTypes()
         try:
             check_replaceable(self._path)
@@ -192,7 +195,8 @@ class BagWriter:
         self._writer = None
 
     def _topics(self) -> Iterator[Topic]:
-        yield from TEAM_TOPICS
+        with_matrices = self._scenario.network.publish_matrices
+        yield from (topic for topic in TEAM_TOPICS if with_matrices or topic.name != "/network/state")
         for robot_id, sensors in enumerate(self._sensors):
             for topic in (*ROBOT_TOPICS, *(Topic(sensor.name, sensor.type_name) for sensor in sensors)):
                 yield Topic(f"/{ros_messages.robot_name(robot_id)}/{topic.name}", topic.type_name, topic.latched)
@@ -239,7 +243,9 @@ class BagWriter:
         if record.voice_map is not None:
             yield "/voice_map", ros_messages.field_map_picture(make, time_ns, record.voice_map)
             yield "/voice_map/values", ros_messages.field_map(make, time_ns, record.voice_map, "voice_level", "dB")
-        yield "/network/state", ros_messages.network_state(make, time_ns, record.network)
+        yield "/network/links", ros_messages.network_links(make, time_ns, self._encoder.encode(record.network))
+        if self._scenario.network.publish_matrices:
+            yield "/network/state", ros_messages.network_state(make, time_ns, record.network)
         yield (
             "/mission/status",
             ros_messages.mission_status(make, time_ns, self._scenario.name, status, record.noise_db),

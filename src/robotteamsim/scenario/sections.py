@@ -202,6 +202,11 @@ class Network(Model):
         le=2**31 - 1,
         description="larger messages are not sent; default: the largest UDP datagram",
     )
+    publish_matrices: bool = Field(
+        default=True,
+        description="whether ROS runs and bags have /network/state, with all matrices, besides /network/links; false "
+        "for large teams: a message for 1000 robots has 30 MB",
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Network:

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields
 
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer
 
 from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.analysis.runs.recorded_run import RecordedNetwork
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording import ros_messages
+from robotteamsim.recording import BagWriter, ros_messages
+from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.scenario import load
 from robotteamsim.scenario.plan import OccupancyGrid
+from robotteamsim.simulation import Simulation
 
 STEP_NS = 100_000_000
 MAKE = BagTypes()
@@ -37,6 +42,22 @@ def test_bag_of_a_run_contains_all_of_it(busy):
     assert run.grid.cells.shape == (800, 1200)
     assert run.unread == ()
     assert run_totals(run).omitted == ()
+
+
+def test_bag_without_matrices_has_the_same_network(tmp_path):
+    schedule = "schedule=[{at_s: 0.5, remove: 2}, {at_s: 1.5, spawn: 2}]"
+    networks = []
+    for matrices in (True, False):
+        changes = [schedule, "robots.count=5", "mission.time_limit_s=3", f"network.publish_matrices={matrices}"]
+        path = tmp_path / f"{matrices}.bag"
+        Simulation(load("garage_sar", changes)).run([BagWriter(path)])
+        with BagReader([path]) as bag:
+            assert ("/network/state" in bag.topics) == matrices
+        networks.append(read_run([path]).network)
+    with_matrices, without = networks
+    assert (with_matrices.hop_count[10] < 0).any()
+    for key in fields(RecordedNetwork):
+        np.testing.assert_array_equal(getattr(without, key.name), getattr(with_matrices, key.name), err_msg=key.name)
 
 
 def test_standard_topics_alone_give_paths_and_name_what_is_missing(write_bag, odometry, tmp_path):

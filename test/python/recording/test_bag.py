@@ -65,6 +65,7 @@ def test_bag_has_the_topics_and_types_of_a_ros_run(bag):
         "/map": "nav_msgs/OccupancyGrid",
         "/voice_map": "nav_msgs/OccupancyGrid",
         "/voice_map/values": "robotteamsim/FloatMap",
+        "/network/links": "robotteamsim/NetworkLinks",
         "/network/state": "robotteamsim/NetworkState",
         "/mission/status": "robotteamsim/MissionStatus",
         "/mission/events": "robotteamsim/MissionEvent",

@@ -15,6 +15,7 @@ from robotteamsim.msg import (
     Door,
     Doors,
     MissionStatus,
+    NetworkLinks,
     NetworkMessage,
     NetworkMessages,
     NetworkState,
@@ -37,6 +38,7 @@ NETWORK = {
     **dict.fromkeys(("adjacency", "endangered"), bytes(4)),
     "hop_count": [0, 1, 1, 0],
 }
+LINKS = {"num_robots": 2, "present": bytes(2), "adjacency": bytes(2), "endangered": bytes(2)}
 ODD = [math.nan, math.inf, -math.inf, 1e300]
 
 
@@ -45,6 +47,7 @@ ODD = [math.nan, math.inf, -math.inf, 1e300]
     [
         Robots(present=bytes([1, 0]), arrivals=[1, 0]),
         NetworkState(**NETWORK),
+        NetworkLinks(**LINKS, weakened_first=[0], weakened_second=[1], weakened_rssi_dbm=[-math.inf]),
         NetworkMessages(messages=[NetworkMessage(sender=1, receiver=-1), NetworkMessage(sender=0, receiver=1)]),
         Doors(doors=DOORS),
         Voice(),
@@ -66,6 +69,13 @@ def test_message_that_fits_the_scenario_is_read(message):
         (NetworkState(num_robots=3), "num_robots: 3; expected 2"),
         (NetworkState(**NETWORK | {"hop_count": [0]}), "hop_count: 1 entries; expected 4"),
         (NetworkState(**NETWORK, refused_senders=[1]), "refused_bytes: 0 entries; expected 1"),
+        (NetworkLinks(num_robots=1000), "num_robots: 1000; expected 2"),
+        (NetworkLinks(**LINKS | {"endangered": bytes(3)}), "endangered: 3 entries; expected 2"),
+        (NetworkLinks(**LINKS, weakened_first=[0]), "weakened_first: 1 entries; expected 0"),
+        (
+            NetworkLinks(**LINKS, weakened_first=[2], weakened_second=[1], weakened_rssi_dbm=[-81.0]),
+            "weakened_first: 2; expected ids below 2",
+        ),
         (NetworkMessages(messages=[NetworkMessage(sender=2)]), "a message from 2 to 0; expected ids below 2"),
         (NetworkMessages(messages=[NetworkMessage(receiver=-2)]), "a message from 0 to -2; expected ids below 2"),
         (Doors(doors=DOORS[1:]), "doors: the names differ from those of the plan"),

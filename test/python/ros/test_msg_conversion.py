@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import math
+
 import genpy
 import msgspec
 import numpy as np
@@ -13,6 +15,7 @@ from std_msgs.msg import Header
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Discovery, SwarmContext, Task
 from robotteamsim.mission.status import DeliveredDiscoveries, Event, MissionStatus
+from robotteamsim.network.compact import CompactLinks, LinksEncoder
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import ros_messages
@@ -164,6 +167,24 @@ def test_network_keeps_its_matrices(make):
         sent(ros_messages.network_state(make, TIME_NS, msgspec.structs.replace(network, traffic=Traffic())))
     )
     assert quiet.traffic == Traffic()
+
+
+def test_compact_links_keep_their_bits(make):
+    linked = np.ones((10, 10), dtype=bool) & ~np.eye(10, dtype=bool)
+    linked[3], linked[:, 3] = False, False
+    levels = np.where(linked, -1.0 / 3.0 - 80.0, 0.0)
+    levels[3], levels[:, 3] = -math.inf, -math.inf
+    traffic = Traffic(5, 2, 1, 0.3, (Refusal(0, 70_000, 65_507),))
+    hops = np.where(levels == -math.inf, -1, linked).astype(np.int32)
+    network = NetworkState(levels, levels, linked, hops, np.zeros((10, 10)), 9.0, linked, traffic)
+    links = LinksEncoder().encode(network)
+    message = sent(ros_messages.network_links(make, TIME_NS, links))
+    back = conversion.network_links(message)
+    for name in CompactLinks.__struct_fields__:
+        np.testing.assert_array_equal(getattr(back, name), getattr(links, name), err_msg=name)
+    assert (message.num_links, message.num_endangered, message.swarm_connectivity) == (36, 36, 1.0)
+    assert message.adjacency[2] & 1 << 3 == 0  # row 1, robots 0 to 7
+    assert message.adjacency[2] & 1 << 4
 
 
 @pytest.mark.parametrize("goal_m", [(1.0, 2.0), None])

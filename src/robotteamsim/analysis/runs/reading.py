@@ -25,14 +25,17 @@ from robotteamsim.analysis.runs.tracks import Absence
 from robotteamsim.errors import RecordingError
 from robotteamsim.interface import SwarmContext
 from robotteamsim.mission.status import DeliveredDiscoveries, Event
+from robotteamsim.network.compact import hops_among, row_bytes, unpacked
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.scenario.plan import OccupancyGrid
 
 TRUTH, ODOM = "base_pose_ground_truth", "odom"
+STATE, LINKS = "/network/state", "/network/links"
 
 _TEAM_TYPES = {
     "/map": "nav_msgs/OccupancyGrid",
-    "/network/state": "robotteamsim/NetworkState",
+    STATE: "robotteamsim/NetworkState",
+    LINKS: "robotteamsim/NetworkLinks",
     "/mission/status": "robotteamsim/MissionStatus",
     "/mission/events": "robotteamsim/MissionEvent",
     "/mission/victims": "robotteamsim/Victims",
@@ -62,7 +65,7 @@ class ContentError(RecordingError):
 
 @dataclass(frozen=True, slots=True)
 class _NetworkSample:
-    """One NetworkState; the matrices are flat, of num_robots^2 values."""
+    """One NetworkState or NetworkLinks; the matrices have num_robots^2 values."""
 
     num_robots: int
     adjacency: np.ndarray
@@ -112,6 +115,8 @@ def _read(bag: BagReader, name: str) -> RecordedRun:
 def _types_to_read(topics: Mapping[str, str]) -> dict[str, str]:
     """Return the topics to read and their types; /tf is read only if some robot's true poses are not recorded."""
     types = {topic: kind for topic, kind in _TEAM_TYPES.items() if topics.get(topic) == kind}
+    if STATE in types:
+        types.pop(LINKS, None)  # The matrices contain the links.
     needs_tf = False
     for namespace in _namespaces(topics):
         of_robot = {f"{namespace}/{name}": kind for name, kind in _ROBOT_TYPES.items()}
@@ -147,14 +152,14 @@ def _run(
     namespaces = _namespaces(dict.fromkeys(samples, _ROBOT_TYPES[ODOM]))
     robots = tuple(filter(None, (_robot(namespace, samples, transforms) for namespace in namespaces)))
     mission = tuple(status for _, status in samples.get("/mission/status", []))
-    network = _network(samples["/network/state"]) if "/network/state" in samples else None
+    network = next((_network(topic, samples[topic]) for topic in (STATE, LINKS) if topic in samples), None)
     stamps = [robot.track.stamps_ns[[0, -1]] for robot in robots]
     stamps += [] if network is None else [network.stamps_ns[[0, -1]]]
     stamps += [np.array([mission[0].stamp_ns, mission[-1].stamp_ns])] if mission else []
     if not stamps:
         more = ", .." if len(topics) > 6 else ""
         found = f"found {', '.join(topics[:6])}{more}" if topics else "the bag is empty"
-        raise ContentError(f"expected odom or {TRUTH} of a robot, /mission/status or /network/state; {found}")
+        raise ContentError(f"expected odom or {TRUTH} of a robot, /mission/status or {STATE}; {found}")
     first_ns, end_ns = int(min(np.min(pair) for pair in stamps)), int(max(np.max(pair) for pair in stamps))
     started = next((status for status in mission if status.state == "running"), None)
     return RecordedRun(
@@ -236,10 +241,10 @@ def _context(statuses: list[tuple[int, _ControllerSample]]) -> RecordedContext |
     return RecordedContext(np.array([stamp_ns for stamp_ns, _ in found]), np.array([values for _, values in found]))
 
 
-def _network(samples: list[tuple[int, Any]]) -> RecordedNetwork:
+def _network(topic: str, samples: list[tuple[int, Any]]) -> RecordedNetwork:
     sizes = sorted({state.num_robots for _, state in samples})
     if len(sizes) > 1:
-        raise ContentError(f"/network/state: has {sizes[0]} and then {sizes[-1]} robots; expected one run per bag")
+        raise ContentError(f"{topic}: has {sizes[0]} and then {sizes[-1]} robots; expected one run per bag")
     states = [state for _, state in samples]
     shape = (len(samples), sizes[0], sizes[0])
     return RecordedNetwork(
@@ -266,8 +271,23 @@ def _controller_sample(stamp_ns: int, message: Any) -> _ControllerSample:
 def _network_sample(stamp_ns: int, message: Any) -> _NetworkSample:
     n = message.num_robots
     if not n * n == len(message.adjacency) == len(message.endangered) == len(message.hop_count):
-        raise ContentError(f"/network/state: matrices of {len(message.adjacency)} values; expected {n * n}")
+        raise ContentError(f"{STATE}: matrices of {len(message.adjacency)} values; expected {n * n}")
     return _NetworkSample(n, message.adjacency, message.endangered, message.hop_count, message.fiedler_value)
+
+
+def _links_sample(stamp_ns: int, message: Any) -> _NetworkSample:
+    n = message.num_robots
+    num_bytes = n * row_bytes(n)
+    if not (num_bytes == len(message.adjacency) == len(message.endangered) and n == len(message.present)):
+        raise ContentError(f"{LINKS}: rows of {len(message.adjacency)} bytes; expected {num_bytes}")
+    adjacency, endangered = (
+        unpacked(bits.reshape(n, row_bytes(n)), n) for bits in (message.adjacency, message.endangered)
+    )
+    try:
+        hops = hops_among(adjacency, message.present != 0)
+    except ValueError as error:
+        raise ContentError(f"{LINKS}: {error}") from None
+    return _NetworkSample(n, adjacency, endangered, hops, message.fiedler_value)
 
 
 def _status(stamp_ns: int, message: Any) -> RecordedStatus:
@@ -313,6 +333,7 @@ _CONVERTERS: dict[str, Callable[[int, Any], Any]] = {
     "robotteamsim/Contact": lambda stamp_ns, message: message.in_contact,
     "robotteamsim/ControllerStatus": _controller_sample,
     "robotteamsim/NetworkState": _network_sample,
+    "robotteamsim/NetworkLinks": _links_sample,
     "robotteamsim/MissionStatus": _status,
     "robotteamsim/MissionEvent": lambda stamp_ns, m: Event(m.time_s, m.kind, m.subject, m.robot_id, m.detail),
     "robotteamsim/Victims": _victims,

@@ -10,7 +10,9 @@ import numpy as np
 from nav_msgs.msg import OccupancyGrid
 
 from robotteamsim import srv
-from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkMessages, NetworkState, Voice
+from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkLinks, NetworkMessages, NetworkState, Voice
+from robotteamsim.network.compact import LinksEncoder
+from robotteamsim.network.messages import NetworkState as Network
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.requests import check_noise, check_victim
@@ -89,7 +91,9 @@ class EnvironmentNode:
         latched = settings.lockstep
         self._voices = [Output(f"{name}/voice", Voice, latched=latched) for name in names]
         self._received = [Output(f"{name}/network/rx", NetworkMessages, latched=latched) for name in names]
-        self._network = Output("/network/state", NetworkState, latched=latched)
+        self._links = Output("/network/links", NetworkLinks, latched=latched)
+        has_matrices = settings.scenario.network.publish_matrices
+        self._matrices = Output("/network/state", NetworkState, latched=latched) if has_matrices else None
         self._voice_picture = Output("/voice_map", OccupancyGrid, latched=True)
         self._voice_map = Output("/voice_map/values", FloatMap, latched=True)
         self._presence = Presence()
@@ -137,6 +141,7 @@ class EnvironmentNode:
 
     def _build(self) -> None:
         self._environment = Environment(self._settings.scenario)
+        self._encoder = LinksEncoder()
         self._saved: tuple[str, ...] = ()
         self._published_changes = -1
         self._last_step = None
@@ -170,8 +175,7 @@ class EnvironmentNode:
         for robot_id, (output, inbox) in enumerate(zip(self._received, inboxes, strict=True)):
             if is_present(robot_id) and output.wanted:
                 output.publish(ros_messages.network_messages(make, time_ns, inbox))
-        if self._network.wanted:
-            self._network.publish(ros_messages.network_state(make, time_ns, network))
+        self._publish_network(time_ns, network)
         self._publish_voice_map(time_ns)
         with self._environment_lock:
             self._last_step = time_ns, [(place.x_m, place.y_m) for place in places]
@@ -179,6 +183,14 @@ class EnvironmentNode:
                 if not is_present(robot_id):
                     continue
                 radio_maps.publish(time_ns, (place.x_m, place.y_m), self._environment)
+
+    def _publish_network(self, time_ns: int, network: Network) -> None:
+        if self._links.wanted:
+            # Not without a receiver: a message has the pairs that have weakened since the last one.
+            links = self._encoder.encode(network)
+            self._links.publish(ros_messages.network_links(self._make, time_ns, links))
+        if self._matrices is not None and self._matrices.wanted:
+            self._matrices.publish(ros_messages.network_state(self._make, time_ns, network))
 
     def _publish_voice_map(self, time_ns: int) -> None:
         with self._environment_lock:

@@ -14,11 +14,14 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 from robotteamsim import msg, srv
 from robotteamsim.interface import Decision
 from robotteamsim.mission.status import Event
+from robotteamsim.network.compact import LinksDecoder
+from robotteamsim.network.messages import NetworkState
 from robotteamsim.recording import ResultWriter, TumWriter, ros_messages
 from robotteamsim.recording.table import print_result
 from robotteamsim.ros.nodes.requests import check_door, check_noise, check_victim
 from robotteamsim.ros.nodes.trial import Trial
 from robotteamsim.ros.transport import msg_conversion as conversion
+from robotteamsim.ros.transport.checks import reader
 from robotteamsim.ros.transport.node import parameter, run, wait_for_shutdown
 from robotteamsim.ros.transport.presence import PRESENCE, Presence
 from robotteamsim.ros.transport.services import Service, command
@@ -33,7 +36,7 @@ logger = logging.getLogger(__name__)
 
 FAREWELL_S = 0.5
 """Time for the last messages to reach recorders before the node, and with it the launch, ends [s, wall]."""
-NETWORK = "/network/state"
+LINKS = "/network/links"
 DOORS = "/world/doors"
 
 _NO_RANGES = np.zeros(0, dtype=np.float32)
@@ -153,7 +156,16 @@ class MissionNode:
             inputs.append(Input(Channel(DOORS), msg.Doors))
         if self._base_received:
             inputs.append(Input(Channel(self._base_received, robot_id=self._base), msg.NetworkMessages))
-        return [*inputs, PRESENCE, Input(Channel(NETWORK, needed=True), msg.NetworkState)]
+        return [*inputs, PRESENCE, self._links_input()]
+
+    def _links_input(self) -> Input:
+        decoder, read = LinksDecoder(), reader(msg.NetworkLinks, self._settings)
+
+        def decode(data: bytes) -> NetworkState:
+            # In the order of arrival, because a message has only the signals that are new.
+            return decoder.decode(conversion.network_links(read(data)))
+
+        return Input(Channel(LINKS, needed=True), msg.NetworkLinks, decode)
 
     def _begin_trial(self) -> Trial:
         recorders: list[Observer] = []
@@ -174,7 +186,7 @@ class MissionNode:
             if not is_present:
                 topics.forget()
         decisions = tuple(topics.decision(step) for topics, _ in robots)
-        network = conversion.network_state(step.latest(NETWORK))
+        network = step.latest(LINKS)
         message = step.latest(DOORS)
         doors = None if message is None else conversion.door_states(message)
         base_inbox = conversion.network_messages(step.messages.get(self._base_received, ()))

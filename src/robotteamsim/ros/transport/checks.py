@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from robotteamsim.network.compact import row_bytes
 from robotteamsim.ros.transport.serialization import deserialized
 from robotteamsim.ros.transport.settings import Settings
 
@@ -54,11 +55,29 @@ def _check_robots(message: Any, settings: Settings) -> None:
 
 
 def _check_network(message: Any, settings: Settings) -> None:
-    if message.num_robots != settings.num_robots:
-        raise ValueError(f"num_robots: {message.num_robots}; expected {settings.num_robots}")
+    _check_num_robots(message, settings)
     for name in ("rssi_dbm", "link", "adjacency", "hop_count", "break_matrix", "endangered"):
         _expect(name, len(getattr(message, name)), settings.num_robots**2)
     _expect("refused_bytes", len(message.refused_bytes), len(message.refused_senders))
+
+
+def _check_links(message: Any, settings: Settings) -> None:
+    _check_num_robots(message, settings)
+    count = settings.num_robots
+    _expect("present", len(message.present), count)
+    for name in ("adjacency", "endangered"):
+        _expect(name, len(getattr(message, name)), count * row_bytes(count))
+    for name in ("weakened_first", "weakened_second"):
+        ids = getattr(message, name)
+        _expect(name, len(ids), len(message.weakened_rssi_dbm))
+        if max(ids, default=0) >= count:
+            raise ValueError(f"{name}: {max(ids)}; expected ids below {count}")
+    _expect("refused_bytes", len(message.refused_bytes), len(message.refused_senders))
+
+
+def _check_num_robots(message: Any, settings: Settings) -> None:
+    if message.num_robots != settings.num_robots:
+        raise ValueError(f"num_robots: {message.num_robots}; expected {settings.num_robots}")
 
 
 def _check_messages(message: Any, settings: Settings) -> None:
@@ -103,6 +122,7 @@ def _check_range(message: Any, _: Settings) -> None:
 _CHECKS: dict[str, Callable[[Any, Settings], None]] = {
     "robotteamsim/Robots": _check_robots,
     "robotteamsim/NetworkState": _check_network,
+    "robotteamsim/NetworkLinks": _check_links,
     "robotteamsim/NetworkMessages": _check_messages,
     "robotteamsim/Doors": _check_doors,
     "robotteamsim/Voice": _check_voice,

@@ -16,6 +16,7 @@ import robotteamsim.msg
 from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Discovery, SwarmContext, Task
+from robotteamsim.network.compact import CompactLinks, row_bytes
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.ros.transport.checks import check_finite, check_place
 from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
@@ -127,15 +128,36 @@ def network_state(message: robotteamsim.msg.NetworkState) -> NetworkState:
         break_matrix=matrix(message.break_matrix, np.float64),
         fiedler_value=message.fiedler_value,
         endangered=np.frombuffer(message.endangered, dtype=np.uint8).reshape(shape).astype(bool),
-        traffic=Traffic(
-            delivered=message.delivered,
-            lost=message.lost,
-            cut_off=message.cut_off,
-            mean_delay_s=message.mean_delay_s,
-            refused=tuple(
-                Refusal(sender, num_bytes, message.max_message_bytes)
-                for sender, num_bytes in zip(message.refused_senders, message.refused_bytes, strict=True)
-            ),
+        traffic=_traffic(message),
+    )
+
+
+def network_links(message: robotteamsim.msg.NetworkLinks) -> CompactLinks:
+    """Return the links of n robots."""
+    shape = (message.num_robots, row_bytes(message.num_robots))
+    pairs = (message.weakened_first, message.weakened_second)
+    return CompactLinks(
+        present=np.frombuffer(message.present, dtype=np.uint8) != 0,
+        adjacency=np.frombuffer(message.adjacency, dtype=np.uint8).reshape(shape),
+        endangered=np.frombuffer(message.endangered, dtype=np.uint8).reshape(shape),
+        num_links=message.num_links,
+        num_endangered=message.num_endangered,
+        fiedler_value=message.fiedler_value,
+        traffic=_traffic(message),
+        weakened=np.array(pairs, dtype=np.int64).reshape(2, -1).T,
+        weakened_rssi_dbm=np.array(message.weakened_rssi_dbm, dtype=np.float64),
+    )
+
+
+def _traffic(message: robotteamsim.msg.NetworkState | robotteamsim.msg.NetworkLinks) -> Traffic:
+    return Traffic(
+        delivered=message.delivered,
+        lost=message.lost,
+        cut_off=message.cut_off,
+        mean_delay_s=message.mean_delay_s,
+        refused=tuple(
+            Refusal(sender, num_bytes, message.max_message_bytes)
+            for sender, num_bytes in zip(message.refused_senders, message.refused_bytes, strict=True)
         ),
     )
 
