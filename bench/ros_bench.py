@@ -2,9 +2,10 @@
 
 - `subscribed`: the world alone (world.launch), robots of the default kind (181 beams) at 10 Hz in the plan of
   bench/world_bench.py, flat out. One C++ client subscribes to every robot's odom, base_scan, base_pose_ground_truth and
-  contact, and /tf and /clock, and drives the robots. From the first message to the last one of the last step; `lost`
-  counts messages that are missing or out of order; busy times are of the two processes, per simulated second: on a
-  busy machine, 1 / (the longer of them) is more reliable than the speed.
+  contact, and /tf and /clock, and drives the robots. The world starts when all these topics are connected. From the
+  first message to the last one of the last step; `lost` counts messages that are missing or out of order, and must be
+  0; busy times are of the two processes, per simulated second: on a busy machine, 1 / (the longer of them) is more
+  reliable than the speed.
 - `lockstep` and `free`: a mission of three robots, from its first step on, flat out.
 
 Starting the nodes is not counted. Usage, with the build's devel/setup.sh sourced:
@@ -93,6 +94,7 @@ def heard(listener: str, count: int, steps: int) -> Heard:
             "robotteamsim",
             "world.launch",
             "odometry:=step",
+            "paused:=true",
             "speed:=0",
             f"scenario:={folder}/many.yaml",
         )

@@ -1,9 +1,9 @@
 // Counts what a world publishes of its robots, in ROS: python bench/ros_bench.py starts it.
 //
 // Listens to /tf, /clock and odom, base_scan, base_pose_ground_truth and contact of all robots, typed and deserialized
-// as any client would, and redraws every robot's cmd_vel each 2 s of simulated time. Says "first" when the first
-// message comes; ends when every topic has brought the last step's, or after a time, and prints what came as one line
-// of JSON.
+// as any client would, and redraws every robot's cmd_vel each 2 s of simulated time. The world starts paused, and is
+// resumed when all topics are connected. Says "first" when the first message comes; ends when every topic has brought
+// the last step's, or after a time, and prints what came as one line of JSON.
 #include <geometry_msgs/Twist.h>
 #include <nav_msgs/Odometry.h>
 #include <robotteamsim/Contact.h>
@@ -68,9 +68,11 @@ class Listener {
     subscribers_.push_back(node_.subscribe("/clock", 0, count, nullptr, ros::TransportHints().tcpNoDelay()));
   }
 
-  bool AllConnected() const {
-    return std::all_of(subscribers_.begin(), subscribers_.end(),
-                       [](const auto& subscriber) { return subscriber.getNumPublishers() > 0; });
+  // Subscriptions that no publisher is connected to yet: roscpp registers them one by one, and the world hears of each
+  // from a busy master.
+  std::ptrdiff_t NumMissing() const {
+    return std::count_if(subscribers_.begin(), subscribers_.end(),
+                         [](const auto& subscriber) { return subscriber.getNumPublishers() == 0; });
   }
 
   // All topics have brought the last step.
@@ -169,10 +171,13 @@ int main(int argc, char** argv) {
   Listener listener(std::atoi(argv[1]), std::atoll(argv[2]), std::atoll(argv[3]));
   const double timeout_s = std::atof(argv[4]);
   const auto start = Wall::now();
-  std_srvs::Trigger pause, resume;
-  ros::service::waitForService("/pause");
-  ros::service::call("/pause", pause);
-  while (ros::ok() && !listener.AllConnected() && SecondsSince(start) < timeout_s) ros::WallDuration(0.1).sleep();
+  while (ros::ok() && listener.NumMissing() > 0 && SecondsSince(start) < timeout_s) ros::WallDuration(0.1).sleep();
+  if (listener.NumMissing() > 0) {
+    std::fprintf(stderr, "%td topics are not connected after %.0f s\n", listener.NumMissing(), timeout_s);
+    std::_Exit(1);
+  }
+  std_srvs::Trigger resume;
+  ros::service::waitForService("/resume");
   ros::service::call("/resume", resume);
   while (ros::ok() && !listener.Complete() && SecondsSince(start) < timeout_s) {
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));

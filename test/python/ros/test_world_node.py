@@ -99,12 +99,25 @@ class FakeGate(Gate):
         return True
 
 
+class ResumedGate(FakeGate):
+    """Resumes a world that waits, and keeps which topics had been published by then."""
+
+    topics: list[str]
+
+    def wait(self) -> bool:
+        if self._paused:
+            ResumedGate.topics = [topic for topic, _ in FakeOutput.sent]
+            self.resume()
+        return super().wait()
+
+
 @pytest.fixture
 def serve(monkeypatch, hall_scenario) -> Callable[..., None]:
     """Let a world take its first steps at a speed: that of the hall, or another."""
     FakeOutput.sent = []
     FakeGate.now_s = 0.0
-    parameters = {"~speed": 0.0, "~localization": "ground_truth", "~odometry": "step", "~stage_requests": False}
+    parameters = {"~speed": 0.0, "~localization": "ground_truth", "~odometry": "step"}
+    parameters |= {"~stage_requests": False, "~paused": False}
     monkeypatch.setattr(world_node, "Output", FakeOutput)
     monkeypatch.setattr(team_outputs, "Output", FakeOutput)
     monkeypatch.setattr(objects, "Output", FakeOutput)
@@ -123,6 +136,7 @@ def serve(monkeypatch, hall_scenario) -> Callable[..., None]:
         speed: float, scenario: Scenario | None = None, odometry: str = "step", controllers: bool = True, **more: bool
     ) -> None:
         parameters["~speed"], parameters["~odometry"] = speed, odometry
+        parameters["~paused"] = more.get("paused", False)
         scenario = scenario or hall_scenario()
         lockstep = more.get("lockstep", False)
         settings = Settings(scenario, lockstep, controllers, teleop=-1, silence_limit_s=5.0)
@@ -190,6 +204,13 @@ def test_odometry_and_tf_come_with_each_tick_of_the_clock_on_demand(serve, topic
             clock_ns = message.clock.to_nsec()
         elif name == topic:
             assert message[0] > clock_ns
+
+
+def test_world_that_starts_paused_makes_no_step_before_it_is_resumed(serve, monkeypatch):
+    monkeypatch.setattr(world_node, "Gate", ResumedGate)
+    serve(0.0, paused=True)
+    assert ResumedGate.topics == ["/map", "/clock"]
+    assert "/robot_0/odom" in {topic for topic, _ in FakeOutput.sent}
 
 
 @pytest.mark.parametrize(

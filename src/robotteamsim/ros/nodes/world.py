@@ -65,6 +65,8 @@ class WorldNode:
         self._make = conversion.RosTypes()
         self._gate = Gate()
         self._pacer = _pacer()
+        if parameter("~paused", False):
+            self._gate.pause(0.0)
         localization = parameter("~localization", "none")
         if localization not in ("none", "ground_truth"):
             raise ParameterError(f"~localization: {localization!r}; expected none or ground_truth")
@@ -100,6 +102,7 @@ class WorldNode:
         """Step until the node is shut down."""
         self._publish_clock(START_NS)
         self._team.assemble()
+        self._gate.wait()  # with ~paused, until clients that need the first step have subscribed
         self._wait_for_subscribers()
         while self._gate.wait():
             if self._motion is None:
