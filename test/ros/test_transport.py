@@ -5,14 +5,9 @@ from __future__ import annotations
 import gc
 import math
 import queue
-import signal
-import socket
 import struct
-import subprocess
-import sys
 import threading
 import time
-import xmlrpc.client
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -21,9 +16,10 @@ import rosgraph
 import rospy
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
+from peers import NODE, Peer, Wire, master, wait_until
 from robotteamsim.msg import Contact
 from rosgraph_msgs.msg import Clock, Log
-from running import TIMEOUT_S, environment, wait_for_port
+from running import TIMEOUT_S
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header, String, UInt32
 from std_srvs.srv import Trigger, TriggerResponse
@@ -44,101 +40,22 @@ from robotteamsim.sensing.readings import TeamReadings
 # rospy leaves its sockets to the garbage collector, and calls what Python has renamed.
 pytestmark = pytest.mark.filterwarnings("ignore")
 
-NODE = "/transport_test"
 TIME_NS = 12_345_678_901
 ROBOTS = 12
 """Names of robots have two lengths then."""
 
-WAITING_NODE = """
-import sys
-from robotteamsim.ros.transport.node import run
-from robotteamsim.ros.transport.topics import message_queue
-
-def serve():
-    queue = message_queue()
-    print("serving", flush=True)
-    while not queue.is_closed:
-        queue.take(1000.0)
-    print("closed", flush=True)
-
-run("waiting", serve)
-"""
-
 
 @pytest.fixture(scope="module", autouse=True)
-def ros(tmp_path_factory) -> Iterator[dict[str, str]]:
-    """A master, with this process as a node of roscpp and one of rospy; the environment of other nodes."""
-    variables = environment(tmp_path_factory.mktemp("transport"))
-    port = int(variables["ROS_MASTER_URI"].rpartition(":")[2])
-    with pytest.MonkeyPatch.context() as patch:
-        for name, value in variables.items():
-            patch.setenv(name, value)
-        with subprocess.Popen(["rosmaster", "--core", "-p", str(port)], stdout=subprocess.DEVNULL) as master:
-            wait_for_port(port)
-            rosgraph.Master("/test").setParam("/use_sim_time", True)
-            roscpp.start_node("transport_test", ["test", f"/remapped:={NODE}/elsewhere"])
-            rospy.init_node("peer", disable_signals=True, disable_rostime=True)
-            yield variables
-            rospy.signal_shutdown("the tests are done")
-            roscpp.shut_down()
-            master.terminate()
-            gc.collect()  # while its warnings are ignored
-
-
-class Peer:
-    """Keeps what a subscriber of rospy gets."""
-
-    def __init__(self, topic: str, message_class: type) -> None:
-        self._received: queue.Queue = queue.Queue()
-        self._subscriber = rospy.Subscriber(topic, message_class, self._received.put, tcp_nodelay=True)
-
-    def next(self) -> object:
-        return self._received.get(timeout=TIMEOUT_S)
-
-    def is_silent(self) -> bool:
-        return self._received.empty()
-
-
-class Wire:
-    """A subscriber of one topic that reads its socket only when it is asked to."""
-
-    def __init__(self, topic: str, message_class: type, uri: str = "") -> None:
-        """Args: uri: of the node that publishes; empty: the master is asked."""
-        uri = uri or rosgraph.Master("/test").lookupNode(NODE)
-        _, _, (_, host, port) = xmlrpc.client.ServerProxy(uri).requestTopic("/wire", topic, [["TCPROS"]])
-        self.socket = socket.create_connection((host, port), TIMEOUT_S)
-        fields = {"callerid": "/wire", "topic": topic, "type": message_class._type, "md5sum": message_class._md5sum}
-        lines = [f"{key}={value}".encode() for key, value in (fields | {"tcp_nodelay": "1"}).items()]
-        self._send(b"".join(struct.pack("<I", len(line)) + line for line in lines))
-        self.header = self.next()
-
-    def _send(self, data: bytes) -> None:
-        self.socket.sendall(struct.pack("<I", len(data)) + data)
-
-    def next(self) -> bytes:
-        """Return the next message, however long it takes to come."""
-        (length,) = struct.unpack("<I", self._exactly(4, 0))
-        return self._exactly(length, 0)
-
-    def next_that_is_there(self) -> bytes:
-        """Return the next message. Raises: BlockingIOError: it has not come."""
-        (length,) = struct.unpack("<I", self._exactly(4, socket.MSG_DONTWAIT))
-        return self._exactly(length, socket.MSG_DONTWAIT)
-
-    def _exactly(self, length: int, flags: int) -> bytes:
-        data = b""
-        while len(data) < length:
-            received = self.socket.recv(length - len(data), flags)
-            assert received, "the publisher has closed the connection"
-            data += received
-        return data
-
-
-def wait_until(holds: Callable[[], bool], what: str) -> None:
-    deadline_s = time.monotonic() + TIMEOUT_S
-    while not holds():
-        assert time.monotonic() < deadline_s, f"{what} was waited for"
-        time.sleep(0.01)
+def ros(tmp_path_factory) -> Iterator[None]:
+    """A master, with this process as a node of roscpp and one of rospy."""
+    with master(tmp_path_factory.mktemp("transport")):
+        rosgraph.Master("/test").setParam("/use_sim_time", True)
+        roscpp.start_node("transport_test", ["test", f"/remapped:={NODE}/elsewhere"])
+        rospy.init_node("peer", disable_signals=True, disable_rostime=True)
+        yield
+        rospy.signal_shutdown("the tests are done")
+        roscpp.shut_down()
+    gc.collect()  # while its warnings are ignored
 
 
 def publisher(topic: str, message_class: type, *, latched: bool = False) -> roscpp.Publisher:
@@ -558,30 +475,3 @@ def test_process_is_one_node_that_does_not_subscribe_to_the_clock():
     output = Output("/clock", Clock, latched=True)
     output.publish(Clock(rospy.Time(5)))
     assert Peer("/clock", Clock).next().clock == rospy.Time(5)
-
-
-def kill_by_master(process: subprocess.Popen) -> None:
-    uri = rosgraph.Master("/test").lookupNode("/renamed")
-    xmlrpc.client.ServerProxy(uri).shutdown("/test", "the test asks for it")
-
-
-@pytest.mark.parametrize(
-    "end",
-    [
-        lambda process: process.send_signal(signal.SIGINT),
-        lambda process: process.send_signal(signal.SIGTERM),
-        kill_by_master,
-    ],
-    ids=["SIGINT", "SIGTERM", "shutdown"],
-)
-def test_node_that_waits_ends_cleanly_when_it_is_told_to(ros, end):
-    command = [sys.executable, "-c", WAITING_NODE, "__name:=renamed"]
-    with subprocess.Popen(command, env=ros, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout.readline() == "serving\n"
-        end(process)
-        output, _ = process.communicate(timeout=TIMEOUT_S)
-        assert output.splitlines()[-1] == "closed"
-        assert process.returncode == 0
-    wait_until(lambda: not rosgraph.Master("/test").getPublishedTopics("/renamed"), "the end of its registration")
-    _, _, services = rosgraph.Master("/test").getSystemState()
-    assert not [name for name, _ in services if name.startswith("/renamed")]

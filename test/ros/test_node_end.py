@@ -1,0 +1,68 @@
+"""A node that waits ends when it is told to."""
+
+from __future__ import annotations
+
+import gc
+import signal
+import subprocess
+import sys
+import xmlrpc.client
+from collections.abc import Iterator
+
+import pytest
+import rosgraph
+from peers import master, wait_until
+from running import TIMEOUT_S
+
+# rosgraph leaves its sockets to the garbage collector.
+pytestmark = pytest.mark.filterwarnings("ignore")
+
+WAITING_NODE = """
+import sys
+from robotteamsim.ros.transport.node import run
+from robotteamsim.ros.transport.topics import message_queue
+
+def serve():
+    queue = message_queue()
+    print("serving", flush=True)
+    while not queue.is_closed:
+        queue.take(1000.0)
+    print("closed", flush=True)
+
+run("waiting", serve)
+"""
+
+
+@pytest.fixture(scope="module")
+def ros(tmp_path_factory) -> Iterator[dict[str, str]]:
+    """A master; the environment of its nodes."""
+    with master(tmp_path_factory.mktemp("node_end")) as variables:
+        yield variables
+        gc.collect()  # while its warnings are ignored
+
+
+def kill_by_master(process: subprocess.Popen) -> None:
+    uri = rosgraph.Master("/test").lookupNode("/renamed")
+    xmlrpc.client.ServerProxy(uri).shutdown("/test", "the test asks for it")
+
+
+@pytest.mark.parametrize(
+    "end",
+    [
+        lambda process: process.send_signal(signal.SIGINT),
+        lambda process: process.send_signal(signal.SIGTERM),
+        kill_by_master,
+    ],
+    ids=["SIGINT", "SIGTERM", "shutdown"],
+)
+def test_node_that_waits_ends_cleanly_when_it_is_told_to(ros, end):
+    command = [sys.executable, "-c", WAITING_NODE, "__name:=renamed"]
+    with subprocess.Popen(command, env=ros, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "serving\n"
+        end(process)
+        output, _ = process.communicate(timeout=TIMEOUT_S)
+        assert output.splitlines()[-1] == "closed"
+        assert process.returncode == 0
+    wait_until(lambda: not rosgraph.Master("/test").getPublishedTopics("/renamed"), "the end of its registration")
+    _, _, services = rosgraph.Master("/test").getSystemState()
+    assert not [name for name, _ in services if name.startswith("/renamed")]
