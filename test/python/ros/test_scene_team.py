@@ -6,6 +6,7 @@ from visualization_msgs.msg import Marker
 
 from robotteamsim import palette
 from robotteamsim.geometry import Pose
+from robotteamsim.network.compact import LinksDecoder, LinksEncoder
 from robotteamsim.network.messages import NetworkState
 from robotteamsim.ros.scene.shapes import colour, label
 from robotteamsim.ros.scene.team import (
@@ -16,6 +17,7 @@ from robotteamsim.ros.scene.team import (
     label_offset,
     link_markers,
     link_views,
+    link_views_without_signals,
     robot_colour,
     robot_markers,
     team_markers,
@@ -247,6 +249,19 @@ def test_of_many_robots_the_links_are_viewed_that_have_no_better_way_around():
     np.fill_diagonal(rssi_dbm, 0.0)
     links = link_views(network(rssi_dbm, np.ones((12, 12), dtype=np.int32)))
     assert [(link.first, link.second) for link in links] == [(i, i + 1) for i in range(11)]
+
+
+def test_links_without_signals_connect_the_same_robots_by_the_shortest_links():
+    rssi_dbm = np.full((12, 12), -60.0)
+    rssi_dbm[:6, 6:] = rssi_dbm[6:, :6] = -99.0
+    state = network(rssi_dbm, np.ones((12, 12), dtype=np.int32))
+    state.endangered[2, 3] = state.endangered[3, 2] = True
+    restored = LinksDecoder().decode(LinksEncoder().encode(state))
+    positions_m = {i: (3.0 * i, 0.0) for i in range(11)}  # nobody knows where robot 11 is
+    links = link_views_without_signals(restored, positions_m)
+    assert [(link.first, link.second) for link in links] == [(i, i + 1) for i in range(10) if i != 5]
+    assert [link.first for link in links if link.rssi_dbm == -80.0] == [2]
+    assert link_views_without_signals(restored, {}) == []
 
 
 def test_label_of_an_excluded_robot_is_grey():

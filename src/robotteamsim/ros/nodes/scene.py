@@ -18,10 +18,10 @@ from robotteamsim.ros.scene import plan as scene_plan
 from robotteamsim.ros.scene import sensors as scene_sensors
 from robotteamsim.ros.scene import team as scene_team
 from robotteamsim.ros.scene.feed import Feed, robot_topics
+from robotteamsim.ros.scene.network import NetworkFeed
 from robotteamsim.ros.scene.poses import PoseFeed, TfPoses, TruePoses
 from robotteamsim.ros.scene.robot import RobotFeed
 from robotteamsim.ros.scene.shapes import FRAME, Shown
-from robotteamsim.ros.transport import msg_conversion
 from robotteamsim.ros.transport.node import is_running, parameter, published_topics, run, wait_for_shutdown
 from robotteamsim.ros.transport.presence import ROBOTS
 from robotteamsim.ros.transport.settings import read_settings
@@ -104,12 +104,11 @@ class Scene:
         self._victims = Feed("/mission/victims", msg.Victims)
         self._presence = Feed(ROBOTS, msg.Robots)
         self._absent: frozenset[int] = frozenset()
-        self._network = Feed("/network/state", msg.NetworkState)
+        self._network = NetworkFeed(scenario.num_robots)
         self._voice = Feed("/voice_map/values", msg.FloatMap)
         self._links: list[scene_team.LinkView] = []
         self._scans: dict[tuple[int, str], scene_laser.ScanView] = {}
         self._mission: msg.MissionStatus | None = None
-        self._num_endangered = 0
         self._headline = ""
         self._stamp_ns = 0
         self._discovery_due_s = self._trails_due_s = self._resend_due_s = 0.0
@@ -209,7 +208,7 @@ class Scene:
         self._mission = status = self._status.newest() or self._mission
         if status is None:
             return
-        words = scene_mission.headline_words(status, self._num_endangered)
+        words = scene_mission.headline_words(status, self._network.num_endangered)
         if words != self._headline:
             self._headline = words
             self._canvas["headline"].draw([scene_mission.headline_marker(words, self._scenario.plan.bounds)])
@@ -229,14 +228,13 @@ class Scene:
         trail_points = max(100, TRAIL_POINTS // max(1, num_seen))
         changed = [robot.look(trail_points) for robot in self._robots.values()]
         changed.append(self._follow_presence())
-        network = self._network.newest()
-        if network is not None:
-            self._links = scene_team.link_views(msg_conversion.network_state(network))
-            self._num_endangered = network.num_endangered
-        if any(changed) or network is not None:
+        has_news = self._network.look()
+        if any(changed) or has_news:
             self._note_time(now_s)
             views = [view for view in (robot.view() for robot in self._seen().values()) if view is not None]
             positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
+            if has_news:
+                self._links = self._network.links(positions_m)
             self._canvas["robots"].draw(scene_team.team_markers(views, self._names_m + self._numbers_m))
             self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m))
             self._draw_sensors()

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from geometry_msgs.msg import Point
+from scipy.sparse import csgraph
+from scipy.spatial import distance
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
@@ -39,10 +41,11 @@ EXCLUDED = colour(palette.EXCLUDED_ROBOT)
 BODY = colour(palette.ROBOT_BODY)
 BUMPER = colour(palette.COLLISION)
 
+ENDANGERED_DBM, SAFE_DBM = -80.0, -55.0
 LINK_COLOURS = (
-    (-80.0, colour(palette.ENDANGERED_LINK)),
+    (ENDANGERED_DBM, colour(palette.ENDANGERED_LINK)),
     (-70.0, colour(palette.WEAK_LINK)),
-    (-55.0, colour(palette.STRONG_LINK)),
+    (SAFE_DBM, colour(palette.STRONG_LINK)),
 )
 """Colour by signal [dBm]: that of endangered links from their threshold on."""
 RELAYED = colour(palette.RELAYED)
@@ -302,6 +305,23 @@ def link_views(network: NetworkState) -> list[LinkView]:
         LinkView(i, j, float(network.rssi_dbm[i, j]), bool(network.adjacency[i, j]), int(network.hop_count[i, j]))
         for i, j in pairs
     ]
+
+
+def link_views_without_signals(network: NetworkState, positions_m: Mapping[int, tuple[float, float]]) -> list[LinkView]:
+    """Return links of a network that was restored from its compact form: a spanning forest of the shortest ones.
+
+    They are few, rarely cross each other, and connect the same robots as all links. Each has the signal of a safe or of
+    an endangered link.
+    """
+    ids = np.array([i for i in sorted(positions_m) if i < len(network.adjacency)], dtype=np.int64)
+    if not len(ids):
+        return []
+    places_m = np.array([positions_m[i] for i in ids.tolist()])
+    # A distance of 0 would mean that there is no link.
+    lengths_m = np.maximum(distance.squareform(distance.pdist(places_m)), 1e-6)
+    forest = csgraph.minimum_spanning_tree(np.where(network.adjacency[np.ix_(ids, ids)], lengths_m, 0.0)).tocoo()
+    pairs = np.sort(np.column_stack((ids[forest.row], ids[forest.col])), axis=1).tolist()
+    return [LinkView(i, j, ENDANGERED_DBM if network.endangered[i, j] else SAFE_DBM, True, 1) for i, j in sorted(pairs)]
 
 
 def link_markers(links: Sequence[LinkView], positions_m: Mapping[int, tuple[float, float]]) -> list[Marker]:
