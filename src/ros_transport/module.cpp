@@ -219,6 +219,10 @@ void BindNode(nb::module_& m) {
   m.def("start_node", &StartNode, "name"_a, "arguments"_a, WithoutGil(),
         "Register this process as a node; arguments such as \"__name:=world\" rename it and its topics.");
   m.def("is_ok", &IsOk, "Return whether the node has started and is not shutting down.");
+  m.def("num_writes", &NumWrites,
+        "Return how often waiting messages were written; messages published now are written after two more.");
+  m.def("wait_for_write", &WaitForWrite, "number"_a, "timeout_s"_a, WithoutGil(),
+        "Wait for such a number, at most for a given time [s, wall]; not at all while the node is not running.");
   m.def("shut_down", &ShutDown, WithoutGil(), "Unregister topics and services; waits at most 5 s for services.");
   m.def("node_name", &NodeName, "Return the full name of this node.");
   m.def("resolved_name", &ResolvedName, "name"_a, "Return the full name of a topic, service or parameter.");

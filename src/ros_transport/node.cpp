@@ -87,6 +87,14 @@ void WaitUntilSent() {
   }
 }
 
+std::uint64_t NumWrites() { return num_rounds; }
+
+void WaitForWrite(std::uint64_t number, double timeout_s) {
+  constexpr double kNapS = 0.0002;
+  const ros::WallTime until = ros::WallTime::now() + ros::WallDuration(timeout_s);
+  while (num_rounds < number && IsOk() && ros::WallTime::now() < until) ros::WallDuration(kNapS).sleep();
+}
+
 std::string NodeName() { return ros::this_node::getName(); }
 
 std::string ResolvedName(const std::string& name) { return ros::names::resolve(name); }

@@ -3,6 +3,7 @@
 
 #include <ros/node_handle.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,11 @@ void ShutDown();
 
 // Waits until all messages published so far are written to the sockets, at most 0.1 s.
 void WaitUntilSent();
+
+// Number of times that roscpp's thread has written waiting messages; messages published now are written after two more.
+std::uint64_t NumWrites();
+// Waits for such a number, at most for a given time; not at all while the node is not running.
+void WaitForWrite(std::uint64_t number, double timeout_s);
 
 std::string NodeName();
 std::string ResolvedName(const std::string& name);

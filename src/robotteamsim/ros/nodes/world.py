@@ -26,7 +26,7 @@ from robotteamsim.ros.transport.node import ParameterError, on_shutdown, paramet
 from robotteamsim.ros.transport.presence import ROBOTS
 from robotteamsim.ros.transport.services import Service, command
 from robotteamsim.ros.transport.settings import SEED, Settings, read_settings
-from robotteamsim.ros.transport.topics import Output
+from robotteamsim.ros.transport.topics import Output, SendingPace
 from robotteamsim.scenario.published_map import published_map
 from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
@@ -79,6 +79,7 @@ class WorldNode:
             if settings.lockstep
             else FreeTeam(settings, self._robots, follow=lambda: self._pacer.is_flat_out)
         )
+        self._pace = SendingPace()
         self._objects = ObjectsOutput()
         self._show_objects()
         # The only source of door states for environment and mission.
@@ -171,6 +172,7 @@ class WorldNode:
         self, readings: TeamReadings, doors: DoorStates, present: np.ndarray | None, arrivals: tuple[int, ...]
     ) -> None:
         time_ns = self._world.sim_time_ns
+        self._pace.wait()
         everybody = (True,) * len(arrivals)
         self._team.note_presence(time_ns, everybody if present is None else tuple(present.tolist()))
         self._presence.publish(ros_messages.robots(self._make, time_ns, present, arrivals))
@@ -179,6 +181,7 @@ class WorldNode:
         self._show_objects()
         self._outputs.publish(time_ns, readings, present)
         self._publish_clock(time_ns)
+        self._pace.mark()
 
     def _show_objects(self) -> None:
         with self._world_lock:

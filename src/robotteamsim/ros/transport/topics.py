@@ -24,6 +24,9 @@ logger = logging.getLogger(__name__)
 STALE_NS = 10**9
 """Out of lockstep, one message that is older by less than this is late; time has jumped back if another follows."""
 
+SEND_TIMEOUT_S = 1.0
+"""A subscriber that is stuck must not stop the node [s, wall]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Input:
@@ -65,6 +68,25 @@ class Output:
     def publish(self, message: Any) -> None:
         """Send a message, unless the node is shutting down."""
         self._publisher.publish(serialized(message))
+
+
+class SendingPace:
+    """Keeps a node from publishing faster than roscpp's thread sends.
+
+    Messages that wait are sent topic by topic. Without this, the receivers of a node with thousands of topics on a busy
+    machine would get many steps of one topic before the first one of the next.
+    """
+
+    def __init__(self) -> None:
+        self._until = 0
+
+    def wait(self) -> None:
+        """Wait until the messages published before the last `mark` have been sent to the sockets, or for 1 s."""
+        roscpp.wait_for_write(self._until, SEND_TIMEOUT_S)
+
+    def mark(self) -> None:
+        """Record that the messages of a step have been published."""
+        self._until = roscpp.num_writes() + 2
 
 
 def make_synchronizer(settings: Settings, inputs: Iterable[Input]) -> StepSynchronizer:
