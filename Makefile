@@ -83,11 +83,13 @@ bench: build ## measure the speed of each part relative to a straightforward one
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_bench > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/run.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_bench --csv bench/results/speed.csv $(ARGS)
 	@$(ENV) $(PYTHON) bench/mission_bench.py --csv bench/results/missions.csv
-	@$(ENV) for script in bench/world_bench.py $(filter-out bench/ros_bench.py bench/world_bench.py bench/mission_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
+	@$(ENV) for script in bench/world_bench.py $(filter-out bench/ros_%.py bench/world_bench.py bench/mission_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
 
-bench_ros: build ## measure the speed of worlds and missions in ROS, with a client that receives everything
+bench_ros: build ## measure worlds, missions, a team and the network of 1000 robots in ROS; ARGS="--csv bench/results/ros.csv"
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_ros_listener > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/ros_bench.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_ros_listener $(ARGS)
+	@$(ENV) $(PYTHON) bench/ros_team_bench.py $(ARGS)
+	@$(ENV) $(PYTHON) bench/ros_network_bench.py $(ARGS)
 
 exactness: build ## compare 50 million cells of maps with one ray each, and links with their reverse
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_exactness > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
