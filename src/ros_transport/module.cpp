@@ -254,8 +254,17 @@ void BindTopics(nb::module_& m) {
             self.Publish(raw);
           },
           "message"_a, "Send a serialized message; returns at once.")
+      .def(
+          "enqueue",
+          [](const Publisher& self, const nb::bytes& message) {
+            const RawMessage raw = Raw(message);
+            const nb::gil_scoped_release gil;
+            self.Enqueue(raw);
+          },
+          "message"_a, "As publish, but roscpp may delay the message until `send_enqueued`.")
       .def_prop_ro("is_wanted", &Publisher::IsWanted, "Whether there is a receiver for the next message, now or later.")
       .def_prop_ro("num_subscribers", &Publisher::num_subscribers, "Number of connected nodes.");
+  m.def("send_enqueued", &Publisher::SendEnqueued, "Send all enqueued messages; returns at once.");
   nb::class_<MessageQueue>(m, "MessageQueue", "Collects the messages of several topics until they are taken.")
       .def(nb::init<>())
       .def("subscribe", &MessageQueue::Subscribe, "topic"_a, "type"_a, "keep"_a = 0, WithoutGil(),

@@ -24,7 +24,7 @@ from robotteamsim.ros.transport.services import Service, call_service, command
 from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
 from robotteamsim.ros.transport.team_poses import team_poses
-from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
+from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps, send_enqueued
 from robotteamsim.sensing.readings import NOT_THERE
 from robotteamsim.simulation.environment import Environment
 
@@ -171,11 +171,12 @@ class EnvironmentNode:
         make, time_ns = self._make, step.stamp_ns
         for robot_id, (output, voice) in enumerate(zip(self._voices, voices, strict=True)):
             if is_present(robot_id) and output.wanted:
-                output.publish(ros_messages.voice(make, time_ns, voice))
+                output.enqueue(ros_messages.voice(make, time_ns, voice))
         for robot_id, (output, inbox) in enumerate(zip(self._received, inboxes, strict=True)):
             if is_present(robot_id) and output.wanted:
-                output.publish(ros_messages.network_messages(make, time_ns, inbox))
+                output.enqueue(ros_messages.network_messages(make, time_ns, inbox))
         self._publish_network(time_ns, network)
+        send_enqueued()
         self._publish_voice_map(time_ns)
         with self._environment_lock:
             self._last_step = time_ns, [(place.x_m, place.y_m) for place in places]

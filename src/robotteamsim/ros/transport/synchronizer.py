@@ -81,6 +81,9 @@ class StepSynchronizer(ABC):
     def __init__(self, channels: Iterable[Channel]) -> None:
         """Start without messages."""
         self._queues = {channel.name: _Queue(channel) for channel in channels}
+        self._order = tuple(self._queues.values())
+        self._num_ready = 0
+        """The first queues, which were ready when they were last checked."""
         self._life = 0
         self._restarted = False
         self._present: dict[int, Sequence[int]] = {}
@@ -120,7 +123,14 @@ class StepSynchronizer(ABC):
         return [queue for queue in self._queues.values() if not self._ready(queue)]
 
     def _has_step(self) -> bool:
-        return all(map(self._ready, self._queues.values()))
+        # Messages of thousands of channels arrive one by one, so a check must not begin with the first channel again.
+        while self._num_ready < len(self._order):
+            if not self._ready(self._order[self._num_ready]):
+                return False
+            self._num_ready += 1
+        self._num_ready = 0
+        # Time may have jumped back since the first ones were checked.
+        return all(map(self._ready, self._order))
 
     @staticmethod
     def _is_absent(queue: _Queue, present: Sequence[int] | None) -> bool:

@@ -69,6 +69,10 @@ class Output:
         """Send a message, unless the node is shutting down."""
         self._publisher.publish(serialized(message))
 
+    def enqueue(self, message: Any) -> None:
+        """As `publish`, but roscpp may delay the message until `send_enqueued`; for the many messages of one step."""
+        self._publisher.enqueue(serialized(message))
+
 
 class SendingPace:
     """Keeps a node from publishing faster than roscpp's thread sends.
@@ -107,6 +111,9 @@ def receive_steps(synchronizer: StepSynchronizer, inputs: Iterable[Input], setti
         queue.subscribe(an_input.channel.name, message_type(an_input.message_class))
         channels.append((an_input.channel.name, an_input.decode or reader(an_input.message_class, settings)))
     return StepReceiver(synchronizer, queue, channels, logger.warning)
+
+
+send_enqueued = roscpp.send_enqueued
 
 
 def message_queue() -> roscpp.MessageQueue:
