@@ -8,6 +8,7 @@ written to `failed-<target>`.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import faulthandler
 import random
 import resource
@@ -129,6 +130,15 @@ class BagTarget:
         read_run([self._path])
 
 
+def _decoded(message: Any) -> None:
+    """Restore the network as the mission does, which ignores a message if that is impossible."""
+    from robotteamsim.network.compact import LinksDecoder
+    from robotteamsim.ros.transport import msg_conversion
+
+    with contextlib.suppress(ValueError):
+        LinksDecoder().decode(msg_conversion.network_links(message))
+
+
 class MessageTarget:
     """A message of each topic that nodes subscribe to, with changes; needs ROS."""
 
@@ -141,6 +151,7 @@ class MessageTarget:
             Door,
             Doors,
             MissionStatus,
+            NetworkLinks,
             NetworkMessage,
             NetworkMessages,
             NetworkState,
@@ -160,6 +171,10 @@ class MessageTarget:
         network = NetworkState(
             num_robots=2, adjacency=bytes(4), endangered=bytes(4), **{**square, "hop_count": [0] * 4}
         )
+        links = NetworkLinks(
+            **{"num_robots": 2, "present": bytes([1, 1]), "adjacency": bytes([2, 1]), "endangered": bytes([2, 1])},
+            **{"weakened_first": [0], "weakened_second": [1], "weakened_rssi_dbm": [-85.0]},
+        )
         fast = {
             Odometry: msg_conversion.read_odometry,
             LaserScan: msg_conversion.read_ranges_m,
@@ -175,12 +190,17 @@ class MessageTarget:
                 Voice(),
                 Doors(doors=doors),
             ),
-            *(Robots(present=bytes([1, 1]), arrivals=[1, 1]), network, ControllerStatus(has_goal=True, fault="x")),
+            *(
+                Robots(present=bytes([1, 1]), arrivals=[1, 1]),
+                network,
+                links,
+                ControllerStatus(has_goal=True, fault="x"),
+            ),
             NetworkMessages(messages=[NetworkMessage(payload="{}")]),
             MissionStatus(explored=bytes(3), victims=["saved"], undelivered=[Discovery(name="a")], has_area=True),
         )
         self._read = [fast.get(type(message)) or reader(type(message), settings) for message in messages]
-        self._use = {NetworkState: msg_conversion.network_state}
+        self._use = {NetworkState: msg_conversion.network_state, NetworkLinks: _decoded}
         self._use |= {ControllerStatus: msg_conversion.decision, Doors: msg_conversion.door_states}
         self._valid = [serialized(message) for message in messages]
 
