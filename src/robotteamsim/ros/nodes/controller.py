@@ -27,7 +27,7 @@ from robotteamsim.ros.transport.presence import PRESENCE, Presence
 from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
 from robotteamsim.ros.transport.tf_pose import TfPose, Transforms
-from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
+from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps, send_enqueued
 from robotteamsim.sensing.readings import RobotReading
 
 STATUS = "/mission/status"
@@ -158,13 +158,14 @@ class ControllerSlot:
 
     def _publish(self, time_ns: int, decision: Decision) -> None:
         make = self._make
-        self._answer.publish(ros_messages.twist_stamped(make, time_ns, self._robot_id, decision.twist))
+        self._answer.enqueue(ros_messages.twist_stamped(make, time_ns, self._robot_id, decision.twist))
         if self._messages.wanted:
-            self._messages.publish(ros_messages.network_messages(make, time_ns, decision.outbox))
+            self._messages.enqueue(ros_messages.network_messages(make, time_ns, decision.outbox))
         if self._status.wanted:
-            self._status.publish(ros_messages.controller_status(make, time_ns, self._robot_id, decision))
+            self._status.enqueue(ros_messages.controller_status(make, time_ns, self._robot_id, decision))
         if self._command is not None and self._command.wanted:
-            self._command.publish(ros_messages.twist(make, decision.twist))
+            self._command.enqueue(ros_messages.twist(make, decision.twist))
+        send_enqueued()
 
 
 class ControllerNode:
