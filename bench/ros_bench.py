@@ -6,7 +6,8 @@
   first message to the last one of the last step; `lost` counts messages that are missing or out of order, and must be
   0; busy times are of the two processes, per simulated second: on a busy machine, 1 / (the longer of them) is more
   reliable than the speed.
-- `lockstep` and `free`: a mission of three robots, from its first step on, flat out.
+- `lockstep` and `free`: a mission of three robots, from its first step on, flat out; and the processor time of all
+  nodes per simulated second, without that of a mission of 1 s, which is the start.
 
 Starting the nodes is not counted. Usage, with the build's devel/setup.sh sourced:
 python bench/ros_bench.py LISTENER [--robots 30 100 300] [--steps 100] [--runs 3] [--mission-seconds 120] [--csv FILE]
@@ -18,6 +19,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import resource
 import signal
 import socket
 import statistics
@@ -38,6 +40,7 @@ ROSLAUNCH = (sys.executable, "-c", "import roslaunch; roslaunch.main()")
 STEP_S = 0.1
 TIMEOUT_S = 300
 GRACE_S = 30
+START_S = 1.0
 
 
 @dataclass(frozen=True)
@@ -124,16 +127,45 @@ def heard(listener: str, count: int, steps: int) -> Heard:
     return Heard(sim_s / got["wall_s"], got["messages"], lost, world_busy_s / sim_s, got["busy_s"] / sim_s)
 
 
-def mission_speed(robots: int, seconds: float, lockstep: bool) -> float:
-    """Run a mission under roslaunch and return its simulated over its wall time."""
+@dataclass(frozen=True)
+class MissionRun:
+    """sim_s: simulated time; speed: over wall time; cpu_s: processor time of all nodes, with their start."""
+
+    sim_s: float
+    speed: float
+    cpu_s: float
+
+
+def mission_run(robots: int, seconds: float, lockstep: bool) -> MissionRun:
+    """Run a mission under roslaunch."""
     with tempfile.TemporaryDirectory() as folder:
         port, env = environment(folder)
         command = [*ROSLAUNCH, "-p", str(port), "robotteamsim", "garage_sar.launch"]
         command += [f"robots:={robots}", f"lockstep:={str(lockstep).lower()}", "speed:=0", "rviz:=false", "seed:=7"]
         command += [f"set:=mission.time_limit_s={seconds}", f"out:={folder}/out"]
+        before_s = children_cpu_s()
         subprocess.run(command, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
         result = json.loads((Path(folder) / "out" / "mission.json").read_text())["result"]
-        return result["sim_time_s"] / result["wall_s"]
+        sim_s = result["sim_time_s"]
+        return MissionRun(sim_s, sim_s / result["wall_s"], children_cpu_s() - before_s)
+
+
+def children_cpu_s() -> float:
+    """Return the processor time of all ended processes that this one has started, and theirs."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def measure_missions(robots: int, seconds: float, runs: int, csv: Path | None) -> None:
+    """Print and store speed, and processor time per simulated second without that of the start."""
+    for name, lockstep in (("lockstep", True), ("free", False)):
+        start = mission_run(robots, START_S, lockstep)
+        done = [mission_run(robots, seconds, lockstep) for _ in range(runs)]
+        speed = statistics.median(run.speed for run in done)
+        cost = statistics.median((run.cpu_s - start.cpu_s) / (run.sim_s - start.sim_s) for run in done)
+        print(f"{name:8s} {robots:4d}  {speed:7.2f}  all nodes {cost:.3f} s/s", flush=True)
+        if csv:
+            results_file.append(csv, name, robots, {"speed": speed, "all nodes [s/s]": cost})
 
 
 def main() -> None:
@@ -162,13 +194,7 @@ def main() -> None:
             busy = {"world [s/s]": run.world_busy, "client [s/s]": run.client_busy}
             results_file.append(options.csv, "subscribed", count, {"speed": run.speed, "lost": lost, **busy})
     if options.mission_seconds:
-        for name, lockstep in (("lockstep", True), ("free", False)):
-            speeds = [
-                mission_speed(options.mission_robots, options.mission_seconds, lockstep) for _ in range(options.runs)
-            ]
-            print(f"{name:8s} {options.mission_robots:4d}  {statistics.median(speeds):7.2f}", flush=True)
-            if options.csv:
-                results_file.append(options.csv, name, options.mission_robots, {"speed": statistics.median(speeds)})
+        measure_missions(options.mission_robots, options.mission_seconds, options.runs, options.csv)
 
 
 if __name__ == "__main__":
