@@ -135,6 +135,8 @@ pictures: build ## regenerate the pictures of README and docs
 		--compare at=4,5 --compare at=40,30
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field voice garage_sar --range highest --png docs/images/field_noise.png \
 		--compare voice.noise_db=10 --compare voice.noise_db=20 --compare voice.noise_db=30
+	@$(ENV) for map in mrl_arena isr_floor_0; do \
+		$(PYTHON) -m robotteamsim.cli plan render $$map --png docs/images/$$map.png || exit 1; done
 	@$(ENV) $(PYTHON) docs/make_pictures.py
 
 man: build ## write the man page docs/robotteamsim.1 again
