@@ -10,6 +10,7 @@ from robotteamsim.scenario.base import Many, Model, Name, first_repeated, wrong
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.origin import Origin
+from robotteamsim.scenario.radio_presets import with_preset
 from robotteamsim.scenario.schedule import ScheduledEvent, problem_of
 from robotteamsim.scenario.sections import Control, Mission, Network, PlacedRobot, Radio, Run, Team, Voice
 
@@ -53,6 +54,17 @@ class Scenario(Model):
 
     _plan_file: tuple[FloorPlan, str] | None = PrivateAttr(default=None)
     _origin: Origin = PrivateAttr(default=Origin())
+
+    @model_validator(mode="before")
+    @classmethod
+    def _apply_radio_preset(cls, data: Any) -> Any:
+        """The thresholds of a preset, which are in another section than its name."""
+        if not isinstance(data, dict):
+            return data
+        radio = data.get("radio")
+        name = radio.preset if isinstance(radio, Radio) else radio.get("preset") if isinstance(radio, dict) else None
+        network = with_preset("network", data.get("network", {}), name)
+        return data if network in ({}, None) else {**data, "network": network}
 
     @model_validator(mode="after")
     def _check(self) -> Scenario:

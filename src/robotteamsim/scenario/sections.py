@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -24,6 +24,7 @@ from robotteamsim.scenario.control_tuning import CoverTuning, DoorTuning, LinkTu
 from robotteamsim.scenario.drives import AnyDrive, Drive
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
+from robotteamsim.scenario.radio_presets import with_preset
 from robotteamsim.scenario.sensors import Gps, Mount, MountedLaser, Sonar, check_names
 from robotteamsim.scenario.sensors import Laser as Laser
 from robotteamsim.scenario.victims import Victim as Victim
@@ -32,6 +33,10 @@ from robotteamsim.scenario.victims import Victim as Victim
 class Radio(Model):
     """The multi-wall radio model [dissertation, eq. 2-4 and Table 3]; rssi = tx power - path loss."""
 
+    preset: Literal["none", "wifi_2_4_ghz", "wifi_5_ghz", "zigbee", "lora_868_mhz"] = Field(
+        default="none",
+        description="defaults of tx_power_dbm, constant_loss_db and thresholds in `network`; explicit keys override",
+    )
     tx_power_dbm: float = Field(default=0.0, ge=-40.0, le=40.0, description="transmit power [dBm]")
     constant_loss_db: float = Field(default=47.4, ge=0.0, le=120.0, description="l0 + l_c [dB]")
     slope_db: float = Field(default=23.2, gt=0.0, le=80.0, description="10*gamma: loss per tenfold distance [dB]")
@@ -50,6 +55,11 @@ class Radio(Model):
     floor_exponent: float = Field(
         default=0.46, ge=0.0, le=2.0, description="b: k floors cost k^((k+2)/(k+1) - b) times L_f"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _apply_preset(cls, data: Any) -> Any:
+        return with_preset("radio", data, data.get("preset")) if isinstance(data, dict) else data
 
 
 class Voice(Model):
