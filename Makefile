@@ -130,6 +130,7 @@ wheel: $(VENV)/.ready ## build dist/*.whl, which includes Box2D and needs no com
 pictures: build ## regenerate the pictures of README and docs
 	@$(ENV) $(PYTHON) docs/draw_cases.py
 	@$(ENV) $(PYTHON) docs/draw_swarm.py
+	@$(ENV) $(PYTHON) docs/make_own_building.py
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field radio garage_sar --at 4,5 --at 30,36 --at 50,18 --png docs/images/field.png
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field radio garage_sar --loss --png docs/images/field_loss.png \
 		--compare at=4,5 --compare at=40,30
