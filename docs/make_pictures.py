@@ -104,6 +104,7 @@ MOMENTS = (
     ),
     Moment("office_manet.launch", ("seed:=3", "controllers:=team"), 1800, {"office_manet": None}),
     Moment("warehouse_push.launch", (), 300, {"warehouse_push": None}),
+    Moment("tutorial_arena.launch", (), 600, {"tutorial_arena": None}),
 )
 
 
@@ -131,7 +132,7 @@ def take_pictures(moment: Moment, screen: str, scratch: Path) -> None:
     launch = ["roslaunch", "robotteamsim", moment.launch, *RUN, *moment.arguments]
     with (
         running(launch, scratch / "launch.log"),
-        running(["rosrun", "robotteamsim", "scene"], scratch / "scene.log"),
+        running([sys.executable, str(ROOT / "scripts" / "scene")], scratch / "scene.log"),
     ):
         x_m, y_m = pause_after(moment.steps)
         views = moment.views | ({moment.close: orbit(x_m, y_m, 14.0, 0.8, 4.4)} if moment.close else {})

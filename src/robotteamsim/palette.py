@@ -64,6 +64,13 @@ def robot_colour(index: int) -> str:
     return mixed(ROBOTS[place], other, share)
 
 
+def text_on(ground: str) -> str:
+    """Return the colour of texts on a ground: INK or WHITE, whichever has more contrast."""
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in rgb(ground)]
+    luminance = sum(weight * part for weight, part in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
+    return INK if luminance > 0.2 else WHITE
+
+
 def mixed(low: str, high: str, share: float) -> str:
     """Return the colour at a fraction `share` (0..1) from `low` to `high`."""
     parts = (a + share * (b - a) for a, b in zip(rgb(low), rgb(high), strict=True))

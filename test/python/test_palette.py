@@ -69,6 +69,11 @@ def test_thirty_robots_have_thirty_colours_that_repeat_after_them():
     assert palette.robot_colour(30) == palette.robot_colour(0)
 
 
+def test_texts_are_dark_on_bright_colours_and_white_on_dark_ones():
+    assert palette.text_on(palette.YELLOW) == palette.text_on(palette.SKY_BLUE) == palette.INK
+    assert palette.text_on(palette.BLUE) == palette.text_on(palette.BLACK) == palette.WHITE
+
+
 def test_mixture_lies_between_both_colours():
     assert palette.mixed("#000000", "#ffffff", 0.5) == "#808080"
     assert palette.mixed(palette.BLUE, palette.WHITE, 0.0) == palette.BLUE

@@ -47,9 +47,10 @@ from visualization_msgs.msg import MarkerArray
 
 def headline_with(words):
     while True:
-        text = rospy.wait_for_message("/scene/headline", MarkerArray, 300.0).markers[-1].text
-        if words in text:
-            return text
+        markers = rospy.wait_for_message("/scene/headline", MarkerArray, 300.0).markers
+        for text in (marker.text for marker in markers if marker.ns == "headline"):
+            if words in text:
+                return text
 
 rospy.init_node("late_network", anonymous=True, disable_rostime=True)
 status = rospy.Publisher("/mission/status", MissionStatus, queue_size=1, latch=True)
@@ -137,7 +138,7 @@ def test_late_listener_gets_the_whole_scene_of_a_bag_that_has_ended(master):
     scene = listen(master, *(f"/scene/{layer}" for layer in layers))
     drawn = {topic: {ns for ns, _, action, _ in markers if action == 0} for topic, markers in scene.items()}
     assert drawn["/scene/building"] == {"floor", "shadows", "walls"}
-    assert drawn["/scene/headline"] == {"headline"}
+    assert drawn["/scene/headline"] == {"headline", "legend", "legend_words"}
     assert drawn["/scene/voice"] == {"voice"}
     assert drawn["/scene/robots"] >= {"bodies", "decks", "wedges", "robot_ids"}
     bodies = [key for key in scene["/scene/robots"] if key[0] == "bodies"]

@@ -98,3 +98,18 @@ def test_tail_of_a_robot_that_was_put_elsewhere_is_broken(comes_again):
     film.frame(run.end_ns)
     assert np.isnan(film._tails[1].get_xdata()).sum() == 1
     assert not np.isnan(film._tails[0].get_xdata()).any()
+
+
+def test_legend_of_a_film_names_all_that_is_drawn(run, film):
+    (legend,) = film._figure.legends
+    names = {text.get_text() for text in legend.get_texts()}
+    assert {robot.name for robot in run.robots} <= names
+    assert {"victim waiting", "area, filled when explored", "link", "endangered link"} <= names
+
+
+def test_film_states_what_does_not_change_instead_of_a_flat_curve(comes_again):
+    run = read_run([comes_again.bag])
+    figure = RunFilm(run, run_totals(run), None, width_px=640)._figure
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    hops = "longest path 1 hop" in figure.get_suptitle()
+    assert hops == ("longest path\n[hops]" not in labels)

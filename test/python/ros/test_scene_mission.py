@@ -1,20 +1,28 @@
+import itertools
+
 import numpy as np
 import pytest
+import shapely
 from geometry_msgs.msg import Point
 
 from robotteamsim import msg
-from robotteamsim.ros.nodes.scene import WALL_HEIGHT_M
+from robotteamsim.ros.nodes.scene import WALL_HEIGHT_M, wall_height
+from robotteamsim.ros.scene.lettering import Lettering
 from robotteamsim.ros.scene.mission import (
     EXPLORED_AREA,
     MAX_VOICE_CELLS,
     VICTIM_COLOURS,
     area_markers,
+    area_numbers,
     headline_marker,
     headline_words,
     victim_markers,
+    victim_names,
     voice_markers,
 )
+from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Bounds
+from robotteamsim.scenario.plan import solids
 
 VICTIMS = [
     msg.Victim("victim_1", Point(3.0, 4.0, 0.0), "waiting"),
@@ -26,6 +34,13 @@ AREAS = [
     msg.Area("area_2", Point(9.0, 2.0, 0.0), 2.0, False, True),
     msg.Area("area_3", Point(15.0, 2.0, 0.0), 2.0, False, False),
 ]
+
+
+PLAIN = Lettering(unit=1.0, eye_m=(0.0, -26.0, 51.0), highest_m=WALL_HEIGHT_M)
+
+
+def drawn(victims):
+    return victim_markers(victims, 1.0, PLAIN, victim_names(victims, 1.0, PLAIN))
 
 
 def _status(name, state, end, time_s, areas, victims, noise_db):
@@ -45,20 +60,27 @@ def rgb(tint):
     return (tint.r, tint.g, tint.b)
 
 
-@pytest.mark.parametrize("markers", [victim_markers(VICTIMS, 1.0), area_markers(AREAS)])
+@pytest.mark.parametrize("markers", [drawn(VICTIMS), area_markers(AREAS, PLAIN)])
 def test_ids_are_unique_and_no_frame_has_a_leading_slash(markers):
     assert len({(item.ns, item.id) for item in markers}) == len(markers)
     assert {item.header.frame_id for item in markers} == {"map"}
 
 
 def test_victims_are_coloured_by_state():
-    rings = named(victim_markers(VICTIMS, 1.0), "victim_rings")
+    rings = named(drawn(VICTIMS), "victim_rings")
     assert [rgb(ring.colors[-1]) for ring in rings] == [VICTIM_COLOURS[victim.state][:3] for victim in VICTIMS]
     assert len({rgb(ring.colors[-1]) for ring in rings}) == 3
 
 
+def test_ring_of_a_waiting_victim_is_dashed_and_that_of_a_saved_one_filled():
+    waiting, heard, saved = named(drawn(VICTIMS), "victim_rings")
+    assert len(waiting.points) < len(heard.points) == len(saved.points)
+    assert rgb(saved.colors[0]) == VICTIM_COLOURS["saved"][:3]
+    assert rgb(heard.colors[0]) != VICTIM_COLOURS["heard"][:3]
+
+
 def test_figure_lies_within_the_ring_where_she_is_saved():
-    markers = victim_markers(VICTIMS[:1], 1.0)
+    markers = drawn(VICTIMS[:1])
     ring = named(markers, "victim_rings")[0]
     assert max(np.hypot(point.x - 3.0, point.y - 4.0) for point in ring.points) == pytest.approx(1.0)
     for part in named(markers, "victims"):
@@ -67,7 +89,7 @@ def test_figure_lies_within_the_ring_where_she_is_saved():
 
 
 def test_victims_name_is_written_without_underscores():
-    assert [item.text for item in named(victim_markers(VICTIMS, 1.0), "victim_names")] == [
+    assert [item.text for item in named(drawn(VICTIMS), "victim_names")] == [
         "victim 1",
         "victim 2",
         "victim 3",
@@ -75,17 +97,37 @@ def test_victims_name_is_written_without_underscores():
 
 
 def test_victims_name_stands_wholly_above_the_walls_which_would_hide_a_part_of_it():
-    for name in named(victim_markers(VICTIMS, 1.0), "victim_names"):
+    for name in named(drawn(VICTIMS), "victim_names"):
         assert name.pose.position.z - name.scale.z / 2.0 > WALL_HEIGHT_M
 
 
 def test_areas_are_numbered_in_order_and_look_different_when_explored_target_or_open():
-    markers = area_markers(AREAS)
+    markers = area_markers(AREAS, PLAIN)
     assert [item.text for item in named(markers, "area_numbers")] == ["A1", "A2", "A3"]
     explored, target, still_open = named(markers, "areas")
     assert rgb(explored.colors[-1]) == EXPLORED_AREA[:3]
     assert len({rgb(item.colors[-1]) for item in (explored, target, still_open)}) == 3
     assert explored.colors[0].a > still_open.colors[0].a
+
+
+@pytest.mark.parametrize("radius_m", [0.3, 0.5, 2.0])
+def test_number_of_an_area_fits_into_its_circle(radius_m):
+    area = msg.Area("area", Point(2.0, 2.0, 0.0), radius_m, False, False)
+    (number,) = area_numbers([area], PLAIN)
+    assert shapely.Point(2.0, 2.0).buffer(radius_m).contains(number.box)
+
+
+@pytest.mark.parametrize("name", ["garage_sar", "office_manet", "tutorial_arena", "warehouse_push"])
+def test_no_name_of_a_shipped_scenario_covers_a_wall_another_name_or_an_area(name):
+    scenario = load(name)
+    mission, lettering = scenario.mission, Lettering.of(scenario, wall_height(scenario.plan.bounds))
+    victims = [msg.Victim(victim.name, Point(*victim.position, 0.0), "waiting") for victim in mission.victims]
+    areas = [msg.Area(a.name, Point(*a.center, 0.0), a.radius_m, False, False) for a in mission.areas]
+    names = victim_names(victims, mission.save_distance_m, lettering, areas)
+    boxes = [written.box for written in (*names, *area_numbers(areas, lettering))]
+    walls = shapely.union_all([solid.polygon for solid in solids(scenario.plan)])
+    assert not any(shapely.intersects(walls, written.box) for written in names)
+    assert all(not a.intersects(b) for a, b in itertools.combinations(boxes, 2))
 
 
 def test_silence_has_no_voice_layer():
@@ -145,7 +187,7 @@ def test_headline_is_silent_of_what_the_mission_has_none_of():
 
 
 def test_headline_stands_behind_the_building():
-    item = headline_marker("words", Bounds(min=(-5.0, 0.0), max=(25.0, 12.0)))
+    item = headline_marker("words", Bounds(min=(-5.0, 0.0), max=(25.0, 12.0)), 0.5)
     assert item.pose.position.x == 10.0
     assert item.pose.position.y > 12.0
 

@@ -54,7 +54,7 @@ def radio_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, 
     spots = tuple(Spot(name, place, "robot") for name, place in zip(names, places, strict=True))
     power = f"{scenario.radio.tx_power_dbm:g} dBm".replace("-", _MINUS)
     best = "smallest" if loss else "strongest"
-    title = "transmitter at ({:g}, {:g})".format(*places[0])
+    title = "transmitter at ({:g},\N{NO-BREAK SPACE}{:g})".format(*places[0])
     if len(places) > 1:
         title = f"{best} of {len(places)} transmitters"
     if loss:
@@ -80,7 +80,7 @@ def voice_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, 
         constant_db, exponent = voice.constant_db[end], voice.exponent[end]
         sources = [VoiceSource(victim.position, constant_db, exponent) for victim in victims]
         field = VoiceField(scenario.plan, voice).map_db(sources)
-        how = f"{voice_range} range ($l_c$ = {constant_db:g} dB, \N{GREEK SMALL LETTER GAMMA} = {exponent:g})"
+        how = f"{voice_range} range (constant {constant_db:g} dB,\N{NO-BREAK SPACE}exponent {exponent:g})"
     spots = tuple(Spot(victim.name, victim.position, "victim") for victim in victims)
     title = f"{voice.noise_db:g} dB of noise, {how.replace('-', _MINUS)}"
     return Panel(title, field, scenario.plan, spots, silent_below=max(voice.noise_db, _JUST_HEARD_DB))

@@ -19,6 +19,7 @@ from matplotlib.patheffects import withStroke
 from scipy import ndimage
 
 from robotteamsim import palette
+from robotteamsim.analysis import labels
 from robotteamsim.analysis.plan_picture import draw_doors, draw_solids
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario import FloorPlan, occupancy_grid
@@ -46,6 +47,9 @@ _MIN_LABELLED = 0.15
 
 _MAX_LABELS = 3
 """Most labels per level."""
+
+_LETTER_INCHES = (0.072, 0.15)
+"""Width and height of a letter of names and of levels."""
 
 _HALO = (withStroke(linewidth=2.4, foreground=palette.PAPER),)
 
@@ -105,7 +109,8 @@ def draw_fields(panels: Sequence[Panel], style: FieldStyle, title: str) -> Figur
     """
     rows, columns, scale = _layout(panels)
     width_m, height_m = _largest_size(panels)
-    titles = [textwrap.fill(panel.title, round(width_m * scale * _TITLE_LETTERS_PER_INCH)) for panel in panels]
+    own, common = _split_titles([panel.title for panel in panels])
+    titles = [textwrap.fill(text, round(width_m * scale * _TITLE_LETTERS_PER_INCH)) for text in own]
     above_inches = max(text.count("\n") for text in titles) * _TITLE_LINE_INCHES if len(panels) > 1 else 0.0
     around_inches = np.add(_AROUND_INCHES, (0.0, above_inches))
     size = columns * (width_m * scale + around_inches[0]) + 1.5, rows * (height_m * scale + around_inches[1]) + 0.4
@@ -114,7 +119,7 @@ def draw_fields(panels: Sequence[Panel], style: FieldStyle, title: str) -> Figur
     for axes in all_axes.flat[len(panels) :]:
         axes.remove()
     used = list(all_axes.flat[: len(panels)])
-    images = [_draw_panel(axes, panel, style) for axes, panel in zip(used, panels, strict=True)]
+    images = [_draw_panel(axes, panel, style, scale) for axes, panel in zip(used, panels, strict=True)]
     for axes, text in zip(used, titles, strict=True):
         axes.set_title(text, loc="left", fontsize=10)
     bar = figure.colorbar(images[0], ax=used, shrink=0.92, pad=0.02, aspect=30)
@@ -122,8 +127,16 @@ def draw_fields(panels: Sequence[Panel], style: FieldStyle, title: str) -> Figur
     if len(panels) == 1:
         used[0].set_title(f"{title}, {panels[0].title}", loc="left", fontsize=11)
     else:
-        figure.suptitle(title, x=0.01, ha="left", fontsize=11)
+        figure.suptitle(", ".join((title, *common)), x=0.01, ha="left", fontsize=11)
     return figure
+
+
+def _split_titles(titles: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return the titles without the parts, separated by commas, that all have in common, and these parts."""
+    parts = [title.split(", ") for title in titles]
+    common = [part for part in parts[0] if all(part in other for other in parts)] if len(titles) > 1 else []
+    own = [", ".join(part for part in each if part not in common) for each in parts]
+    return (own, common) if all(own) else (list(titles), [])
 
 
 def _layout(panels: Sequence[Panel]) -> tuple[int, int, float]:
@@ -146,7 +159,8 @@ def _largest_size(panels: Sequence[Panel]) -> tuple[float, float]:
     return width_m, height_m
 
 
-def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle) -> AxesImage:
+def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle, scale: float) -> AxesImage:
+    """Draw one map. Args: scale: inches per metre."""
     field, (min_x, min_y), (max_x, max_y) = panel.field, panel.plan.bounds.min, panel.plan.bounds.max
     values = np.ma.masked_less(field.values, panel.silent_below)
     rows, columns = values.shape
@@ -156,24 +170,30 @@ def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle) -> AxesImage:
     image = axes.imshow(
         values, origin="lower", extent=extent, cmap=colours, vmin=style.low, vmax=style.high, interpolation="nearest"
     )
-    _draw_levels(axes, panel, style.levels)
+    lines = _draw_levels(axes, panel, style.levels)
     draw_solids(axes, panel.plan)
     draw_doors(axes, panel.plan)
-    for spot in panel.spots:
-        _draw_spot(axes, spot, _is_named_to_the_left(spot, panel.plan))
+    names = _name_places(panel, lines, scale)
+    for spot, name in zip(panel.spots, names, strict=True):
+        _draw_spot(axes, spot, name.middle_m)
+    if lines is not None:
+        texts = {level.value: str(level) for level in style.levels}
+        places = _label_places(lines, panel, names, scale)
+        for label in lines.clabel(fmt=texts, fontsize=8, manual=places):
+            label.set(path_effects=_HALO, color=palette.INK)
     axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), xlabel="x [m]", ylabel="y [m]", aspect="equal")
     axes.spines[:].set_visible(False)
     return image
 
 
-def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level]) -> None:
-    """Draw the contours in free space, without levels that the map does not reach."""
+def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level]) -> ContourSet | None:
+    """Draw the contours in free space, without levels that the map does not reach; return them, if there are any."""
     field = panel.field
     # Values inside walls differ from those next to them, so contours must end at walls.
     grid = occupancy_grid(panel.plan.model_copy(update={"doors": ()}), field.resolution_m)
     solid = grid.cells == OCCUPIED
     if solid.all():
-        return
+        return None
     nearest_free = ndimage.distance_transform_edt(solid, return_distances=False, return_indices=True)
     values = np.ma.masked_array(ndimage.median_filter(field.values[tuple(nearest_free)], _SLIVER_CELLS), solid)
     present = sorted(
@@ -181,7 +201,7 @@ def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level]) -> None:
         key=lambda level: level.value,
     )
     if not present:
-        return
+        return None
     rows, columns = values.shape
     x = field.origin_m[0] + (np.arange(columns) + 0.5) * field.resolution_m
     y = field.origin_m[1] + (np.arange(rows) + 0.5) * field.resolution_m
@@ -190,9 +210,7 @@ def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level]) -> None:
     )
     lines.set(path_effects=[withStroke(linewidth=1.9, foreground=palette.PAPER)])
     _remove_short(lines, _MIN_DRAWN * max(np.ptp(x), np.ptp(y)))
-    texts = {level.value: str(level) for level in present}
-    for label in lines.clabel(fmt=texts, fontsize=8, manual=_label_places(lines, panel)):
-        label.set(path_effects=_HALO, color=palette.INK)
+    return lines
 
 
 def _remove_short(lines: ContourSet, min_length_m: float) -> None:
@@ -204,16 +222,31 @@ def _remove_short(lines: ContourSet, min_length_m: float) -> None:
     lines.set_paths(kept)
 
 
-def _label_places(lines: ContourSet, panel: Panel) -> list[tuple[float, float]]:
-    """Return positions of labels: on the longest parts of each contour, far from walls, sources and other labels."""
+def _half_m(words: str, scale: float) -> tuple[float, float]:
+    """Return half the width and height of a text on the floor. Args: scale: inches per metre."""
+    width, height = _LETTER_INCHES
+    return (0.5 * width * len(words) / scale, 0.5 * height / scale)
+
+
+def _name_places(panel: Panel, lines: ContourSet | None, scale: float) -> list[labels.Spot]:
+    """Return places for the names of the sources, off walls, contours and sources."""
+    mark_m = 0.09 / scale
+    contours = [] if lines is None else [shapely.LineString(line) for level in lines.allsegs for line in level]
+    taken = [obstacles(panel.plan), *(line.buffer(0.03 / scale) for line in contours)]
+    taken += [shapely.Point(spot.position_m).buffer(mark_m) for spot in panel.spots]
+    texts = [labels.Text(spot.position_m, _half_m(spot.name, scale), mark_m) for spot in panel.spots]
+    return labels.place(texts, taken, shapely.box(*panel.plan.bounds.min, *panel.plan.bounds.max))
+
+
+def _label_places(
+    lines: ContourSet, panel: Panel, names: Sequence[labels.Spot], scale: float
+) -> list[tuple[float, float]]:
+    """Return positions of labels: on the longest parts of each contour, far from walls, sources and other texts."""
     (min_x, min_y), (max_x, max_y) = panel.plan.bounds.min, panel.plan.bounds.max
     longer_side = max(max_x - min_x, max_y - min_y)
     walls = shapely.union(obstacles(panel.plan), shapely.box(min_x, min_y, max_x, max_y).boundary)
     shapely.prepare(walls)
-    taken = [shapely.Point(spot.position_m) for spot in panel.spots]
-    for spot in panel.spots:
-        side = -1.0 if _is_named_to_the_left(spot, panel.plan) else 1.0
-        taken.append(shapely.Point(np.add(spot.position_m, (side * 0.06 * longer_side, 0.012 * longer_side))))
+    taken = [*(shapely.Point(spot.position_m) for spot in panel.spots), *(name.box for name in names)]
     places = []
     for stretches in lines.allsegs:
         long = [line for line in map(shapely.LineString, stretches) if line.length > _MIN_LABELLED * longer_side]
@@ -223,7 +256,7 @@ def _label_places(lines: ContourSet, panel: Panel) -> list[tuple[float, float]]:
             if taken:
                 room = np.minimum(room, 0.5 * shapely.distance(shapely.union_all(taken), points))
             best = points[int(np.argmax(room))]
-            taken.append(best)
+            taken.append(best.buffer(_half_m("\N{MINUS SIGN}80", scale)[0]))
             places.append((best.x, best.y))
     return places
 
@@ -245,23 +278,9 @@ def _mark_levels(bar: Colorbar, style: FieldStyle) -> None:
         bar.ax.set_xlabel(f"blank:\n{style.silence}", fontsize=8)
 
 
-def _is_named_to_the_left(spot: Spot, plan: FloorPlan) -> bool:
-    """Whether a name to the right of a spot would extend beyond the picture."""
-    (min_x, _), (max_x, _) = plan.bounds.min, plan.bounds.max
-    return spot.position_m[0] > min_x + 0.85 * (max_x - min_x)
-
-
-def _draw_spot(axes: Axes, spot: Spot, to_the_left: bool) -> None:
-    marker, colour = {"robot": ("o", palette.BLUE), "victim": ("X", palette.WAITING)}[spot.kind]
-    axes.plot(*spot.position_m, marker, color=colour, markersize=8, markeredgecolor=palette.PAPER, zorder=6)
-    axes.annotate(
-        spot.name,
-        spot.position_m,
-        xytext=(-7 if to_the_left else 7, 5),
-        textcoords="offset points",
-        ha="right" if to_the_left else "left",
-        fontsize=8,
-        color=palette.INK,
-        path_effects=_HALO,
-        zorder=6,
-    )
+def _draw_spot(axes: Axes, spot: Spot, name_m: tuple[float, float]) -> None:
+    marker = {"robot": "o", "victim": "X"}[spot.kind]
+    axes.plot(*spot.position_m, marker, color=palette.PAPER, markersize=9, markeredgecolor=palette.INK, zorder=6)
+    style = {"ha": "center", "va": "center", "fontsize": 8, "zorder": 6}
+    words = spot.name.replace("_", " ")
+    axes.text(*name_m, words, color=palette.INK, path_effects=_HALO, **style)  # type: ignore[arg-type]

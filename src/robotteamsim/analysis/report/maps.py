@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import matplotlib
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap, PowerNorm
 from matplotlib.figure import Figure
@@ -15,6 +16,7 @@ from matplotlib.patches import Circle, Patch
 from matplotlib.patheffects import withStroke
 
 from robotteamsim import palette
+from robotteamsim.analysis import labels
 from robotteamsim.analysis.fields.maps import VoiceRange, radio_panel, radio_style, voice_panel
 from robotteamsim.analysis.fields.picture import draw_fields
 from robotteamsim.analysis.plan_picture import draw_doors, draw_solids
@@ -22,7 +24,7 @@ from robotteamsim.analysis.report.figures import styled
 from robotteamsim.analysis.report.samples import Campaign, Cell
 from robotteamsim.propagation import FieldMap, VoiceField, VoiceSource
 from robotteamsim.scenario import Scenario, occupancy_grid
-from robotteamsim.scenario.plan import OCCUPIED
+from robotteamsim.scenario.plan import OCCUPIED, obstacles
 
 MAX_MAPS = 9
 """Most maps in a figure."""
@@ -35,7 +37,9 @@ _CELLS = 300
 _HEAT_CELLS = 120
 _MIN_HEAT_CELL_M = 0.25
 _PAGE_INCHES = 10.5
-_MAP_INCHES = 8.0
+_VOICE_INCHES = 5.4
+"""Narrow, so that its texts are legible on the screen of a phone."""
+_VOICE_CELLS = 800
 _DPI = 160
 
 
@@ -52,53 +56,57 @@ def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: Voi
     """
     shown_db = list(levels_db[:MAX_MAPS])
     quietest = scenario.model_copy(update={"voice": scenario.voice.model_copy(update={"noise_db": shown_db[0]})})
-    panel = voice_panel(quietest, (), _resolution_m(scenario, _CELLS), voice_range)
+    panel = voice_panel(quietest, (), _resolution_m(scenario, _VOICE_CELLS), voice_range)
     colours = matplotlib.colormaps[palette.VOICE_MAP](np.linspace(0.12, 0.62, len(shown_db)))
     (min_x, min_y), (max_x, max_y) = scenario.plan.bounds.min, scenario.plan.bounds.max
-    rows, columns = panel.field.values.shape
-    x0, y0 = panel.field.origin_m
-    extent = (x0, x0 + columns * panel.field.resolution_m, y0, y0 + rows * panel.field.resolution_m)
-    height = _MAP_INCHES * (max_y - min_y) / (max_x - min_x)
-    figure = Figure(figsize=(_MAP_INCHES, height + 0.9), dpi=_DPI, layout="constrained")
+    height = _VOICE_INCHES * (max_y - min_y) / (max_x - min_x)
+    figure = Figure(figsize=(_VOICE_INCHES, height + 0.9), dpi=_DPI, layout="constrained")
     axes = figure.subplots()
     values = np.ma.masked_less(panel.field.values, panel.silent_below)
     axes.imshow(
         values,
         origin="lower",
-        extent=extent,
+        extent=_extent(panel.field),
         cmap=ListedColormap(colours).with_extremes(bad=palette.FLOOR),
         norm=BoundaryNorm([*shown_db, max(float(values.max()), shown_db[-1]) + 1.0], len(shown_db)),
         interpolation="nearest",
     )
     draw_solids(axes, scenario.plan)
     draw_doors(axes, scenario.plan)
-    for victim in scenario.mission.victims:
-        _draw_victim(axes, victim.name, victim.position, middle_m=0.5 * (min_x + max_x))
+    _draw_victims(axes, scenario)
     axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), aspect="equal", xlabel="x [m]", ylabel="y [m]")
     axes.spines[:].set_visible(False)
-    names = [f"{low:g} dB of noise" if low == shown_db[0] else f"{low:g} dB" for low in shown_db]
-    names = [f"heard at up to {name}" if index == 0 else f"up to {name}" for index, name in enumerate(names)]
+    names = [f"{low:g} dB" for low in shown_db]
     patches = [Patch(facecolor=colour, edgecolor=palette.AXIS, linewidth=0.6) for colour in colours]
-    figure.legend(patches, names, loc="outside lower center", ncols=min(len(names), 3), frameon=False, fontsize=11)
+    where = {"loc": "outside lower center", "ncols": min(len(names), 4), "frameon": False, "columnspacing": 1.5}
+    figure.legend(patches, names, title="heard with noise up to", fontsize=12, title_fontsize=12, **where)
     return figure
 
 
-def _draw_victim(axes: Axes, name: str, position_m: tuple[float, float], middle_m: float) -> None:
-    """Draw a victim with a name on the side of the middle of the map, where there is room."""
-    to_the_left = position_m[0] > middle_m
-    axes.plot(*position_m, "X", color=palette.INK, markersize=11, markeredgecolor=palette.PAPER, zorder=6)
-    axes.annotate(
-        name,
-        position_m,
-        xytext=(-10 if to_the_left else 10, 0),
-        textcoords="offset points",
-        ha="right" if to_the_left else "left",
-        va="center",
-        fontsize=11,
-        color=palette.INK,
-        path_effects=_HALO,
-        zorder=6,
-    )
+def _draw_victims(axes: Axes, scenario: Scenario) -> None:
+    """Draw the victims and their names on light ground, off walls, victims and each other."""
+    plan, victims = scenario.plan, scenario.mission.victims
+    (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
+    metre_inches = 0.85 * _VOICE_INCHES / (max_x - min_x)
+    mark_m = 0.12 / metre_inches
+    names = [victim.name.replace("_", " ") for victim in victims]
+    texts = [
+        labels.Text(victim.position, (0.05 * len(name) / metre_inches, 0.11 / metre_inches), mark_m)
+        for victim, name in zip(victims, names, strict=True)
+    ]
+    taken = [obstacles(plan), *(shapely.Point(victim.position).buffer(mark_m) for victim in victims)]
+    spots = labels.place(texts, taken, shapely.box(min_x, min_y, max_x, max_y))
+    plate = {"boxstyle": "round,pad=0.15", "facecolor": palette.PAPER, "edgecolor": "none", "alpha": 0.8}
+    for victim, name, spot in zip(victims, names, spots, strict=True):
+        axes.plot(*victim.position, "X", color=palette.INK, markersize=10, markeredgecolor=palette.PAPER, zorder=6)
+        axes.text(*spot.middle_m, name, ha="center", va="center", fontsize=12, bbox=plate, zorder=6)
+
+
+def _extent(field: FieldMap) -> tuple[float, float, float, float]:
+    """Return min x, max x, min y, max y of a map [m]."""
+    rows, columns = field.values.shape
+    x0, y0 = field.origin_m
+    return (x0, x0 + columns * field.resolution_m, y0, y0 + rows * field.resolution_m)
 
 
 def voice_text(scenario: Scenario, voice_range: VoiceRange) -> str:
@@ -223,9 +231,7 @@ def _filled(paths_m: np.ndarray) -> np.ndarray:
 
 def _draw_heat(axes: Axes, cell: Cell, field: FieldMap, norm: PowerNorm) -> AxesImage:
     assert cell.scenario is not None
-    rows, columns = field.values.shape
-    x0, y0 = field.origin_m
-    extent = (x0, x0 + columns * field.resolution_m, y0, y0 + rows * field.resolution_m)
+    extent = _extent(field)
     colours = matplotlib.colormaps[palette.HEAT_MAP].with_extremes(bad=palette.FLOOR)
     values = np.ma.masked_equal(field.values, 0.0)
     image = axes.imshow(values, origin="lower", extent=extent, cmap=colours, norm=norm, interpolation="nearest")

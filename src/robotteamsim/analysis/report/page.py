@@ -75,6 +75,8 @@ class _Picture:
     title: str
     caption: str
     png: bytes
+    inches: float
+    """Width; text of about 11 points is legible at 68 px per inch."""
 
     @property
     def source(self) -> str:
@@ -230,7 +232,7 @@ def _picture(name: str, title: str, caption: str, figure: Figure) -> _Picture:
         image = image.quantize(_COLOURS, dither=Image.Dither.NONE)
     packed = io.BytesIO()
     image.save(packed, format="PNG", optimize=True)
-    return _Picture(name, title, caption, packed.getvalue())
+    return _Picture(name, title, caption, packed.getvalue(), image.width / figure.dpi)
 
 
 def _page(

@@ -170,4 +170,4 @@ def _finish(axes: Axes, name: str) -> None:
     axes.grid(axis="y", color=palette.GRID, linewidth=0.6)
     axes.margins(x=0.01)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.96), ncols=3, fontsize=7, frameon=False, borderaxespad=0.1)
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=7, frameon=False, borderaxespad=0.1)

@@ -34,6 +34,7 @@ _TAIL_S = 30.0
 _EVENT_S = 12.0
 """Time for which an event is shown in the caption [s of the run]."""
 
+_LEGEND_COLUMNS = 9
 _HIDDEN = (-1e9, -1e9)
 _HOLD = 0.08
 """Share of the film that shows the last moment."""
@@ -55,10 +56,10 @@ class RunFilm:
         self._add_places(floor)
         self._add_team(floor)
         self._covers = self._add_curves(grid[1], shown)
-        title = ": ".join(filter(None, (totals.title, unchanging(run))))
+        title = ", ".join(filter(None, (totals.title, unchanging(run))))
         self._figure.suptitle(title, x=0.01, ha="left", fontsize=13, weight="bold", color=palette.INK)
         entries = film_entries(run)
-        self._figure.legend(handles=entries, loc="outside lower left", ncols=7, frameon=False, fontsize=8)
+        self._figure.legend(handles=entries, loc="outside lower left", ncols=_LEGEND_COLUMNS, frameon=False, fontsize=8)
         self._clock = self._text(floor, (0.0, 1.015), "left", 12)
         self._caption = self._text(floor, (1.0, 1.015), "right", 11)
         for artist in self._moving:
@@ -112,7 +113,7 @@ class RunFilm:
             self._dots.append(axes.plot(*_HIDDEN, "o", **dot)[0])  # type: ignore[arg-type]
             name = str(index if robot.robot_id is None else robot.robot_id)
             style = {"ha": "center", "va": "center", "weight": "bold", "clip_on": True}
-            self._names.append(axes.text(*_HIDDEN, name, color=palette.PAPER, fontsize=7, zorder=10, **style))  # type: ignore[arg-type]
+            self._names.append(axes.text(*_HIDDEN, name, color=palette.text_on(colour), fontsize=8, zorder=10, **style))  # type: ignore[arg-type]
         team = (self._trails, self._tails, [self._links], self._noses, self._dots, self._names)
         self._moving += [artist for artists in team for artist in artists]
         low, high = axes.get_xlim()

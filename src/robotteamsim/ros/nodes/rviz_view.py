@@ -9,12 +9,10 @@ import rospkg
 import yaml
 
 from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.ros.scene.view import unit
 from robotteamsim.ros.transport.node import parameter
 from robotteamsim.ros.transport.settings import PARAMETERS
 from robotteamsim.scenario import Bounds, load
-
-FITTED = 60.0, 40.0
-"""Width and depth of the building [m] for which rviz/robotteamsim.rviz was made."""
 
 
 def main() -> None:
@@ -29,17 +27,19 @@ def main() -> None:
         config.write_text(yaml.safe_dump(settings), encoding="utf-8")
     except (RobotTeamSimError, OSError) as error:  # The world reports mistakes; rviz shows what it can.
         sys.stderr.write(f"rviz_view: the view is not fitted to the building: {error}\n")
+    sys.stdout.write("rviz_view: rviz starts; without a graphics card, its window may stay black for some 20 s\n")
+    sys.stdout.flush()
     os.execvp("rviz", ["rviz", "-d", str(config), *sys.argv[1:]])
 
 
 def fitted(config: Path, bounds: Bounds) -> dict[str, Any]:
     """Return rviz's settings with views at distances at which the building just fits."""
     settings: dict[str, Any] = yaml.safe_load(config.read_text(encoding="utf-8"))
-    sides_m = (high - low for low, high in zip(bounds.min, bounds.max, strict=True))
-    scale = max(side_m / fitted_m for side_m, fitted_m in zip(sides_m, FITTED, strict=True))
+    scale = unit(bounds)
     views = settings["Visualization Manager"]["Views"]
     for view in (views["Current"], *views["Saved"]):
         for key, factor in (("Distance", scale), ("Scale", 1.0 / scale)):
             if key in view:
                 view[key] *= factor
+    views["Current"]["Focal Point"]["Y"] *= scale
     return settings

@@ -18,10 +18,13 @@ from robotteamsim.ros.scene import plan as scene_plan
 from robotteamsim.ros.scene import sensors as scene_sensors
 from robotteamsim.ros.scene import team as scene_team
 from robotteamsim.ros.scene.feed import Feed, robot_topics
+from robotteamsim.ros.scene.legend import legend_markers
+from robotteamsim.ros.scene.lettering import Lettering, Written
 from robotteamsim.ros.scene.network import NetworkFeed
 from robotteamsim.ros.scene.poses import PoseFeed, TfPoses, TruePoses
 from robotteamsim.ros.scene.robot import RobotFeed
 from robotteamsim.ros.scene.shapes import FRAME, Shown
+from robotteamsim.ros.scene.view import unit
 from robotteamsim.ros.transport.node import is_running, parameter, published_topics, run, wait_for_shutdown
 from robotteamsim.ros.transport.presence import ROBOTS
 from robotteamsim.ros.transport.settings import read_settings
@@ -45,6 +48,8 @@ RESEND_DELAY_S = 1.0
 TRAIL_POINTS = 6_000
 """Of all robots together."""
 WALL_HEIGHT_M = 1.1
+"""Where walls are cut by default; lower in small buildings, where so high walls would hide the floor."""
+LOW_WALLS_PER_UNIT_M = 4.0
 SENSORS = ("sonars", "gps")
 """Layers of additional sensors."""
 
@@ -55,12 +60,18 @@ def main() -> None:
 
 
 def _serve() -> None:
-    scene = Scene(read_settings().scenario, parameter("~wall_height_m", WALL_HEIGHT_M))
+    scenario = read_settings().scenario
+    scene = Scene(scenario, parameter("~wall_height_m", wall_height(scenario.plan.bounds)))
     while is_running():
         started_s = time.monotonic()
         scene.step(started_s)
         drawing_s = time.monotonic() - started_s
         wait_for_shutdown(max(DRAW_PERIOD_S - drawing_s, min(IDLE_SHARE * drawing_s, MAX_IDLE_S)))
+
+
+def wall_height(bounds: Bounds) -> float:
+    """Return the default height at which the walls of a building are cut [m]."""
+    return min(WALL_HEIGHT_M, LOW_WALLS_PER_UNIT_M * unit(bounds))
 
 
 class Canvas:
@@ -89,6 +100,7 @@ class Scene:
     def __init__(self, scenario: Scenario, wall_height_m: float) -> None:
         self._scenario = scenario
         self._wall_height_m = wall_height_m
+        self._lettering = Lettering.of(scenario, wall_height_m)
         self._placed = placed_robots(scenario)
         layers = ("building", "doors", "voice", "areas", "victims", "trails", "links", "robots", "headline", *SENSORS)
         self._canvas = {layer: Canvas(f"/scene/{layer}") for layer in layers}
@@ -113,6 +125,8 @@ class Scene:
         self._stamp_ns = 0
         self._discovery_due_s = self._trails_due_s = self._resend_due_s = 0.0
         self._trails_stale = False
+        self._numbers: dict[int, Written] = {}
+        self._areas_drawn: Sequence[msg.Area] = ()
         self._frame = _publish_frame(scenario.plan.bounds)
         self._draw_start()
 
@@ -124,17 +138,19 @@ class Scene:
         self._draw_areas(areas)
         waiting = [msg.Victim(victim.name, Point(*victim.position, 0.0), "waiting") for victim in mission.victims]
         self._draw_victims(waiting)
-        for layer in ("voice", "trails", "links", "robots", "headline", *SENSORS):
+        for layer in ("voice", "trails", "links", "robots", *SENSORS):
             self._canvas[layer].draw([])
+        self._canvas["headline"].draw(legend_markers(self._scenario))
 
     def _draw_areas(self, areas: Sequence[msg.Area]) -> None:
-        self._numbers_m = [(area.center.x, area.center.y) for area in areas]
-        self._canvas["areas"].draw(scene_mission.area_markers(areas))
+        self._areas_drawn = areas
+        self._canvas["areas"].draw(scene_mission.area_markers(areas, self._lettering))
 
     def _draw_victims(self, victims: Sequence[msg.Victim]) -> None:
         distance_m = self._scenario.mission.save_distance_m
-        self._names_m = [scene_mission.name_spot_m(victim, distance_m) for victim in victims]
-        self._canvas["victims"].draw(scene_mission.victim_markers(victims, distance_m))
+        names = scene_mission.victim_names(victims, distance_m, self._lettering, self._areas_drawn)
+        self._written = [*names, *scene_mission.area_numbers(self._areas_drawn, self._lettering)]
+        self._canvas["victims"].draw(scene_mission.victim_markers(victims, distance_m, self._lettering, names))
 
     def _draw_doors(self, openings: dict[str, float]) -> None:
         self._openings = openings
@@ -178,8 +194,8 @@ class Scene:
         for robot_id in found.keys() - self._robots.keys():
             robot = self._placed[robot_id] if robot_id < len(self._placed) else Robot()
             poses = self._pose_feed(robot_id, found[robot_id], robot_id in with_truth)
-            several_swarms = self._scenario.control.swarms.max > 1
-            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot, poses, several_swarms)
+            several_swarms, base = self._scenario.control.swarms.max > 1, self._scenario.mission.base == robot_id
+            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot, poses, several_swarms, base)
         self._robots = dict(sorted(self._robots.items()))
 
     def _pose_feed(self, robot_id: int, prefix: str, has_truth: bool) -> PoseFeed:
@@ -211,7 +227,9 @@ class Scene:
         words = scene_mission.headline_words(status, self._network.num_endangered)
         if words != self._headline:
             self._headline = words
-            self._canvas["headline"].draw([scene_mission.headline_marker(words, self._scenario.plan.bounds)])
+            bounds = self._scenario.plan.bounds
+            headline = scene_mission.headline_marker(words, bounds, self._lettering.unit)
+            self._canvas["headline"].draw([headline, *legend_markers(self._scenario)])
 
     def _draw_voice(self) -> None:
         voice = self._voice.newest()
@@ -235,15 +253,18 @@ class Scene:
             positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
             if has_news:
                 self._links = self._network.links(positions_m)
-            self._canvas["robots"].draw(scene_team.team_markers(views, self._names_m + self._numbers_m))
-            self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m))
+            self._numbers = scene_team.team_numbers(views, self._lettering, self._written, self._numbers)
+            self._canvas["robots"].draw(scene_team.team_markers(views, self._lettering, self._numbers))
+            self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m, self._lettering))
             self._draw_sensors()
             self._trails_stale = True
         if self._trails_stale and now_s >= self._trails_due_s:
             self._trails_stale, self._trails_due_s = False, now_s + TRAIL_PERIOD_S
             trails = {robot_id: robot.trail.points_m for robot_id, robot in self._robots.items()}
             self._canvas["trails"].draw(
-                scene_team.trail_marker(robot_id, points) for robot_id, points in trails.items() if len(points) > 1
+                scene_team.trail_marker(robot_id, points, self._lettering.unit)
+                for robot_id, points in trails.items()
+                if len(points) > 1
             )
 
     def _follow_presence(self) -> bool:

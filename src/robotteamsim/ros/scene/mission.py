@@ -11,6 +11,7 @@ from scipy import ndimage
 from visualization_msgs.msg import Marker
 
 from robotteamsim import msg, palette
+from robotteamsim.ros.scene.lettering import Lettering, Name, Written
 from robotteamsim.ros.scene.plan import AREA_Z_M, VOICE_Z_M
 from robotteamsim.ros.scene.shapes import (
     CONTOUR_LAYER,
@@ -33,10 +34,12 @@ VICTIM_COLOURS = {state: colour(code) for state, code in palette.VICTIMS.items()
 VICTIM_GROUND = colour(palette.ROBOT_BODY, 0.6)
 SKIN = colour(palette.SKIN)
 
-NAME_M = 1.1
-"""Height of a capital letter of a victim's name."""
-NAME_Z_M = 1.7
-"""Height of names: above walls that are cut at the default height, so that walls do not hide them."""
+NAME_M, NUMBER_M = 1.1, 1.4
+"""Heights of capital letters of victims' names and areas' numbers in a building of 60 x 40 m."""
+NUMBER_PER_RADIUS = 0.75
+"""Largest height of an area's number, so that it fits into its circle."""
+DASHES = 12
+"""Of the ring of a victim who waits."""
 
 OPEN_AREA, TARGET_AREA = colour(palette.OPEN_AREA), colour(palette.TARGET_AREA)
 EXPLORED_AREA = colour(palette.EXPLORED_AREA)
@@ -56,17 +59,41 @@ MAX_VOICE_CELLS = 12_000
 """Largest number of cells; a finer map is thinned, because a marker is a list of points and not an image."""
 
 
-def victim_markers(victims: Sequence[msg.Victim], save_distance_m: float) -> list[Marker]:
-    """Return a lying figure for each victim, and a ring within which a robot saves the victim; coloured by state."""
-    return [part for i, victim in enumerate(victims) for part in _victim_parts(i, victim, save_distance_m)]
+def victim_names(
+    victims: Sequence[msg.Victim], save_distance_m: float, lettering: Lettering, areas: Sequence[msg.Area] = ()
+) -> list[Written]:
+    """Return the victims' names with their places, outside all rings and clear of walls and numbers of areas."""
+    taken = [shapely.Point(each.position.x, each.position.y).buffer(save_distance_m) for each in victims]
+    taken += [written.box for written in area_numbers(areas, lettering)]
+    texts = [
+        Name(
+            victim.name.replace("_", " "),
+            (victim.position.x, victim.position.y),
+            save_distance_m + 0.1,
+            NAME_M * lettering.unit,
+        )
+        for victim in victims
+    ]
+    return lettering.place(texts, taken)
 
 
-def name_spot_m(victim: msg.Victim, save_distance_m: float) -> tuple[float, float]:
-    """Return the position of a victim's name, south of the ring [m]."""
-    return (victim.position.x, victim.position.y - save_distance_m - 1.1)
+def victim_markers(
+    victims: Sequence[msg.Victim], save_distance_m: float, lettering: Lettering, names: Sequence[Written]
+) -> list[Marker]:
+    """Return a lying figure for each victim, and a ring within which a robot saves the victim.
+
+    The colour shows the state, and so does the ring: dashed while the victim waits, filled when saved.
+    """
+    return [
+        part
+        for i, (victim, name) in enumerate(zip(victims, names, strict=True))
+        for part in _victim_parts(i, victim, save_distance_m, lettering, name)
+    ]
 
 
-def _victim_parts(index: int, victim: msg.Victim, save_distance_m: float) -> Iterable[Marker]:
+def _victim_parts(
+    index: int, victim: msg.Victim, save_distance_m: float, lettering: Lettering, name: Written
+) -> Iterable[Marker]:
     tint = VICTIM_COLOURS[victim.state]
     x, y = victim.position.x, victim.position.y
     yaw_rad = 0.6 + 1.9 * index  # each in another direction
@@ -79,32 +106,51 @@ def _victim_parts(index: int, victim: msg.Victim, save_distance_m: float) -> Ite
         ("left leg", -0.5, 0.13, 0.1, (0.95, 0.18, 0.18)),
         ("right leg", -0.5, -0.13, 0.1, (0.95, 0.18, 0.18)),
     )
-    for k, (name, along, across, z, size) in enumerate(body):
+    for k, (part, along, across, z, size) in enumerate(body):
         at = (x + cos * along - sin * across, y + sin * along + cos * across, z)
-        skin = SKIN if name == "head" else tint
+        skin = SKIN if part == "head" else tint
         yield marker("victims", 10 * index + k, Marker.SPHERE, skin, position=at, yaw_rad=yaw_rad, scale=size)
-    ring = Mesh()
-    ring.ring((x, y), 0.0, save_distance_m - 0.1, AREA_Z_M + 0.01, VICTIM_GROUND)
-    ring.ring((x, y), save_distance_m - 0.1, save_distance_m, AREA_Z_M + 0.01, tint)
+    ring, inner_m = Mesh(), save_distance_m - 0.1
+    ground = faded(tint, 0.55) if victim.state == "saved" else VICTIM_GROUND
+    ring.ring((x, y), 0.0, inner_m, AREA_Z_M + 0.01, ground)
+    dashes = DASHES if victim.state == "waiting" else 0
+    ring.ring((x, y), inner_m, save_distance_m, AREA_Z_M + 0.01, tint, dashes)
     yield drawn_below(ring.marker("victim_rings", index), DISC_LAYER)
-    words = victim.name.replace("_", " ")
-    yield label("victim_names", index, words, tint, (*name_spot_m(victim, save_distance_m), NAME_Z_M), NAME_M)
+    yield lettering.label("victim_names", index, name, tint)
 
 
-def area_markers(areas: Sequence[msg.Area]) -> list[Marker]:
+def area_numbers(areas: Sequence[msg.Area], lettering: Lettering) -> list[Written]:
+    """Return the areas' numbers at the middles of their circles, into which they fit."""
+    return [
+        Written(
+            f"A{number}",
+            (area.center.x, area.center.y),
+            min(NUMBER_M * lettering.unit, NUMBER_PER_RADIUS * area.radius_m),
+        )
+        for number, area in enumerate(areas, 1)
+    ]
+
+
+def area_markers(areas: Sequence[msg.Area], lettering: Lettering) -> list[Marker]:
     """Return a numbered disc for each area: an outline if unexplored, bright if it is the target, green if explored."""
-    return [part for i, area in enumerate(areas) for part in _area_parts(i, area)]
+    numbers = area_numbers(areas, lettering)
+    return [
+        part
+        for i, (area, number) in enumerate(zip(areas, numbers, strict=True))
+        for part in _area_parts(i, area, lettering, number)
+    ]
 
 
-def _area_parts(index: int, area: msg.Area) -> Iterable[Marker]:
+def _area_parts(index: int, area: msg.Area, lettering: Lettering, number: Written) -> Iterable[Marker]:
     tint = EXPLORED_AREA if area.explored else TARGET_AREA if area.target else OPEN_AREA
-    fill, rim_m = (0.30, 0.14) if area.explored else (0.22, 0.26) if area.target else (0.05, 0.10)
+    fill, width = (0.30, 0.14) if area.explored else (0.22, 0.26) if area.target else (0.05, 0.10)
+    rim_m = min(width * lettering.unit, 0.2 * area.radius_m)
     center_m = (area.center.x, area.center.y)
     disc = Mesh()
     disc.ring(center_m, 0.0, area.radius_m - rim_m, AREA_Z_M, faded(tint, fill))
     disc.ring(center_m, area.radius_m - rim_m, area.radius_m, AREA_Z_M, faded(tint, 0.95))
     yield drawn_below(disc.marker("areas", index), DISC_LAYER)
-    yield label("area_numbers", index, f"A{index + 1}", tint, (*center_m, 0.3), 1.4)
+    yield lettering.label("area_numbers", index, number, tint)
 
 
 def voice_markers(
@@ -181,9 +227,8 @@ def headline_words(status: msg.MissionStatus, num_endangered: int) -> str:
     return "    ".join(parts)
 
 
-def headline_marker(words: str, bounds: Bounds) -> Marker:
-    """Return the headline as a text beyond the upper edge of the plan; its size fits the width of the plan."""
-    width_m = bounds.max[0] - bounds.min[0]
-    height_m = width_m / 33.0
+def headline_marker(words: str, bounds: Bounds, unit: float) -> Marker:
+    """Return the headline as a text beyond the upper edge of the plan. Args: unit: see `view.unit`."""
+    height_m = 1.8 * unit
     at = ((bounds.min[0] + bounds.max[0]) / 2.0, bounds.max[1] + 1.4 * height_m, height_m)
     return label("headline", 0, words, HEADLINE, at, height_m)

@@ -46,9 +46,6 @@ VOICE_Z_M = 0.02
 AREA_Z_M = 0.03
 TRAIL_Z_M = 0.05
 
-LABEL_Z_M = 1.0
-"""Height of texts: walls that are cut at the default height hide little of them."""
-
 
 def building_markers(plan: FloorPlan, cut_height_m: float) -> list[Marker]:
     """Return floor, shadows, walls, blocks and pillars; taller ones are cut at `cut_height_m`.

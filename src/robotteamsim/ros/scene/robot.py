@@ -23,9 +23,18 @@ FIXES_KEPT = 30
 class RobotFeed:
     """The latest messages of one robot."""
 
-    def __init__(self, robot_id: int, prefix: str, robot: Robot, poses: PoseFeed, several_swarms: bool = False) -> None:
+    def __init__(
+        self,
+        robot_id: int,
+        prefix: str,
+        robot: Robot,
+        poses: PoseFeed,
+        several_swarms: bool = False,
+        base: bool = False,
+    ) -> None:
         self._id = robot_id
         self._several_swarms = several_swarms
+        self._base = base
         self._swarm: int | None = None
         self._prefix = prefix
         self._robot = robot
@@ -81,6 +90,7 @@ class RobotFeed:
             contact_angles_rad=self._contact_angles_rad,
             lasers_m=tuple((mount.x_m, mount.y_m) for mount in map(_mount, self._lasers.values())),
             swarm=self._swarm,
+            base=self._base,
         )
 
     def scans(self, wanted: bool) -> dict[str, ScanView]:

@@ -175,11 +175,15 @@ class Mesh:
         for (x0, y0), (x1, y1) in itertools.pairwise([*corners, corners[0]]):
             self.quad([(x0, y0, low_m), (x1, y1, low_m), (x1, y1, high_m), (x0, y0, high_m)], [dark] * 4)
 
-    def ring(self, center_m: tuple[float, float], inner_m: float, outer_m: float, z_m: float, tint: Colour) -> None:
-        """Add a flat ring, or a disc if the inner radius is 0."""
+    def ring(
+        self, center_m: tuple[float, float], inner_m: float, outer_m: float, z_m: float, tint: Colour, dashes: int = 0
+    ) -> None:
+        """Add a flat ring, or a disc if the inner radius is 0. Args: dashes: number of dashes; 0: no gaps."""
         x_m, y_m = center_m
         inside, outside = (circle_points(radius_m, 48, closed=True) for radius_m in (inner_m, outer_m))
         for i, j in itertools.pairwise(range(len(inside))):
+            if dashes and i * 2 * dashes // (len(inside) - 1) % 2:
+                continue
             flat = (inside[i], outside[i], outside[j], inside[j])
             self.quad([(x_m + x, y_m + y, z_m) for x, y in flat], [tint] * 4)
 

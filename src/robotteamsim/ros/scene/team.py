@@ -3,7 +3,7 @@
 import itertools
 import math
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,9 +15,11 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
 from robotteamsim import palette
+from robotteamsim.analysis.labels import ABOVE
 from robotteamsim.geometry import Pose
 from robotteamsim.network.messages import NetworkState
-from robotteamsim.ros.scene.plan import LABEL_Z_M, TRAIL_Z_M
+from robotteamsim.ros.scene.lettering import Lettering, Name, Written
+from robotteamsim.ros.scene.plan import TRAIL_Z_M
 from robotteamsim.ros.scene.shapes import (
     TRAIL_LAYER,
     WHITE,
@@ -29,7 +31,6 @@ from robotteamsim.ros.scene.shapes import (
     drawn_below,
     faded,
     gradient,
-    label,
     lines,
     marker,
     shaded,
@@ -64,8 +65,11 @@ TURRET_M = 0.25
 """Limit of the size of lasers on large robots."""
 MAX_LASERS = 17
 """That a robot can have: `robots.laser` and sixteen of `robots.lasers`."""
-LABEL_DISTANCE_M = 1.6
 LABEL_M = 1.1
+"""Height of a robot's number in a building of 60 x 40 m; all sizes but those of bodies scale with the building."""
+HOPS_M = 0.9
+BASE_PER_RING = 1.35
+"""Half the side of the square around the base, in radii of its ring."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +88,17 @@ class RobotView:
     """Positions of its lasers in base_link; if none are known, one slightly ahead of the centre."""
     swarm: int | None = None
     """Its swarm; None if there is only one swarm."""
+    base: bool = False
+    """Whether discoveries are delivered to this robot."""
+
+    @property
+    def words(self) -> str:
+        """Its number, such as "R0", or "base R0"."""
+        return f"base R{self.robot_id}" if self.base else f"R{self.robot_id}"
+
+    def ring_m(self, unit: float) -> float:
+        """Return the radius of its ring. Args: unit: see `view.unit`."""
+        return self.radius_m + RING_MARGIN_M * unit
 
 
 def robot_colour(number: int) -> Colour:
@@ -91,46 +106,55 @@ def robot_colour(number: int) -> Colour:
     return colour(palette.robot_colour(max(number, 0)))
 
 
-def label_offset(position_m: tuple[float, float], others_m: Iterable[tuple[float, float]]) -> tuple[float, float]:
-    """Return the offset of a robot's number from the robot [m]: away from nearby robots and texts, north by default."""
-    x, y = 0.0, 0.25
-    for other_x, other_y in others_m:
-        dx, dy = position_m[0] - other_x, position_m[1] - other_y
-        weight = 1.0 / (0.05 + (dx * dx + dy * dy) ** 1.5)
-        x, y = x + weight * dx, y + weight * dy
-    length = math.hypot(x, y) or 1.0
-    return (LABEL_DISTANCE_M * x / length, LABEL_DISTANCE_M * y / length)
+def team_numbers(
+    views: Sequence[RobotView],
+    lettering: Lettering,
+    written: Sequence[Written] = (),
+    before: Mapping[int, Written] | None = None,
+) -> dict[int, Written]:
+    """Return the number of each robot by its id, clear of walls, robots and other texts.
 
-
-def team_markers(views: Sequence[RobotView], written_m: Sequence[tuple[float, float]] = ()) -> list[Marker]:
-    """Return the markers of all robots; their numbers do not overlap.
-
-    Args: written_m: positions of other texts, which numbers avoid [m].
+    Args: before: the last answer; numbers stay on their sides where they can.
     """
-    spots = [(view.pose.x_m, view.pose.y_m) for view in views]
-    label_m = LABEL_M if len(views) <= FEW_ROBOTS else 0.65 * LABEL_M
-    return [
-        part
-        for i, view in enumerate(views)
-        for part in robot_markers(view, label_offset(spots[i], (*spots[:i], *spots[i + 1 :], *written_m)), label_m)
+    height_m = LABEL_M * lettering.unit * (1.0 if len(views) <= FEW_ROBOTS else 0.8)
+    rings = [shapely.Point(view.pose.x_m, view.pose.y_m).buffer(view.ring_m(lettering.unit), 4) for view in views]
+    last = before or {}
+    texts = [
+        Name(
+            view.words,
+            (view.pose.x_m, view.pose.y_m),
+            view.ring_m(lettering.unit) * (BASE_PER_RING if view.base else 1.0),
+            height_m,
+            last[view.robot_id].side if view.robot_id in last else ABOVE,
+        )
+        for view in views
     ]
+    placed = lettering.place(texts, [*rings, *(text.box for text in written)])
+    return {view.robot_id: number for view, number in zip(views, placed, strict=True)}
 
 
-def robot_markers(
-    view: RobotView, label_offset_m: tuple[float, float] = (0.0, LABEL_DISTANCE_M), label_m: float = LABEL_M
+def team_markers(
+    views: Sequence[RobotView], lettering: Lettering, numbers: Mapping[int, Written] | None = None
 ) -> list[Marker]:
+    """Return the markers of all robots. Args: numbers: from `team_numbers`, which finds them by default."""
+    placed = team_numbers(views, lettering) if numbers is None else numbers
+    return [part for view in views for part in robot_markers(view, lettering, placed[view.robot_id])]
+
+
+def robot_markers(view: RobotView, lettering: Lettering, number: Written) -> list[Marker]:
     """Return body, deck, heading wedge, lasers, number, and a ring with an arrow to find the robot from far away.
 
     Ring, arrow and number are grey if the robot is excluded, and have the colour of its swarm if there are several; the
-    deck always has the colour of the robot. At contacts the rim is red, with a red arc outside the ring.
+    deck always has the colour of the robot. At contacts the rim is red, with a red arc outside the ring. The base is in
+    a square.
     """
     tint = robot_colour(view.robot_id)
     sign = EXCLUDED if view.excluded else tint if view.swarm is None else robot_colour(view.swarm)
     pose, radius_m, height_m = view.pose, view.radius_m, view.height_m
     x, y = pose.x_m, pose.y_m
-    ring_m = radius_m + RING_MARGIN_M
+    ring_m, width_m = view.ring_m(lettering.unit), RING_WIDTH_M * lettering.unit
     bumpers = [corner for angle in view.contact_angles_rad for corner in _bumper(view, angle)]
-    hits = [corner for angle in view.contact_angles_rad for corner in _hit(ring_m, angle)]
+    hits = [corner for angle in view.contact_angles_rad for corner in _hit(ring_m, lettering.unit, angle)]
 
     def part(name: str, kind: int, tint: Colour, at: Position, size: Position) -> Marker:
         return marker(name, view.robot_id, kind, tint, position=at, yaw_rad=pose.yaw_rad, scale=size)
@@ -145,25 +169,28 @@ def robot_markers(
         return result
 
     ring = flat("rings", Marker.LINE_STRIP, sign, RING_Z_M, circle_points(ring_m, 24, closed=True))
-    ring.scale.x = RING_WIDTH_M
+    ring.scale.x = width_m
     touching = [("bumpers", height_m + 0.014, bumpers), ("hits", RING_Z_M + 0.02, hits)]
     return [
         cylinder("halos", faded(sign, 0.25), RING_Z_M, ring_m, 0.01),
         ring,
-        flat("arrows", Marker.TRIANGLE_LIST, sign, RING_Z_M, _arrow(ring_m)),
+        flat("arrows", Marker.TRIANGLE_LIST, sign, RING_Z_M, _arrow(ring_m, width_m)),
         *_body(view, tint, cylinder),
         *_turrets(view),
         flat("wedges", Marker.TRIANGLE_LIST, WHITE, height_m + 0.012, _wedge(radius_m)),
         *(flat(name, Marker.TRIANGLE_LIST, BUMPER, z_m, corners) for name, z_m, corners in touching if corners),
-        label(
-            "robot_ids",
-            view.robot_id,
-            f"R{view.robot_id}",
-            sign,
-            (x + label_offset_m[0], y + label_offset_m[1], LABEL_Z_M),
-            label_m,
-        ),
+        *([_square(view, BASE_PER_RING * ring_m, width_m)] if view.base else []),
+        lettering.label("robot_ids", view.robot_id, number, sign),
     ]
+
+
+def _square(view: RobotView, half_m: float, width_m: float) -> Marker:
+    """Return the square around the base, which does not turn with the robot."""
+    x, y = view.pose.x_m, view.pose.y_m
+    result = marker("bases", view.robot_id, Marker.LINE_STRIP, WHITE, position=(x, y, RING_Z_M), scale=(width_m, 0, 0))
+    corners = ((-half_m, -half_m), (half_m, -half_m), (half_m, half_m), (-half_m, half_m), (-half_m, -half_m))
+    result.points = [Point(*corner, 0.0) for corner in corners]
+    return result
 
 
 def _body(
@@ -218,11 +245,11 @@ def _rim_m(outline: shapely.LinearRing, angle_rad: float) -> float:
     return float(shapely.hausdorff_distance(shapely.Point(0.0, 0.0), shapely.intersection(outline, beam)))
 
 
-def _hit(ring_m: float, angle_rad: float) -> list[tuple[float, float]]:
+def _hit(ring_m: float, unit: float, angle_rad: float) -> list[tuple[float, float]]:
     """Return the triangles of an arc outside the ring, wide enough to be seen with the whole building in view."""
     angles_rad = angle_rad + np.linspace(-BUMPER_HALF_RAD, BUMPER_HALF_RAD, 8)
-    inner_m = np.full(8, ring_m + 0.5 * RING_WIDTH_M)
-    return _band(angles_rad, inner_m, inner_m + HIT_WIDTH_M)
+    inner_m = np.full(8, ring_m + 0.5 * RING_WIDTH_M * unit)
+    return _band(angles_rad, inner_m, inner_m + HIT_WIDTH_M * unit)
 
 
 def _band(angles_rad: np.ndarray, inner_m: np.ndarray, outer_m: np.ndarray) -> list[tuple[float, float]]:
@@ -233,8 +260,8 @@ def _band(angles_rad: np.ndarray, inner_m: np.ndarray, outer_m: np.ndarray) -> l
     return [corner for a, b, c, d in pieces for corner in (a, b, c, c, b, d)]
 
 
-def _arrow(ring_m: float) -> list[tuple[float, float]]:
-    base_m, half_m = ring_m + 0.5 * RING_WIDTH_M, 0.36 * ring_m
+def _arrow(ring_m: float, width_m: float) -> list[tuple[float, float]]:
+    base_m, half_m = ring_m + 0.5 * width_m, 0.36 * ring_m
     return [(base_m + 0.6 * ring_m, 0.0), (base_m - 0.1 * ring_m, half_m), (base_m - 0.1 * ring_m, -half_m)]
 
 
@@ -268,10 +295,10 @@ class Trail:
             self._points.popleft()
 
 
-def trail_marker(robot_id: int, points_m: Sequence[tuple[float, float]]) -> Marker:
+def trail_marker(robot_id: int, points_m: Sequence[tuple[float, float]], unit: float = 1.0) -> Marker:
     """Return a line that fades towards its oldest point; needs at least two points."""
     tint = robot_colour(robot_id)
-    result = marker("trails", robot_id, Marker.LINE_STRIP, faded(tint, 0.99), scale=(0.16, 0.0, 0.0))
+    result = marker("trails", robot_id, Marker.LINE_STRIP, faded(tint, 0.99), scale=(0.16 * unit, 0.0, 0.0))
     # Trails have slightly different heights; otherwise they would flicker where they cross.
     z_m = TRAIL_Z_M + 0.003 * (robot_id % 8)
     for i, (x_m, y_m) in enumerate(points_m):
@@ -324,8 +351,10 @@ def link_views_without_signals(network: NetworkState, positions_m: Mapping[int, 
     return [LinkView(i, j, ENDANGERED_DBM if network.endangered[i, j] else SAFE_DBM, True, 1) for i, j in sorted(pairs)]
 
 
-def link_markers(links: Sequence[LinkView], positions_m: Mapping[int, tuple[float, float]]) -> list[Marker]:
-    """Return direct links coloured by signal, and dashed lines for pairs that are connected over other robots.
+def link_markers(
+    links: Sequence[LinkView], positions_m: Mapping[int, tuple[float, float]], lettering: Lettering
+) -> list[Marker]:
+    """Return direct links coloured by signal, and dashed lines with their hops for pairs connected over other robots.
 
     Args: positions_m: of each robot in the map frame [m]; pairs of unknown robots are omitted.
     """
@@ -338,12 +367,13 @@ def link_markers(links: Sequence[LinkView], positions_m: Mapping[int, tuple[floa
         if link.linked:
             solid.append((start, end, tint))
         else:
-            dashed += [(a, b, tint) for a, b in _dashes(start, end)]
-        if len(positions_m) <= FEW_ROBOTS and math.dist(start, end) > 3.0:
-            # Not both at the middle: in a chain of robots, the line of a distant pair covers those of others.
-            x, y, _ = _between(start, end, 0.5 if link.linked else 0.4)
-            numbers.append(label("hops", i, str(link.hop_count), tint, (x, y, LINK_HEIGHT_M + 0.5), 0.9))
-    bundles = [("links", 0, solid, 0.12), ("links", 1, dashed, 0.07)]
+            dashed += [(a, b, tint) for a, b in _dashes(start, end, DASH_M * lettering.unit)]
+            if len(positions_m) <= FEW_ROBOTS and math.dist(start, end) > 5.0 * lettering.unit:
+                # Not at the middle: in a chain of robots, the relays are often there.
+                x, y, _ = _between(start, end, 0.4)
+                hops = Written(f"{link.hop_count} hops", (x, y), HOPS_M * lettering.unit)
+                numbers.append(lettering.label("hops", i, hops, tint))
+    bundles = [("links", 0, solid, 0.12 * lettering.unit), ("links", 1, dashed, 0.07 * lettering.unit)]
     return [lines(name, i, segments, width_m) for name, i, segments, width_m in bundles if segments] + numbers
 
 
@@ -359,7 +389,7 @@ def _clear_of_robots(first_m: tuple[float, float], second_m: tuple[float, float]
     return _between(start, end, cut), _between(start, end, 1.0 - cut)
 
 
-def _dashes(start: Position, end: Position) -> Iterator[tuple[Position, Position]]:
-    count = max(1, round(math.dist(start, end) / DASH_M))
+def _dashes(start: Position, end: Position, dash_m: float) -> Iterator[tuple[Position, Position]]:
+    count = max(1, round(math.dist(start, end) / dash_m))
     for i in range(0, count, 2):
         yield _between(start, end, i / count), _between(start, end, min(i + 1, count) / count)

@@ -1,0 +1,25 @@
+"""The default view of rviz, which just fits the building; texts are laid out for it."""
+
+import math
+
+from robotteamsim.scenario import Bounds
+
+FITTED_M = 60.0, 40.0
+"""Width and depth of the building for which rviz/robotteamsim.rviz was made."""
+
+DISTANCE_M, PITCH_RAD, FOCUS_NORTH_M = 57.0, 1.12, -1.2
+"""The camera of that view; it looks north."""
+
+
+def unit(bounds: Bounds) -> float:
+    """Return the size of a building relative to that one; sizes in proportion to it are equal on the screen."""
+    sides_m = (high - low for low, high in zip(bounds.min, bounds.max, strict=True))
+    return max(side_m / fitted_m for side_m, fitted_m in zip(sides_m, FITTED_M, strict=True))
+
+
+def eye_m(bounds: Bounds) -> tuple[float, float, float]:
+    """Return the position of the default view's camera over a building, in the map frame."""
+    x, y = ((low + high) / 2.0 for low, high in zip(bounds.min, bounds.max, strict=True))
+    scale = unit(bounds)
+    south_m = DISTANCE_M * math.cos(PITCH_RAD) - FOCUS_NORTH_M
+    return (x, y - scale * south_m, scale * DISTANCE_M * math.sin(PITCH_RAD))
