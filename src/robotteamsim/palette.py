@@ -10,7 +10,7 @@ ORANGE, SKY_BLUE, GREEN, YELLOW = "#e69f00", "#56b4e9", "#009e73", "#f0e442"
 BLUE, VERMILLION, PURPLE = "#0072b2", "#d55e00", "#cc79a7"
 
 # The colours after the first four are as far as possible from all others, for normal and for colour-blind sight.
-ROBOTS = (SKY_BLUE, ORANGE, BLUE, PURPLE, "#b4c3a5", "#a569ff", "#96d2ff", "#964b3c", "#e1c369", "#d200c3")
+ROBOTS = (SKY_BLUE, ORANGE, PURPLE, BLUE, "#b4c3a5", "#a569ff", "#96d2ff", "#e1c369", "#d200c3", "#87b478")
 EXCLUDED_ROBOT = "#9aa0a8"
 ROBOT_BODY = "#14171c"
 

@@ -64,6 +64,11 @@ def test_colours_of_one_kind_differ_for_every_sight(codes, sight):
     assert closest(codes, sight) > 0.06
 
 
+@pytest.mark.parametrize("floor", [palette.FLOOR, palette.DARK_FLOOR])
+def test_robots_stand_out_from_light_and_from_dark_floors(floor):
+    assert min(np.linalg.norm(oklab(code, "normal") - oklab(floor, "normal")) for code in palette.ROBOTS) > 0.15
+
+
 def test_thirty_robots_have_thirty_colours_that_repeat_after_them():
     assert len({palette.robot_colour(index) for index in range(30)}) == 30
     assert palette.robot_colour(30) == palette.robot_colour(0)

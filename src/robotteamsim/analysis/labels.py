@@ -11,13 +11,17 @@ Point = tuple[float, float]
 SIDES = np.array(
     [(0.0, -1.0), (0.0, 1.0), (1.0, 0.0), (-1.0, 0.0)]
     + [(x, y) for x in (0.5, -0.5, 0.8, -0.8, 1.0, -1.0) for y in (-1.0, 1.0)]
+    + [(0.0, -2.0), (0.0, 2.0), (2.0, 0.0), (-2.0, 0.0)]
 )
-"""Sides of its anchor on which a text can be, best first: below, above, right, left, and between."""
+"""Sides of its anchor on which a text can be, best first: below, above, right, left, between, and farther away."""
 BELOW, ABOVE, RIGHT, LEFT = range(4)
 
 _PREFERENCE = 0.01 * np.arange(len(SIDES))
-_STAYS = 0.25
+_STAYS = 0.1
 """Advantage of the side on which a text was before, so that texts of moving robots do not jump."""
+
+_NOT_FREE, _TOUCHES = 0.3, 0.01
+"""Cost of covering more than this share of the text's area: any side that is free is better, also a farther one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +78,7 @@ def _best(text: Text, taken: shapely.Geometry, written: shapely.Geometry, inside
     covered_m2 = shapely.area(shapely.intersection(boxes, taken))
     overwritten_m2 = shapely.area(shapely.intersection(boxes, written))
     outside_m2 = shapely.area(shapely.difference(boxes, inside))
-    cost += (covered_m2 + 3.0 * overwritten_m2 + 2.0 * outside_m2) / (4.0 * half_x * half_y)
+    bad = (covered_m2 + 3.0 * overwritten_m2 + 2.0 * outside_m2) / (4.0 * half_x * half_y)
+    cost += bad + _NOT_FREE * (bad > _TOUCHES)
     side = int(np.argmin(cost))
     return Spot((float(x[side]), float(y[side])), text.half_m, side)

@@ -47,6 +47,12 @@ def test_texts_are_equally_large_on_the_screen_in_every_building():
     assert view.unit(Bounds(max=(6.0, 4.0))) == pytest.approx(0.1)
 
 
+def test_solid_covers_its_footprint_and_the_floor_behind_it():
+    seen = view.covered((0.0, -20.0, 10.0), shapely.box(-1.0, 0.0, 1.0, 1.0), 2.0)
+    assert seen.bounds == pytest.approx((-1.25, 0.0, 1.25, 6.25))  # seen from above its foot, the top is 5/4 as large
+    assert seen.contains(shapely.box(-0.9, 0.1, 0.9, 6.0))
+
+
 def test_default_view_is_that_of_the_file_of_rviz():
     config = yaml.safe_load((ROOT / "rviz" / "robotteamsim.rviz").read_text(encoding="utf-8"))
     current = config["Visualization Manager"]["Views"]["Current"]

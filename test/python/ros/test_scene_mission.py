@@ -6,6 +6,7 @@ import shapely
 from geometry_msgs.msg import Point
 
 from robotteamsim import msg
+from robotteamsim.geometry import Pose
 from robotteamsim.ros.nodes.scene import WALL_HEIGHT_M, wall_height
 from robotteamsim.ros.scene.lettering import Lettering
 from robotteamsim.ros.scene.mission import (
@@ -20,8 +21,10 @@ from robotteamsim.ros.scene.mission import (
     victim_names,
     voice_markers,
 )
+from robotteamsim.ros.scene.objects import covered, object_markers
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Bounds
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import solids
 
 VICTIMS = [
@@ -60,7 +63,7 @@ def rgb(tint):
     return (tint.r, tint.g, tint.b)
 
 
-@pytest.mark.parametrize("markers", [drawn(VICTIMS), area_markers(AREAS, PLAIN)])
+@pytest.mark.parametrize("markers", [drawn(VICTIMS), area_markers(AREAS, PLAIN, area_numbers(AREAS, PLAIN))])
 def test_ids_are_unique_and_no_frame_has_a_leading_slash(markers):
     assert len({(item.ns, item.id) for item in markers}) == len(markers)
     assert {item.header.frame_id for item in markers} == {"map"}
@@ -102,7 +105,7 @@ def test_victims_name_stands_wholly_above_the_walls_which_would_hide_a_part_of_i
 
 
 def test_areas_are_numbered_in_order_and_look_different_when_explored_target_or_open():
-    markers = area_markers(AREAS, PLAIN)
+    markers = area_markers(AREAS, PLAIN, area_numbers(AREAS, PLAIN))
     assert [item.text for item in named(markers, "area_numbers")] == ["A1", "A2", "A3"]
     explored, target, still_open = named(markers, "areas")
     assert rgb(explored.colors[-1]) == EXPLORED_AREA[:3]
@@ -117,14 +120,24 @@ def test_number_of_an_area_fits_into_its_circle(radius_m):
     assert shapely.Point(2.0, 2.0).buffer(radius_m).contains(number.box)
 
 
+def test_number_of_an_area_is_beside_a_barrel_that_was_pushed_onto_its_middle():
+    area = msg.Area("area", Point(2.0, 2.0, 0.0), 2.0, False, False)
+    barrel = MovableObject(name="drum", kind="barrel", radius_m=0.3, pose=(0.0, 0.0, 0.0))
+    objects = covered(object_markers([barrel], [Pose(2.0, 2.0, 0.0)]).markers, PLAIN.eye_m)
+    (number,) = area_numbers([area], PLAIN, objects)
+    assert not number.box.intersects(objects)
+    assert shapely.Point(2.0, 2.0).buffer(2.0).contains(number.box)
+
+
 @pytest.mark.parametrize("name", ["garage_sar", "office_manet", "tutorial_arena", "warehouse_push"])
 def test_no_name_of_a_shipped_scenario_covers_a_wall_another_name_or_an_area(name):
     scenario = load(name)
     mission, lettering = scenario.mission, Lettering.of(scenario, wall_height(scenario.plan.bounds))
     victims = [msg.Victim(victim.name, Point(*victim.position, 0.0), "waiting") for victim in mission.victims]
     areas = [msg.Area(a.name, Point(*a.center, 0.0), a.radius_m, False, False) for a in mission.areas]
-    names = victim_names(victims, mission.save_distance_m, lettering, areas)
-    boxes = [written.box for written in (*names, *area_numbers(areas, lettering))]
+    numbers = area_numbers(areas, lettering)
+    names = victim_names(victims, mission.save_distance_m, lettering, numbers)
+    boxes = [written.box for written in (*names, *numbers)]
     walls = shapely.union_all([solid.polygon for solid in solids(scenario.plan)])
     assert not any(shapely.intersects(walls, written.box) for written in names)
     assert all(not a.intersects(b) for a, b in itertools.combinations(boxes, 2))
@@ -187,9 +200,12 @@ def test_headline_is_silent_of_what_the_mission_has_none_of():
 
 
 def test_headline_stands_behind_the_building():
-    item = headline_marker("words", Bounds(min=(-5.0, 0.0), max=(25.0, 12.0)), 0.5)
-    assert item.pose.position.x == 10.0
-    assert item.pose.position.y > 12.0
+    item = headline_marker("words", Bounds(min=(-5.0, 0.0), max=(25.0, 12.0)), PLAIN)
+    at = np.array([item.pose.position.x, item.pose.position.y, item.pose.position.z])
+    sight = PLAIN.eye_m - at
+    floor = at - sight * at[2] / sight[2]
+    assert floor[0] == pytest.approx(10.0)
+    assert floor[1] > 12.0
 
 
 def test_pillar_tears_no_hole_into_the_voice_layer():

@@ -145,7 +145,7 @@ def test_number_is_north_of_a_lone_robot_and_stays_on_its_side_while_it_can():
 def test_numbers_of_a_dense_team_cover_neither_each_other_nor_robots_nor_other_texts():
     views = [RobotView(i, Pose(2.5 * (i % 3), 2.5 * (i // 3), 0.0)) for i in range(6)]
     name = Written("victim 1", (2.5, 4.6), 1.1)
-    boxes = [number.box for number in team_numbers(views, PLAIN, [name]).values()]
+    boxes = [number.box for number in team_numbers(views, PLAIN, [name.box]).values()]
     assert all(not a.intersects(b) for a, b in itertools.combinations([*boxes, name.box], 2))
     bodies = [shapely.Point(view.pose.x_m, view.pose.y_m).buffer(view.radius_m) for view in views]
     assert not any(box.intersects(body) for box in boxes for body in bodies)

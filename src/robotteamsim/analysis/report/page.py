@@ -76,7 +76,7 @@ class _Picture:
     caption: str
     png: bytes
     inches: float
-    """Width; text of about 11 points is legible at 68 px per inch."""
+    """Width; text of about 11 points is legible at 61 px per inch."""
 
     @property
     def source(self) -> str:

@@ -77,13 +77,13 @@ def draw_progress(axes: Axes, run: RecordedRun) -> None:
     explored = [sum(status.explored) for status in run.statuses]
     # Lines that coincide stay visible, because each lies within the one before.
     dashed = {"color": palette.INK, "linewidth": 1.3, "linestyle": (0, (4, 2))}
-    axes.step(times_s, explored, where="post", color=palette.EXPLORED_AREA, linewidth=4.0, label="areas explored")
-    edge = [withStroke(linewidth=3.2, foreground=palette.INK), Normal()]
-    axes.step(
-        times_s, heard, where="post", color=palette.HEARD, linewidth=2.2, path_effects=edge, label="victims heard"
-    )
-    axes.step(times_s, saved, where="post", label="victims saved", **dashed)
     last = run.statuses[-1]
+    if last.explored:
+        axes.step(times_s, explored, where="post", color=palette.EXPLORED_AREA, linewidth=4.0, label="areas explored")
+    if last.victims:
+        edge = {"path_effects": [withStroke(linewidth=3.2, foreground=palette.INK), Normal()], "linewidth": 2.2}
+        axes.step(times_s, heard, where="post", color=palette.HEARD, label="victims heard", **edge)
+        axes.step(times_s, saved, where="post", label="victims saved", **dashed)
     _whole(axes, max(len(last.explored), len(last.victims), 1))
     _finish(axes, "mission")
 

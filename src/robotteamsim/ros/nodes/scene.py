@@ -4,6 +4,7 @@ import time
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+import shapely
 from geometry_msgs.msg import Point, TransformStamped
 from sensor_msgs.msg import PointCloud2
 from tf2_msgs.msg import TFMessage
@@ -14,6 +15,7 @@ from robotteamsim import msg
 from robotteamsim.recording.ros_messages import robot_name
 from robotteamsim.ros.scene import laser as scene_laser
 from robotteamsim.ros.scene import mission as scene_mission
+from robotteamsim.ros.scene import objects as scene_objects
 from robotteamsim.ros.scene import plan as scene_plan
 from robotteamsim.ros.scene import sensors as scene_sensors
 from robotteamsim.ros.scene import team as scene_team
@@ -49,7 +51,7 @@ TRAIL_POINTS = 6_000
 """Of all robots together."""
 WALL_HEIGHT_M = 1.1
 """Where walls are cut by default; lower in small buildings, where so high walls would hide the floor."""
-LOW_WALLS_PER_UNIT_M = 4.0
+LOW_WALLS_PER_UNIT_M = 3.0
 SENSORS = ("sonars", "gps")
 """Layers of additional sensors."""
 
@@ -126,7 +128,10 @@ class Scene:
         self._discovery_due_s = self._trails_due_s = self._resend_due_s = 0.0
         self._trails_stale = False
         self._numbers: dict[int, Written] = {}
-        self._areas_drawn: Sequence[msg.Area] = ()
+        self._shown_areas: Sequence[msg.Area] = ()
+        self._shown_victims: Sequence[msg.Victim] = ()
+        self._objects = Feed("/world/objects", MarkerArray) if scenario.objects else None
+        self._covered: shapely.Geometry = shapely.MultiPolygon()
         self._frame = _publish_frame(scenario.plan.bounds)
         self._draw_start()
 
@@ -143,13 +148,15 @@ class Scene:
         self._canvas["headline"].draw(legend_markers(self._scenario))
 
     def _draw_areas(self, areas: Sequence[msg.Area]) -> None:
-        self._areas_drawn = areas
-        self._canvas["areas"].draw(scene_mission.area_markers(areas, self._lettering))
+        self._shown_areas = areas
+        self._area_numbers = scene_mission.area_numbers(areas, self._lettering, self._covered)
+        self._canvas["areas"].draw(scene_mission.area_markers(areas, self._lettering, self._area_numbers))
 
     def _draw_victims(self, victims: Sequence[msg.Victim]) -> None:
+        self._shown_victims = victims
         distance_m = self._scenario.mission.save_distance_m
-        names = scene_mission.victim_names(victims, distance_m, self._lettering, self._areas_drawn)
-        self._written = [*names, *scene_mission.area_numbers(self._areas_drawn, self._lettering)]
+        names = scene_mission.victim_names(victims, distance_m, self._lettering, self._area_numbers)
+        self._names = names
         self._canvas["victims"].draw(scene_mission.victim_markers(victims, distance_m, self._lettering, names))
 
     def _draw_doors(self, openings: dict[str, float]) -> None:
@@ -161,6 +168,7 @@ class Scene:
         if now_s >= self._discovery_due_s:
             self._discovery_due_s = now_s + DISCOVERY_PERIOD_S
             self._discover()
+            self._follow_objects()
         if now_s >= self._resend_due_s:
             self._resend_due_s = now_s + RESEND_PERIOD_S
             for canvas in self._canvas.values():
@@ -220,6 +228,18 @@ class Scene:
         if openings != self._openings:
             self._draw_doors(openings)
 
+    def _follow_objects(self) -> None:
+        """Move the numbers of areas away from objects."""
+        message = self._objects.newest() if self._objects else None
+        if message is not None:
+            self._covered = scene_objects.covered(message.markers, self._lettering.eye_m)
+            self._draw_areas(self._shown_areas)
+            self._draw_victims(self._shown_victims)
+
+    def _texts(self) -> list[shapely.Geometry]:
+        """Return what the numbers of robots avoid, besides walls and robots."""
+        return [self._covered, *(text.box for text in (*self._names, *self._area_numbers))]
+
     def _draw_headline(self) -> None:
         self._mission = status = self._status.newest() or self._mission
         if status is None:
@@ -228,7 +248,7 @@ class Scene:
         if words != self._headline:
             self._headline = words
             bounds = self._scenario.plan.bounds
-            headline = scene_mission.headline_marker(words, bounds, self._lettering.unit)
+            headline = scene_mission.headline_marker(words, bounds, self._lettering)
             self._canvas["headline"].draw([headline, *legend_markers(self._scenario)])
 
     def _draw_voice(self) -> None:
@@ -253,7 +273,7 @@ class Scene:
             positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
             if has_news:
                 self._links = self._network.links(positions_m)
-            self._numbers = scene_team.team_numbers(views, self._lettering, self._written, self._numbers)
+            self._numbers = scene_team.team_numbers(views, self._lettering, self._texts(), self._numbers)
             self._canvas["robots"].draw(scene_team.team_markers(views, self._lettering, self._numbers))
             self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m, self._lettering))
             self._draw_sensors()

@@ -14,7 +14,7 @@ from robotteamsim.ros.scene.view import unit
 from robotteamsim.scenario import Scenario
 from robotteamsim.world.placement import placed_robots
 
-LETTER_M, SYMBOL_M, GAP_M = 0.9, 1.1, 1.6
+LETTER_M, SYMBOL_M, GAP_M = 1.1, 1.0, 1.8
 """Height of letters, radius of symbols with the space after them, and space between entries, for 60 x 40 m."""
 SOUTH_M = 2.4
 """Distance from the building."""

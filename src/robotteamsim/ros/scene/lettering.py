@@ -16,7 +16,7 @@ from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.plan import solids
 from robotteamsim.world.placement import placed_robots
 
-WIDTH_PER_LETTER, DEPTH = 0.62, 1.3
+WIDTH_PER_LETTER, DEPTH = 0.48, 1.2
 """Of a text on the screen, per height of a capital letter; the depth includes descenders and the tilt of the view."""
 
 LIFT_M = 0.05
@@ -62,6 +62,7 @@ class Lettering:
     eye_m: tuple[float, float, float]
     highest_m: float
     walls: shapely.Geometry = field(default_factory=shapely.MultiPolygon)
+    """The parts of the floor that walls cover in the default view."""
     inside: shapely.Geometry = field(default_factory=lambda: shapely.box(-1e6, -1e6, 1e6, 1e6))
 
     @classmethod
@@ -70,9 +71,10 @@ class Lettering:
         plan = scenario.plan
         heights_m = [min(solid.element.height_m, wall_height_m) for solid in solids(plan)]
         heights_m += [thing.height_m for thing in (*scenario.objects, *placed_robots(scenario))]
-        walls = shapely.union_all([solid.polygon for solid in solids(plan)])
+        eye_m = view.eye_m(plan.bounds)
+        walls = [view.covered(eye_m, solid.polygon, h) for solid, h in zip(solids(plan), heights_m, strict=False)]
         inside = shapely.box(*plan.bounds.min, *plan.bounds.max)
-        return cls(view.unit(plan.bounds), view.eye_m(plan.bounds), max(heights_m), walls, inside)
+        return cls(view.unit(plan.bounds), eye_m, max(heights_m), shapely.union_all(walls), inside)
 
     def label(self, namespace: str, marker_id: int, text: Written, tint: Colour) -> Marker:
         """Return a text above all solids, on the line from its place on the floor to the default view's camera."""

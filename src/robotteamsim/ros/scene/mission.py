@@ -24,7 +24,6 @@ from robotteamsim.ros.scene.shapes import (
     drawn_below,
     faded,
     gradient,
-    label,
     lines,
     marker,
 )
@@ -36,7 +35,10 @@ SKIN = colour(palette.SKIN)
 
 NAME_M, NUMBER_M = 1.1, 1.4
 """Heights of capital letters of victims' names and areas' numbers in a building of 60 x 40 m."""
-NUMBER_PER_RADIUS = 0.75
+NUMBER_OFF_CENTRE = 0.55
+"""Distance of a number from the middle of its circle if an object is there, in radii."""
+NOTHING = shapely.MultiPolygon()
+NUMBER_PER_RADIUS = 0.6
 """Largest height of an area's number, so that it fits into its circle."""
 DASHES = 12
 """Of the ring of a victim who waits."""
@@ -60,11 +62,11 @@ MAX_VOICE_CELLS = 12_000
 
 
 def victim_names(
-    victims: Sequence[msg.Victim], save_distance_m: float, lettering: Lettering, areas: Sequence[msg.Area] = ()
+    victims: Sequence[msg.Victim], save_distance_m: float, lettering: Lettering, numbers: Sequence[Written] = ()
 ) -> list[Written]:
     """Return the victims' names with their places, outside all rings and clear of walls and numbers of areas."""
     taken = [shapely.Point(each.position.x, each.position.y).buffer(save_distance_m) for each in victims]
-    taken += [written.box for written in area_numbers(areas, lettering)]
+    taken += [written.box for written in numbers]
     texts = [
         Name(
             victim.name.replace("_", " "),
@@ -119,21 +121,21 @@ def _victim_parts(
     yield lettering.label("victim_names", index, name, tint)
 
 
-def area_numbers(areas: Sequence[msg.Area], lettering: Lettering) -> list[Written]:
-    """Return the areas' numbers at the middles of their circles, into which they fit."""
-    return [
-        Written(
-            f"A{number}",
-            (area.center.x, area.center.y),
-            min(NUMBER_M * lettering.unit, NUMBER_PER_RADIUS * area.radius_m),
-        )
-        for number, area in enumerate(areas, 1)
-    ]
+def area_numbers(areas: Sequence[msg.Area], lettering: Lettering, objects: shapely.Geometry = NOTHING) -> list[Written]:
+    """Return the areas' numbers within their circles: at the middle, or beside what objects cover."""
+    return [_number(f"A{number}", area, lettering, objects) for number, area in enumerate(areas, 1)]
 
 
-def area_markers(areas: Sequence[msg.Area], lettering: Lettering) -> list[Marker]:
+def _number(words: str, area: msg.Area, lettering: Lettering, objects: shapely.Geometry) -> Written:
+    height_m = min(NUMBER_M * lettering.unit, NUMBER_PER_RADIUS * area.radius_m)
+    x, y, off_m = area.center.x, area.center.y, NUMBER_OFF_CENTRE * area.radius_m
+    places = [(x, y), (x, y - off_m), (x, y + off_m), (x + off_m, y), (x - off_m, y)]
+    written = [Written(words, place, height_m) for place in places]
+    return min(written, key=lambda number: float(shapely.intersection(number.box, objects).area))
+
+
+def area_markers(areas: Sequence[msg.Area], lettering: Lettering, numbers: Sequence[Written]) -> list[Marker]:
     """Return a numbered disc for each area: an outline if unexplored, bright if it is the target, green if explored."""
-    numbers = area_numbers(areas, lettering)
     return [
         part
         for i, (area, number) in enumerate(zip(areas, numbers, strict=True))
@@ -227,8 +229,8 @@ def headline_words(status: msg.MissionStatus, num_endangered: int) -> str:
     return "    ".join(parts)
 
 
-def headline_marker(words: str, bounds: Bounds, unit: float) -> Marker:
-    """Return the headline as a text beyond the upper edge of the plan. Args: unit: see `view.unit`."""
-    height_m = 1.8 * unit
-    at = ((bounds.min[0] + bounds.max[0]) / 2.0, bounds.max[1] + 1.4 * height_m, height_m)
-    return label("headline", 0, words, HEADLINE, at, height_m)
+def headline_marker(words: str, bounds: Bounds, lettering: Lettering) -> Marker:
+    """Return the headline as a text beyond the upper edge of the plan, where walls do not hide it."""
+    height_m = 1.8 * lettering.unit
+    at = ((bounds.min[0] + bounds.max[0]) / 2.0, bounds.max[1] + 0.7 * lettering.highest_m + 1.2 * height_m)
+    return lettering.label("headline", 0, Written(words, at, height_m), HEADLINE)

@@ -2,12 +2,15 @@
 
 import functools
 import itertools
+import math
 from collections.abc import Sequence
 
+import shapely
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robotteamsim import palette
 from robotteamsim.geometry import Pose
+from robotteamsim.ros.scene import view
 from robotteamsim.ros.scene.plan import SHADOW_Z_M
 from robotteamsim.ros.scene.shapes import WHITE, Mesh, circle_points, colour, marker, shaded
 from robotteamsim.scenario.objects import MovableObject
@@ -34,6 +37,17 @@ def object_markers(objects: Sequence[MovableObject], poses: Sequence[Pose], *, r
     """Return one marker per object, with its index as id. Args: replace: first delete all other markers."""
     markers = [_marker(i, obj, pose) for i, (obj, pose) in enumerate(zip(objects, poses, strict=True))]
     return MarkerArray([Marker(action=Marker.DELETEALL), *markers] if replace else markers)
+
+
+def covered(markers: Sequence[Marker], eye_m: tuple[float, float, float]) -> shapely.Geometry:
+    """Return the part of the floor that objects cover in the default view. Args: markers: of `object_markers`."""
+    drawn = [marker for marker in markers if marker.points]
+    discs = []
+    for each in drawn:
+        reach_m = max(math.hypot(point.x, point.y) for point in each.points)
+        disc = shapely.Point(each.pose.position.x, each.pose.position.y).buffer(reach_m, 4)
+        discs.append(view.covered(eye_m, disc, max(point.z for point in each.points)))
+    return shapely.union_all(discs)
 
 
 def _marker(marker_id: int, obj: MovableObject, pose: Pose) -> Marker:

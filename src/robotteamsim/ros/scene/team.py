@@ -68,6 +68,8 @@ MAX_LASERS = 17
 LABEL_M = 1.1
 """Height of a robot's number in a building of 60 x 40 m; all sizes but those of bodies scale with the building."""
 HOPS_M = 0.9
+ARROW_PER_RING = 1.6
+"""How far the arrow reaches, in radii of the ring."""
 BASE_PER_RING = 1.35
 """Half the side of the square around the base, in radii of its ring."""
 
@@ -109,7 +111,7 @@ def robot_colour(number: int) -> Colour:
 def team_numbers(
     views: Sequence[RobotView],
     lettering: Lettering,
-    written: Sequence[Written] = (),
+    taken: Sequence[shapely.Geometry] = (),
     before: Mapping[int, Written] | None = None,
 ) -> dict[int, Written]:
     """Return the number of each robot by its id, clear of walls, robots and other texts.
@@ -123,13 +125,13 @@ def team_numbers(
         Name(
             view.words,
             (view.pose.x_m, view.pose.y_m),
-            view.ring_m(lettering.unit) * (BASE_PER_RING if view.base else 1.0),
+            view.ring_m(lettering.unit) * (BASE_PER_RING if view.base else ARROW_PER_RING),
             height_m,
             last[view.robot_id].side if view.robot_id in last else ABOVE,
         )
         for view in views
     ]
-    placed = lettering.place(texts, [*rings, *(text.box for text in written)])
+    placed = lettering.place(texts, [*rings, *taken])
     return {view.robot_id: number for view, number in zip(views, placed, strict=True)}
 
 
@@ -262,7 +264,11 @@ def _band(angles_rad: np.ndarray, inner_m: np.ndarray, outer_m: np.ndarray) -> l
 
 def _arrow(ring_m: float, width_m: float) -> list[tuple[float, float]]:
     base_m, half_m = ring_m + 0.5 * width_m, 0.36 * ring_m
-    return [(base_m + 0.6 * ring_m, 0.0), (base_m - 0.1 * ring_m, half_m), (base_m - 0.1 * ring_m, -half_m)]
+    return [
+        (base_m + (ARROW_PER_RING - 1.0) * ring_m, 0.0),
+        (base_m - 0.1 * ring_m, half_m),
+        (base_m - 0.1 * ring_m, -half_m),
+    ]
 
 
 class Trail:
