@@ -138,6 +138,10 @@ pictures: build ## regenerate the pictures of README and docs
 		--compare voice.noise_db=10 --compare voice.noise_db=20 --compare voice.noise_db=30
 	@$(ENV) for map in mrl_arena isr_floor_0; do \
 		$(PYTHON) -m robotteamsim.cli plan render $$map --png docs/images/$$map.png || exit 1; done
+	@$(ENV) $(PYTHON) bench/office_arms.py --again
+	@rm -rf $(BUILD)/analysis && mkdir -p $(BUILD)/analysis
+	@$(ENV) $(PYTHON) -m robotteamsim.cli run garage_sar --seed 7 --bag $(BUILD)/analysis/mission.bag --out $(BUILD)/analysis > /dev/null
+	@$(ENV) $(PYTHON) -m robotteamsim.cli analyse $(BUILD)/analysis/mission.bag --png docs/images/analysis.png --scenario garage_sar > /dev/null
 	@$(ENV) $(PYTHON) docs/make_pictures.py
 
 man: build ## write the man page docs/robotteamsim.1 again
