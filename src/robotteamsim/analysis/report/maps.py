@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -78,7 +79,12 @@ def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: Voi
     axes.spines[:].set_visible(False)
     names = [f"{low:g} dB" for low in shown_db]
     patches = [Patch(facecolor=colour, edgecolor=palette.AXIS, linewidth=0.6) for colour in colours]
-    where = {"loc": "outside lower center", "ncols": min(len(names), 4), "frameon": False, "columnspacing": 1.5}
+    where: dict[str, Any] = {
+        "loc": "outside lower center",
+        "ncols": min(len(names), 4),
+        "frameon": False,
+        "columnspacing": 1.5,
+    }
     figure.legend(patches, names, title="heard with noise up to", fontsize=12, title_fontsize=12, **where)
     return figure
 

@@ -76,12 +76,13 @@ def draw_progress(axes: Axes, run: RecordedRun) -> None:
     heard = saved + [status.victims.count("heard") for status in run.statuses]
     explored = [sum(status.explored) for status in run.statuses]
     # Lines that coincide stay visible, because each lies within the one before.
-    dashed = {"color": palette.INK, "linewidth": 1.3, "linestyle": (0, (4, 2))}
+    dashed: dict[str, Any] = {"color": palette.INK, "linewidth": 1.3, "linestyle": (0, (4, 2))}
     last = run.statuses[-1]
     if last.explored:
         axes.step(times_s, explored, where="post", color=palette.EXPLORED_AREA, linewidth=4.0, label="areas explored")
     if last.victims:
-        edge = {"path_effects": [withStroke(linewidth=3.2, foreground=palette.INK), Normal()], "linewidth": 2.2}
+        outline = [withStroke(linewidth=3.2, foreground=palette.INK), Normal()]
+        edge: dict[str, Any] = {"path_effects": outline, "linewidth": 2.2}
         axes.step(times_s, heard, where="post", color=palette.HEARD, label="victims heard", **edge)
         axes.step(times_s, saved, where="post", label="victims saved", **dashed)
     _whole(axes, max(len(last.explored), len(last.victims), 1))
@@ -92,7 +93,7 @@ def draw_links(axes: Axes, run: RecordedRun) -> None:
     """Links, and endangered links."""
     assert run.network is not None
     times_s, count, endangered = run.time_s(run.network.stamps_ns), links(run.network), endangered_links(run.network)
-    fill = {"color": palette.ENDANGERED_LINK, "alpha": 0.45, "linewidth": 0}
+    fill: dict[str, Any] = {"color": palette.ENDANGERED_LINK, "alpha": 0.45, "linewidth": 0}
     axes.fill_between(times_s, endangered, step="post", label="endangered links", **fill)
     axes.step(times_s, count, where="post", color=palette.STRONG_LINK, linewidth=1.6, label="links")
     _whole(axes, int(max(count.max(), 1)))

@@ -43,13 +43,13 @@ def film_entries(run: RecordedRun) -> list[Line2D]:
     if run.network is not None and len(run.robots) > 1:
         entries.append(line(palette.STRONG_LINK, "link"))
         if endangered_links(run.network).any():
-            entries.append(line(palette.ENDANGERED_LINK, "endangered link", style="--"))
+            entries.append(line(palette.ENDANGERED_LINK, "endangered link", dashed=True))
     return entries
 
 
-def line(colour: str, label: str, style: str = "-") -> Line2D:
+def line(colour: str, label: str, dashed: bool = False) -> Line2D:
     """Return the entry of a line."""
-    return Line2D([], [], color=colour, linewidth=2.4, linestyle=style, label=label)
+    return Line2D([], [], color=colour, linewidth=2.4, linestyle="--" if dashed else "-", label=label)
 
 
 def mark(shape: str, colour: str, label: str, edge: str = palette.PAPER, alpha: float = 1.0) -> Line2D:

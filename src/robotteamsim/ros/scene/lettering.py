@@ -46,6 +46,8 @@ class Written:
     middle_m: Point
     height_m: float
     side: int | None = None
+    on_floor: bool = False
+    """Just above the floor, because nothing solid is near; seen from straight above, it is then where it belongs."""
 
     @property
     def box(self) -> shapely.Polygon:
@@ -70,15 +72,16 @@ class Lettering:
         """Return the lettering of a scenario whose walls are cut at a height."""
         plan = scenario.plan
         heights_m = [min(solid.element.height_m, wall_height_m) for solid in solids(plan)]
-        heights_m += [thing.height_m for thing in (*scenario.objects, *placed_robots(scenario))]
+        heights_m += [thing.height_m for thing in scenario.objects]
+        heights_m += [robot.height_m for robot in placed_robots(scenario)]
         eye_m = view.eye_m(plan.bounds)
         walls = [view.covered(eye_m, solid.polygon, h) for solid, h in zip(solids(plan), heights_m, strict=False)]
         inside = shapely.box(*plan.bounds.min, *plan.bounds.max)
         return cls(view.unit(plan.bounds), eye_m, max(heights_m), shapely.union_all(walls), inside)
 
     def label(self, namespace: str, marker_id: int, text: Written, tint: Colour) -> Marker:
-        """Return a text above all solids, on the line from its place on the floor to the default view's camera."""
-        z_m = self.highest_m + LIFT_M + 0.5 * text.height_m
+        """Return a text above all solids, or low, on the line from its place on the floor to the default view's camera."""
+        z_m = (0.0 if text.on_floor else self.highest_m) + LIFT_M + 0.5 * text.height_m
         share = z_m / self.eye_m[2]
         x, y = (at + share * (eye - at) for at, eye in zip(text.middle_m, self.eye_m, strict=False))
         return label(namespace, marker_id, text.words, tint, (x, y, z_m), text.height_m)

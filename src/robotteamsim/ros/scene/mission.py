@@ -130,7 +130,7 @@ def _number(words: str, area: msg.Area, lettering: Lettering, objects: shapely.G
     height_m = min(NUMBER_M * lettering.unit, NUMBER_PER_RADIUS * area.radius_m)
     x, y, off_m = area.center.x, area.center.y, NUMBER_OFF_CENTRE * area.radius_m
     places = [(x, y), (x, y - off_m), (x, y + off_m), (x + off_m, y), (x - off_m, y)]
-    written = [Written(words, place, height_m) for place in places]
+    written = [Written(words, place, height_m, on_floor=True) for place in places]
     return min(written, key=lambda number: float(shapely.intersection(number.box, objects).area))
 
 
