@@ -80,7 +80,7 @@ class Lettering:
         return cls(view.unit(plan.bounds), eye_m, max(heights_m), shapely.union_all(walls), inside)
 
     def label(self, namespace: str, marker_id: int, text: Written, tint: Colour) -> Marker:
-        """Return a text above all solids, or low, on the line from its place on the floor to the default view's camera."""
+        """Return a text, above all solids or low, on the line from its place to the camera of the default view."""
         z_m = (0.0 if text.on_floor else self.highest_m) + LIFT_M + 0.5 * text.height_m
         share = z_m / self.eye_m[2]
         x, y = (at + share * (eye - at) for at, eye in zip(text.middle_m, self.eye_m, strict=False))
