@@ -142,6 +142,7 @@ pictures: build ## regenerate the pictures of README and docs
 	@rm -rf $(BUILD)/analysis && mkdir -p $(BUILD)/analysis
 	@$(ENV) $(PYTHON) -m robotteamsim.cli run garage_sar --seed 7 --bag $(BUILD)/analysis/mission.bag --out $(BUILD)/analysis > /dev/null
 	@$(ENV) $(PYTHON) -m robotteamsim.cli analyse $(BUILD)/analysis/mission.bag --png docs/images/analysis.png --scenario garage_sar > /dev/null
+	@$(ENV) $(PYTHON) docs/draw_viewer.py
 	@$(ENV) $(PYTHON) docs/make_pictures.py
 
 man: build ## write the man page docs/robotteamsim.1 again

@@ -27,7 +27,11 @@ export class Curves {
   /** Args: all: the curves of each mission that is shown. */
   draw(all, start, end, time) {
     Object.assign(this, { start, end });
-    CURVES.forEach((curve, index) => this._draw(this.canvases[index], curve, all.map((one) => one[curve.key]), time));
+    CURVES.forEach((curve, index) => {
+      const series = all.map((one) => one[curve.key]);
+      this.canvases[index].hidden = series.every(({ values }) => values.every((value) => value === 0));
+      this._draw(this.canvases[index], curve, series, time);
+    });
   }
 
   _draw(canvas, { key, name, step }, series, time) {

@@ -1,0 +1,57 @@
+"""Draw the pictures of docs/viewer.md: missions in headless Chromium with software rendering.
+
+Usage: python docs/draw_viewer.py
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from pathlib import Path
+
+from playwright.sync_api import Browser, sync_playwright
+
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
+from robotteamsim.view.html import mission_page
+from robotteamsim.view.recorder import FrameRecorder, Recording
+
+IMAGES = Path(__file__).parent / "images"
+_FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+_TIMEOUT_MS = 120_000
+
+
+def main() -> None:
+    """Simulate the missions and take the pictures."""
+    quiet, loud = (_recorded(["run.seed=2", f"voice.noise_db={noise_db}"]) for noise_db in (20, 30))
+    office = _recorded([], "office_manet")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=_FLAGS)
+        _draw(browser, "viewer", [quiet], "#t=150&layers=voice,laser", (1600, 900))
+        _draw(browser, "viewer_compare", [quiet, loud], "#t=300&layers=radio&theme=light", (1600, 720))
+        _draw(browser, "viewer_office", [office], "#t=60", (1600, 900))
+        _draw(browser, "viewer_phone", [quiet], "#t=150", (390, 844))
+        browser.close()
+
+
+def _recorded(overrides: list[str], name: str = "garage_sar") -> Recording:
+    simulation = Simulation(load(name, overrides))
+    recorder = FrameRecorder(simulation)
+    simulation.run([recorder])
+    return recorder.recording
+
+
+def _draw(browser: Browser, name: str, recordings: list[Recording], fragment: str, size: tuple[int, int]) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "mission.html"
+        path.write_text(mission_page(recordings, name, compare=len(recordings) > 1), encoding="utf-8")
+        page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+        page.goto(f"file://{path}{fragment}")
+        page.wait_for_selector("body[data-ready]", state="attached", timeout=_TIMEOUT_MS)
+        page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        page.screenshot(path=IMAGES / f"{name}.png", timeout=_TIMEOUT_MS)
+        page.close()
+
+
+if __name__ == "__main__":
+    main()
