@@ -55,6 +55,12 @@ def test_there_is_no_step_any_more_when_the_source_is_closed(lines):
     assert receiver.take() is None
 
 
+def test_message_whose_stamp_no_header_could_repeat_is_ignored(lines):
+    source = Source([(0, 2**32 * 10**9, b"0"), (0, 100, b"1"), (1, 100, b"2")])
+    assert lockstep_receiver(source, lines).take().messages == {"scan": (1,), "odom": (2,)}
+    assert lines == ["scan: ignoring messages that cannot be read: stamp: 4294967296 s; expected below 2^32 s"]
+
+
 def test_message_that_cannot_be_read_is_ignored_with_one_warning(lines):
     source = Source([(0, 100, b"x"), (0, 100, b"y"), (0, 100, b"1"), (1, 100, b"2")])
     assert lockstep_receiver(source, lines).take().messages == {"scan": (1,), "odom": (2,)}

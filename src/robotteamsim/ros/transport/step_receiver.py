@@ -9,6 +9,9 @@ from robotteamsim.ros.transport.synchronizer import Step, StepSynchronizer
 CHECK_PERIOD_S = 1.0
 """Interval of checks for missing messages during a wait [s, wall]."""
 
+LATEST_STAMP_NS = 2**32 * 10**9 - 1
+"""A header has 32 bits for the seconds; nanoseconds above 1e9 could exceed them."""
+
 Decode = Callable[[bytes], Any]
 """Converts a serialized message to a value; raises ValueError if that is impossible."""
 
@@ -62,6 +65,7 @@ class StepReceiver:
         for index, stamp_ns, data in self._source.take(timeout_s):
             name, decode = self._channels[index]
             try:
+                check_stamp(stamp_ns)
                 message = decode(data)
             except ValueError as error:
                 if name not in self._unreadable:
@@ -69,3 +73,9 @@ class StepReceiver:
                     self._warn(f"{name}: ignoring messages that cannot be read: {error}")
             else:
                 self._synchronizer.add(name, stamp_ns, message)
+
+
+def check_stamp(stamp_ns: int) -> None:
+    """Raises: ValueError: the stamp does not fit into the header of an answer."""
+    if stamp_ns > LATEST_STAMP_NS:
+        raise ValueError(f"stamp: {stamp_ns / 1e9:.0f} s; expected below 2^32 s")
