@@ -316,6 +316,16 @@ def test_latest_step_with_no_robot_present_is_made_from_the_report_of_that():
     assert steps.take_step().messages["odom"] == ("here",)
 
 
+def test_latest_forgets_that_a_robot_had_left_when_time_jumps_back_before_that():
+    steps = LatestSynchronizer((PRESENCE, Channel("odom 0", needed=True), Channel("odom 1", needed=True, robot_id=1)))
+    steps.add("odom 0", 900, "here")
+    steps.add("robots", 900, Present(1, 0))
+    steps.add("odom 0", 100, "here")
+    assert steps.take_step() is None
+    steps.add("odom 1", 100, "here, too")
+    assert steps.take_step() == Step(100, True, {"robots": (), "odom 0": ("here",), "odom 1": ("here, too",)})
+
+
 def test_latest_drops_a_single_late_message_and_restarts_when_time_goes_on_from_it():
     steps = LatestSynchronizer([Channel("odom", needed=True)], stale_ns=1000)
     steps.add("odom", 500, "a")

@@ -181,6 +181,8 @@ class LatestSynchronizer(StepSynchronizer):
             queue.waiting.clear()
             for other in self._queues.values():
                 other.waiting = [waiting for waiting in other.waiting if waiting[0] <= stamp_ns]
+            # Otherwise a step would lack both a robot's messages and the message that it is absent.
+            self._present = {noted_ns: present for noted_ns, present in self._present.items() if noted_ns <= stamp_ns}
         queue.last_ns, queue.late_ns = stamp_ns, None
         queue.waiting.append((stamp_ns, message))
 
