@@ -14,7 +14,7 @@ from robotteamsim.sensing.readings import OdometryReading
 class Queue:
     """Has these requests, then is closed."""
 
-    def __init__(self, requests: list[str]) -> None:
+    def __init__(self, requests: list[str | bytes]) -> None:
         self._requests = requests
         self.topics: list[str] = []
         self.is_closed = False
@@ -24,7 +24,10 @@ class Queue:
 
     def take(self, timeout_s: float) -> list[tuple[int, int, bytes]]:
         self.is_closed = True
-        return [(0, 0, serialized(stage.String(data=request))) for request in self._requests]
+        return [
+            (0, 0, request if isinstance(request, bytes) else serialized(stage.String(data=request)))
+            for request in self._requests
+        ]
 
 
 class Thread:
@@ -40,6 +43,7 @@ class Thread:
         (["speedup_4.0"], [4.0]),
         (["speedup", "speedup_0.5"], [2.0, 0.5]),
         (["footprints", "screenshot", "", "speed"], []),
+        ([b"\x01", "speedup_4.0"], [4.0]),  # the first one cannot be read
     ],
 )
 def test_speedup_of_stage_sets_the_speed_and_other_requests_do_nothing(monkeypatch, requests, speeds):

@@ -67,7 +67,10 @@ class StageRequests:
     def _serve(self) -> None:
         while not self._queue.is_closed:
             for _, _, data in self._queue.take(POLL_S):
-                self.follow(deserialized(String, data).data)
+                try:
+                    self.follow(deserialized(String, data).data)
+                except ValueError as error:
+                    logger.warning("%s: ignoring a request that cannot be read: %s", REQUESTS, error)
 
     def follow(self, request: str) -> None:
         """Set the requested speed; ignore requests about Stage's window, such as `footprints` and `screenshot`."""
