@@ -26,7 +26,7 @@ RESTART_TIMEOUT_S = 3.0
 START_TIMEOUT_S = 60.0
 """Without lockstep, the world starts without controllers that have not started after this time [s, wall]."""
 WARNING_PERIOD_S = 1.0
-"""Commands that are not finite are reported at most once in this time [s, wall]."""
+"""Wrong commands are reported at most once in this time [s, wall]."""
 COMMANDS_KEPT = 100
 """Largest number of commands for a robot within one step; older ones are dropped."""
 
@@ -68,7 +68,7 @@ class _Team:
         try:
             twist = conversion.read_twist(data)
         except ValueError as error:
-            logger.warning("%s: ignoring a command that cannot be read: %s", robot_name(robot_id), error)
+            self._warn(f"{robot_name(robot_id)}: ignoring a command that cannot be read: {error}")
         else:
             self._put(robot_id, sim_time_ns, twist)
 
@@ -76,9 +76,13 @@ class _Team:
         """Process a message of a topic subscribed to after the commands."""
 
     def _put(self, robot_id: int, sim_time_ns: int, twist: Twist) -> None:
-        if not self._commands.put(robot_id, sim_time_ns, twist) and time.monotonic() >= self._warning_due_s:
+        if not self._commands.put(robot_id, sim_time_ns, twist):
+            self._warn(f"{robot_name(robot_id)}: ignoring a command that is not finite")
+
+    def _warn(self, line: str) -> None:
+        if time.monotonic() >= self._warning_due_s:
             self._warning_due_s = time.monotonic() + WARNING_PERIOD_S
-            logger.warning("%s: ignoring a command that is not finite", robot_name(robot_id))
+            logger.warning("%s", line)
 
 
 class LockstepTeam(_Team):
