@@ -115,6 +115,13 @@ def test_scan_without_beams_is_read():
     assert len(conversion.read_ranges_m(serialized(LaserScan()))) == 0
 
 
+def test_scan_with_another_number_of_ranges_than_the_laser_has_beams_is_refused():
+    data = serialized(LaserScan(ranges=[1.0, 2.0]))
+    assert len(conversion.read_ranges_m(data, beams=2)) == 2
+    with pytest.raises(ValueError, match="ranges: 2 entries; expected 3, the beams of the scenario's laser"):
+        conversion.read_ranges_m(data, beams=3)
+
+
 def test_bytes_that_are_too_few_are_refused():
     messages = (
         (Odometry(), conversion.read_odometry),

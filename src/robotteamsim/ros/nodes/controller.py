@@ -81,7 +81,9 @@ class ControllerSlot:
             f"{prefix}{name}" for name in ("odom", "base_scan", "base_pose_ground_truth")
         )
         self._contact, self._voice, self._received = (f"{prefix}{name}" for name in ("contact", "voice", "network/rx"))
-        self._further = FurtherInputs(body_of(robot_id, settings.scenario), prefix, settings.step_ns, robot_id)
+        robot = body_of(robot_id, settings.scenario)
+        self._beams = robot.laser.beams
+        self._further = FurtherInputs(robot, prefix, settings.step_ns, robot_id)
         self._arrival = 1
         """Number of the robot's arrivals, including the start."""
         self.build(settings)
@@ -98,7 +100,7 @@ class ControllerSlot:
         truth = Input(of_robot(self._truth, needed=self._by_truth), Odometry, conversion.read_odometry)
         return [
             Input(of_robot(self._odom, needed=True), Odometry, conversion.read_odometry),
-            Input(of_robot(self._scan, needed=True), LaserScan, conversion.read_ranges_m),
+            Input(of_robot(self._scan, needed=True), LaserScan, partial(conversion.read_ranges_m, beams=self._beams)),
             *([truth] if self._tf is None else []),
             Input(of_robot(self._contact), Contact),
             Input(of_robot(self._voice, needed=True), Voice),

@@ -34,8 +34,8 @@ class FurtherInputs:
         dues = [_due(laser.every_steps, self._step_ns) for laser in self._robot.lasers]
         mine = partial(Channel, robot_id=self._robot_id)
         inputs = [
-            Input(mine(name, due=due), LaserScan, conversion.read_ranges_m)
-            for name, due in zip(self._lasers, dues, strict=True)
+            Input(mine(name, due=due), LaserScan, partial(conversion.read_ranges_m, beams=laser.beams))
+            for name, laser, due in zip(self._lasers, self._robot.lasers, dues, strict=True)
         ]
         inputs += [Input(mine(name), Range) for name in self._sonars]
         if self._robot.gps is not None:

@@ -83,9 +83,15 @@ def read_odometry(data: bytes) -> OdometryReading:
     return OdometryReading(PoseReading(*pose), Twist(*velocity), pose_covariance, twist_variances)
 
 
-def read_ranges_m(data: bytes) -> np.ndarray:
-    """Return the ranges of a serialized sensor_msgs/LaserScan as float32, shape (beams,) [m]. Raises: ValueError."""
-    return roscpp.read_ranges(data)
+def read_ranges_m(data: bytes, beams: int | None = None) -> np.ndarray:
+    """Return the ranges of a serialized sensor_msgs/LaserScan as float32, shape (beams,) [m].
+
+    Raises: ValueError: the bytes are too few, or there is another number of ranges.
+    """
+    ranges_m = roscpp.read_ranges(data)
+    if beams is not None and len(ranges_m) != beams:
+        raise ValueError(f"ranges: {len(ranges_m)} entries; expected {beams}, the beams of the scenario's laser")
+    return ranges_m
 
 
 def read_twist(data: bytes) -> Twist:
