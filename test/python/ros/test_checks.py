@@ -10,22 +10,28 @@ import pytest
 from geometry_msgs.msg import Point
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import (
+    Area,
+    Areas,
+    Contact,
     ControllerStatus,
     Discovery,
     Door,
     Doors,
+    FloatMap,
     MissionStatus,
     NetworkLinks,
     NetworkMessage,
     NetworkMessages,
     NetworkState,
     Robots,
+    Victim,
+    Victims,
     Voice,
 )
-from sensor_msgs.msg import Range
+from sensor_msgs.msg import LaserScan, NavSatFix, Range
 
 from robotteamsim.ros.nodes.requests import check_door, check_noise, check_victim
-from robotteamsim.ros.transport.checks import reader
+from robotteamsim.ros.transport.checks import outbox_reader, reader
 from robotteamsim.ros.transport.msg_conversion import read_odometry
 from robotteamsim.ros.transport.serialization import serialized
 from robotteamsim.scenario import load
@@ -54,6 +60,12 @@ ODD = [math.nan, math.inf, -math.inf, 1e300]
         MissionStatus(has_area=True),
         ControllerStatus(has_goal=True),
         Range(range=math.inf),
+        LaserScan(ranges=[math.inf, 1.0]),
+        NavSatFix(latitude=-90.0),
+        Contact(angles_rad=[1.0]),
+        FloatMap(resolution_m=0.25, width=2, height=1, data=[10.0, 0.0]),
+        Areas(areas=[Area(name="a", radius_m=1.0)]),
+        Victims(victims=[Victim(name="ann", state="heard")]),
     ],
     ids=lambda message: message._type.split("/")[1],
 )
@@ -81,11 +93,36 @@ def test_message_that_fits_the_scenario_is_read(message):
         (Doors(doors=DOORS[1:]), "doors: the names differ from those of the plan"),
         (Doors(doors=[Door(name=door.name, motion="flies") for door in DOORS]), "motion: expected still, opens"),
         (Range(range=math.nan), "range: nan; expected a number"),
+        (Doors(doors=[Door(name=door.name, opening=2.0) for door in DOORS]), "opening: 2; expected 0 to 1"),
+        (NavSatFix(latitude=math.nan), "latitude: nan; expected -90 to 90"),
+        (NavSatFix(position_covariance=[-1.0] + 8 * [0.0]), "position_covariance: -1; expected 0 to 1e+06"),
+        (Contact(angles_rad=[math.inf]), "angles_rad: inf; expected finite numbers"),
+        (LaserScan(angle_increment=math.nan), "angles: (0, nan); expected finite numbers"),
+        (FloatMap(resolution_m=0.0), "resolution_m: 0; expected 0.01 to 1e+06"),
+        (FloatMap(resolution_m=1.0, width=2, height=2, data=[1.0]), "data: 1 entries; expected 4"),
+        (FloatMap(resolution_m=1.0, width=1, height=1, data=[math.nan]), "data: nan; expected -1000 to 1000"),
+        (Areas(areas=[Area(radius_m=-1.0)]), "radius_m: -1; expected 0 to 1e+06"),
+        (Victims(victims=[Victim(state="lost")]), "state: expected waiting, heard or saved"),
     ],
 )
 def test_message_that_does_not_fit_the_scenario_is_refused(message, line):
     with pytest.raises(ValueError, match=f"^{re.escape(line)}"):
         reader(type(message), SETTINGS)(serialized(message))
+
+
+def test_robot_sends_messages_only_as_itself():
+    mine, others = (serialized(NetworkMessages(messages=[NetworkMessage(sender=sender)])) for sender in (1, 0))
+    read = outbox_reader(1, SETTINGS)
+    assert read(mine).messages[0].sender == 1
+    with pytest.raises(ValueError, match="a message from 0; expected only from 1"):
+        read(others)
+
+
+def test_message_of_a_run_with_another_team_and_plan_is_read_without_settings():
+    for message in (Robots(present=[1], arrivals=[1]), NetworkState(**NETWORK), Doors(doors=[DOORS[0]])):
+        assert reader(type(message))(serialized(message))._type == message._type
+    with pytest.raises(ValueError, match="hop_count: 1 entries; expected 4"):
+        reader(NetworkState)(serialized(NetworkState(**NETWORK | {"hop_count": [0]})))
 
 
 @pytest.mark.parametrize("odd", ODD)

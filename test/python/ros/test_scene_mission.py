@@ -145,6 +145,7 @@ def test_no_name_of_a_shipped_scenario_covers_a_wall_another_name_or_an_area(nam
 
 def test_silence_has_no_voice_layer():
     assert voice_markers((0.0, 0.0), 0.25, np.zeros((20, 30))) == []
+    assert voice_markers((0.0, 0.0), 0.25, np.full((1, 30), 50.0)) == []  # too small for a contour
 
 
 def fading_voice(rows=20, columns=30, resolution_m=0.5):

@@ -1,3 +1,4 @@
+import dataclasses
 import math
 
 import numpy as np
@@ -9,6 +10,13 @@ from robotteamsim.ros.scene.sensors import FixView, SonarView, fix_markers, sona
 
 NEAR = SonarView(Pose(1.0, 2.0, math.pi / 2), 0.25, 0.5, 3.0, 2.0)
 NOTHING = SonarView(Pose(1.0, 2.0, 0.0), 0.25, 0.5, 3.0, 3.0)
+
+
+@pytest.mark.parametrize("range_m", [math.inf, -math.inf, -1.0, 1e300])
+def test_cone_of_a_range_beyond_its_limits_ends_at_them(range_m):
+    (cone,) = named(sonar_markers({0: [dataclasses.replace(NEAR, range_m=range_m)]}), "sonars")
+    reach_m = [math.hypot(point.x - 1.0, point.y - 2.0) for point in cone.points]
+    assert max(reach_m) == pytest.approx(3.0 if range_m > 0.0 else 0.0)
 
 
 def named(markers, namespace):

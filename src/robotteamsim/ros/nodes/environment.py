@@ -17,6 +17,7 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.requests import check_noise, check_victim
 from robotteamsim.ros.transport import msg_conversion as conversion
+from robotteamsim.ros.transport.checks import outbox_reader
 from robotteamsim.ros.transport.msg_conversion import RosTypes
 from robotteamsim.ros.transport.node import run
 from robotteamsim.ros.transport.presence import PRESENCE, Presence
@@ -132,7 +133,11 @@ class EnvironmentNode:
         poses = [an_input for robot_id in range(self._settings.num_robots) for an_input in self._poses.inputs(robot_id)]
         controlled = self._settings.controlled
         sent = [
-            Input(Channel(topic, of_last_step=True, may_be_silent=True, robot_id=robot_id), NetworkMessages)
+            Input(
+                Channel(topic, of_last_step=True, may_be_silent=True, robot_id=robot_id),
+                NetworkMessages,
+                outbox_reader(robot_id, self._settings),
+            )
             for robot_id, topic in enumerate(self._sent)
             if robot_id in controlled or not self._settings.lockstep
         ]

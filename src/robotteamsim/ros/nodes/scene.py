@@ -33,7 +33,7 @@ from robotteamsim.ros.transport.settings import read_settings
 from robotteamsim.ros.transport.tf_pose import TfPose
 from robotteamsim.ros.transport.topics import Output
 from robotteamsim.scenario import Bounds, Scenario, occupancy_grid
-from robotteamsim.scenario.plan import OCCUPIED
+from robotteamsim.scenario.plan import OCCUPIED, grid_shape
 from robotteamsim.scenario.sections import Robot
 from robotteamsim.world.placement import placed_robots
 
@@ -256,9 +256,9 @@ class Scene:
         if voice is not None:
             levels_db = np.asarray(voice.data).reshape(voice.height, voice.width)
             origin_m = (voice.origin.x, voice.origin.y)
-            grid = occupancy_grid(self._scenario.plan, voice.resolution_m)
-            same = grid.origin_m == origin_m and grid.cells.shape == levels_db.shape
-            solid = grid.cells == OCCUPIED if same else None
+            plan = self._scenario.plan
+            same = plan.bounds.min == origin_m and grid_shape(plan, voice.resolution_m) == levels_db.shape
+            solid = occupancy_grid(plan, voice.resolution_m).cells == OCCUPIED if same else None
             self._canvas["voice"].draw(scene_mission.voice_markers(origin_m, voice.resolution_m, levels_db, solid))
 
     def _draw_team(self, now_s: float) -> None:

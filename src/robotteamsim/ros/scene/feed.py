@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from robotteamsim import _ros_transport as roscpp
-from robotteamsim.ros.transport.serialization import deserialized, message_type
+from robotteamsim.ros.transport.checks import reader
+from robotteamsim.ros.transport.serialization import message_type
 
 logger = logging.getLogger(__name__)
 
@@ -21,7 +22,9 @@ class Feed:
 
     def __init__(self, topic: str, message_class: Any, keep: int = 1) -> None:
         """Subscribe. Args: keep: largest number of messages between two calls of a reader; older ones are dropped."""
-        self._class = message_class
+        self._topic = topic
+        self._read = reader(message_class)
+        self._warned = False
         self._queue = roscpp.MessageQueue()
         self._queue.subscribe(topic, message_type(message_class), keep)
 
@@ -43,11 +46,13 @@ class Feed:
         self._queue.unsubscribe()
 
     def _decoded(self, data: bytes) -> list[Any]:
-        """Return the message, or None if it cannot be read."""
+        """Return the message, or nothing if it cannot be read."""
         try:
-            return [deserialized(self._class, data)]
-        except ValueError:
-            logger.warning("ignoring a message that cannot be read", exc_info=True)
+            return [self._read(data)]
+        except ValueError as error:
+            if not self._warned:
+                self._warned = True
+                logger.warning("%s: ignoring messages that cannot be read: %s", self._topic, error)
             return []
 
 

@@ -173,7 +173,7 @@ def voice_markers(
     stride = max(1, math.ceil(math.sqrt(levels_db.size / MAX_VOICE_CELLS)))
     x_m = origin_m[0] + (np.arange(levels_db.shape[1]) + 0.5) * resolution_m
     y_m = origin_m[1] + (np.arange(levels_db.shape[0]) + 0.5) * resolution_m
-    if not (levels_db > 0.0).any():
+    if min(levels_db.shape) < 2 or not (levels_db > 0.0).any():
         return []
     film = _voice_film(x_m[::stride], y_m[::stride], levels_db[::stride, ::stride])
     contours = lines("voice", 1, _contours(x_m, y_m, levels_db), 0.05)

@@ -81,7 +81,7 @@ def _rim(view: SonarView) -> list[Position]:
     count = max(2, math.ceil(view.opening_rad / CONE_STEP_RAD))
     low_rad = view.sonar.yaw_rad - 0.5 * view.opening_rad
     angles_rad = [low_rad + view.opening_rad * i / count for i in range(count + 1)]
-    x_m, y_m, reach_m = view.sonar.x_m, view.sonar.y_m, view.range_m
+    x_m, y_m, reach_m = view.sonar.x_m, view.sonar.y_m, min(max(view.range_m, 0.0), view.range_max_m)
     return [(x_m + reach_m * math.cos(a), y_m + reach_m * math.sin(a), view.height_m) for a in angles_rad]
 
 

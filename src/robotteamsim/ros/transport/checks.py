@@ -10,17 +10,29 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from robotteamsim.msg import NetworkMessages
 from robotteamsim.network.compact import row_bytes
 from robotteamsim.ros.transport.serialization import deserialized
 from robotteamsim.ros.transport.settings import Settings
 
 FARTHEST_M = 1e6
 """Limit of coordinates, as in the propagation models."""
+FINEST_CELL_M = 0.01
+LOUDEST_DB = 1000.0
+"""Limit of the values of maps [dB, dBm]."""
 
 
-def reader(message_class: Any, settings: Settings) -> Callable[[bytes], Any]:
-    """Return what makes a message of bytes; it raises ValueError if the bytes or the numbers in them are wrong."""
+def reader(message_class: Any, settings: Settings | None = None) -> Callable[[bytes], Any]:
+    """Return what makes a message of bytes; it raises ValueError if the bytes or the numbers in them are wrong.
+
+    Args: settings: the team and plan that messages must fit; None: any, as in a bag of another run.
+    """
     return partial(_read, message_class, settings)
+
+
+def outbox_reader(robot_id: int, settings: Settings) -> Callable[[bytes], Any]:
+    """Return the reader of a robot's `network/tx`: it also raises ValueError for messages of other senders."""
+    return partial(_read_outbox, robot_id, settings)
 
 
 def check_place(name: str, *coordinates: float) -> None:
@@ -32,11 +44,20 @@ def check_place(name: str, *coordinates: float) -> None:
 
 def check_finite(name: str, *values: float) -> None:
     """Raises: ValueError: a number is not finite."""
-    if not all(map(math.isfinite, values)):
-        raise ValueError(f"{name}: {', '.join(f'{value:g}' for value in values)}; expected finite numbers")
+    for value in values:
+        if not math.isfinite(value):
+            raise ValueError(f"{name}: {value:g}; expected finite numbers")
 
 
-def _read(message_class: Any, settings: Settings, data: bytes) -> Any:
+def _read_outbox(robot_id: int, settings: Settings, data: bytes) -> Any:
+    message = _read(NetworkMessages, settings, data)
+    for one in message.messages:
+        if one.sender != robot_id:
+            raise ValueError(f"a message from {one.sender}; expected only from {robot_id}")
+    return message
+
+
+def _read(message_class: Any, settings: Settings | None, data: bytes) -> Any:
     message = deserialized(message_class, data)
     check = _CHECKS.get(message_class._type)
     if check is not None:
@@ -49,21 +70,28 @@ def _expect(name: str, count: int, expected: int) -> None:
         raise ValueError(f"{name}: {count} entries; expected {expected}")
 
 
-def _check_robots(message: Any, settings: Settings) -> None:
-    _expect("present", len(message.present), settings.num_robots)
-    _expect("arrivals", len(message.arrivals), settings.num_robots)
+def _expect_within(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise ValueError(f"{name}: {value:g}; expected {low:g} to {high:g}")
 
 
-def _check_network(message: Any, settings: Settings) -> None:
+def _check_robots(message: Any, settings: Settings | None) -> None:
+    _expect("arrivals", len(message.arrivals), settings.num_robots if settings else len(message.present))
+    _expect("present", len(message.present), len(message.arrivals))
+
+
+def _check_network(message: Any, settings: Settings | None) -> None:
     _check_num_robots(message, settings)
     for name in ("rssi_dbm", "link", "adjacency", "hop_count", "break_matrix", "endangered"):
-        _expect(name, len(getattr(message, name)), settings.num_robots**2)
+        _expect(name, len(getattr(message, name)), message.num_robots**2)
     _expect("refused_bytes", len(message.refused_bytes), len(message.refused_senders))
+    check_finite("fiedler_value", message.fiedler_value)
+    check_finite("mean_delay_s", message.mean_delay_s)
 
 
-def _check_links(message: Any, settings: Settings) -> None:
+def _check_links(message: Any, settings: Settings | None) -> None:
     _check_num_robots(message, settings)
-    count = settings.num_robots
+    count = message.num_robots
     _expect("present", len(message.present), count)
     for name in ("adjacency", "endangered"):
         _expect(name, len(getattr(message, name)), count * row_bytes(count))
@@ -75,33 +103,35 @@ def _check_links(message: Any, settings: Settings) -> None:
     _expect("refused_bytes", len(message.refused_bytes), len(message.refused_senders))
 
 
-def _check_num_robots(message: Any, settings: Settings) -> None:
-    if message.num_robots != settings.num_robots:
+def _check_num_robots(message: Any, settings: Settings | None) -> None:
+    if settings and message.num_robots != settings.num_robots:
         raise ValueError(f"num_robots: {message.num_robots}; expected {settings.num_robots}")
 
 
-def _check_messages(message: Any, settings: Settings) -> None:
+def _check_messages(message: Any, settings: Settings | None) -> None:
+    if settings is None:
+        return
     for one in message.messages:
         if not 0 <= one.sender < settings.num_robots or not -1 <= one.receiver < settings.num_robots:
             raise ValueError(f"a message from {one.sender} to {one.receiver}; expected ids below {settings.num_robots}")
 
 
-def _check_doors(message: Any, settings: Settings) -> None:
-    expected = sorted(door.name for door in settings.scenario.plan.doors)
-    if sorted(door.name for door in message.doors) != expected:
+def _check_doors(message: Any, settings: Settings | None) -> None:
+    expected = sorted(door.name for door in settings.scenario.plan.doors) if settings else None
+    if expected is not None and sorted(door.name for door in message.doors) != expected:
         raise ValueError(f"doors: the names differ from those of the plan, {', '.join(expected)}")
     for door in message.doors:
-        check_finite("opening", door.opening)
+        _expect_within("opening", door.opening, 0.0, 1.0)
         if door.motion not in ("still", "opens", "closes", "held"):
             raise ValueError("motion: expected still, opens, closes or held")
 
 
-def _check_voice(message: Any, _: Settings) -> None:
+def _check_voice(message: Any, _: Settings | None) -> None:
     check_finite("level_db", message.level_db, message.local_best_level_db)
     check_place("local_best", message.local_best.x, message.local_best.y)
 
 
-def _check_mission(message: Any, _: Settings) -> None:
+def _check_mission(message: Any, _: Settings | None) -> None:
     check_finite("time_s", message.time_s)
     check_place("area_center", message.area_center.x, message.area_center.y)
     check_finite("area_radius_m", message.area_radius_m)
@@ -109,17 +139,59 @@ def _check_mission(message: Any, _: Settings) -> None:
         check_place("undelivered", discovery.position.x, discovery.position.y)
 
 
-def _check_controller(message: Any, _: Settings) -> None:
+def _check_controller(message: Any, _: Settings | None) -> None:
     if message.has_goal:
         check_place("goal", message.goal.x, message.goal.y)
 
 
-def _check_range(message: Any, _: Settings) -> None:
+def _check_range(message: Any, _: Settings | None) -> None:
     if math.isnan(message.range):  # infinity is a valid range (REP-117)
         raise ValueError("range: nan; expected a number")
 
 
-_CHECKS: dict[str, Callable[[Any, Settings], None]] = {
+def _check_fix(message: Any, _: Settings | None) -> None:
+    _expect_within("latitude", message.latitude, -90.0, 90.0)
+    _expect_within("longitude", message.longitude, -180.0, 180.0)
+    check_place("altitude", message.altitude)
+    _expect_within("position_covariance", message.position_covariance[0], 0.0, FARTHEST_M)
+
+
+def _check_odometry(message: Any, _: Settings | None) -> None:
+    pose = message.pose.pose
+    check_place("position", pose.position.x, pose.position.y)
+    check_finite("orientation", pose.orientation.z, pose.orientation.w)
+
+
+def _check_contact(message: Any, _: Settings | None) -> None:
+    check_finite("angles_rad", *message.angles_rad)
+
+
+def _check_scan(message: Any, _: Settings | None) -> None:
+    check_place("angles", message.angle_min, message.angle_increment)
+
+
+def _check_map(message: Any, _: Settings | None) -> None:
+    _expect_within("resolution_m", message.resolution_m, FINEST_CELL_M, FARTHEST_M)
+    check_place("origin", message.origin.x, message.origin.y)
+    _expect("data", len(message.data), message.width * message.height)
+    for value in message.data:
+        _expect_within("data", value, -LOUDEST_DB, LOUDEST_DB)
+
+
+def _check_areas(message: Any, _: Settings | None) -> None:
+    for area in message.areas:
+        check_place("center", area.center.x, area.center.y)
+        _expect_within("radius_m", area.radius_m, 0.0, FARTHEST_M)
+
+
+def _check_victims(message: Any, _: Settings | None) -> None:
+    for victim in message.victims:
+        check_place("position", victim.position.x, victim.position.y)
+        if victim.state not in ("waiting", "heard", "saved"):
+            raise ValueError("state: expected waiting, heard or saved")
+
+
+_CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
     "robotteamsim/Robots": _check_robots,
     "robotteamsim/NetworkState": _check_network,
     "robotteamsim/NetworkLinks": _check_links,
@@ -128,5 +200,12 @@ _CHECKS: dict[str, Callable[[Any, Settings], None]] = {
     "robotteamsim/Voice": _check_voice,
     "robotteamsim/MissionStatus": _check_mission,
     "robotteamsim/ControllerStatus": _check_controller,
+    "robotteamsim/Contact": _check_contact,
+    "robotteamsim/FloatMap": _check_map,
+    "robotteamsim/Areas": _check_areas,
+    "robotteamsim/Victims": _check_victims,
+    "nav_msgs/Odometry": _check_odometry,
+    "sensor_msgs/LaserScan": _check_scan,
+    "sensor_msgs/NavSatFix": _check_fix,
     "sensor_msgs/Range": _check_range,
 }
