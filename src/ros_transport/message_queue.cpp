@@ -44,25 +44,29 @@ MessageQueue::MessageQueue() : arrivals_(std::make_shared<Arrivals>()) {}
 
 MessageQueue::~MessageQueue() { Unsubscribe(); }
 
-std::size_t MessageQueue::Subscribe(const std::string& topic, const MessageType& type, std::size_t keep) {
+std::size_t MessageQueue::Subscribe(const std::string& topic, const MessageType& type, std::size_t keep,
+                                    bool one_publisher) {
   const std::size_t index = subscribers_.size();
   {
     const std::lock_guard lock(arrivals_->mutex);
     arrivals_->num_waiting.push_back(0);
   }
-  using Pointer = boost::shared_ptr<const RawMessage>;
-  const boost::function<void(const Pointer&)> put = [arrivals = arrivals_, index, keep,
-                                                     stamped = type.has_header](const Pointer& message) {
-    arrivals->Put(index, keep, {index, stamped ? StampNs(message->bytes) : 0, message});
+  using Event = ros::MessageEvent<const RawMessage>;
+  const boost::function<void(const Event&)> put = [arrivals = arrivals_, index, keep, one_publisher,
+                                                   stamped = type.has_header](const Event& event) {
+    const auto& message = event.getMessage();
+    std::string publisher = one_publisher ? event.getPublisherName() : std::string();
+    arrivals->Put(index, keep, {index, stamped ? StampNs(message->bytes) : 0, message, std::move(publisher)});
   };
   ros::SubscribeOptions options;
-  options.initByFullCallbackType<const Pointer&>(topic, /*queue_size=*/0, put);
+  options.initByFullCallbackType<const Event&>(topic, /*queue_size=*/0, put);
   options.md5sum = type.md5sum;
   options.datatype = type.name;
   options.callback_queue = &Immediate();
   // Otherwise a message that arrives while another one of the topic is being added would be dropped.
   options.allow_concurrent_callbacks = true;
   options.transport_hints = ros::TransportHints().tcpNoDelay();
+  owners_.push_back({one_publisher});
   subscribers_.push_back(StartedNode().subscribe(options));
   return index;
 }
@@ -72,7 +76,26 @@ std::deque<Received> MessageQueue::Take(double timeout_s) {
   arrivals_->changed.wait_for(lock, std::chrono::duration<double>(timeout_s),
                               [this] { return arrivals_->closed || !arrivals_->waiting.empty(); });
   std::fill(arrivals_->num_waiting.begin(), arrivals_->num_waiting.end(), 0);
-  return std::exchange(arrivals_->waiting, {});
+  std::deque<Received> taken = std::exchange(arrivals_->waiting, {});
+  lock.unlock();  // roscpp's thread may wait for it while it holds the lock of the subscription
+  taken.erase(std::remove_if(taken.begin(), taken.end(), [this](const Received& one) { return !IsWanted(one); }),
+              taken.end());
+  return taken;
+}
+
+bool MessageQueue::IsWanted(const Received& received) {
+  Owner& owner = owners_[received.topic];
+  if (!owner.only || received.publisher == owner.name) return true;
+  if (owner.name.empty()) {
+    owner.name = received.publisher;
+    return true;
+  }
+  if (!owner.has_warned) {
+    Log(Level::kWarning, subscribers_[received.topic].getTopic() + ": ignoring messages of " + received.publisher +
+                             "; in lockstep a topic has one publisher, here " + owner.name);
+    owner.has_warned = true;
+  }
+  return false;
 }
 
 void MessageQueue::Close() {

@@ -267,8 +267,10 @@ void BindTopics(nb::module_& m) {
   m.def("send_enqueued", &Publisher::SendEnqueued, "Send all enqueued messages; returns at once.");
   nb::class_<MessageQueue>(m, "MessageQueue", "Collects the messages of several topics until they are taken.")
       .def(nb::init<>())
-      .def("subscribe", &MessageQueue::Subscribe, "topic"_a, "type"_a, "keep"_a = 0, WithoutGil(),
-           "Return the topic's index. keep: largest number of untaken messages; older ones are dropped; 0: no limit.")
+      .def("subscribe", &MessageQueue::Subscribe, "topic"_a, "type"_a, "keep"_a = 0, "one_publisher"_a = false,
+           WithoutGil(),
+           "Return the topic's index. keep: largest number of untaken messages; older ones are dropped; 0: no limit. "
+           "one_publisher: only messages of the node whose message comes first are taken.")
       .def("take", &Take, "timeout_s"_a, nb::sig("def take(self, timeout_s: float) -> list[tuple[int, int, bytes]]"),
            "Return topic index, stamp [ns] and bytes of all messages in order of arrival; waits for the first one.")
       .def("close", &MessageQueue::Close, "End all waits.")

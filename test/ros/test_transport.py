@@ -298,6 +298,22 @@ def subscribed() -> Callable[..., tuple[roscpp.MessageQueue, rospy.Publisher]]:
     return make
 
 
+OTHER_PUBLISHER = """
+import sys
+import rospy
+from std_msgs.msg import UInt32
+rospy.init_node("other")
+publisher = rospy.Publisher(sys.argv[1], UInt32, queue_size=10)
+while not rospy.is_shutdown():
+    publisher.publish(UInt32(7))
+    rospy.rostime.wallsleep(0.02)
+"""
+
+
+def numbers(received: list[tuple[int, int, bytes]]) -> list[int]:
+    return [struct.unpack("<I", data)[0] for _, _, data in received]
+
+
 def taken(messages: roscpp.MessageQueue, count: int) -> list[tuple[int, int, bytes]]:
     received: list[tuple[int, int, bytes]] = []
     while len(received) < count:
@@ -371,6 +387,24 @@ def test_transform_of_static_frames_has_stamp_0():
     static.publish(TFMessage([transform("map", "fixed/base_link", 7.0, (3.0, 4.0, 0.0))]))
     wait_until(lambda: listener.newest("map", "fixed/base_link")[0] is not None, "the transform")
     assert listener.newest("map", "fixed/base_link") == ((0, 3.0, 4.0, 0.0), "")
+
+
+def test_queue_for_one_publisher_ignores_a_second_one():
+    messages = roscpp.MessageQueue()
+    messages.subscribe("/received/owned", message_type(UInt32), one_publisher=True)
+    command = (sys.executable, "-c", OTHER_PUBLISHER, "/received/owned")
+    ours = rospy.Publisher("/received/owned", UInt32, queue_size=0)
+    wait_until(lambda: ours.get_num_connections() == 1, "the connection")
+    ours.publish(UInt32(1))
+    assert numbers(taken(messages, 1)) == [1]
+    with subprocess.Popen(command) as other:
+        try:
+            wait_until(lambda: messages.num_publishers(0) == 2, "the other publisher")
+            assert messages.take(1.0) == []
+            ours.publish(UInt32(2))
+            assert numbers(taken(messages, 1)) == [2]
+        finally:
+            other.terminate()
 
 
 def test_queue_that_is_closed_lets_nobody_wait():

@@ -108,7 +108,9 @@ def receive_steps(synchronizer: StepSynchronizer, inputs: Iterable[Input], setti
     queue = message_queue()
     channels = []
     for an_input in inputs:
-        queue.subscribe(an_input.channel.name, message_type(an_input.message_class))
+        message = message_type(an_input.message_class)
+        # In lockstep a stamp decides what a message is used for, so those of another publisher could block all steps.
+        queue.subscribe(an_input.channel.name, message, one_publisher=settings.lockstep)
         channels.append((an_input.channel.name, an_input.decode or reader(an_input.message_class, settings)))
     return StepReceiver(synchronizer, queue, channels, logger.warning)
 
