@@ -18,11 +18,15 @@ TIMEOUT_S = 300.0
 GRACE_S = 30.0
 
 ROSTEST = (sys.executable, "-c", "import rostest; rostest.rostestmain()")
+ROSCORE = (sys.executable, "-c", "import sys, roslaunch; roslaunch.main(['roscore', '--core', *sys.argv[1:]])")
 ROSLAUNCH = (sys.executable, "-c", "import roslaunch; roslaunch.main()")
 
 
-def environment(folder: Path) -> dict[str, str]:
-    """Return an environment in which programs write only into the folder and open no window."""
+def environment(folder: Path, port: int | None = None) -> dict[str, str]:
+    """Return an environment in which programs write only into the folder and open no window.
+
+    Args: port: of a ROS master that is running; None: a free one, for a master of its own.
+    """
     inherited = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
     return inherited | {
         "PWD": str(folder),
@@ -31,7 +35,7 @@ def environment(folder: Path) -> dict[str, str]:
         "ROS_HOME": str(folder / "home"),
         "ROS_LOG_DIR": str(folder / "log"),
         "ROS_TEST_RESULTS_DIR": str(folder / "results"),
-        "ROS_MASTER_URI": f"http://localhost:{free_port()}",
+        "ROS_MASTER_URI": f"http://localhost:{port or free_port()}",
         "ROS_HOSTNAME": "localhost",
         "ROSTEST_PYTHON": sys.executable,
         "ROSTEST_OUT": str(folder / "out"),
@@ -59,12 +63,13 @@ def wait_for_port(port: int) -> None:
 class Program:
     """A program that runs, and the lines that it has written so far."""
 
-    def __init__(self, command: Sequence[str], folder: Path) -> None:
-        env = environment(folder)
+    def __init__(self, command: Sequence[str], folder: Path, port: int | None = None) -> None:
+        env = environment(folder, port)
         self.port = int(env["ROS_MASTER_URI"].rpartition(":")[2])
-        port = ("-p", str(self.port)) if command[: len(ROSLAUNCH)] == ROSLAUNCH else ()
+        if command[: len(ROSLAUNCH)] in (ROSLAUNCH, ROSCORE):
+            command = (*command[: len(ROSLAUNCH)], "-p", str(self.port), *command[len(ROSLAUNCH) :])
         self.process = subprocess.Popen(
-            (*command[: len(ROSLAUNCH)], *port, *command[len(ROSLAUNCH) :]),
+            command,
             cwd=folder,
             env=env,
             stdin=subprocess.DEVNULL,
@@ -130,9 +135,9 @@ class Program:
 
 
 @contextlib.contextmanager
-def running(command: Sequence[str], folder: Path) -> Iterator[Program]:
-    """Run a program; in the end it and whatever it has started are gone."""
-    program = Program(command, folder)
+def running(command: Sequence[str], folder: Path, port: int | None = None) -> Iterator[Program]:
+    """Run a program, at a running master or its own; in the end it and whatever it has started are gone."""
+    program = Program(command, folder, port)
     try:
         yield program
     finally:

@@ -1,0 +1,96 @@
+"""Kill a required node of a launch: the launch ends, names the node, and leaves a readable bag behind."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from rosbags.rosbag1 import Reader
+from rosbags.rosbag1.reader import ReaderError
+from running import ROSLAUNCH, Program, running
+from sessions import MISSION
+from watching import Processes
+
+ROSBAG = (sys.executable, "-c", "import rosbag; rosbag.rosbagmain()")
+LATEST_S = 6.0
+"""Nodes are killed up to this long after their start, which takes about two seconds on an idle machine [s, wall]."""
+END_LIMIT_S = 60.0
+"""roslaunch waits up to 17 s for nodes that do not end; the rest is for a busy machine."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What followed from one kill: faults, the time until the launch had ended or all was well again, a remark."""
+
+    faults: tuple[str, ...]
+    seconds: float
+    remark: str = ""
+
+
+def kill_and_see_the_end(
+    node: str, number: signal.Signals, generator: random.Random, folder: Path, port: int
+) -> Outcome:
+    """Start a mission, kill a node at a random moment, and check what follows."""
+    team, lockstep, moment_s = generator.random() < 0.3, generator.random() < 0.5, generator.uniform(0.0, LATEST_S)
+    if node == "/controllers" or (node not in ("/robot_0/controller", "/robot_1/controller") and team):
+        hosted = "team"
+    else:
+        hosted = "per_robot"
+    arguments = (f"controllers:={hosted}", f"lockstep:={lockstep}".lower(), "record:=true", "bag:=run.bag")
+    with running((*ROSLAUNCH, MISSION, *arguments), folder, port) as program:
+        pid = Processes(program).wait_for([node])[node]
+        time.sleep(moment_s)
+        killed_s = time.monotonic()
+        try:
+            os.kill(pid, number)
+        except ProcessLookupError:
+            return Outcome((f"{node}: the launch ended before\n{program.output}",), 0.0)
+        try:
+            program.wait(END_LIMIT_S)
+        except AssertionError:
+            return Outcome((f"{node} after {moment_s:.2f} s: the launch did not end\n{program.output}",), END_LIMIT_S)
+        seconds = time.monotonic() - killed_s
+    faults, bag = problems(program, node), bag_state(folder / "run.bag")
+    if bag.startswith("unreadable"):
+        faults.append(f"the bag is {bag}")
+    place = f"{node} {number.name} after {moment_s:.2f} s, {hosted}, lockstep {lockstep}"
+    return Outcome(tuple(f"{place}: {fault}" for fault in faults), seconds, bag)
+
+
+def problems(program: Program, node: str) -> list[str]:
+    """Return what is wrong with the output of a launch whose node was killed."""
+    faults = []
+    if f"REQUIRED process [{node[1:]}-" not in program.output:
+        faults.append(f"the launch does not name the node\n{program.output}")
+    if "Traceback" in program.output:
+        faults.append(f"a traceback was printed\n{program.output}")
+    return faults
+
+
+def bag_state(path: Path) -> str:
+    """Return "finished", "recovered" (by `rosbag reindex`), "none" (the recorder had not started), or "unreadable"."""
+    active = path.with_name(f"{path.name}.active")
+    if path.exists():
+        return "finished" if _num_messages(path) is not None else "unreadable"
+    if not active.exists():
+        return "none"
+    if active.stat().st_size == 0:
+        return "none"
+    result = subprocess.run((*ROSBAG, "reindex", "--quiet", str(active)), capture_output=True, text=True, check=False)
+    if result.returncode == 0 and _num_messages(active) is not None:
+        return "recovered"
+    return f"unreadable after rosbag reindex: {result.stdout}{result.stderr}"
+
+
+def _num_messages(path: Path) -> int | None:
+    """Return the number of messages in a bag; None if it cannot be read."""
+    with contextlib.suppress(ReaderError), Reader(path) as bag:
+        return sum(1 for _ in bag.messages())
+    return None

@@ -1,0 +1,129 @@
+"""Kill a node of a running mission, which is started again: it rejoins, and its robots stop meanwhile."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import struct
+import threading
+import time
+from collections import defaultdict
+from math import hypot
+
+from ending import Outcome
+from running import Program
+from watching import Processes, Watch, wait_for
+
+from robotteamsim.ros.transport.msg_conversion import read_odometry
+from robotteamsim.scenario import load
+from robotteamsim.world.placement import placed_robots
+
+LATEST_S = 2.0
+"""Nodes are killed up to this long after all nodes have worked [s, wall]."""
+REJOIN_LIMIT_S = 60.0
+STANDSTILL_MPS = 0.02
+
+
+class Motion:
+    """The speeds of the robots, and the steps that their controllers have answered."""
+
+    def __init__(self, scenario: str) -> None:
+        self._lock = threading.Lock()
+        self._speeds: defaultdict[str, list[tuple[float, float]]] = defaultdict(list)
+        self._answers: defaultdict[str, list[float]] = defaultdict(list)
+        settings = load(scenario)
+        robot = placed_robots(settings)[0]
+        self.hold_s = robot.cmd_vel_hold_s
+        braking_s = robot.drive.max_speed_mps / robot.drive.max_acceleration_mps2
+        self._limit_s = self.hold_s + braking_s + 2 * settings.run.step_s
+        """A command holds from its arrival, within the next step; then the robot brakes."""
+
+    def receive(self, _: str, topic: str, data: bytes) -> None:
+        """Note a message."""
+        robot, _, name = topic[1:].partition("/")
+        if name not in ("base_pose_ground_truth", "cmd_vel_stamped"):
+            return
+        secs, nanoseconds = struct.unpack_from("<II", data, 4)
+        time_s = secs + 1e-9 * nanoseconds
+        with self._lock:
+            if name == "cmd_vel_stamped":
+                # On a busy machine an answer comes late, and holds from its arrival.
+                newest_s = self._speeds[robot][-1][0] if self._speeds[robot] else time_s
+                self._answers[robot].append(max(time_s, newest_s))
+            else:
+                twist = read_odometry(data).twist
+                self._speeds[robot].append((time_s, hypot(twist.linear_x_mps, twist.linear_y_mps)))
+
+    def clear(self) -> None:
+        """Forget everything."""
+        with self._lock:
+            self._speeds.clear()
+            self._answers.clear()
+
+    def problems(self) -> tuple[list[str], float]:
+        """Return where a robot drove without answers of its controller, and the longest drive without them [s]."""
+        with self._lock:
+            faults, longest_s = [], 0.0
+            for robot, speeds in self._speeds.items():
+                answers = sorted(self._answers[robot])
+                moving = [time_s for time_s, speed_mps in speeds if speed_mps > STANDSTILL_MPS]
+                waits_s = [time_s - max((a for a in answers if a <= time_s), default=time_s) for time_s in moving]
+                longest_s = max([longest_s, *waits_s])
+                if max(waits_s, default=0.0) > self._limit_s:
+                    faults.append(f"{robot} drove {max(waits_s):.1f} s after the last answer of its controller")
+            return faults, longest_s
+
+
+class Rejoining:
+    """A running launch whose nodes are killed one after another."""
+
+    def __init__(self, program: Program, nodes: tuple[str, ...], scenario: str) -> None:
+        self._program = program
+        self._nodes = nodes
+        self._processes = Processes(program)
+        self._processes.wait_for(nodes)
+        self._motion = Motion(scenario)
+        self._watch = Watch(nodes, self._motion.receive)
+
+    def begin(self) -> bool:
+        """Wait until all nodes work; return whether they do."""
+        return not self._silent(time.monotonic())
+
+    def kill(self, node: str, number: signal.Signals, generator: random.Random) -> Outcome:
+        """Kill a node at a random moment, and check that all goes on with the next process of it."""
+        moment_s = generator.uniform(0.0, LATEST_S)
+        time.sleep(moment_s)
+        self._motion.clear()
+        time.sleep(0.3)  # commands before the kill
+        before, num_lines, killed_s = self._processes.pids, len(self._program.lines), time.monotonic()
+        place = f"{node} {number.name} rejoins"
+        try:
+            os.kill(before[node], number)
+        except ProcessLookupError:
+            return Outcome((f"{place}: it ended before\n{self._program.output}",), 0.0)
+        if not wait_for(lambda: self._processes.pids[node] != before[node], REJOIN_LIMIT_S):
+            return Outcome((f"{place}: it was not started again",), REJOIN_LIMIT_S)
+        silent = self._silent(time.monotonic())
+        seconds = time.monotonic() - killed_s
+        faults = [f"{place}: {other} is silent" for other in silent]
+        after = self._processes.pids
+        faults += [
+            f"{place}: {other} has ended, too" for other in after if other != node and after[other] != before[other]
+        ]
+        output = "".join(self._program.lines[num_lines:])
+        if "Traceback" in output:
+            faults.append(f"{place}: a traceback was printed")
+        drives, longest_s = self._motion.problems() if node != "/world" else ([], 0.0)
+        faults += [f"{place}: {fault}" for fault in drives]
+        if faults:
+            faults[-1] += "\n" + output
+        return Outcome(tuple(faults), seconds, f"{longest_s:.1f}")
+
+    def close(self) -> None:
+        """Unsubscribe."""
+        self._watch.close()
+
+    def _silent(self, since_s: float) -> list[str]:
+        delays_s = self._watch.wait_until_all_publish(since_s, REJOIN_LIMIT_S)
+        return [node for node, delay_s in delays_s.items() if delay_s == float("inf")]
