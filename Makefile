@@ -19,7 +19,7 @@ ARGS ?=
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize wheel pictures man lock clean
+.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage wheel pictures man lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -120,6 +120,12 @@ sanitize: build_fuzz ## run the tests of the C++ parts under ASan and UBSan; ARG
 	@$(ENV) ROBOTTEAMSIM_CORE=$$(ls $(CURDIR)/$(FUZZ)/_core*.so) PYTHONPATH=test/fuzz:$$PYTHONPATH \
 		ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD=$$(cat $(FUZZ)/preloaded) $(PYTHON) -m pytest -q -s -p no:cacheprovider -p sanitized_core \
 		$(or $(ARGS),$(SANITIZED))
+
+faults: build ## kill each node of running missions at random moments; ARGS="--moments 5 /world" some of them
+	@$(ENV) PYTHONPATH=test/ros:$$PYTHONPATH $(PYTHON) test/faults/kill_nodes.py $(ARGS)
+
+garbage: build ## send a million garbage messages to the nodes of running missions; ARGS="--messages 20000 world" fewer
+	@$(ENV) PYTHONPATH=test/ros:test/fuzz:$$PYTHONPATH $(PYTHON) test/faults/garbage.py $(ARGS)
 
 wheel: $(VENV)/.ready ## build dist/*.whl, which includes Box2D and needs no compiler
 	@rm -rf dist && mkdir -p dist/raw

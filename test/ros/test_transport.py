@@ -6,6 +6,8 @@ import gc
 import math
 import queue
 import struct
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
