@@ -326,6 +326,14 @@ def test_latest_forgets_that_a_robot_had_left_when_time_jumps_back_before_that()
     assert steps.take_step() == Step(100, True, {"robots": (), "odom 0": ("here",), "odom 1": ("here, too",)})
 
 
+def test_latest_keeps_a_thousand_messages_while_another_channel_is_silent():
+    steps = LatestSynchronizer([Channel("odom", needed=True), Channel("voice", needed=True)])
+    for number in range(1500):
+        steps.add("odom", number, number)
+    steps.add("voice", 1500, "heard")
+    assert steps.take_step().messages["odom"] == tuple(range(500, 1500))
+
+
 def test_latest_drops_a_single_late_message_and_restarts_when_time_goes_on_from_it():
     steps = LatestSynchronizer([Channel("odom", needed=True)], stale_ns=1000)
     steps.add("odom", 500, "a")

@@ -7,6 +7,9 @@ from typing import Any
 
 REPORT_TIMEOUT_S = 10.0
 """A longer wait is reported once [s, wall]."""
+MAX_WAITING = 1000
+"""Without lockstep, so many messages of a channel wait for other channels; older ones are dropped. Otherwise a node
+whose inputs lack one topic would fill the memory."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,6 +188,7 @@ class LatestSynchronizer(StepSynchronizer):
             self._present = {noted_ns: present for noted_ns, present in self._present.items() if noted_ns <= stamp_ns}
         queue.last_ns, queue.late_ns = stamp_ns, None
         queue.waiting.append((stamp_ns, message))
+        del queue.waiting[:-MAX_WAITING]
 
     def _ready(self, queue: _Queue) -> bool:
         return not queue.channel.needed or bool(queue.waiting) or self._is_absent(queue, self._newest_presence())
