@@ -100,8 +100,10 @@ def test_message_that_fits_the_scenario_is_read(message):
         (LaserScan(angle_increment=math.nan), "angles: (0, nan); expected finite numbers"),
         (FloatMap(resolution_m=0.0), "resolution_m: 0; expected 0.01 to 1e+06"),
         (FloatMap(resolution_m=1.0, width=2, height=2, data=[1.0]), "data: 1 entries; expected 4"),
-        (FloatMap(resolution_m=1.0, width=1, height=1, data=[math.nan]), "data: nan; expected -1000 to 1000"),
+        (FloatMap(resolution_m=1.0, width=1, height=1, data=[math.nan]), "data: nan; expected -300 to 300"),
         (Areas(areas=[Area(radius_m=-1.0)]), "radius_m: -1; expected 0 to 1e+06"),
+        (Areas(areas=[Area(), Area()]), "areas: expected unique names"),
+        (Victims(victims=[Victim(state="saved")] * 2), "victims: expected unique names"),
         (Victims(victims=[Victim(state="lost")]), "state: expected waiting, heard or saved"),
     ],
 )

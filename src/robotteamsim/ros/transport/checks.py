@@ -6,7 +6,7 @@ Anybody can publish anything. A message that fails is ignored, with one warning 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -18,7 +18,7 @@ from robotteamsim.ros.transport.settings import Settings
 FARTHEST_M = 1e6
 """Limit of coordinates, as in the propagation models."""
 FINEST_CELL_M = 0.01
-LOUDEST_DB = 1000.0
+LOUDEST_DB = 300.0
 """Limit of the values of maps [dB, dBm]."""
 
 
@@ -178,13 +178,20 @@ def _check_map(message: Any, _: Settings | None) -> None:
         _expect_within("data", value, -LOUDEST_DB, LOUDEST_DB)
 
 
+def _check_names(name: str, owners: Sequence[Any]) -> None:
+    if len({owner.name for owner in owners}) < len(owners):
+        raise ValueError(f"{name}: expected unique names")
+
+
 def _check_areas(message: Any, _: Settings | None) -> None:
+    _check_names("areas", message.areas)
     for area in message.areas:
         check_place("center", area.center.x, area.center.y)
         _expect_within("radius_m", area.radius_m, 0.0, FARTHEST_M)
 
 
 def _check_victims(message: Any, _: Settings | None) -> None:
+    _check_names("victims", message.victims)
     for victim in message.victims:
         check_place("position", victim.position.x, victim.position.y)
         if victim.state not in ("waiting", "heard", "saved"):
