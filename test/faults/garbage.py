@@ -109,7 +109,10 @@ class Flood:
         self._watch.close()
 
     def _advertise(self) -> None:
-        """Publish each topic that a node subscribes to now."""
+        """Publish each topic that a node subscribes to now, and those without connections again."""
+        connected = {connection.topic.name for connection in self._connections()}
+        for topic in self._makers.keys() - connected:
+            self._publisher.advertise_again(topic)
         master = rosgraph.Master("/faults")
         _, subscribed, _ = master.getSystemState()
         types = dict(master.getTopicTypes())
@@ -126,7 +129,8 @@ class Flood:
         for index in range(count):
             if index % 50 == 0:
                 time.sleep(max(0.0, start_s + index / self._rate_hz - time.monotonic()))
-                # Nodes connect again only after a while.
+                if not self._connections():
+                    self._advertise()
                 if not wait_for(lambda: bool(self._connections()), START_TIMEOUT_S):
                     self.faults.append("no node subscribes to anything")
                     return

@@ -76,6 +76,11 @@ class RawPublisher:
         self._topics[topic.name] = topic
         self._master.registerPublisher(self._name, topic.name, topic.type_name, self._uri)
 
+    def advertise_again(self, name: str) -> None:
+        """Publish a topic again: roscpp does not connect again by itself after a frame of more than 1 GB."""
+        self._master.unregisterPublisher(self._name, name, self._uri)
+        self.advertise(self._topics[name])
+
     def drop(self, connection: Connection) -> None:
         """Close a connection; the subscriber connects again after a moment."""
         with self._lock, contextlib.suppress(ValueError):

@@ -10,6 +10,8 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
+import xmlrpc.client
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,7 +19,7 @@ import numpy as np
 import pytest
 import roslaunch.rlutil
 from rosbags.rosbag1 import Reader
-from running import ROSLAUNCH, running
+from running import ROSCORE, ROSLAUNCH, TIMEOUT_S, running, wait_for_port
 
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
@@ -196,6 +198,31 @@ def test_launch_ends_and_names_the_node_that_died(tmp_path: Path) -> None:
         os.kill(int(re.search(r"pid \[(\d+)\]", line)[1]), signal.SIGKILL)
         program.wait()
     assert re.search(r"REQUIRED process \[robot_1/controller-\d+\] has died!", program.output)
+
+
+def test_launches_one_after_another_at_one_master_do_not_inherit_parameters(tmp_path: Path) -> None:
+    world = (*ROSLAUNCH, "robotteamsim", "world.launch", "scenario:=tutorial_arena", "robots:=1", "prefix:=false")
+    mission = (*GARAGE, "lockstep:=true", "speed:=0", "set:=mission.time_limit_s=2")
+    with running(ROSCORE, tmp_path) as core:
+        wait_for_port(core.port)
+        for command, first in ((world, "world"), (mission, "mission"), (world, "world")):
+            with running(command, tmp_path, core.port) as program:
+                program.wait_for(lambda line, first=first: f"process[{first}" in line, f"the start of {first}")
+                if first == "mission":
+                    program.wait()
+                    assert "time limit reached" in program.output, program.output
+                else:
+                    wait_for_topic(core.port, "/odom")
+                assert "FATAL" not in program.output, program.output
+
+
+def wait_for_topic(port: int, name: str) -> None:
+    """Wait until somebody publishes a topic."""
+    deadline_s = time.monotonic() + TIMEOUT_S
+    with xmlrpc.client.ServerProxy(f"http://localhost:{port}") as master:
+        while not any(topic == name for topic, _ in master.getPublishedTopics("/test", "")[2]):
+            assert time.monotonic() < deadline_s, f"nobody publishes {name}"
+            time.sleep(0.1)
 
 
 @pytest.mark.parametrize(
