@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from sessions import MISSION
 from watching import Processes
 
 ROSBAG = (sys.executable, "-c", "import rosbag; rosbag.rosbagmain()")
+OUR_CODE = re.compile(r'File "[^"]*/robotteamsim/[^"]*\.py"')
 LATEST_S = 4.0
 """Nodes are killed up to this long after the start of the mission, or after their own, which takes two seconds or more
 [s, wall]."""
@@ -73,8 +75,8 @@ def problems(program: Program, node: str) -> list[str]:
     faults = []
     if f"REQUIRED process [{node[1:]}-" not in program.output:
         faults.append(f"the launch does not name the node\n{program.output}")
-    # SIGINT while the interpreter itself starts, before it reads the first line of a node, ends with its own traceback.
-    if "Traceback" in program.output and "Fatal Python error: init_import_site" not in program.output:
+    # SIGINT ends Python with a traceback until a node's first lines have set its handler; no package is imported then.
+    if "Traceback" in program.output and OUR_CODE.search(program.output):
         faults.append(f"a traceback was printed\n{program.output}")
     return faults
 
