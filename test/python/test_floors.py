@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "robotteamsim"
 
 FLOORS = (
-    ("errors", "geometry", "palette", "rng", "wording", "base"),  # base is C++
+    ("errors", "extras", "geometry", "palette", "rng", "wording", "base"),  # base is C++
     ("map_import",),
     ("scenario", "plan"),  # C++ calls it plan
     ("world", "propagation"),

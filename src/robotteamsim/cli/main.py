@@ -24,6 +24,7 @@ from robotteamsim.cli.interrupt import Terminated, terminated_as_interrupted
 from robotteamsim.cli.parser import Parser
 from robotteamsim.cli.streams import close_stdout, open_streams
 from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.extras import missing_extra
 from robotteamsim.wording import printable
 
 EXIT_ERROR = 1
@@ -98,6 +99,8 @@ def _reported(error: BaseException) -> int:
             line, status = f"standard output: {error.strerror or error}", EXIT_ERROR
         case OSError():
             line, status = f"{error.filename}: {error.strerror or error}", EXIT_MISTAKE
+        case ModuleNotFoundError() if missing_extra(error) is not None:
+            line, status = str(missing_extra(error)), EXIT_ERROR
         case MemoryError():
             line, status = "out of memory", EXIT_ERROR
         case _:

@@ -1,11 +1,12 @@
-"""Converts an image to cells: occupied, free and solid ones."""
+"""Converts an image to cells: occupied, free and solid ones.
+
+OpenCV and Pillow are imported where they are used: most scenarios have no image, and both belong to an extra.
+"""
 
 import warnings
 from pathlib import Path
 
-import cv2
 import numpy as np
-from PIL import Image
 
 WIDE_UNKNOWN_M = 1.0
 """An unknown region at least this wide in both directions is a void behind a wall, not a wall."""
@@ -29,6 +30,9 @@ def read_image(path: Path) -> np.ndarray | None:
 
     Raises: ValueError: more than MAX_PIXELS pixels according to its header; no pixel has been read.
     """
+    import cv2
+    from PIL import Image
+
     try:
         with (
             warnings.catch_warnings(action="error", category=Image.DecompressionBombWarning),
@@ -88,6 +92,8 @@ def solid_cells(
 
     Args: dark: of `darkness`, shape (rows, cols).
     """
+    import cv2
+
     occupied, free = dark > occupied_thresh, dark < free_thresh
     unknown = ~(occupied | free)
     void = _opened(unknown, max(1, round(WIDE_UNKNOWN_M / resolution_m)))
@@ -104,6 +110,8 @@ def solid_cells(
 
 def _opened(cells: np.ndarray, edge_cells: int) -> np.ndarray:
     """Return the cells that a square window covers wherever it fits into them."""
+    import cv2
+
     window, middle = np.ones((edge_cells, edge_cells), np.uint8), edge_cells // 2
     fits = cv2.erode(cells.astype(np.uint8), window, anchor=(middle, middle))
     # With an even edge the window has no cell in its middle: only the mirrored anchor puts it back where it fitted.

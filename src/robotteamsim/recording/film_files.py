@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.files import atomically
@@ -23,7 +22,7 @@ def find_ffmpeg() -> str:
 
         return str(imageio_ffmpeg.get_ffmpeg_exe())
     except (ImportError, RuntimeError):
-        remedy = "`apt install ffmpeg` or `pip install imageio-ffmpeg`"
+        remedy = "`apt install ffmpeg` or `pip install 'robotteamsim[film]'`"
         raise RecordingError(f"an MP4 needs ffmpeg, which is not installed: {remedy}; a GIF needs neither") from None
 
 
@@ -32,6 +31,8 @@ def write_gif(path: Path, frames: Iterable[np.ndarray], samples: Iterable[np.nda
 
     Args: samples: frames spread over the film, from which its 256 colours are chosen.
     """
+    from PIL import Image  # Of an extra, and MP4 does not need it.
+
     palette = Image.fromarray(np.concatenate(list(samples))).quantize(256, Image.Quantize.MEDIANCUT)
     images = (Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
     first = next(images)

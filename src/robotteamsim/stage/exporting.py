@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from robotteamsim.errors import ScenarioError
@@ -88,6 +87,8 @@ class _Bitmap:
 
 def _bitmap(scenario: Scenario, resolution_m: float) -> _Bitmap:
     """Return the bitmap of a plan. Raises: ScenarioError: it is too large, or the plan has no solid."""
+    import cv2
+
     pixels = math.prod(grid_shape(scenario.plan, resolution_m))
     if pixels > MAX_PIXELS:
         text = f"has {pixels} pixels of {resolution_m:g} m; expected at most {MAX_PIXELS}"

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import shapely
 
+from robotteamsim import _core
 from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.floor_plan import FloorPlan
@@ -123,14 +125,31 @@ class _Room:
 
     def _reached_from(self, start: PlanarPose) -> np.ndarray:
         """Return the cells that a robot reaches from the start, and two cells around them; bool, shape (rows, cols)."""
-        from scipy import ndimage  # Slow, and scenarios with given poses do not need it.
-
-        free = self._grid.cells == FREE
-        if not free.all():
-            free = ndimage.distance_transform_edt(free) * self._grid.resolution_m > self._radius_m
-        # The grid is conservative, so the start's own cell may count as too close to a wall.
-        labels, _ = ndimage.label(free)
+        edge_m, (origin_x, origin_y) = self._grid.resolution_m, self._grid.origin_m
+        reach = math.ceil(self._radius_m / edge_m)
+        blocked = _spread(self._grid.cells != FREE, reach, lambda y, x: np.sqrt(y**2 + x**2) * edge_m <= self._radius_m)
+        paths = _core.plan.PlanningGrid(blocked, (origin_x, origin_y), edge_m, 0.0)
+        rows, columns = blocked.shape
         row, column = self._grid.cell_at(start[0], start[1])
-        near = labels[max(row - 2, 0) : row + 3, max(column - 2, 0) : column + 3]
-        reached: np.ndarray = ndimage.binary_dilation(np.isin(labels, near[near > 0]), iterations=2)
-        return reached
+        reached = np.zeros_like(blocked)
+        # The grid is conservative, so the start's own cell may count as too close to a wall.
+        for i in range(max(row - 2, 0), min(row + 3, rows)):
+            for j in range(max(column - 2, 0), min(column + 3, columns)):
+                if not (reached[i, j] or blocked[i, j]):
+                    middle = (origin_x + (j + 0.5) * edge_m, origin_y + (i + 0.5) * edge_m)
+                    reached |= np.isfinite(paths.distance_map(middle))
+        return _spread(reached, 2, lambda y, x: np.abs(y) + np.abs(x) <= 2)
+
+
+def _spread(cells: np.ndarray, reach: int, is_near: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+    """Return the cells, bool, and all near them.
+
+    Args: is_near: for the rows and columns between two cells, up to `reach` of each, whether they are near.
+    """
+    padded = np.pad(cells, reach)
+    rows, columns = cells.shape
+    spread = cells.copy()
+    offsets = np.arange(-reach, reach + 1)
+    for row, column in np.argwhere(is_near(offsets[:, None], offsets[None, :])):
+        spread |= padded[row : row + rows, column : column + columns]
+    return spread

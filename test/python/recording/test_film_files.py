@@ -82,7 +82,9 @@ def test_ffmpeg_that_fails_is_one_line_and_leaves_nothing(tmp_path):
 def test_missing_ffmpeg_is_named_with_its_remedy(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(RecordingError, match=r"`apt install ffmpeg` or `pip install imageio-ffmpeg`; a GIF needs"):
+    with pytest.raises(
+        RecordingError, match=r"`apt install ffmpeg` or `pip install 'robotteamsim\[film\]'`; a GIF needs"
+    ):
         find_ffmpeg()
 
 

@@ -69,9 +69,9 @@ class FloorCover:
         self._floor = _floor(plan, robot_radius_m, start)
         self._radius_m = radius_m
         self._covered = np.zeros_like(self._floor.open)
-        reach = math.floor(radius_m / CELL_M)
-        offsets_m = np.arange(-reach, reach + 1) * CELL_M
-        self._disc = (np.hypot(offsets_m[:, None], offsets_m[None, :]) <= radius_m).astype(np.int32)
+        self._reach = math.floor(radius_m / CELL_M)
+        offsets_m = np.arange(-self._reach, self._reach + 1) * CELL_M
+        self._disc = np.argwhere(np.hypot(offsets_m[:, None], offsets_m[None, :]) <= radius_m)
 
     @property
     def share(self) -> float:
@@ -98,8 +98,6 @@ class FloorCover:
         Args: left_out: discs, centre and radius [m], whose cells are not considered.
               within: the only cells to consider, bool, shape (rows, cols); None for all.
         """
-        from scipy import ndimage  # Slow to import, and most nodes do not need it.
-
         lengths_m = self._floor.lengths_m(self._cell_of(position))
         missing = self._floor.open & ~self._covered
         if within is not None:
@@ -109,10 +107,19 @@ class FloorCover:
             missing &= away_m[..., 0] ** 2 + away_m[..., 1] ** 2 > radius_m**2
         if lengths_m is None or not missing.any():
             return None
-        near = ndimage.convolve(missing.astype(np.int32), self._disc, mode="constant")
+        near = self._in_disc(missing)
         worth = np.where(missing, near / (lengths_m + nearness_m), 0.0)
         row, column = np.unravel_index(np.argmax(worth), worth.shape)
         return self._floor.places[row][column] if worth[row, column] > 0.0 else None
+
+    def _in_disc(self, cells: np.ndarray) -> np.ndarray:
+        """Return for each cell how many of the given ones, bool, are within the radius; int64, of the same shape."""
+        padded = np.pad(cells, self._reach).astype(np.int64)
+        rows, columns = cells.shape
+        counts = np.zeros(cells.shape, dtype=np.int64)
+        for row, column in self._disc:
+            counts += padded[row : row + rows, column : column + columns]
+        return counts
 
     def is_covered(self, place: Vector) -> bool:
         """Whether the cell that contains a place in `map` [m] is covered."""

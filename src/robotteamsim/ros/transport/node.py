@@ -13,6 +13,7 @@ import rosgraph
 
 from robotteamsim import _ros_transport as roscpp
 from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.extras import missing_extra
 
 MASTER_PERIOD_S = 0.2
 """Interval of checks whether the master has started [s, wall]."""
@@ -76,6 +77,12 @@ def run(name: str, serve: Callable[[], None]) -> None:
         if is_running():
             logger.critical("%s", error)
         sys.exit(2)
+    except ModuleNotFoundError as error:
+        line = missing_extra(error)
+        if line is None:
+            raise
+        logger.critical("%s", line)
+        sys.exit(1)
     finally:
         _shutdown.begin()
         roscpp.shut_down()

@@ -1,0 +1,27 @@
+"""The packages that only some commands need: `pip install` brings them as extras, and their absence is one line."""
+
+_EXTRA_OF_PACKAGE = {
+    "PIL": "report",
+    "contourpy": "report",
+    "cv2": "images",
+    "dask": "campaign",
+    "distributed": "campaign",
+    "jinja2": "report",
+    "matplotlib": "report",
+    "scipy": "report",
+    "statsmodels": "report",
+    "tornado": "campaign",
+}
+"""The smallest extra of pyproject.toml that contains each package."""
+
+
+def missing_extra(error: ImportError) -> str | None:
+    """Return one line that says how to install the package that an import did not find; None if it is in no extra."""
+    package = (error.name or "").partition(".")[0]
+    extra = _EXTRA_OF_PACKAGE.get(package)
+    if extra is None:
+        return None
+    return (
+        f"this needs the Python package {package}, which is not installed: "
+        f"`pip install 'robotteamsim[{extra}]'`, or `make setup` in a clone of the repository"
+    )

@@ -1,0 +1,83 @@
+"""The command line where only the core packages are installed."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+
+OF_EXTRAS = ("PIL", "contourpy", "cv2", "dask", "distributed", "imageio_ffmpeg", "jinja2", "matplotlib")
+OF_EXTRAS += ("pandas", "scipy", "statsmodels", "tornado")
+
+CORE_ONLY = f"""
+import sys
+for name in {OF_EXTRAS}:
+    sys.modules[name] = None
+from robotteamsim.cli.main import main
+sys.exit(main())
+"""
+
+
+def run(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """Run a command in a process that finds no package of an extra."""
+    command = (sys.executable, "-c", CORE_ONLY, *words)
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the bag of a short mission, recorded without any extra."""
+    folder = tmp_path_factory.mktemp("core_only")
+    short = ("--set", "mission.time_limit_s=5", "--bag", "mission.bag", "--out", "out")
+    done = run(folder, "run", "garage_sar", *short)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "time limit reached" in done.stdout
+    return folder
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", "office_manet", "--set", "mission.time_limit_s=2"),
+        ("scenario", "show", "garage_sar"),
+        ("analyse", "mission.bag"),
+        ("completion", "bash"),
+    ],
+)
+def test_command_needs_no_extra(folder: Path, words: tuple[str, ...]) -> None:
+    done = run(folder, *words)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("words", "extra"),
+    [
+        (("campaign", "garage_sar", "--trials", "1", "--out", "campaign"), "campaign"),
+        (("field", "voice", "garage_sar", "--png", "field.png"), "report"),
+        (("analyse", "mission.bag", "--png", "mission.png"), "report"),
+        (("analyse", "mission.bag", "--gif", "mission.gif"), "report"),
+        (("plan", "import", str(ROOT / "maps" / "garage" / "map.yaml"), "--out", "plan.yaml"), "images"),
+    ],
+)
+def test_missing_package_of_an_extra_is_one_line_with_the_command_to_install_it(
+    folder: Path, words: tuple[str, ...], extra: str
+) -> None:
+    done = run(folder, *words)
+    assert done.returncode == 1
+    remedy = rf"`pip install 'robotteamsim\[{extra}\]'`, or `make setup` in a clone of the repository"
+    line = rf"robotteamsim: this needs the Python package \w+, which is not installed: {remedy}\n"
+    assert "Traceback" not in done.stderr
+    assert re.fullmatch(line, done.stderr.splitlines(keepends=True)[-1])
+
+
+def test_named_extras_exist() -> None:
+    text = (ROOT / "src" / "robotteamsim" / "extras.py").read_text(encoding="utf-8")
+    named = set(re.findall(r'": "(\w+)",', text))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert named <= set(project["optional-dependencies"])
