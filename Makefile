@@ -1,5 +1,5 @@
 # make garage_sar runs the garage mission in ROS, make test every test; make help lists all targets.
-# Each target first installs and builds what is missing.
+# Each target first installs and builds what is missing: setup/step.sh shows the steps, build/log has their output.
 
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
@@ -15,40 +15,75 @@ FUZZ_SECONDS ?= 60
 # Whole missions are excluded: with the sanitizers they take many minutes, and no C++ is used only by them.
 SANITIZED := $(addprefix test/python/,propagation network sensing world swarm control fuzz/test_core_entry_points.py)
 ARGS ?=
+PIP_INSTALL = $(PYTHON) -m pip install --disable-pip-version-check --require-hashes
 # The environment for ROS and Python, independent of the user's shell.
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help setup build garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage wheel pictures man lock clean
+.PHONY: help announce setup build build_tests compile garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage wheel pictures man lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
 	@echo "  options: SPEED=5 (times real time, 0: as fast as possible), ARGS='robots:=5 noise:=20' or ARGS='--noise 20', JOBS=2"
 
-setup: $(VENV)/.ready ## install missing packages: Debian packages, PyPI packages into .venv
+setup: ## install everything that is missing, for each command and test: Debian packages, PyPI packages into .venv
+	@$(PARTS) $(DEBIAN)-test $(VENV)/.ready
 
-$(VENV)/.debian: setup/debian-packages.txt setup/install-debian-packages.sh
-	@setup/install-debian-packages.sh setup/debian-packages.txt
+# The set-up consists of steps. A file in .venv marks a finished one; make runs what does not depend on each other at the
+# same time: apt beside pip and the compiler. Only one apt can run, so its steps are in a row.
+PARTS := +$(MAKE) --no-print-directory -j4
+DEBIAN := $(VENV)/.debian
+FIRST := $(if $(wildcard $(VENV)/.run),,yes)
+number = $(if $(FIRST),[$(1)] )
+step = @setup/step.sh "$(1)" $(BUILD)/log/$(2).log
+DEBIAN_FILES := setup/debian-packages.txt setup/install-debian-packages.sh
+
+$(VENV)/.python: $(DEBIAN_FILES)
+	$(call step,$(call number,1/5)Debian's venv,debian-venv) setup/install-debian-packages.sh python3-venv
 	@# Debian's Python has the ROS packages; another python3 may come first on PATH.
-	@test -x $(PYTHON) || { echo "-- making $(VENV)"; /usr/bin/python3 -m venv --system-site-packages $(VENV); }
+	@test -x $(PYTHON) || /usr/bin/python3 -m venv --system-site-packages $(VENV)
 	@touch $@
 
-$(VENV)/.ready: $(VENV)/.debian setup/requirements.lock
-	@echo "-- PyPI packages into $(VENV)"
-	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --require-hashes --requirement setup/requirements.lock
+$(DEBIAN)-build: $(VENV)/.python $(DEBIAN_FILES)
+	$(call step,$(call number,2/5)Debian packages to build with,debian-build) setup/install-debian-packages.sh build
 	@touch $@
 
-build: $(VENV)/.ready ## build messages, C++ library and nodes into build/
-	@test -f $(BUILD)/Makefile || { echo "-- configuring"; mkdir -p $(BUILD); \
-		cmake -S . -B $(BUILD) -DPYTHON_EXECUTABLE=$(CURDIR)/$(PYTHON) -DCATKIN_ENABLE_TESTING=ON \
-		> $(BUILD)/configure.log 2>&1 || { cat $(BUILD)/configure.log; rm -f $(BUILD)/Makefile; exit 1; }; }
-	@echo "-- building"
-	@cmake --build $(BUILD) -j$(JOBS) > $(BUILD)/build.log 2>&1 || { cat $(BUILD)/build.log; exit 1; }
-	@echo $(CURDIR)/$(BUILD)/devel/lib/python3/dist-packages > "$$($(PYTHON) -c 'import site; print(site.getsitepackages()[0])')/robotteamsim.pth"
-	@printf '#!%s\nimport sys\n\nfrom robotteamsim.cli import main\n\nif __name__ == "__main__":\n    sys.exit(main())\n' $(CURDIR)/$(PYTHON) > $(VENV)/bin/robotteamsim
-	@chmod +x $(VENV)/bin/robotteamsim
+$(VENV)/.run: $(VENV)/.python setup/requirements-run.lock
+	$(call step,$(call number,3/5)PyPI packages,pypi-run) $(PIP_INSTALL) --no-compile --requirement setup/requirements-run.lock
+	@touch $@
 
-garage_sar: build ## run the garage mission with roslaunch, and rviz if there is a display
+$(DEBIAN)-run: $(DEBIAN)-build
+	$(call step,$(call number,4/5)Debian packages to run with,debian-run) setup/install-debian-packages.sh run
+	@touch $@
+
+$(DEBIAN)-view: $(DEBIAN)-run
+	$(call step,Debian packages for rviz,debian-view) setup/install-debian-packages.sh view
+	@touch $@
+
+$(DEBIAN)-test: $(DEBIAN)-view
+	$(call step,Debian packages for tests,debian-test) setup/install-debian-packages.sh test
+	@touch $@
+
+$(VENV)/.ready: $(VENV)/.run setup/requirements.lock
+	$(call step,PyPI packages for all commands and tests,pypi) $(PIP_INSTALL) --requirement setup/requirements.lock
+	@touch $@
+
+compile: $(DEBIAN)-build $(VENV)/.run
+	$(call step,$(call number,5/5)building,build) setup/compile.sh $(BUILD) $(PYTHON) $(JOBS) no
+
+build: announce ## build messages, C++ library and nodes into build/
+	@$(PARTS) $(DEBIAN)-run compile
+
+build_tests: announce
+	@$(PARTS) $(DEBIAN)-test $(VENV)/.ready compile
+	$(call step,building for tests,build_tests) setup/compile.sh $(BUILD) $(PYTHON) $(JOBS) yes
+
+announce:
+	@$(if $(FIRST),cat setup/first-run.txt)
+
+garage_sar: announce ## run the garage mission with roslaunch, and rviz if there is a display
+	@$(PARTS) $(if $(DISPLAY),$(DEBIAN)-view,$(DEBIAN)-run) compile
+	@$(if $(DISPLAY),,cat setup/no-display.txt)
 	@$(ENV) roslaunch robotteamsim garage_sar.launch lockstep:=true speed:=$(SPEED) $(ARGS)
 
 run: build ## run the garage mission headless
@@ -56,17 +91,17 @@ run: build ## run the garage mission headless
 
 test: lint test_cpp test_python test_ros ## run every test: linters, GoogleTest, pytest, rostest
 
-test_cpp: build ## GoogleTest
+test_cpp: build_tests ## GoogleTest
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_test > $(BUILD)/build_test.log 2>&1 || { cat $(BUILD)/build_test.log; exit 1; }
 	@$(BUILD)/devel/lib/robotteamsim/robotteamsim_test --gtest_brief=1
 
-test_python: build ## pytest
+test_python: build_tests ## pytest
 	@$(ENV) $(PYTHON) -m pytest test/python -n $(JOBS) --dist loadfile $(ARGS)
 
-test_ros: build ## rostest, each test with its own master
+test_ros: build_tests ## rostest, each test with its own master
 	@$(ENV) $(PYTHON) -m pytest test/ros -n $(JOBS) --dist loadfile $(ARGS)
 
-lint: build ## ruff, mypy, clang-format, yamllint
+lint: build_tests ## ruff, mypy, clang-format, yamllint
 	@$(PYTHON) -m ruff check --quiet .
 	@$(PYTHON) -m ruff format --quiet --check .
 	@$(PYTHON) -m mypy --no-error-summary
@@ -74,31 +109,33 @@ lint: build ## ruff, mypy, clang-format, yamllint
 	@yamllint --strict scenarios maps
 	@echo "-- linters: clean"
 
-tidy: build ## clang-tidy over the C++ code; about four minutes on two cores
-	@run-clang-tidy-14 -quiet -p $(BUILD) -j$(JOBS) '^$(CURDIR)/src/(cpp|bindings)/' > $(BUILD)/tidy.log 2>&1 \
+tidy: build_tests ## clang-tidy over the C++ code; about four minutes on two cores
+	@command -v run-clang-tidy-14 > /dev/null || { echo "this needs clang-tidy-14 (apt-get install)"; exit 1; }
+	@cmake -S . -B $(BUILD)/tidy -DPYTHON_EXECUTABLE=$(CURDIR)/$(PYTHON) -DROBOTTEAMSIM_UNITY=OFF > $(BUILD)/tidy.log
+	@run-clang-tidy-14 -quiet -p $(BUILD)/tidy -j$(JOBS) '^$(CURDIR)/src/(cpp|bindings)/' > $(BUILD)/tidy.log 2>&1 \
 		|| { grep -A3 "error:" $(BUILD)/tidy.log; exit 1; }
 	@echo "-- clang-tidy: clean"
 
-bench: build ## measure the speed of each part relative to a straightforward one, into bench/results/
+bench: build_tests ## measure the speed of each part relative to a straightforward one, into bench/results/
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_bench > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/run.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_bench --csv bench/results/speed.csv $(ARGS)
 	@$(ENV) $(PYTHON) bench/mission_bench.py --csv bench/results/missions.csv
 	@$(ENV) for script in bench/world_bench.py $(filter-out bench/ros_%.py bench/world_bench.py bench/mission_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
 
-bench_ros: build ## measure worlds, missions, a team and the network of 1000 robots in ROS; ARGS="--csv bench/results/ros.csv"
+bench_ros: build_tests ## measure worlds, missions, a team and the network of 1000 robots in ROS; ARGS="--csv bench/results/ros.csv"
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_ros_listener > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/ros_bench.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_ros_listener $(ARGS)
 	@$(ENV) $(PYTHON) bench/ros_team_bench.py $(ARGS)
 	@$(ENV) $(PYTHON) bench/ros_network_bench.py $(ARGS)
 
-exactness: build ## compare 50 million cells of maps with one ray each, and links with their reverse
+exactness: build_tests ## compare 50 million cells of maps with one ray each, and links with their reverse
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_exactness > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@set -o pipefail; $(BUILD)/devel/lib/robotteamsim/robotteamsim_exactness $(ARGS) | tee bench/results/exactness.txt
 
-report: build ## run the five campaigns of docs/report (1,500 missions) and write the report; ARGS=--resume continues
+report: build_tests ## run the five campaigns of docs/report (1,500 missions) and write the report; ARGS=--resume continues
 	@$(ENV) nice $(PYTHON) bench/report_campaigns.py $(ARGS)
 
-build_fuzz: build
+build_fuzz: build_tests
 	@command -v clang++-14 > /dev/null || { echo "this needs clang-14 and libclang-rt-14-dev (apt-get install)"; exit 1; }
 	@mkdir -p $(FUZZ)
 	@echo "-- building under ASan and UBSan"
@@ -127,13 +164,13 @@ faults: build ## kill each node of running missions at random moments; ARGS="--m
 garbage: build ## send a million garbage messages to the nodes of running missions; ARGS="--messages 20000 world" fewer
 	@$(ENV) PYTHONPATH=test/ros:test/fuzz:$$PYTHONPATH $(PYTHON) test/faults/garbage.py $(ARGS)
 
-wheel: $(VENV)/.ready ## build dist/*.whl, which includes Box2D and needs no compiler
+wheel: $(DEBIAN)-build $(VENV)/.ready ## build dist/*.whl, which includes Box2D and needs no compiler
 	@rm -rf dist && mkdir -p dist/raw
 	@$(PYTHON) -m pip wheel --quiet --no-deps --wheel-dir dist/raw .
 	@PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PYTHON) -m auditwheel repair --wheel-dir dist dist/raw/*.whl
 	@rm -rf dist/raw && ls dist/*.whl
 
-pictures: build ## regenerate the pictures of README and docs
+pictures: build_tests ## regenerate the pictures of README and docs
 	@$(ENV) $(PYTHON) docs/draw_cases.py
 	@$(ENV) $(PYTHON) docs/draw_swarm.py
 	@$(ENV) $(PYTHON) docs/make_own_building.py
@@ -151,13 +188,14 @@ pictures: build ## regenerate the pictures of README and docs
 	@$(ENV) $(PYTHON) docs/draw_viewer.py
 	@$(ENV) $(PYTHON) docs/make_pictures.py
 
-man: build ## write the man page docs/robotteamsim.1 again
+man: build_tests ## write the man page docs/robotteamsim.1 again
 	@$(ENV) $(PYTHON) docs/make_man_page.py docs/robotteamsim.1
 
-lock: ## write setup/requirements.lock again: the versions of requirements.txt, what they need, and all hashes
-	@$(PYTHON) -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-header --no-annotate \
-		--no-emit-index-url --no-emit-find-links --no-emit-trusted-host \
-		--output-file setup/requirements.lock setup/requirements.txt
+lock: ## write the locks in setup/ again: the versions of the requirements, what they need, and all hashes
+	@for name in requirements-run requirements; do \
+		$(PYTHON) -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-header --no-annotate \
+			--no-emit-index-url --no-emit-find-links --no-emit-trusted-host \
+			--output-file setup/$$name.lock setup/$$name.txt || exit 1; done
 
 clean: ## remove build/, dist/ and .venv
 	rm -rf $(BUILD) dist $(VENV)

@@ -1,21 +1,29 @@
 #!/bin/sh
-# Installs the missing packages of a list and prints their names.
-# usage: install-debian-packages.sh LIST
+# Installs the packages of debian-packages.txt that are missing for some purposes.
+# usage: install-debian-packages.sh PURPOSE...     build, run, view, test; or names of packages
 set -eu
-missing=$(sed 's/#.*//' "$1" | while read -r package; do
-  [ -z "$package" ] && continue
+list=$(dirname "$0")/debian-packages.txt
+wanted=$(for purpose; do
+  if grep -qx "\[$purpose\]" "$list"; then
+    awk -v purpose="[$purpose]" '/^\[/ { wanted = $0 == purpose; next } wanted && NF' "$list"
+  else
+    echo "$purpose"
+  fi
+done)
+missing=$(for package in $wanted; do
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || echo "$package"
 done)
 if [ -z "$missing" ]; then
-  echo "-- Debian packages: all installed"
+  echo "all installed"
   exit 0
 fi
-echo "-- Debian packages: installing" $missing
 root=
 if [ "$(id -u)" != 0 ]; then
-  command -v sudo >/dev/null || { echo "sudo is not installed; as root, run 'apt-get install" $missing"'" >&2; exit 1; }
+  command -v sudo >/dev/null || { echo "sudo is not installed; as root, run 'apt-get install" $missing"'"; exit 1; }
   root="sudo"
 fi
-export DEBIAN_FRONTEND=noninteractive
-$root apt-get update -q
-$root apt-get install -q -y --no-install-recommends $missing
+# Lists younger than an hour are used as they are.
+if [ -z "$(find /var/lib/apt/lists -name '*Packages*' -mmin -60 2>/dev/null | head -n 1)" ]; then
+  $root apt-get update -q
+fi
+$root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing

@@ -106,10 +106,13 @@ def test_mapping_starts_gmapping_in_the_namespace_of_its_robot(tmp_path: Path, m
     assert f'ROS_NAMESPACE="/robot_1" {path} scan:=base_scan __name:=slam_gmapping' in program.output
 
 
-def test_launch_ends_with_the_mission_and_a_table_of_what_happened(run: Run, headless_hash: str) -> None:
+def test_launch_ends_with_the_mission_and_its_totals(run: Run, headless_hash: str) -> None:
     assert run.status == 0
     assert "mission-4] has died!\nprocess has finished cleanly" in run.output
     assert "time limit reached" in run.output
+    explained, died = (run.output.index(text) for text in ("this is the normal end", "has died!"))
+    assert explained < died
+    assert run.output.count("mission starts: 5 areas") == 1
     assert f"trajectories {headless_hash}" in run.output
     assert (run.result["trajectory_hash"], run.result["noise_db"]) == (headless_hash, 12.0)
     assert "Traceback" not in run.output

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robotteamsim/base/geometry.hpp"
+
 namespace robotteamsim::base {
 
 namespace hypot_detail {
@@ -39,5 +41,8 @@ inline double Hypot(double x, double y) {
   const int exponent = std::ilogb(large);
   return std::ldexp(hypot_detail::Hypot(std::ldexp(large, -exponent), std::ldexp(small, -exponent)), exponent);
 }
+
+/// Returns the distance between two points [m].
+inline double Distance(const Point& a, const Point& b) { return Hypot(a.x - b.x, a.y - b.y); }
 
 }  // namespace robotteamsim::base

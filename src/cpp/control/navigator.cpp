@@ -29,8 +29,6 @@ constexpr double kReachMargin = 1e-6;
 /// Directions whose room differs by less are equal: the first one is taken [m].
 constexpr double kEqualRoom = 1e-9;
 
-double Distance(const base::Point& a, const base::Point& b) { return base::Hypot(a.x - b.x, a.y - b.y); }
-
 base::Point PlaceOf(const base::Pose& pose) { return {pose.x, pose.y}; }
 
 constexpr int kMostRobots = 1'000'000;

@@ -22,8 +22,6 @@ void Check(const HeardNote& note) {
   if (note.loudest) base::Check(*note.loudest, "loudest");
 }
 
-double Distance(const base::Point& a, const base::Point& b) { return base::Hypot(a.x - b.x, a.y - b.y); }
-
 }  // namespace
 
 HeardKey::HeardKey(const HeardNote& note)

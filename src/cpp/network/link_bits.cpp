@@ -9,16 +9,16 @@
 namespace robotteamsim::network {
 namespace {
 
-constexpr int kBits = LinkBits::kBitsPerWord;
-using Tile = std::array<std::uint64_t, kBits>;
+constexpr int kWordBits = LinkBits::kBitsPerWord;
+using Tile = std::array<std::uint64_t, kWordBits>;
 
 std::string Pair(int i, int j) { return "(" + std::to_string(i) + ", " + std::to_string(j) + ")"; }
 
 /// Swaps rows and columns of 64 x 64 bits: halves first, then halves of halves [warren2013].
 void Transpose(Tile* tile) {
   std::uint64_t low_half = 0x00000000FFFFFFFF;
-  for (int size = kBits / 2; size > 0; size /= 2, low_half ^= low_half << size) {
-    for (int i = 0; i < kBits; ++i) {
+  for (int size = kWordBits / 2; size > 0; size /= 2, low_half ^= low_half << size) {
+    for (int i = 0; i < kWordBits; ++i) {
       if (i & size) continue;
       const std::uint64_t swapped = (((*tile)[i] >> size) ^ (*tile)[i + size]) & low_half;
       (*tile)[i] ^= swapped << size;
@@ -34,7 +34,7 @@ LinkBits::LinkBits(const Eigen::Ref<const Adjacency>& adjacency) : num_robots_(s
     throw std::invalid_argument("adjacency must be square, got shape " +
                                 Pair(num_robots_, static_cast<int>(adjacency.cols())));
   }
-  constexpr int kBitsPerBlock = kBits * kWordsPerBlock;
+  constexpr int kBitsPerBlock = kWordBits * kWordsPerBlock;
   num_words_ = (num_robots_ + kBitsPerBlock - 1) / kBitsPerBlock * kWordsPerBlock;
   words_.assign(static_cast<std::size_t>(num_robots_) * num_words_, 0);
   for (int i = 0; i < num_robots_; ++i) SetRow(i, adjacency.data() + i * adjacency.outerStride());
@@ -60,7 +60,7 @@ bool LinkBits::IsConnected() const {
       for (std::uint64_t bits; (bits = reached[w] & ~visited[w]) != 0; found = true) {
         visited[w] |= bits & -bits;
         ++num_visited;
-        const std::uint64_t* const row = Row(w * kBits + __builtin_ctzll(bits));
+        const std::uint64_t* const row = Row(w * kWordBits + __builtin_ctzll(bits));
         for (int v = 0; v < num_words_; ++v) reached[v] |= row[v];
       }
     }
@@ -74,27 +74,27 @@ void LinkBits::SetRow(int robot, const bool* links) {
   for (; j + 8 <= num_robots_; j += 8) {
     std::uint64_t bytes;  // each 0 or 1; the product collects them in its highest byte
     std::memcpy(&bytes, links + j, sizeof bytes);
-    row[j / kBits] |= (bytes * 0x0102040810204080 >> 56) << (j % kBits);
+    row[j / kWordBits] |= (bytes * 0x0102040810204080 >> 56) << (j % kWordBits);
   }
-  for (; j < num_robots_; ++j) row[j / kBits] |= static_cast<std::uint64_t>(links[j]) << (j % kBits);
+  for (; j < num_robots_; ++j) row[j / kWordBits] |= static_cast<std::uint64_t>(links[j]) << (j % kWordBits);
 }
 
 void LinkBits::CheckDiagonal() const {
   for (int i = 0; i < num_robots_; ++i) {
-    if (Row(i)[i / kBits] >> (i % kBits) & 1) {
+    if (Row(i)[i / kWordBits] >> (i % kWordBits) & 1) {
       throw std::invalid_argument("adjacency must be 0 on the diagonal, got 1 at " + Pair(i, i));
     }
   }
 }
 
 void LinkBits::CheckSymmetry() const {
-  for (int top = 0; top < num_robots_; top += kBits) {
-    for (int left = 0; left <= top; left += kBits) {
+  for (int top = 0; top < num_robots_; top += kWordBits) {
+    for (int left = 0; left <= top; left += kWordBits) {
       Tile tile{};
-      for (int i = top; i < std::min(top + kBits, num_robots_); ++i) tile[i - top] = Row(i)[left / kBits];
+      for (int i = top; i < std::min(top + kWordBits, num_robots_); ++i) tile[i - top] = Row(i)[left / kWordBits];
       Transpose(&tile);
-      for (int j = left; j < std::min(left + kBits, num_robots_); ++j) {
-        const std::uint64_t different = tile[j - left] ^ Row(j)[top / kBits];
+      for (int j = left; j < std::min(left + kWordBits, num_robots_); ++j) {
+        const std::uint64_t different = tile[j - left] ^ Row(j)[top / kWordBits];
         if (different == 0) continue;
         const int i = top + __builtin_ctzll(different);
         throw std::invalid_argument("adjacency must be symmetric, but is not at " +
@@ -115,7 +115,7 @@ Neighbors::Neighbors(const LinkBits& links) {
   for (int i = 0; i < n; ++i) {
     for (int w = 0; w < links.NumWords(); ++w) {
       for (std::uint64_t bits = links.Row(i)[w]; bits != 0; bits &= bits - 1) {
-        *next++ = w * kBits + __builtin_ctzll(bits);
+        *next++ = w * kWordBits + __builtin_ctzll(bits);
       }
     }
   }

@@ -23,8 +23,6 @@ std::size_t Checked(int num_robots) {
   return static_cast<std::size_t>(num_robots);
 }
 
-double Distance(const base::Point& a, const base::Point& b) { return base::Hypot(a.x - b.x, a.y - b.y); }
-
 }  // namespace
 
 TeamTotals::TeamTotals(int num_robots) : logs_(Checked(num_robots)) {}

@@ -32,9 +32,12 @@ _STYLES = {
 
 def print_result(console: Console, result: Result, events: Sequence[Event], written: Sequence[Path | None]) -> None:
     """Print the events in order and the totals of a mission."""
-    robots = counted(len(result.robots), "robot")
-    title = f"{result.scenario}: {robots}, {result.noise_db:g} dB noise, seed {result.seed}"
-    console.print(event_table(title, events))
+    console.print(event_table(_title(result), events))
+    print_totals(console, result, written)
+
+
+def print_totals(console: Console, result: Result, written: Sequence[Path | None]) -> None:
+    """Print the totals of a mission, its hash and the written files."""
     console.print(totals_table(_totals(result)))
     console.print(Text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)
     for path in filter(None, written):
@@ -73,6 +76,11 @@ def totals_table(rows: Iterable[tuple[str, str]]) -> Table:
     for name, value in rows:
         table.add_row(name, value)
     return table
+
+
+def _title(result: Result) -> str:
+    robots = counted(len(result.robots), "robot")
+    return f"{result.scenario}: {robots}, {result.noise_db:g} dB noise, seed {result.seed}"
 
 
 def _totals(result: Result) -> list[tuple[str, str]]:

@@ -17,7 +17,7 @@ from robotteamsim.mission.status import Event
 from robotteamsim.network.compact import LinksDecoder
 from robotteamsim.network.messages import NetworkState
 from robotteamsim.recording import ResultWriter, TumWriter, ros_messages
-from robotteamsim.recording.table import print_result
+from robotteamsim.recording.table import print_totals
 from robotteamsim.ros.nodes.requests import check_door, check_noise, check_victim
 from robotteamsim.ros.nodes.trial import Trial
 from robotteamsim.ros.transport import msg_conversion as conversion
@@ -36,6 +36,10 @@ logger = logging.getLogger(__name__)
 
 FAREWELL_S = 0.5
 """Time for the last messages to reach recorders before the node, and with it the launch, ends [s, wall]."""
+LAST_WORDS = (
+    "The mission has ended, and this ends the launch. roslaunch reports it in red, as 'REQUIRED process [mission] has "
+    "died'; this is the normal end."
+)
 LINKS = "/network/links"
 DOORS = "/world/doors"
 
@@ -213,7 +217,10 @@ class MissionNode:
     def _report(self) -> None:
         result = self._trial.result
         assert result is not None
-        print_result(Console(), result, self._trial.events, [self._folder])
+        console = Console()
+        print_totals(console, result, [self._folder])  # The events were logged when they happened.
+        if not self._stays:
+            console.print(LAST_WORDS, soft_wrap=True, markup=False, highlight=False)
 
     def _offer_services(self) -> None:
         actions = ("start", "pause", "resume", "abort")

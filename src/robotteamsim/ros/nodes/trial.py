@@ -21,7 +21,6 @@ class Trial:
         """Start. Raises: RecordingError: a recorder cannot write."""
         self.mission = Mission(scenario)
         self.result: Result | None = None
-        self.events: list[Event] = []
         self._scenario = scenario
         self._tally: Tally | None = None
         self._steps = 0
@@ -54,7 +53,6 @@ class Trial:
             # Its wall clock starts here: nodes wait for each other before the first step.
             self._tally = self._tally or Tally(self._scenario)
             self._steps += 1
-            self.events += events
             record = StepRecord(
                 step_index=self._steps,
                 sim_time_ns=sim_time_ns,

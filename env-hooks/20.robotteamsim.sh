@@ -1,0 +1,12 @@
+# What the package ros-environment sets, which Debian 13 does not have: the folders of this workspace's packages and of
+# Debian's. Where ros-environment is installed, its hooks have run before and nothing is missing.
+
+_robotteamsim_paths=$(tr ';' ':' < "$CATKIN_ENV_HOOK_WORKSPACE/.catkin" 2> /dev/null)
+for _robotteamsim_path in "${_robotteamsim_paths:-$CATKIN_ENV_HOOK_WORKSPACE/share}" /usr/share; do
+  case ":$ROS_PACKAGE_PATH:" in
+    *":$_robotteamsim_path:"*) ;;
+    *) export ROS_PACKAGE_PATH="${ROS_PACKAGE_PATH:+$ROS_PACKAGE_PATH:}$_robotteamsim_path" ;;
+  esac
+done
+unset _robotteamsim_paths _robotteamsim_path
+export ROS_DISTRO="${ROS_DISTRO:-Debian}" ROS_VERSION="${ROS_VERSION:-1}" ROS_PYTHON_VERSION="${ROS_PYTHON_VERSION:-3}"
