@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
+
 SETUP = Path(__file__).parents[3] / "setup"
 
 
@@ -14,10 +16,13 @@ def _pins(name: str) -> dict[str, str]:
     return {re.sub("[._-]+", "-", pin[1]).lower(): pin[2] for pin in found if pin}
 
 
-def test_lock_has_the_versions_of_the_requirements_and_hashes_of_all():
-    wanted, locked = _pins("requirements.txt"), _pins("requirements.lock")
+@pytest.mark.parametrize("names", [("requirements-run",), ("requirements-run", "requirements")])
+def test_lock_has_the_versions_of_the_requirements_and_hashes_of_all(names):
+    lock = f"{names[-1]}.lock"
+    wanted = {name: pin for file in names for name, pin in _pins(f"{file}.txt").items()}
+    locked = _pins(lock)
     assert {name: locked.get(name) for name in wanted} == wanted, "run `make lock`"
-    text = (SETUP / "requirements.lock").read_text(encoding="utf-8")
+    text = (SETUP / lock).read_text(encoding="utf-8")
     blocks = re.split(r"\n(?=[A-Za-z0-9])", text.strip())
     assert len(blocks) == len(locked)
     assert all("--hash=sha256:" in block for block in blocks)
