@@ -10,6 +10,8 @@ PYTHON := $(VENV)/bin/python
 BUILD := build
 JOBS ?= $(shell nproc)
 SPEED ?= 5
+# Of PyPI: Debian 13 has another version, which formats differently.
+CLANG_FORMAT = $(or $(wildcard $(VENV)/bin/clang-format),clang-format)
 FUZZ := $(BUILD)/fuzz
 FUZZ_SECONDS ?= 60
 # Whole missions are excluded: with the sanitizers they take many minutes, and no C++ is used only by them.
@@ -105,7 +107,7 @@ lint: build_tests ## ruff, mypy, clang-format, yamllint
 	@$(PYTHON) -m ruff check --quiet .
 	@$(PYTHON) -m ruff format --quiet --check .
 	@$(PYTHON) -m mypy --no-error-summary
-	@clang-format --dry-run -Werror $(CPP_FILES)
+	@$(CLANG_FORMAT) --dry-run -Werror $(CPP_FILES)
 	@yamllint --strict scenarios maps
 	@echo "-- linters: clean"
 

@@ -3,6 +3,7 @@
 # usage: compile.sh BUILD PYTHON JOBS yes|no      yes: with the targets of the tests
 set -eu
 build=$1 python=$2 jobs=$3 tests=$4
+export ROS_LANG_DISABLE=${ROS_LANG_DISABLE-geneus:genlisp:gennodejs}  # the package uses C++ and Python only
 unset MAKEFLAGS MFLAGS  # of the make that runs this step beside others
 if [ ! -f "$build/Makefile" ]; then
   cmake -S . -B "$build" -DPYTHON_EXECUTABLE="$PWD/$python" -DCATKIN_ENABLE_TESTING=OFF ||
