@@ -47,6 +47,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("run", "office_manet", "--set", "mission.time_limit_s=2"),
         ("scenario", "show", "garage_sar"),
         ("analyse", "mission.bag"),
+        ("view", "mission.bag", "--html", "mission.html"),
         ("completion", "bash"),
     ],
 )
