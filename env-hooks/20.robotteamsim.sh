@@ -9,4 +9,6 @@ for _robotteamsim_path in "${_robotteamsim_paths:-$CATKIN_ENV_HOOK_WORKSPACE/sha
   esac
 done
 unset _robotteamsim_paths _robotteamsim_path
+# Where the output of a launch goes to a pipe or file, its lines appear when they are written, not at the end.
+export ROSCONSOLE_STDOUT_LINE_BUFFERED="${ROSCONSOLE_STDOUT_LINE_BUFFERED:-1}"
 export ROS_DISTRO="${ROS_DISTRO:-Debian}" ROS_VERSION="${ROS_VERSION:-1}" ROS_PYTHON_VERSION="${ROS_PYTHON_VERSION:-3}"
