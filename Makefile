@@ -74,7 +74,7 @@ compile: $(DEBIAN)-build $(VENV)/.run
 	$(call step,$(call number,5/5)building,build) setup/compile.sh $(BUILD) $(PYTHON) $(JOBS) no
 
 build: announce ## build messages, C++ library and nodes into build/
-	@$(PARTS) $(DEBIAN)-run compile
+	@$(PARTS) $(if $(and $(DISPLAY),$(filter garage_sar,$(MAKECMDGOALS))),$(DEBIAN)-view,$(DEBIAN)-run) compile
 
 build_tests: announce
 	@$(PARTS) $(DEBIAN)-test $(VENV)/.ready compile
@@ -83,8 +83,7 @@ build_tests: announce
 announce:
 	@$(if $(FIRST),cat setup/first-run.txt)
 
-garage_sar: announce ## run the garage mission with roslaunch, and rviz if there is a display
-	@$(PARTS) $(if $(DISPLAY),$(DEBIAN)-view,$(DEBIAN)-run) compile
+garage_sar: build ## run the garage mission with roslaunch, and rviz if there is a display
 	@$(if $(DISPLAY),,cat setup/no-display.txt)
 	@$(ENV) roslaunch robotteamsim garage_sar.launch lockstep:=true speed:=$(SPEED) $(ARGS)
 
