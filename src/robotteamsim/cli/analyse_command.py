@@ -32,8 +32,9 @@ _MP4_WIDTH_PX, _MP4_FRAMES_PER_S = 1280, 25
 
 _DESCRIPTION = """\
 Summarise bags: the course of the mission, the distances driven, the state of the network. Bags may
-come from ROS runs, headless runs, real robots or another simulator with the same topics, compressed
-or not. Values that cannot be computed from a bag are omitted, and listed with the missing topic."""
+come from ROS runs, headless runs, real robots or another simulator with the same topics: ROS 1 bags
+or MCAP files of ROS 2, compressed or not. Values that cannot be computed from a bag are omitted, and
+listed with the missing topic."""
 
 _EPILOG = """\
 Topics: /mission/status, events, victims, areas; /network/state or links; for each robot odom or

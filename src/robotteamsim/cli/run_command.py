@@ -14,7 +14,7 @@ from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, 
 from robotteamsim.cli.progress import ProgressBar
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import ScenarioError
-from robotteamsim.recording import BagWriter, ResultWriter, TumWriter, result_summary
+from robotteamsim.recording import BagWriter, McapWriter, ResultWriter, TumWriter, result_summary
 from robotteamsim.recording.results import FILE_NAME, EventList
 from robotteamsim.recording.table import print_result
 from robotteamsim.simulation import Observer, Simulation
@@ -31,7 +31,8 @@ bit-identical trajectories, headless and in ROS with lockstep:=true."""
 _EPILOG = """\
 --out writes mission.json (result, all events, all settings, versions) and
 trajectories/robot_<id>.tum. --bag writes the same topics as a ROS run; play it back
-with `roslaunch robotteamsim replay.launch bag:=...`.
+with `roslaunch robotteamsim replay.launch bag:=...`. --mcap writes them as ROS 2 messages,
+which Foxglove, Lichtblick and Rerun show.
 
 examples:
   robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
@@ -47,6 +48,9 @@ def add_to(commands: Any) -> None:
     add_scenario_options(parser)
     parser.add_argument("--out", type=path_of, metavar="DIR", help="write mission.json and trajectories to this folder")
     parser.add_argument("--bag", type=path_of, metavar="FILE", help="write a ROS bag of the run")
+    parser.add_argument(
+        "--mcap", type=path_of, metavar="FILE", help="write an MCAP file of the run, with ROS 2 messages"
+    )
     parser.add_argument("--html", type=path_of, metavar="FILE", help="write the mission as a page for any browser")
     parser.add_argument("--json", action="store_true", help="print the result as one JSON object instead of a table")
     parser.add_argument("--quiet", action="store_true", help="no progress bar, no table")
@@ -107,15 +111,22 @@ def run(options: argparse.Namespace) -> None:
     if options.json:
         print(json.dumps(result_summary(result)))
     elif not options.quiet:
-        print_result(Console(), result, events.events, [options.out, options.bag, options.html])
+        print_result(Console(), result, events.events, [options.out, options.bag, options.mcap, options.html])
 
 
 def _check_files(options: argparse.Namespace) -> None:
     """Raises: UsageError: a file would be overwritten by another one of this command."""
-    named = {"--bag": options.bag, "--html": options.html}
-    files = {option: Path(os.path.realpath(path)) for option, path in named.items() if path}
-    if len(set(files.values())) < len(files):
-        raise UsageError(f"--html {options.html}: --bag writes this file; choose another one")
+    if options.mcap and options.mcap.suffix != ".mcap":
+        raise UsageError(f"--mcap {options.mcap}: expected a name that ends in .mcap")
+    named = {"--bag": options.bag, "--mcap": options.mcap, "--html": options.html}
+    files: dict[str, Path] = {}
+    for option, path in named.items():
+        if not path:
+            continue
+        file = Path(os.path.realpath(path))
+        if other := next((before for before, known in files.items() if known == file), None):
+            raise UsageError(f"{option} {path}: {other} writes this file; choose another one")
+        files[option] = file
     if not options.out:
         return
     out = Path(os.path.realpath(options.out))
@@ -157,6 +168,7 @@ def load_scenario(options: argparse.Namespace, name: str) -> scenario.Scenario:
 
 def _recorders(options: argparse.Namespace) -> list[Observer]:
     recorders: list[Observer] = [BagWriter(options.bag)] if options.bag else []
+    recorders += [McapWriter(options.mcap)] if options.mcap else []
     if options.out:
         # mission.json is written last: if it exists, the rest is complete.
         recorders += [TumWriter(options.out / TRAJECTORIES), ResultWriter(options.out)]

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 _DESCRIPTION = """\
 Show a mission in the browser. A scenario runs live: pause it, open doors, move victims, change the
-noise. A bag, or the folder of `run --out`, is played back. With --html, the mission is written to one
-file that any browser opens without a network, on phones as well."""
+noise. A bag, an MCAP file, or the folder of `run --out`, is played back. With --html, the mission is
+written to one file that any browser opens without a network, on phones as well."""
 
 _EPILOG = """\
 Only browsers on this machine can connect. A folder is simulated again from its mission.json, which
@@ -43,7 +43,9 @@ def add_to(commands: Any) -> None:
         "view", help="watch a mission in the browser, or write it as one HTML file", description=_DESCRIPTION,
         epilog=_EPILOG,
     )  # fmt: skip
-    parser.add_argument("target", metavar="TARGET", help=f"a bag, a folder of `run --out`, or {SCENARIO_HELP}")
+    parser.add_argument(
+        "target", metavar="TARGET", help=f"a bag, an MCAP file, a folder of `run --out`, or {SCENARIO_HELP}"
+    )
     add_scenario_options(parser)
     parser.add_argument("--html", type=path_of, metavar="FILE", help="write one self-contained page instead")
     parser.add_argument("--compare", metavar="TARGET", help="show a second mission next to the first")
@@ -120,14 +122,18 @@ def _page(options: argparse.Namespace, targets: list[str]) -> str:
 
 
 def _is_recorded(target: str) -> bool:
-    return Path(target).is_dir() or target.endswith(".bag")
+    return Path(target).is_dir() or _is_bag(target)
+
+
+def _is_bag(target: str) -> bool:
+    return target.endswith((".bag", ".mcap"))
 
 
 def _recording(options: argparse.Namespace, target: str) -> Recording:
     """Read a bag, or simulate a scenario or the mission of a folder again."""
     if Path(target).is_dir():
         return _repeated(options, Path(target))
-    if target.endswith(".bag"):
+    if _is_bag(target):
         from robotteamsim.analysis.runs.reading import read_run
         from robotteamsim.view.from_bag import recording_of
 

@@ -1,31 +1,17 @@
-"""Writes a bag of a headless run, with the topics and types of a ROS run."""
+"""Topics and messages of a headless run: those of a ROS run."""
 
-import contextlib
-import os
-import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from rosbags.rosbag1 import Writer
-
-from robotteamsim.errors import RecordingError
 from robotteamsim.network.compact import LinksEncoder
 from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_types import BagTypes
-from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
 from robotteamsim.recording.sensor_messages import sensor_topics
 from robotteamsim.scenario.published_map import published_map
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.simulation import Result, StepRecord
+from robotteamsim.simulation import StepRecord
 from robotteamsim.world.placement import placed_robots
-
-CHUNK_BYTES = 256 * 1024
-"""Size of a chunk [bytes], the most that a killed process can lose; three robots fill one in about 4 s simulated."""
-
-_MAGIC = b"#ROSBAG V2.0\n"
-_FILE_HEADER_BYTES = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,151 +53,27 @@ ROBOT_TOPICS = (
 """Topics in the namespace of each robot."""
 
 
-class _Writer(Writer):
-    """A bag file whose file header has the length that ROS's own tools use.
+class BagMessages:
+    """The messages of a trial, step by step."""
 
-    rosbags pads it to 8 bytes less. `rosbag reindex` rewrites the header in its own length and would then overwrite the
-    start of the first chunk.
-    """
-
-    def open(self) -> None:
-        """Open the file."""
-        super().open()
-        assert self.bio is not None
-        self.bio.flush()
-        self._pad_header()
-        self.bio.seek(0, os.SEEK_END)
-
-    def close(self) -> None:
-        """Write the index and close the file."""
-        super().close()
-        self._pad_header()
-
-    def _pad_header(self) -> None:
-        with self.path.open("r+b") as file:
-            file.seek(len(_MAGIC))
-            (header_length,) = struct.unpack("<I", file.read(4))
-            file.seek(header_length, os.SEEK_CUR)
-            padding = b" " * (_FILE_HEADER_BYTES - header_length)
-            file.write(struct.pack("<I", len(padding)) + padding)
-
-
-class BagWriter:
-    """Writes a ROS 1 bag while the trial runs.
-
-    Like `rosbag record`, it writes to `path`.active and renames that file when the run ends or is interrupted. After a
-    kill or a full disk, the .active file contains all complete chunks; `rosbag reindex` makes it readable.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._active = path.parent / f"{path.name}.active"
-        self._writer: _Writer | None = None
-        self._created: list[Path] = []
-        self._steps = 0
-        self._within_step = False
-
-    def begin(self, scenario: Scenario) -> None:
-        """Open the bag. Raises: RecordingError: it cannot be written."""
+    def __init__(self, scenario: Scenario, make: BagTypes) -> None:
         self._scenario = scenario
         self._robots = placed_robots(scenario)
         self._sensors = [sensor_topics(robot) for robot in self._robots]
         self._step_ns = round(scenario.run.step_s * 1e9)
-        self._steps, self._within_step = 0, False
         self._last: StepRecord | None = None
         self._encoder = LinksEncoder()
-        self._make = BagTypes()
-        try:
-            check_replaceable(self._path)
-            self._created = make_folder(self._path.parent)
-            self._active.unlink(missing_ok=True)
-            writer = _Writer(self._active)
-            writer.chunk_threshold = CHUNK_BYTES
-            writer.open()
-            self._writer = writer
-            self._connections = {topic.name: self._connect(topic) for topic in self._topics()}
-        except OSError as error:
-            raise cannot_write(self._path, error) from error
+        self._make = make
 
-    def step(self, record: StepRecord) -> None:
-        """Write the messages of one step. Raises: RecordingError: the bag cannot be written, such as on a full disk."""
-        assert self._writer is not None
-        self._within_step = True
-        try:
-            for time_ns, topic, message in self._messages(record):
-                connection = self._connections[topic]
-                data = self._make.typestore.serialize_ros1(message, connection.msgtype)
-                self._writer.write(connection, time_ns, data)
-            assert self._writer.bio is not None
-            self._writer.bio.flush()
-            self._steps += 1
-            self._within_step = False
-        except OSError as error:
-            raise self._write_error(error) from error
-
-    def end(self, result: Result) -> None:
-        """Close the bag and rename it to `path`. Raises: RecordingError."""
-        self._close()
-
-    def abandon(self) -> None:
-        """Close the bag of an interrupted run.
-
-        An empty bag is deleted. After an incomplete step the .active file stays, for `rosbag reindex`.
-        """
-        if self._writer is None:
-            return
-        if self._steps == 0:
-            self._close_file()
-            self._active.unlink(missing_ok=True)
-            remove_empty(self._created)
-            return
-        if self._within_step:
-            self._close_file()
-            return
-        with contextlib.suppress(RecordingError):
-            self._close()
-
-    def _close(self) -> None:
-        assert self._writer is not None
-        try:
-            self._writer.close()
-            self._writer = None
-            self._active.replace(self._path)
-        except OSError as error:
-            raise self._write_error(error) from error
-
-    def _write_error(self, error: OSError) -> RecordingError:
-        """Close the file without an index, and return the error for the user."""
-        self._close_file()
-        why = error.strerror or error
-        rescue = f"`rosbag reindex {self._active}` recovers what was recorded"
-        return RecordingError(f"{self._active}: cannot be written: {why}; {rescue}")
-
-    def _close_file(self) -> None:
-        if self._writer is not None and self._writer.bio is not None:
-            # Closing flushes, which fails again on a full disk.
-            with contextlib.suppress(OSError):
-                self._writer.bio.close()
-        self._writer = None
-
-    def _topics(self) -> Iterator[Topic]:
+    def topics(self) -> Iterator[Topic]:
+        """Yield all topics of the team and of each robot."""
         with_matrices = self._scenario.network.publish_matrices
         yield from (topic for topic in TEAM_TOPICS if with_matrices or topic.name != "/network/state")
         for robot_id, sensors in enumerate(self._sensors):
             for topic in (*ROBOT_TOPICS, *(Topic(sensor.name, sensor.type_name) for sensor in sensors)):
                 yield Topic(f"/{ros_messages.robot_name(robot_id)}/{topic.name}", topic.type_name, topic.latched)
 
-    def _connect(self, topic: Topic) -> Any:
-        assert self._writer is not None
-        return self._writer.add_connection(
-            topic.name,
-            topic.type_name.replace("/", "/msg/"),
-            typestore=self._make.typestore,
-            callerid="/robotteamsim",
-            latching=int(topic.latched),
-        )
-
-    def _messages(self, record: StepRecord) -> Iterator[tuple[int, str, Any]]:
+    def of_step(self, record: StepRecord) -> Iterator[tuple[int, str, Any]]:
         """Yield time [ns], topic and message in the order in which the nodes publish; the clock of the step is last."""
         make, time_ns = self._make, record.sim_time_ns
         ticks = self._scenario.run.physics_substeps

@@ -10,14 +10,14 @@ from rosbags.typesys.store import Typestore
 from robotteamsim.errors import RecordingError
 from robotteamsim.scenario.shipped import share_roots
 
-_TF_MESSAGE = "geometry_msgs/TransformStamped[] transforms\n"  # rosbags does not include tf2_msgs
+_TF_MESSAGE = "geometry_msgs/TransformStamped[] transforms\n"  # rosbags does not include tf2_msgs of ROS 1
 
 
 class BagTypes:
     """Builds messages of rosbags' classes; the `make` of `ros_messages`."""
 
-    def __init__(self) -> None:
-        self.typestore = bag_typestore()
+    def __init__(self, typestore: Typestore | None = None) -> None:
+        self.typestore = bag_typestore() if typestore is None else typestore
         self._classes = {name.replace("/msg/", "/"): cls for name, cls in self.typestore.types.items()}
         self._time = self._classes["builtin_interfaces/Time"]
 
@@ -30,13 +30,28 @@ class BagTypes:
         return self._time(*divmod(time_ns, 10**9))
 
 
-def bag_typestore() -> Typestore:
-    """Return the types of ROS 1 and of this package, for reading and writing bags.
+class Ros2Types(BagTypes):
+    """Builds messages of ROS 2, for MCAP files."""
+
+    def __init__(self) -> None:
+        super().__init__(bag_typestore(Stores.ROS2_HUMBLE))
+
+    def __call__(self, type_name: str, /, **attributes: Any) -> Any:
+        """Return a message; headers of ROS 2 have no `seq`."""
+        if type_name == "std_msgs/Header":
+            del attributes["seq"]
+        return super().__call__(type_name, **attributes)
+
+
+def bag_typestore(ros: Stores = Stores.ROS1_NOETIC) -> Typestore:
+    """Return the types of a version of ROS and of this package, for reading and writing bags.
 
     Raises: RecordingError: the message definitions of the package are not installed.
     """
-    typestore = get_typestore(Stores.ROS1_NOETIC)
-    types = get_types_from_msg(_TF_MESSAGE, "tf2_msgs/msg/TFMessage")
+    typestore = get_typestore(ros)
+    types = {}
+    if "tf2_msgs/msg/TFMessage" not in typestore.types:
+        types = get_types_from_msg(_TF_MESSAGE, "tf2_msgs/msg/TFMessage")
     for path in _message_files():
         types.update(get_types_from_msg(path.read_text(encoding="utf-8"), f"robotteamsim/msg/{path.stem}"))
     typestore.register(types)

@@ -143,3 +143,18 @@ def test_bag_given_twice_is_refused(refusal):
 
 def test_two_runs_are_no_parts_of_a_recording(refusal, bags):
     assert refusal("analyse", "--join", *bags).endswith("overlap in time, so they are not parts of one recording")
+
+
+def test_mcap_file_gives_the_numbers_of_a_bag(capsys, tmp_path):
+    bag, mcap = tmp_path / "one.bag", tmp_path / "one.mcap"
+    assert main(["run", "garage_sar", *SHORT, "--bag", str(bag), "--mcap", str(mcap)]) == 0
+    documents = []
+    for path in (bag, mcap):
+        assert main(["analyse", str(path), "--json", "-"]) == 0
+        documents.append(json.loads(capsys.readouterr().out))
+    assert documents[0] == documents[1]
+
+
+def test_mcap_file_of_another_name_is_refused(refusal, tmp_path):
+    line = refusal("run", "garage_sar", "--mcap", str(tmp_path / "mission.bag"))
+    assert line.endswith("mission.bag: expected a name that ends in .mcap")

@@ -103,7 +103,9 @@ def test_folder_is_refused(tmp_path):
     assert refusal(tmp_path) == f"{tmp_path}: cannot be read: Is a directory; expected a bag"
 
 
-@pytest.mark.parametrize(("content", "why"), [(b"", "is empty, expected a bag"), (b"PNG\r\n", "is not a ROS 1 bag")])
+@pytest.mark.parametrize(
+    ("content", "why"), [(b"", "is empty, expected a bag"), (b"PNG\r\n", "is neither a ROS 1 bag nor an MCAP file")]
+)
 def test_file_that_is_not_a_bag_is_refused(tmp_path, content, why):
     path = tmp_path / "picture.bag"
     path.write_bytes(content)

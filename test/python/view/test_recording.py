@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 
 from robotteamsim.analysis.runs.reading import read_run
-from robotteamsim.recording import BagWriter
+from robotteamsim.recording import BagWriter, McapWriter
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.simulation import Simulation
+from robotteamsim.simulation import Observer, Simulation
 from robotteamsim.view.columns import NO_LINK, packed
 from robotteamsim.view.from_bag import recording_of
 from robotteamsim.view.recorder import FRAME_S, FrameRecorder, Recording
@@ -66,11 +66,14 @@ def test_frames_are_regular_and_end_with_the_mission(recording: Recording) -> No
     assert recording.events[-1].kind == "end"
 
 
-def test_a_bag_shows_the_same_mission(hall_scenario: Callable[..., Scenario], tmp_path: Path) -> None:
+@pytest.mark.parametrize(("name", "writer"), [("mission.bag", BagWriter), ("mission.mcap", McapWriter)])
+def test_a_bag_shows_the_same_mission(
+    hall_scenario: Callable[..., Scenario], tmp_path: Path, name: str, writer: Callable[[Path], Observer]
+) -> None:
     simulation = Simulation(hall_scenario())
     recorder = FrameRecorder(simulation)
-    simulation.run([recorder, BagWriter(tmp_path / "mission.bag")])
-    bag = recording_of(read_run([tmp_path / "mission.bag"]), hall_scenario())
+    simulation.run([recorder, writer(tmp_path / name)])
+    bag = recording_of(read_run([tmp_path / name]), hall_scenario())
     by_time = {round(frame.time_s, 3): frame for frame in recorder.recording.frames}
     step_s = simulation.scenario.run.step_s
     compared = 0

@@ -89,7 +89,7 @@ def read_run(paths: Sequence[Path]) -> RecordedRun:
     """
     with BagReader(paths) as bag:
         try:
-            return _read(bag, paths[0].name.removesuffix(".bag"))
+            return _read(bag, paths[0].name.removesuffix(".bag").removesuffix(".mcap"))
         except ContentError as error:
             raise RecordingError(f"{', '.join(map(str, paths))}: {error}") from None
 

@@ -101,7 +101,7 @@ class RecordedArea:
 class RecordedRun:
     """One run, up to the end of its mission if it has one.
 
-    name:      name of the bag without .bag.
+    name:      name of the bag without .bag or .mcap.
     statuses, events, victims: in order of their stamps [ns]; empty if the bag lacks them.
     start_ns:  stamp of time 0: the start of the mission, or the first message if there is no mission.
     end_ns:    stamp of the last message of the run.

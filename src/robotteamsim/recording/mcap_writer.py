@@ -1,0 +1,138 @@
+"""Writes an MCAP file of a headless run, for Foxglove, Lichtblick, Rerun and ROS 2."""
+
+import contextlib
+from pathlib import Path
+from typing import Any, Literal
+
+from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+from rosbags.rosbag2 import StoragePlugin, Writer
+
+from robotteamsim.errors import RecordingError
+from robotteamsim.recording.bag import BagMessages, Topic
+from robotteamsim.recording.bag_types import Ros2Types
+from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.simulation import Result, StepRecord
+
+SUFFIX = ".mcap"
+
+_VERSION: Literal[8] = 8
+"""Of rosbag2's metadata; ROS 2 Humble cannot read the form of quality of service in version 9."""
+
+_QUEUE = 10
+_UNLIMITED = QosTime(2147483647, 4294967295)
+
+
+class McapWriter:
+    """Writes an MCAP file with the topics of `BagWriter` and ROS 2 messages, with the definitions of all types.
+
+    rosbags writes a folder with one file and its metadata: `path`.active. At the end, the file becomes `path`. After a
+    kill or a full disk, the folder stays, for `mcap recover`.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._folder = path.parent / f"{path.name}.active"
+        self._active = self._folder / f"{self._folder.name}{SUFFIX}"
+        self._writer: Writer | None = None
+        self._created: list[Path] = []
+        self._steps = 0
+
+    def begin(self, scenario: Scenario) -> None:
+        """Open the file. Raises: RecordingError: it cannot be written."""
+        self._make = Ros2Types()
+        self._contents = BagMessages(scenario, self._make)
+        self._steps = 0
+        try:
+            check_replaceable(self._path)
+            self._created = make_folder(self._path.parent)
+            self._remove_folder()
+            self._writer = Writer(self._folder, version=_VERSION, storage_plugin=StoragePlugin.MCAP)
+            self._writer.open()
+            self._connections = {topic.name: self._connect(topic) for topic in self._contents.topics()}
+        except OSError as error:
+            raise cannot_write(self._path, error) from error
+
+    def step(self, record: StepRecord) -> None:
+        """Write the messages of one step. Raises: RecordingError: the file cannot be written."""
+        assert self._writer is not None
+        try:
+            for time_ns, topic, message in self._contents.of_step(record):
+                connection = self._connections[topic]
+                data = self._make.typestore.serialize_cdr(message, connection.msgtype)
+                self._writer.write(connection, time_ns, data)
+            self._steps += 1
+        except OSError as error:
+            raise self._write_error(error) from error
+
+    def end(self, result: Result) -> None:
+        """Write the index, and move the file to `path`. Raises: RecordingError."""
+        self._close()
+
+    def abandon(self) -> None:
+        """Close the file of an interrupted run; an empty one is deleted."""
+        if self._writer is None:
+            return
+        if self._steps:
+            with contextlib.suppress(RecordingError):
+                self._close()
+            return
+        self._abort()
+        with contextlib.suppress(OSError):
+            self._remove_folder()
+        remove_empty(self._created)
+
+    def _close(self) -> None:
+        assert self._writer is not None
+        try:
+            self._writer.close()
+            self._writer = None
+            self._active.replace(self._path)
+            self._remove_folder()
+        except OSError as error:
+            raise self._write_error(error) from error
+
+    def _write_error(self, error: OSError) -> RecordingError:
+        """Close the file without an index, and return the error for the user."""
+        self._abort()
+        why = error.strerror or error
+        rescue = f"`mcap recover {self._active} -o {self._path}` recovers what was recorded"
+        return RecordingError(f"{self._active}: cannot be written: {why}; {rescue}")
+
+    def _abort(self) -> None:
+        if self._writer is not None:
+            # Closing flushes, which fails again on a full disk.
+            with contextlib.suppress(OSError):
+                self._writer.abort()
+        self._writer = None
+
+    def _remove_folder(self) -> None:
+        """Delete the folder of this or of an earlier, killed run. Raises: OSError: it contains something else."""
+        for file in (self._active, self._folder / "metadata.yaml", self._folder / "metadata.yaml.tmp"):
+            file.unlink(missing_ok=True)
+        if self._folder.exists():
+            self._folder.rmdir()
+
+    def _connect(self, topic: Topic) -> Any:
+        assert self._writer is not None
+        return self._writer.add_connection(
+            topic.name,
+            topic.type_name.replace("/", "/msg/"),
+            typestore=self._make.typestore,
+            offered_qos_profiles=[_quality(latched=topic.latched)],
+        )
+
+
+def _quality(*, latched: bool) -> Qos:
+    """Return the quality of service; ROS 2 keeps the last message of a latched topic for later subscribers."""
+    return Qos(
+        history=QosHistory.KEEP_LAST,
+        depth=1 if latched else _QUEUE,
+        reliability=QosReliability.RELIABLE,
+        durability=QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
+        deadline=_UNLIMITED,
+        lifespan=_UNLIMITED,
+        liveliness=QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=_UNLIMITED,
+        avoid_ros_namespace_conventions=False,
+    )

@@ -1,0 +1,114 @@
+"""MCAP files: other libraries read what a trial had, and files that are damaged or foreign give one line."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from mcap.writer import Writer
+from mcap_ros2.decoder import DecoderFactory
+
+from robotteamsim.errors import RecordingError
+from robotteamsim.recording import BagWriter, McapWriter
+from robotteamsim.recording.bag_reader import BagReader
+
+
+@pytest.fixture
+def mcap(trial, tmp_path) -> Path:
+    path = tmp_path / "mission.mcap"
+    trial.play(McapWriter(path), steps=5)
+    return path
+
+
+def decoded(path: Path, topic: str) -> list:
+    """Read messages with the libraries of the format's authors, which know no type of this package."""
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        found = reader.iter_decoded_messages(topics=[topic])
+        return [(message.log_time, value) for _, _, message, value in found]
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(RecordingError) as refused, BagReader([path]) as reader:
+        list(reader.messages(reader.topics))
+    assert "\n" not in str(refused.value)
+    return str(refused.value)
+
+
+def test_stock_library_reads_poses_scans_and_our_own_messages(trial, mcap):
+    truths, scans = decoded(mcap, "/robot_1/base_pose_ground_truth"), decoded(mcap, "/robot_0/base_scan")
+    for record, (time_ns, truth), (_, scan) in zip(trial.records(5), truths, scans, strict=True):
+        own, pose = record.readings[1].ground_truth, truth.pose.pose
+        assert time_ns == record.sim_time_ns == truth.header.stamp.sec * 10**9 + truth.header.stamp.nanosec
+        assert (pose.position.x, pose.position.y, pose.orientation.z) == (own.x_m, own.y_m, own.qz)
+        np.testing.assert_array_equal(np.float32(scan.ranges), record.readings[0].ranges_m)
+    [(_, event)] = decoded(mcap, "/mission/events")
+    assert event.detail == "robot 1 saves ann (1 of 2)"
+    assert [victim.state for victim in decoded(mcap, "/mission/victims")[-1][1].victims] == ["saved", "waiting"]
+    assert list(decoded(mcap, "/network/state")[0][1].rssi_dbm) == trial.network().rssi_dbm.ravel().tolist()
+
+
+def test_topics_types_and_numbers_of_messages_are_those_of_a_bag(trial, mcap, tmp_path):
+    trial.play(BagWriter(tmp_path / "mission.bag"), steps=5)
+    counts = []
+    for path in (mcap, tmp_path / "mission.bag"):
+        with BagReader([path]) as reader:
+            counts.append((reader.topics, Counter(topic for topic, _, _ in reader.messages(reader.topics))))
+    assert counts[0] == counts[1]
+
+
+def test_nothing_but_the_file_remains(mcap):
+    assert list(mcap.parent.iterdir()) == [mcap]
+
+
+def test_an_interrupted_trial_leaves_a_file_that_can_be_read(trial, tmp_path):
+    writer = McapWriter(tmp_path / "new" / "mission.mcap")
+    writer.begin(trial.scenario)
+    writer.abandon()
+    assert list(tmp_path.iterdir()) == []
+    writer.begin(trial.scenario)
+    writer.step(trial.record(1))
+    writer.abandon()
+    with BagReader([tmp_path / "new" / "mission.mcap"]) as reader:
+        [(_, _, odometry)] = reader.messages({"/robot_0/odom"})
+    assert math.isclose(odometry.pose.pose.position.x, 0.05)
+
+
+@pytest.mark.parametrize("share", [0.001, 0.3, 0.99])
+def test_truncated_file_is_refused_with_its_remedy(mcap, share):
+    content = mcap.read_bytes()
+    mcap.write_bytes(content[: max(round(share * len(content)), 9)])
+    line = refusal(mcap)
+    assert line.startswith(f"{mcap}: ")
+    assert line.endswith(f"`mcap recover {mcap} -o recovered.mcap` saves what can be read")
+
+
+def test_bytes_changed_anywhere_give_one_line_or_can_be_read(mcap):
+    content, refused = mcap.read_bytes(), []
+    for place in range(8, len(content) - 8, len(content) // 60):
+        mcap.write_bytes(content[:place] + b"\xff" * 8 + content[place + 8 :])
+        try:
+            with BagReader([mcap]) as reader:
+                list(reader.messages([topic for topic in reader.topics if reader.is_known(topic)]))
+        except RecordingError as error:
+            refused.append(str(error))
+    assert refused
+    assert all(line.startswith(f"{mcap}: ") and "\n" not in line for line in refused)
+
+
+def test_file_of_another_program_without_ros_is_refused(tmp_path):
+    path = tmp_path / "other.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile="", library="another")
+        writer.finish()
+    assert refusal(path) == f"{path}: has no ROS 2 messages; expected an MCAP file with the profile ros2"
+
+
+def test_file_of_another_name_is_refused(mcap):
+    path = mcap.rename(mcap.with_suffix(".bag"))
+    assert refusal(path) == f"{path}: is an MCAP file; expected a name that ends in .mcap"
