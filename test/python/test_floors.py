@@ -28,7 +28,7 @@ FLOORS = (
     ("analysis",),
     ("view",),
     ("_ros_transport",),
-    ("cli", "ros"),
+    ("cli", "notebook", "ros"),
 )
 FLOOR_OF = {part: floor for floor, parts in enumerate(FLOORS) for part in parts}
 

@@ -14,7 +14,6 @@ from robotteamsim.cli.run_command import add_scenario_options, check_code, load_
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.files import check_replaceable, write_atomically
 from robotteamsim.recording.results import FILE_NAME
-from robotteamsim.simulation import Simulation
 
 if TYPE_CHECKING:
     from robotteamsim.view.recorder import Recording
@@ -131,6 +130,8 @@ def _is_bag(target: str) -> bool:
 
 def _recording(options: argparse.Namespace, target: str) -> Recording:
     """Read a bag, or simulate a scenario or the mission of a folder again."""
+    from robotteamsim.view.simulated import record_mission
+
     if Path(target).is_dir():
         return _repeated(options, Path(target))
     if _is_bag(target):
@@ -141,11 +142,13 @@ def _recording(options: argparse.Namespace, target: str) -> Recording:
         return recording_of(read_run([Path(target)]), building)
     loaded = load_scenario(options, target)
     check_code(options, loaded)
-    return _simulated(loaded)[0]
+    return record_mission(loaded)[0]
 
 
 def _repeated(options: argparse.Namespace, folder: Path) -> Recording:
     """Simulate the mission of a folder again. Raises: RecordingError: the result is another one."""
+    from robotteamsim.view.simulated import repeat_mission
+
     path = folder / FILE_NAME
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
@@ -156,19 +159,4 @@ def _repeated(options: argparse.Namespace, folder: Path) -> Recording:
         raise RecordingError(f"{path}: is not a mission.json of `run --out`") from None
     loaded = scenario.from_mapping(data, str(path))
     check_code(options, loaded)
-    recording, found = _simulated(loaded)
-    if found != expected:
-        raise RecordingError(
-            f"{path}: this version computes another mission (trajectory hash {found[:8]}.. instead of "
-            f"{expected[:8]}..), so it cannot be shown; a bag can"
-        )
-    return recording
-
-
-def _simulated(loaded: scenario.Scenario) -> tuple[Recording, str]:
-    """Return the recording and the trajectory hash of a mission."""
-    from robotteamsim.view.recorder import FrameRecorder
-
-    simulation = Simulation(loaded)
-    recorder = FrameRecorder(simulation)
-    return recorder.recording, simulation.run([recorder]).trajectory_hash
+    return repeat_mission(loaded, expected, str(path))

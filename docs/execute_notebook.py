@@ -1,0 +1,32 @@
+"""Execute a notebook in an empty folder, and write it with its outputs.
+
+Usage: python docs/execute_notebook.py SOURCE TARGET
+"""
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import nbformat
+from nbclient import NotebookClient
+
+_TIMEOUT_S = 600
+
+
+def main() -> None:
+    """Execute; the program `robotteamsim` is the one of this Python."""
+    source, target = map(Path, sys.argv[1:])
+    notebook = nbformat.read(source, as_version=4)
+    # The kernel must not read a user's settings, and finds programs next to this Python.
+    os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    with tempfile.TemporaryDirectory() as folder:
+        client = NotebookClient(notebook, timeout=_TIMEOUT_S, resources={"metadata": {"path": folder}})
+        client.execute()
+    for cell in notebook.cells:
+        cell.metadata.pop("execution", None)  # Times differ each time.
+    nbformat.write(notebook, target)
+
+
+if __name__ == "__main__":
+    main()
