@@ -8,13 +8,15 @@ from typing import Any
 
 from robotteamsim.campaign import read_store
 from robotteamsim.cli.parser import path_of
+from robotteamsim.cli.run_command import add_code_option
 from robotteamsim.errors import CampaignError
 
 _DESCRIPTION = """\
 Make the report of a campaign: report.html, which needs no other file, the figures as PNG,
 and the tables as CSV and LaTeX. The same store always gives the same bytes. Campaigns of
 the garage with 10, 20 or 30 dB of noise are compared with the dissertation. Each claim is
-judged by all missions together, and by each campaign alone."""
+judged by all missions together, and by each campaign alone. The page plays the best, the median
+and the worst mission, which are simulated again and must have the stored trajectories."""
 
 _EPILOG = """\
 examples:
@@ -37,6 +39,8 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--out", type=path_of, metavar="DIR", help="folder for the report; default the folder of the only campaign"
     )
+    parser.add_argument("--no-players", action="store_true", help="leave out the three missions, about 2 MB")
+    add_code_option(parser)
     parser.add_argument("--json", action="store_true", help="print notes and claims as one JSON object")
     parser.set_defaults(command=run)
 
@@ -49,7 +53,13 @@ def run(options: argparse.Namespace) -> None:
     # Imported late, because Matplotlib and statsmodels take longer to load than a short mission takes to run.
     from robotteamsim.analysis.report import make_report, passed_text
 
-    report = make_report(stored, [str(folder) for folder in options.folders])
+    places = [str(folder) for folder in options.folders]
+    missions = None
+    if not options.no_players:
+        from robotteamsim.view.campaign_missions import shown_missions
+
+        missions = shown_missions(stored, places, allow_code=options.allow_code)
+    report = make_report(stored, places, missions)
     path = report.write(options.out or options.folders[0])
     if options.json:
         claims = [asdict(claim) for claim in report.claims]

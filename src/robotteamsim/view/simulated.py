@@ -25,6 +25,6 @@ def repeat_mission(scenario: Scenario, trajectory_hash: str, place: str) -> Reco
     if result.trajectory_hash != trajectory_hash:
         raise RecordingError(
             f"{place}: this version computes another mission (trajectory hash {result.trajectory_hash[:8]}.. instead "
-            f"of {trajectory_hash[:8]}..), so it cannot be shown; a bag can"
+            f"of {trajectory_hash[:8]}..), so it cannot be shown; a bag of it can"
         )
     return recording

@@ -15,6 +15,7 @@ from typing import get_args
 
 import jinja2
 import numpy as np
+from markupsafe import Markup
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -83,10 +84,26 @@ class _Picture:
         return "data:image/png;base64," + base64.b64encode(self.png).decode()
 
 
-def make_report(stored: Sequence[StoredCampaign], places: Sequence[str]) -> Report:
+@dataclass(frozen=True, slots=True)
+class ShownMissions:
+    """Missions that the page plays.
+
+    rule:  by which they are chosen.
+    frame: HTML of the player, which needs no other file; "" if no mission can be played.
+    note:  the reason then.
+    """
+
+    rule: str
+    frame: str
+    note: str
+
+
+def make_report(
+    stored: Sequence[StoredCampaign], places: Sequence[str], missions: ShownMissions | None = None
+) -> Report:
     """Return the report of one stored campaign, or of several of one design; the same stores give the same bytes.
 
-    Args:   places: the stores' folders, for messages.
+    Args:   places: the stores' folders, for messages. missions: to play in the page; None: none.
     Raises: CampaignError: no mission has ended, this version cannot read the scenario, or the campaigns differ.
     """
     campaign = pooled(stored, places)
@@ -95,9 +112,9 @@ def make_report(stored: Sequence[StoredCampaign], places: Sequence[str]) -> Repo
     claims = judge(campaign, parts)
     tables = all_tables(campaign, comparisons, between, overall(campaign), claims)
     pictures = list(_pictures(campaign, comparisons))
-    notes = _notes(campaign)
+    notes = (*_notes(campaign), *([missions.note] if missions and missions.note else []))
     first = calibration(claims) if claims else compared_settings(between)
-    page = _page(campaign, claims, [*first, *notes], pictures, tables)
+    page = _page(campaign, claims, [*first, *notes], pictures, tables, missions)
     files = {f"{_FIGURES}/{picture.name}.png": picture.png for picture in pictures}
     for table in tables:
         files[f"{_TABLES}/{table.name}.csv"] = table.csv().encode()
@@ -241,6 +258,7 @@ def _page(
     first: Sequence[str],
     pictures: Sequence[_Picture],
     tables: Sequence[Table],
+    missions: ShownMissions | None,
 ) -> str:
     text = (resources.files("robotteamsim.analysis.report") / "page.html").read_text(encoding="utf-8")
     environment = jinja2.Environment(
@@ -260,6 +278,8 @@ def _page(
         verdicts=[name for name in get_args(Verdict) if any(claim.verdict == name for claim in claims)],
         first=first,
         pictures=pictures,
+        player=Markup(missions.frame) if missions else "",
+        rule=missions.rule if missions else "",
         comparison=[table for table in tables if table.name in opening],
         tables=[table for table in tables if table.name not in ("claims", *opening)],
         missions=f"{sum(cell.trials for cell in campaign.cells):,}",

@@ -120,7 +120,7 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
     """Return a stored campaign as samples. Raises: CampaignError: no finished mission, or an unreadable scenario."""
     settings = stored.settings
     keys, cell_values = tuple(settings["keys"]), settings["cells"]
-    base = _scenario(settings["scenario"], {})
+    base = cell_scenario(settings["scenario"], {})
     if base is None:
         raise CampaignError(f"{place}: its scenario cannot be read by this version")
     cells, empty = [], []
@@ -132,7 +132,7 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
         if not good:
             empty.append(name)
             continue
-        scenario = _scenario(settings["scenario"], cell_settings)
+        scenario = cell_scenario(settings["scenario"], cell_settings)
         limit_s = (scenario or base).mission.time_limit_s
         cells.append(
             Cell(
@@ -204,7 +204,7 @@ def cell_name(settings: Mapping[str, Any], base: Scenario) -> str:
     return ", ".join(words) or base.name
 
 
-def _scenario(data: Mapping[str, Any], settings: Mapping[str, Any]) -> Scenario | None:
+def cell_scenario(data: Mapping[str, Any], settings: Mapping[str, Any]) -> Scenario | None:
     """Return the stored scenario with the settings of a cell, or None if they are invalid, such as a missing file."""
     plain = json.loads(json.dumps(data))
     plain["run"]["seed"] = 0

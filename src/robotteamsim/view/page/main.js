@@ -62,11 +62,11 @@ function obey(player, wishes) {
 function chooseAmong(missions, player) {
   const select = element("mission");
   select.hidden = false;
+  element("title").hidden = true; // The selector shows it.
   missions.forEach((mission, index) => select.add(new Option(mission.title, index)));
   select.addEventListener("change", () => {
     const [view] = player.views;
     view.mission = missions[Number(select.value)];
-    element("title").textContent = view.mission.title;
     view.rebuild();
     player.seek(player.time);
     player.refresh();
