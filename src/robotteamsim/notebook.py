@@ -117,7 +117,7 @@ def read_bag(path: str | os.PathLike[str], scenario: str | os.PathLike[str] | No
     Raises: RecordingError, ScenarioError.
     """
     run = read_run([Path(path)])
-    recording = recording_of(run, None if scenario is None else load(scenario))
+    recording = recording_of(run, [Path(path)], None if scenario is None else load(scenario))
     return Mission(_values_of_run(run_totals(run)), recording)
 
 

@@ -135,11 +135,10 @@ def _recording(options: argparse.Namespace, target: str) -> Recording:
     if Path(target).is_dir():
         return _repeated(options, Path(target))
     if _is_bag(target):
-        from robotteamsim.analysis.runs.reading import read_run
-        from robotteamsim.view.from_bag import recording_of
+        from robotteamsim.view.from_bag import recording_of_bag
 
         building = scenario.load(options.scenario) if options.scenario else None
-        return recording_of(read_run([Path(target)]), building)
+        return recording_of_bag([Path(target)], building)
     loaded = load_scenario(options, target)
     check_code(options, loaded)
     return record_mission(loaded)[0]

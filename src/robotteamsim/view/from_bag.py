@@ -3,38 +3,98 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
+import msgspec
 import numpy as np
 
+from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun, RecordedStatus
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.view.bag_layers import BagLayers, read_layers
 from robotteamsim.view.frame import Frame, Link, Pose, VictimShape, links_of, shown_events
-from robotteamsim.view.recorder import FRAME_S, Recording
-from robotteamsim.view.scene import scene_of_run
+from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, SCAN_S, Recording, layer_map
+from robotteamsim.view.scene import Scene, scene_of_run
+
+_FRAMES_PER_SCAN = round(SCAN_S / FRAME_S)
 
 
-def recording_of(run: RecordedRun, scenario: Scenario | None = None) -> Recording:
-    """Return the recording of a run. Args: scenario: its building is drawn instead of the bag's /map."""
-    recording = Recording(scene_of_run(run, scenario), run.name)
+def recording_of_bag(paths: Sequence[Path], scenario: Scenario | None = None) -> Recording:
+    """Return the recording of a bag, or of the parts of one.
+
+    Args:   scenario: its building is drawn instead of the bag's /map.
+    Raises: RecordingError.
+    """
+    return recording_of(read_run(paths), paths, scenario)
+
+
+def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | None = None) -> Recording:
+    """Return the recording of a run that was read from bags. Args, Raises: as `recording_of_bag`."""
+    scanned = [robot.name for robot in run.robots] if len(run.robots) <= MOST_SCANNED else []
+    layers = read_layers(paths, scanned)
+    scene = _with_lasers(scene_of_run(run, scenario), layers)
+    recording = Recording(scene, run.name)
     count = max(int(np.ceil((run.end_ns - run.start_ns) / 1e9 / FRAME_S)), 0)
     stamps_ns = [*(run.start_ns + np.arange(count) * round(FRAME_S * 1e9)).tolist(), run.end_ns]
-    recording.frames = [_frame(run, stamp_ns) for stamp_ns in stamps_ns]
+    recording.frames = [
+        msgspec.structs.replace(
+            _frame(run, stamp_ns),
+            links=_links(run, layers, stamp_ns),
+            doors=_openings(scene, layers, stamp_ns),
+            scans_m=_scans(scene, layers, stamp_ns) if index % _FRAMES_PER_SCAN == 0 else (),
+        )
+        for index, stamp_ns in enumerate(stamps_ns)
+    ]
+    recording.voice = [layer_map((stamp - run.start_ns) / 1e9, found) for stamp, found in layers.voice_maps()]
     for stamp_ns, event in run.events:
         recording.events += shown_events([event], (stamp_ns - run.start_ns) / 1e9)
     return recording
 
 
+def _with_lasers(scene: Scene, layers: BagLayers) -> Scene:
+    """Return the scene with the lasers of the bag; their places on the robots are known only from a scenario."""
+    robots = []
+    for robot in scene.robots:
+        scan = layers.first_scan(robot.name)
+        if scan is not None:
+            robot = msgspec.structs.replace(
+                robot,
+                beams=len(scan.ranges_m),
+                angle_min_rad=scan.angle_min_rad,
+                angle_step_rad=scan.angle_step_rad,
+                range_max_m=scan.range_max_m,
+            )
+        robots.append(robot)
+    return msgspec.structs.replace(scene, robots=tuple(robots))
+
+
+def _links(run: RecordedRun, layers: BagLayers, stamp_ns: int) -> tuple[Link, ...]:
+    """Return the links; without signals if the bag has only the compact form of the network."""
+    found = layers.links(stamp_ns)
+    return _network(run, stamp_ns)[0] if found is None else found
+
+
+def _openings(scene: Scene, layers: BagLayers, stamp_ns: int) -> tuple[float, ...]:
+    """Return the opening of each door of the scene; () if the bag knows none of them."""
+    found = layers.doors(stamp_ns)
+    known = [found.get(door.name) for door in scene.doors]
+    return () if not any(opening is not None for opening in known) else tuple(opening or 0.0 for opening in known)
+
+
+def _scans(scene: Scene, layers: BagLayers, stamp_ns: int) -> tuple[list[float], ...]:
+    scans = [layers.scan(robot.name, stamp_ns) for robot in scene.robots]
+    return tuple(scan.ranges_m if scan else [] for scan in scans) if any(scans) else ()
+
+
 def _frame(run: RecordedRun, stamp_ns: int) -> Frame:
     status = _last(run.statuses, [status.stamp_ns for status in run.statuses], stamp_ns)
     victims = _last(run.victims, [stamp for stamp, _ in run.victims], stamp_ns)
-    links, fiedler_value = _network(run, stamp_ns)
     return Frame(
         time_s=(stamp_ns - run.start_ns) / 1e9,
         poses=tuple(_pose(robot, stamp_ns) for robot in run.robots),
         swarms=tuple(OUTSIDE if _is_excluded(robot, stamp_ns) else 0 for robot in run.robots),
-        links=links,
-        fiedler_value=fiedler_value,
+        fiedler_value=_network(run, stamp_ns)[1],
         victims=tuple(VictimShape(victim.name, victim.position_m, victim.state) for victim in victims[1])
         if victims
         else (),
