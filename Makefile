@@ -22,7 +22,7 @@ PIP_INSTALL = $(PYTHON) -m pip install --disable-pip-version-check --require-has
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help announce setup build build_tests compile garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage wheel pictures notebook man lock clean
+.PHONY: help announce setup build build_tests compile garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage wheel pictures docs notebook man lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -188,6 +188,10 @@ pictures: build_tests ## regenerate the pictures of README and docs
 	@$(ENV) $(PYTHON) -m robotteamsim.cli analyse $(BUILD)/analysis/mission.bag --png docs/images/analysis.png --scenario garage_sar > /dev/null
 	@$(ENV) $(PYTHON) docs/draw_viewer.py
 	@$(ENV) $(PYTHON) docs/make_pictures.py
+
+docs: build_tests ## build the website of docs/ into build/docs, without a network
+	@$(ENV) $(PYTHON) docs/build_site.py $(BUILD)/docs
+	@echo "-- open $(BUILD)/docs/index.html"
 
 notebook: build_tests ## execute the notebook docs/notebook.ipynb again
 	@$(ENV) $(PYTHON) docs/execute_notebook.py docs/notebook.ipynb docs/notebook.ipynb

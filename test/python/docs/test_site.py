@@ -1,0 +1,58 @@
+"""The website of the docs is built without warnings, opens with a playable mission, and asks no other host."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser
+
+DOCS = Path(__file__).parents[3] / "docs"
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build the website; a warning is an error."""
+    folder = tmp_path_factory.mktemp("site") / "html"
+    words = [sys.executable, str(DOCS / "build_site.py"), str(folder)]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=600, check=False)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_first_page_plays_a_mission_and_asks_no_other_host(browser: Browser, site: Path) -> None:
+    page, wrong = browser.new_page(), []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("request", lambda request: wrong.append(request.url) if request.url.startswith("http") else None)
+    page.goto(f"file://{site / 'index.html'}")
+    player = page.frame_locator("iframe")
+    player.locator("body[data-ready]").wait_for(state="attached", timeout=120_000)
+    assert player.locator(".view").get_attribute("data-robots", timeout=60_000) == "3"
+    for name in ("python_api", "scenario_keys", "notebook", "world"):
+        page.goto(f"file://{site / name}.html")
+    assert wrong == []
+    page.close()
+
+
+def test_each_page_of_the_docs_is_in_the_menu(site: Path) -> None:
+    menu = (site / "index.html").read_text(encoding="utf-8")
+    for page in DOCS.glob("*.md"):
+        assert f'href="{page.stem}.html"' in menu
+
+
+def test_reference_has_every_key_and_the_public_functions(site: Path) -> None:
+    keys = (site / "scenario_keys.html").read_text(encoding="utf-8")
+    row = re.sub("<[^>]*>", "", keys[keys.index('<span class="pre">slope_db</span>') :]).split()
+    assert row[:3] == ["slope_db", "number", "23.2"]
+    api = (site / "python_api.html").read_text(encoding="utf-8")
+    for name in ("robotteamsim.notebook.simulate", "robotteamsim.recording.mcap_writer.McapWriter"):
+        assert f'id="{name}"' in api
+
+
+def test_text_and_pages_need_no_other_host(site: Path) -> None:
+    for path in site.glob("*.html"):
+        loaded = re.findall(r'<(?:script|img|link|iframe)[^>]+(?:src|href)="(https?://[^"]+)"', path.read_text())
+        assert loaded == [], path.name
