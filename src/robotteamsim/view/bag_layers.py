@@ -23,6 +23,9 @@ _TEAM_TYPES = {
 }
 _SCAN_TYPE = "sensor_msgs/LaserScan"
 
+_MOST_DB, _MOST_M, _MOST_RAD = 1e3, 1e6, 1e2
+"""Larger numbers are not measurements, but damage."""
+
 
 class Scan(NamedTuple):
     """One scan of a laser. ranges_m: from 0 to range_max_m, which also stands for beams without return."""
@@ -101,7 +104,7 @@ def _links(message: Any) -> tuple[Link, ...]:
     if not n * n == len(message.adjacency) == len(message.rssi_dbm):
         raise ValueError(f"matrices of {len(message.adjacency)} values; expected {n * n}")
     adjacency = message.adjacency.reshape(n, n).astype(bool)
-    return links_of(adjacency, np.nan_to_num(message.rssi_dbm.reshape(n, n), posinf=0.0, neginf=0.0))
+    return links_of(adjacency, _finite(message.rssi_dbm, "signals", _MOST_DB).reshape(n, n))
 
 
 def _doors(message: Any) -> dict[str, float]:
@@ -111,17 +114,29 @@ def _doors(message: Any) -> dict[str, float]:
 def _voice_map(message: Any) -> FieldMap:
     if not 0 < message.width * message.height == len(message.data):
         raise ValueError(f"map of {len(message.data)} values; expected {message.width * message.height}")
-    values = np.asarray(message.data, dtype=np.float32).reshape(message.height, message.width)
+    _finite([message.resolution_m, message.origin.x, message.origin.y], "resolution and origin", _MOST_M)
+    if message.resolution_m <= 0.0:
+        raise ValueError(f"resolution {message.resolution_m:g} m; expected more than 0")
+    values = _finite(message.data, "levels", _MOST_DB).astype(np.float32).reshape(message.height, message.width)
     return FieldMap((message.origin.x, message.origin.y), message.resolution_m, values)
 
 
 def _scan(message: Any) -> Scan:
     highest_m = float(message.range_max)
+    if not 0.0 <= highest_m <= _MOST_M:
+        raise ValueError(f"range_max {highest_m:g} m; expected 0 to {_MOST_M:g}")
+    _finite([message.angle_min, message.angle_increment], "angles", _MOST_RAD)
     ranges_m = np.nan_to_num(np.asarray(message.ranges, dtype=np.float64), nan=highest_m, posinf=highest_m, neginf=0.0)
-    numbers = (highest_m, float(message.angle_min), float(message.angle_increment))
-    if not all(map(math.isfinite, numbers)) or highest_m < 0.0:
-        raise ValueError(f"range_max {highest_m:g} or an angle is not a finite number")
-    return Scan(np.clip(ranges_m, 0.0, highest_m).tolist(), numbers[1], numbers[2], highest_m)
+    angles_rad = float(message.angle_min), float(message.angle_increment)
+    return Scan(np.clip(ranges_m, 0.0, highest_m).tolist(), *angles_rad, highest_m)
+
+
+def _finite(values: Any, name: str, most: float) -> np.ndarray:
+    """Return numbers, with 0 for those that are not finite. Raises: ValueError: one is impossibly large."""
+    numbers: np.ndarray = np.nan_to_num(np.asarray(values, dtype=np.float64), posinf=0.0, neginf=0.0)
+    if numbers.size and np.abs(numbers).max() > most:
+        raise ValueError(f"{name} up to {np.abs(numbers).max():g}; expected at most {most:g}")
+    return numbers
 
 
 _CONVERTERS: dict[str, Callable[[Any], Any]] = {

@@ -13,8 +13,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rosbags.rosbag1 import Reader, Writer
 
+from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter, McapWriter
+from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.scenario.floor_plan import Door
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import ScheduledEvent
@@ -113,3 +116,23 @@ def test_a_bag_shows_the_lasers_the_doors_and_the_voice_map(
     assert len(bag.voice) == len(own.voice) == 2
     for layer, other in zip(bag.voice, own.voice, strict=True):
         np.testing.assert_array_equal(layer.values, other.values)
+
+
+def test_a_bag_with_impossible_numbers_is_refused_in_one_line(
+    hall_scenario: Callable[..., Scenario], tmp_path: Path
+) -> None:
+    path, make = tmp_path / "odd.bag", BagTypes()
+    Simulation(hall_scenario(mission=Mission(time_limit_s=1.0))).run([BagWriter(tmp_path / "good.bag")])
+    with Reader(tmp_path / "good.bag") as good, Writer(path) as odd:
+        connections = {}
+        for known, time_ns, data in good.messages():
+            if known.topic not in connections:
+                connections[known.topic] = odd.add_connection(known.topic, known.msgtype, typestore=make.typestore)
+            if known.topic == "/voice_map/values":
+                message = make.typestore.deserialize_ros1(data, known.msgtype)
+                message.data = np.full_like(message.data, 1e30)
+                data = make.typestore.serialize_ros1(message, known.msgtype)
+            odd.write(connections[known.topic], time_ns, data)
+    with pytest.raises(RecordingError) as refused:
+        recording_of_bag([path])
+    assert str(refused.value) == f"{path}: /voice_map/values: levels up to 1e+30; expected at most 1000"
