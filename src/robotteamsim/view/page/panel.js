@@ -18,6 +18,7 @@ export class Panel {
     this.onSeek = onSeek;
     this.curves = new Curves(element("curves"), onSeek, colours);
     this.events = [];
+    this.past = 0;
   }
 
   /** List the events of missions, and mark them on the slider. */
@@ -33,6 +34,7 @@ export class Panel {
       list.append(item);
       return item;
     });
+    this.past = 0;
     element("events").replaceChildren(make("h2", "Events"), list);
     const marks = this.events.map((event) => {
       const mark = make("i", "", { title: event.text });
@@ -46,7 +48,10 @@ export class Panel {
   show(views, curves, start, end, time) {
     const past = this.events.length && this.events[0].time_s <= time
       ? lastIndex(this.events, time, (event) => event.time_s) + 1 : 0;
-    this.items?.forEach((item, index) => item.classList.toggle("past", index < past));
+    for (let i = Math.min(past, this.past); i < Math.max(past, this.past); i++) {
+      this.items[i].classList.toggle("past", i < past);
+    }
+    this.past = past;
     this.curves.draw(curves, start, end, time);
     this._showRobot(views.find((view) => view.selected !== null));
   }

@@ -103,8 +103,10 @@ export class Recording {
   /** The path of a robot between two times: [[x, y], ...]. */
   trail(robot, from, to) {
     const first = lastIndex(this.times, from), last = lastIndex(this.times, to), points = [];
+    const { x, y } = this.tracks[robot], changes = this.changes.present;
+    const isAlwaysThere = changes.length === 1 && changes[0][1][robot];
     for (let i = first; i <= last; i++) {
-      if (valueAt(this.changes.present, i)[robot]) points.push([this.tracks[robot].x[i], this.tracks[robot].y[i]]);
+      if (isAlwaysThere || valueAt(changes, i)[robot]) points.push([x[i], y[i]]);
     }
     return points;
   }

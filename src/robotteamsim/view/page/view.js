@@ -18,7 +18,7 @@ export class View {
   /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw(). */
   constructor(container, mission, callbacks) {
     Object.assign(this, { container, mission, callbacks });
-    this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ antialias: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     container.append(this.renderer.domElement);
     this.camera = new PerspectiveCamera(42, 1, 0.1, 5000);
