@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
+from matplotlib.text import Text
 
 from robotteamsim import palette
 from robotteamsim.analysis.runs.curves import curves, draw_hops, unchanging
@@ -21,7 +22,7 @@ from robotteamsim.palette import robot_colour
 from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.bag_types import BagTypes
-from robotteamsim.scenario import load
+from robotteamsim.scenario import Bounds, load
 from robotteamsim.scenario.plan import OccupancyGrid
 
 MAKE = BagTypes()
@@ -165,3 +166,16 @@ def test_curves_that_do_not_change_are_stated_in_words(run):
     assert draw_hops not in curves(replace(run, network=network), changing=True)
     assert draw_hops in curves(replace(run, network=network))
     assert unchanging(replace(run, network=network)).startswith("0 links, longest path 0 hops")
+
+
+@pytest.mark.parametrize("width_m", [60.0, 84.0, 88.0, 92.0, 110.0])
+def test_title_outcome_and_legend_do_not_overlap_for_any_shape_of_the_floor(run, width_m):
+    plan = load("garage_sar").plan.model_copy(update={"bounds": Bounds(max=(width_m, 64.0))})
+    figure = draw_runs([run], [run_totals(run)], plan)
+    figure.draw_without_rendering()
+    floor = figure.axes[0]
+    texts = {text.get_text(): text.get_window_extent() for text in figure.findobj(Text)}
+    title, outcome_box = texts[figure.get_suptitle()], texts[floor.get_title("left")]
+    legend_box, label = figure.legends[0].get_window_extent(), floor.xaxis.label.get_window_extent()
+    assert title.y0 >= outcome_box.y1
+    assert label.y0 >= legend_box.y1

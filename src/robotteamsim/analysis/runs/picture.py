@@ -70,6 +70,9 @@ def _draw_one(run: RecordedRun, totals: RunTotals, plan: FloorPlan | None) -> Fi
     figure.suptitle(totals.title, x=0.01, ha="left", fontsize=13, weight="bold", color=palette.INK)
     floor.set_title("\n".join(filter(None, (outcome(totals), unchanging(run)))), loc="left", fontsize=10)
     _add_legend(figure, [run], [totals], with_totals=True)
+    # The layout of axes with equal scales converges only after some passes; before, texts may overlap.
+    for _ in range(2):
+        figure.draw_without_rendering()
     return figure
 
 
