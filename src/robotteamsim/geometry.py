@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Iterable
 
 import msgspec
 
@@ -11,6 +13,17 @@ def normalise_angle(angle_rad: float) -> float:
     """Return the same direction as an angle in (-pi, pi]."""
     wrapped_rad = math.remainder(angle_rad, math.tau)
     return math.pi if wrapped_rad == -math.pi else wrapped_rad
+
+
+def path_length_m(points: Iterable[tuple[float, float]]) -> float:
+    """Return the length of a path through points [m], added from the first to the last.
+
+    Unlike `sum`, which adds more exactly from Python 3.12 on, it has the same bits in every version.
+    """
+    length_m = 0.0
+    for before, point in itertools.pairwise(points):
+        length_m += math.dist(before, point)
+    return length_m
 
 
 class Pose(msgspec.Struct, frozen=True, gc=False):

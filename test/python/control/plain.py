@@ -309,7 +309,10 @@ def plain_first_stretch(grid, start: Vector, goal: Vector, max_length_m: float) 
     corners = grid.waypoints(free_start, free_goal, max_length_m)
     if len(corners) < 2:
         return goal, straight_m
-    return corners[1], sum(math.dist(a, b) for a, b in itertools.pairwise(corners))
+    length_m = 0.0  # `sum` adds more exactly from Python 3.12 on
+    for a, b in itertools.pairwise(corners):
+        length_m += math.dist(a, b)
+    return corners[1], length_m
 
 
 def plain_along_path(grid, start: Vector, goal: Vector, max_length_m: float) -> Vector:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 
@@ -13,7 +12,7 @@ from robotteamsim.control.driving.localisation import Localiser, body_of
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.rdpso.communication import LinkKeeper
 from robotteamsim.control.rdpso.ruled_out import RuledOut
-from robotteamsim.geometry import Pose
+from robotteamsim.geometry import Pose, path_length_m
 from robotteamsim.interface import Decision, Discovery, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.scenario import Scenario
@@ -238,5 +237,4 @@ class _Route:
                 self._corners = [*known.grid.waypoints(start, end, self._longest_m)[1:-1], place]
         while len(self._corners) > 1 and known.grid.is_line_free(position, self._corners[1]):
             del self._corners[0]
-        ways = itertools.pairwise([position, *self._corners])
-        return self._corners[0], sum(math.dist(a, b) for a, b in ways)
+        return self._corners[0], path_length_m([position, *self._corners])
