@@ -78,7 +78,10 @@ def test_missions_that_this_version_computes_otherwise_are_not_played(
 ) -> None:
     folder = campaign((1, 4, 0, 3, 2), trajectory_hash="0" * 64)
     assert main(["report", str(folder)]) == 0
-    assert f"No mission can be played: {folder}: this version computes another mission" in " ".join(
-        capsys.readouterr().out.split()
+    # A line is broken within a path that is longer than the terminal is wide.
+    printed, said = (
+        capsys.readouterr().out,
+        f"No mission can be played: {folder}: this version computes another mission",
     )
+    assert "".join(said.split()) in "".join(printed.split())
     assert "<iframe" not in (folder / "report.html").read_text(encoding="utf-8")
