@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
+import numpy as np
 
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import RunTotals, run_totals
@@ -99,7 +100,7 @@ def simulate(
     """
     named = {"run.seed": seed, "voice.noise_db": noise_db, "robots.count": robots}
     chosen = dict(settings or {}) | {key: value for key, value in named.items() if value is not None}
-    overrides = [f"{key}={json.dumps(value)}" for key, value in chosen.items()]
+    overrides = [f"{key}={json.dumps(value, default=_plain)}" for key, value in chosen.items()]
     if isinstance(scenario, Scenario):
         loaded = _changed(scenario, overrides)
     else:
@@ -139,6 +140,13 @@ def read_campaign(folder: str | os.PathLike[str]) -> pd.DataFrame:
         values = {"trial" if name == "number" else name: getattr(outcome, name) for name in names}
         rows.append(dict(zip(keys, cells[outcome.cell], strict=True)) | values)
     return pd.DataFrame(rows)
+
+
+def _plain(value: Any) -> Any:
+    """Return a number of NumPy as one of Python. Raises: TypeError: it is something else."""
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{value!r} cannot be a setting; expected a number, text, list or dict")
 
 
 def _changed(scenario: Scenario, overrides: Sequence[str]) -> Scenario:

@@ -80,18 +80,17 @@ def _show_live(options: argparse.Namespace) -> None:
     from robotteamsim.view.live import LiveMission
     from robotteamsim.view.server import ViewServer
 
-    loaded = load_scenario(options, options.target)
-    check_code(options, loaded)
-
     def load(seed: int | None) -> scenario.Scenario:
         if seed is not None:
             options.seed = seed
-        return load_scenario(options, options.target)
+        loaded = load_scenario(options, options.target)
+        check_code(options, loaded)
+        return loaded
 
     mission = LiveMission(load, speed=min(options.speed, 1000.0), playing=True)
     mission.start()
     try:
-        _serve(options, lambda: ViewServer(options.port, live_page(loaded.name), mission))
+        _serve(options, lambda: ViewServer(options.port, live_page(options.target), mission))
     finally:
         mission.close()
 

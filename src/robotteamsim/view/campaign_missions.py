@@ -51,7 +51,7 @@ def _chosen(stored: Sequence[StoredCampaign]) -> list[_Mission]:
     ended = [(campaign, outcome) for campaign in stored for outcome in campaign.outcomes if not outcome.failed]
     ended.sort(key=lambda pair: _order(pair[1]))
     last = len(ended) - 1
-    labels = {0: "best", last // 2: "median", last: "worst"} if last > 0 else {0: "only mission"}
+    labels = {last // 2: "median"} | {0: "best", last: "worst"} if last > 0 else {0: "only mission"}
     return [_Mission(label, *ended[index]) for index, label in sorted(labels.items())] if ended else []
 
 

@@ -18,6 +18,9 @@ Pose = tuple[float, float, float]
 Link = tuple[int, int, int]
 """Two robots, the smaller index first, and the signal between them [dBm]."""
 
+FAR_M = 1000.0
+"""Replaces an infinite range [m]; the page draws beams up to the laser's longest range."""
+
 UNKNOWN_SIGNAL_DBM = 0
 """Signal of a link in a recording without signals."""
 
@@ -70,6 +73,7 @@ class Frame(msgspec.Struct, frozen=True):
 
 def frame_of(record: StepRecord, world: World, *, with_scans: bool) -> Frame:
     """Return the frame of a step. Args: world: just after that step, for its objects."""
+    scans = [finite_ranges(reading.ranges_m, FAR_M) for reading in record.readings] if with_scans else []
     poses = []
     for robot_id, reading in enumerate(record.readings):
         pose = reading.true_pose
@@ -92,8 +96,14 @@ def frame_of(record: StepRecord, world: World, *, with_scans: bool) -> Frame:
         state=status.state,
         noise_db=record.noise_db,
         endangered=status.endangered_links,
-        scans_m=tuple(reading.ranges_m.tolist() for reading in record.readings) if with_scans else (),
+        scans_m=tuple(scans),
     )
+
+
+def finite_ranges(ranges_m: np.ndarray, far_m: float) -> list[float]:
+    """Return ranges in which inf, no return, is `far_m` [m], and -inf, too near, is 0."""
+    ranges: list[float] = np.nan_to_num(ranges_m, nan=far_m, posinf=far_m, neginf=0.0).tolist()
+    return ranges
 
 
 def links_of(adjacency: np.ndarray, rssi_dbm: np.ndarray | None) -> tuple[Link, ...]:

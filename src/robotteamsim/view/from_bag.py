@@ -72,7 +72,12 @@ def _with_lasers(scene: Scene, layers: BagLayers) -> Scene:
 def _links(run: RecordedRun, layers: BagLayers, stamp_ns: int) -> tuple[Link, ...]:
     """Return the links; without signals if the bag has only the compact form of the network."""
     found = layers.links(stamp_ns)
-    return _network(run, stamp_ns)[0] if found is None else found
+    links = _network(run, stamp_ns)[0] if found is None else found
+    places = {robot.robot_id: place for place, robot in enumerate(run.robots) if robot.robot_id is not None}
+    if not places:  # robots without a number are in the order of the network
+        return links
+    pairs = ((places.get(first), places.get(second), signal) for first, second, signal in links)
+    return tuple((a, b, signal) for a, b, signal in pairs if a is not None and b is not None)
 
 
 def _openings(scene: Scene, layers: BagLayers, stamp_ns: int) -> tuple[float, ...]:

@@ -150,6 +150,7 @@ class LiveMission:
         self._layers: frozenset[str] = frozenset()
         self._lock = threading.Lock()
         self._was_watched = False
+        self._error = ""
         self._begin(None)
         self._thread = threading.Thread(target=self._run, daemon=True, name="mission")
 
@@ -203,7 +204,12 @@ class LiveMission:
             try:
                 wanted = self._commands.get(timeout=wait_s) if wait_s != 0.0 else self._commands.get_nowait()
             except queue.Empty:
-                self._step()
+                try:
+                    self._step()
+                except Exception as error:  # a mistake of the user, which concerns all robots
+                    self._playing, self._error = False, f"{type(error).__name__}: {error}"
+                    self._send()
+                    continue
                 now_s = time.perf_counter()
                 due_s = max(due_s + self._simulation.scenario.run.step_s / self._speed, now_s - 0.1)
                 if now_s - sent_s >= _FRAME_WALL_S or self._record.mission.state == "ended":
@@ -288,10 +294,18 @@ class LiveMission:
     def _status(self) -> dict[str, Any]:
         record = self._record
         seed = self._simulation.scenario.run.seed
-        return {"playing": self._playing, "speed": self._speed, "seed": seed, "noise_db": record.noise_db}
+        return {
+            "playing": self._playing,
+            "speed": self._speed,
+            "seed": seed,
+            "noise_db": record.noise_db,
+            "error": self._error,
+        }
 
     def _first_update(self) -> Update:
-        return Update(self._status(), list(self._events), list(self._frames), {}, restarted=True, **self._header)
+        return Update(
+            self._status(), self._events[: self._sent_events], list(self._frames), {}, restarted=True, **self._header
+        )
 
 
 def plain_layer(layer: LayerMap) -> dict[str, Any]:

@@ -45,6 +45,8 @@ class _Handler(BaseHTTPRequestHandler):
     server: ViewServer
     protocol_version = "HTTP/1.1"
     server_version = "robotteamsim"
+    timeout = 30.0
+    """A browser that stops within a request is left [s]."""
     _HEADERS: ClassVar = {"Cache-Control": "no-store", "X-Content-Type-Options": "nosniff"}
 
     def do_GET(self) -> None:
@@ -63,7 +65,7 @@ class _Handler(BaseHTTPRequestHandler):
     def do_POST(self) -> None:
         """Execute a command of the page."""
         mission = self.server.mission
-        # A page from elsewhere can send JSON only after a question that this server does not answer.
+        # A page from elsewhere can send JSON only after a CORS preflight, which this server rejects.
         is_json = self.headers.get("Content-Type") == "application/json"
         if mission is None or self.path != "/command" or not is_json or not self._is_from_here():
             self.close_connection = True  # the body has not been read
@@ -82,8 +84,12 @@ class _Handler(BaseHTTPRequestHandler):
         """Log nothing."""
 
     def _is_from_here(self) -> bool:
-        """Whether the page was asked for by an address of this machine, not by a name that leads here."""
-        return self.headers.get("Host", "").rpartition(":")[0] in (HOST, "localhost")
+        """Whether the request is for an address of this machine and does not come from a page elsewhere.
+
+        A name that leads here (DNS rebinding) and a picture or script of another page are refused.
+        """
+        is_foreign = self.headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin")
+        return not is_foreign and self.headers.get("Host", "").rpartition(":")[0] in (HOST, "localhost")
 
     def _send_frames(self, mission: LiveMission) -> None:
         self.close_connection = True
@@ -119,4 +125,6 @@ def _execute(mission: LiveMission, text: bytes) -> str:
         mission.ask(_COMMANDS.decode(text))
     except (msgspec.ValidationError, msgspec.DecodeError, RobotTeamSimError, ValueError) as error:
         return str(error)
+    except Exception as error:  # whatever a mission raises is shown in the page
+        return f"{type(error).__name__}: {error}"
     return ""

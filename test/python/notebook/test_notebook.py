@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
@@ -111,3 +112,9 @@ def test_without_pandas_one_line_says_how_to_install_it(campaign: Path, monkeypa
 def test_folder_without_campaign_is_refused(tmp_path: Path) -> None:
     with pytest.raises(CampaignError, match="contains no campaign"):
         read_campaign(tmp_path)
+
+
+def test_numbers_of_numpy_are_accepted_as_settings() -> None:
+    mission = simulate("garage_sar", seed=np.int64(3), settings={"mission.time_limit_s": np.float64(2.0)})
+    assert mission.result is not None
+    assert mission.result.seed == 3

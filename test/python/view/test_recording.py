@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import dataclasses
 import itertools
 import json
 import math
@@ -15,6 +16,7 @@ import numpy as np
 import pytest
 from rosbags.rosbag1 import Reader, Writer
 
+from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter, McapWriter
 from robotteamsim.recording.bag_types import BagTypes
@@ -24,7 +26,8 @@ from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import Mission
 from robotteamsim.simulation import Observer, Simulation
 from robotteamsim.view.columns import NO_LINK, packed
-from robotteamsim.view.from_bag import recording_of_bag
+from robotteamsim.view.frame import FAR_M, finite_ranges
+from robotteamsim.view.from_bag import recording_of, recording_of_bag
 from robotteamsim.view.recorder import FRAME_S, FrameRecorder, Recording
 
 
@@ -136,3 +139,19 @@ def test_a_bag_with_impossible_numbers_is_refused_in_one_line(
     with pytest.raises(RecordingError) as refused:
         recording_of_bag([path])
     assert str(refused.value) == f"{path}: /voice_map/values: levels up to 1e+30; expected at most 1000"
+
+
+def test_infinite_ranges_are_drawn_to_the_end_of_the_laser_and_too_near_ones_as_0() -> None:
+    ranges_m = np.array([1.5, np.inf, -np.inf, np.nan], dtype=np.float32)
+    assert finite_ranges(ranges_m, FAR_M) == [1.5, FAR_M, 0.0, FAR_M]
+
+
+def test_links_of_a_bag_without_one_robot_join_the_robots_of_their_numbers(
+    hall_scenario: Callable[..., Scenario], tmp_path: Path
+) -> None:
+    simulation = Simulation(hall_scenario())
+    simulation.run([BagWriter(tmp_path / "mission.bag")])
+    run = read_run([tmp_path / "mission.bag"])
+    without = dataclasses.replace(run, robots=run.robots[1:])
+    assert any(frame.links for frame in recording_of(run, [tmp_path / "mission.bag"]).frames)
+    assert not any(frame.links for frame in recording_of(without, [tmp_path / "mission.bag"]).frames)

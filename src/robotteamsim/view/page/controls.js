@@ -35,7 +35,10 @@ export class LiveControls {
 
   _row(text, input, value, verb, command) {
     const row = make("p"), button = make("button", verb);
-    button.addEventListener("click", () => this.mission.send(command(value())));
+    button.addEventListener("click", () => {
+      if (value() === "") this.answer.textContent = `${text}: expected a number`;
+      else this.mission.send(command(value()));
+    });
     row.append(make("span", text), input, button);
     return row;
   }

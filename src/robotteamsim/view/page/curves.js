@@ -4,7 +4,7 @@ const CURVES = [
   { key: "areas", name: "areas explored", step: true },
   { key: "saved", name: "victims saved", step: true },
   { key: "links", name: "links", step: true },
-  { key: "fiedler", name: "Fiedler value", step: false },
+  { key: "fiedler", name: "Fiedler value", step: true },
 ];
 const TOP = 20, LEFT = 30, RIGHT = 6, BOTTOM = 6;
 

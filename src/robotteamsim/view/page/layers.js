@@ -95,7 +95,7 @@ export class Layers {
       const eye = [x + forward_m * Math.cos(yaw), y + forward_m * Math.sin(yaw), HEIGHT.laser];
       const ends = Array.from(ranges, (range, beam) => {
         const angle = yaw + angle_min_rad + beam * angle_step_rad;
-        const reach = Number.isFinite(range) ? range : range_max_m;
+        const reach = Math.min(range, range_max_m);
         return [eye[0] + reach * Math.cos(angle), eye[1] + reach * Math.sin(angle), HEIGHT.laser];
       });
       for (let beam = 1; beam < ends.length; beam++) corners.push(...eye, ...ends[beam - 1], ...ends[beam]);

@@ -53,9 +53,12 @@ async function startRecorded(data) {
 /** The address may end with #t=120&layers=voice,laser&theme=light&play=1. */
 function obey(player, wishes) {
   const { t, play, layers, theme } = Object.fromEntries(wishes);
-  for (const name of layers?.split(",") ?? []) element(`layer-${name}`)?.click();
+  for (const name of layers?.split(",") ?? []) {
+    const box = element(`layer-${name}`);
+    if (box && !box.checked) box.click();
+  }
   if (theme === "light") element("theme").click();
-  if (t !== undefined) player.seek(player.start + Number(t));
+  if (Number.isFinite(Number(t ?? NaN))) player.seek(player.start + Number(t));
   if (play !== undefined) player.toggle(true);
 }
 
@@ -80,11 +83,14 @@ async function startLive() {
   const view = addView(mission, () => player, "", (x, y) => controls.floor(x, y), (name) => controls.door(name));
   player = new Player([view]);
   player.following = true;
-  player.toggle(mission.status.playing);
+  player.follow(mission.status);
   controls = new LiveControls(element("live"), mission, player);
   mission.onupdate = () => {
     if (player.following) player.time = mission.end;
     controls.refreshVictims();
+    player.follow(mission.status);
+    if (mission.status.error) controls.answer.textContent = mission.status.error;
+    element("failure").hidden = true;
     player.refresh();
   };
   mission.onrestart = () => {

@@ -32,11 +32,22 @@ export class Player {
 
   seek(time) {
     this.time = Math.min(Math.max(time, this.start), this.end);
-    this.following = this.isLive && this.time >= this.end;
+    this.following = this.isLive && this.time >= this.end - 0.5;
     this.dirty = true;
   }
 
   draw() { this.dirty = true; }
+
+  /** Show what a live mission reports about itself. */
+  follow(status) {
+    this.playing = status.playing;
+    element("play").classList.toggle("playing", status.playing);
+    const speeds = element("speed");
+    if (![...speeds.options].some((option) => Number(option.value) === status.speed)) {
+      speeds.add(new Option(`${status.speed}×`, status.speed));
+    }
+    speeds.value = status.speed;
+  }
 
   toggle(playing = !this.playing) {
     if (playing && !this.isLive && this.time >= this.end) this.time = this.start;
