@@ -79,9 +79,10 @@ void ShutDown() {
 
 void WaitUntilSent() {
   // The current round may have missed the last messages; the next one queues and writes them.
-  constexpr int kRounds = 2, kMaxTries = 100;
+  constexpr int kRounds = 2;
   const std::uint64_t begin = num_rounds;
-  for (int tries = 0; tries < kMaxTries && num_rounds < begin + kRounds; ++tries) {
+  const ros::WallTime until = ros::WallTime::now() + ros::WallDuration(kServiceTimeoutS);
+  while (num_rounds < begin + kRounds && IsOk() && ros::WallTime::now() < until) {
     ros::PollManager::instance()->getPollSet().signal();
     ros::WallDuration(0.001).sleep();
   }

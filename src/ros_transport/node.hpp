@@ -19,7 +19,7 @@ bool IsOk();
 // Waits for running service calls, at most 5 s, and unregisters everything from the master.
 void ShutDown();
 
-// Waits until all messages published so far are written to the sockets, at most 0.1 s.
+// Waits until all messages published so far are written to the sockets, at most 5 s on a busy machine.
 void WaitUntilSent();
 
 // Number of times that roscpp's thread has written waiting messages; messages published now are written after two more.

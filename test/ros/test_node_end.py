@@ -1,4 +1,4 @@
-"""A node that waits ends when it is told to."""
+"""A waiting node ends on request."""
 
 from __future__ import annotations
 

@@ -19,32 +19,26 @@ import rospy
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from peers import NODE, Peer, Wire, master, wait_until
-from robotteamsim.msg import Contact
 from rosgraph_msgs.msg import Clock, Log
 from running import TIMEOUT_S
-from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header, String, UInt32
 from std_srvs.srv import Trigger, TriggerResponse
+from team_peers import ROBOTS, TIME_NS, TeamPeers, body, expected_messages, make_readings, make_robots
 from tf2_msgs.msg import TFMessage
 
 from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading
 from robotteamsim.recording import ros_messages
-from robotteamsim.ros.nodes.team_outputs import TeamOutputs
 from robotteamsim.ros.transport.msg_conversion import RosTypes
 from robotteamsim.ros.transport.node import ParameterError, parameter, published_topics, set_parameter
 from robotteamsim.ros.transport.serialization import deserialized, message_type, serialized
 from robotteamsim.ros.transport.services import Service, call_service
 from robotteamsim.ros.transport.topics import Output
-from robotteamsim.scenario.sections import Laser, PlacedRobot
+from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.sensing.readings import TeamReadings
 
 # rospy leaves its sockets to the garbage collector, and calls what Python has renamed.
 pytestmark = pytest.mark.filterwarnings("ignore")
-
-TIME_NS = 12_345_678_901
-ROBOTS = 12
-"""Names of robots have two lengths then."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -189,56 +183,12 @@ def test_clock_does_not_overtake_what_is_published_before_it():
 
 @pytest.fixture
 def robots() -> list[PlacedRobot]:
-    """Robots with two kinds of lasers."""
-    lasers = (Laser(), Laser(beams=7, forward_m=0.1))
-    return [PlacedRobot(start_pose=(float(i), 0.0, 0.0), laser=lasers[i % 5 == 0]) for i in range(ROBOTS)]
+    return make_robots()
 
 
 @pytest.fixture
-def readings(robots) -> TeamReadings:
-    generator = np.random.default_rng(5)
-    angles = generator.uniform(-3.0, 3.0, (ROBOTS, 1))
-    odometry = np.hstack((generator.normal(size=(ROBOTS, 2)), np.sin(angles), np.cos(angles)))
-    positions_m = generator.normal(size=(ROBOTS, 2))
-    truth = np.hstack((positions_m, np.sin(-angles), np.cos(-angles), generator.normal(size=(ROBOTS, 3))))
-    in_contact = (np.arange(ROBOTS) % 4 > 1)[:, np.newaxis]
-    return TeamReadings(
-        rows=np.hstack((truth, odometry, generator.normal(size=(ROBOTS, 12)), in_contact)),
-        ranges_m=[generator.uniform(0.1, 5.0, robot.laser.beams).astype(np.float32) for robot in robots],
-        contact_angles_rad={2: (0.5,), 3: (-1.0, 1.0), 11: (3.0,)},
-    )
-
-
-TEAM_TOPICS = {"odom": Odometry, "base_pose_ground_truth": Odometry, "base_scan": LaserScan, "contact": Contact}
-
-
-class TeamPeers:
-    """Subscribers of all topics of a team, which are latched, and of its frames."""
-
-    def __init__(self, robots: list[PlacedRobot], *, localized: bool) -> None:
-        self.outputs = TeamOutputs(robots, latched=True, localized=localized)
-        self.tf = Peer("/tf", TFMessage)
-        wait_until(lambda: self.outputs._tf._topic.is_wanted, "the subscriber of /tf")
-
-    @staticmethod
-    def latched(robot_id: int, name: str) -> object:
-        wire = Wire(f"/robot_{robot_id}/{name}", TEAM_TOPICS[name])
-        return deserialized(TEAM_TOPICS[name], wire.next())
-
-
-def expected_messages(make: RosTypes, robots: list[PlacedRobot], readings: TeamReadings, i: int) -> dict[str, object]:
-    reading = readings[i]
-    return {
-        "odom": ros_messages.odometry(make, TIME_NS, i, reading.odometry),
-        "base_pose_ground_truth": ros_messages.ground_truth(make, TIME_NS, i, reading),
-        "base_scan": ros_messages.scan(make, TIME_NS, i, robots[i].laser, reading.ranges_m),
-        "contact": ros_messages.contact(make, TIME_NS, i, reading.in_contact, reading.contact_angles_rad),
-    }
-
-
-def body(message: object) -> bytes:
-    """Return the bytes of a message after its header's number, which counts what was published."""
-    return serialized(message)[4:]
+def readings() -> TeamReadings:
+    return make_readings()
 
 
 @pytest.mark.parametrize("localized", [False, True])
