@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from robotteamsim.view.recorder import Recording
     from robotteamsim.view.server import ViewServer
 
+MAX_SPEED = 1000.0
+"""Most simulated over wall time of a live mission."""
+
 _DESCRIPTION = """\
 Show a mission in the browser. A scenario runs live: pause it, open doors, move victims, change the
 noise. A bag, an MCAP file, or the folder of `run --out`, is played back. With --html, the mission is
@@ -59,9 +62,8 @@ def add_to(commands: Any) -> None:
 
 def view(options: argparse.Namespace) -> None:
     """Show the mission until Ctrl-C, or write the page."""
-    if not 0 <= options.port <= 65535:
-        raise UsageError(f"--port {options.port} is outside 0 to 65535")
     targets = [options.target, *([options.compare] if options.compare else [])]
+    _check(options, targets)
     if options.html:
         check_replaceable(options.html)
         write_atomically(options.html, _page(options, targets))
@@ -72,6 +74,23 @@ def view(options: argparse.Namespace) -> None:
         _serve(options, lambda: ViewServer(options.port, _page(options, targets)))
     else:
         _show_live(options)
+
+
+def _check(options: argparse.Namespace, targets: list[str]) -> None:
+    """Raises: UsageError: an option is out of range, or would have no effect."""
+    if not 0 <= options.port <= 65535:
+        raise UsageError(f"--port {options.port} is outside 0 to 65535")
+    if options.speed > MAX_SPEED:
+        raise UsageError(f"--speed {options.speed:g} is above {MAX_SPEED:g}")
+    if options.scenario and not any(map(_is_bag, targets)):
+        raise UsageError(
+            f"--scenario {options.scenario}: is for bags, and {' and '.join(targets)} has its own building"
+        )
+    given = {"--seed": options.seed, "--noise": options.noise, "--robots": options.robots}
+    changed = [option for option, value in given.items() if value is not None]
+    changed += ["--set"] if options.overrides else []
+    if changed and all(map(_is_recorded, targets)):
+        raise UsageError(f"{changed[0]}: cannot change {' and '.join(targets)}, which is recorded")
 
 
 def _show_live(options: argparse.Namespace) -> None:
@@ -87,7 +106,7 @@ def _show_live(options: argparse.Namespace) -> None:
         check_code(options, loaded)
         return loaded
 
-    mission = LiveMission(load, speed=min(options.speed, 1000.0), playing=True)
+    mission = LiveMission(load, speed=options.speed, playing=True)
     mission.start()
     try:
         _serve(options, lambda: ViewServer(options.port, live_page(options.target), mission))

@@ -14,8 +14,8 @@ from robotteamsim import palette
 from robotteamsim.view.frame import Frame
 from robotteamsim.view.recorder import LayerMap, Recording
 
-NO_LINK = 1
-"""Replaces the signal [dBm] of a pair without a link."""
+NO_LINK = 10_000
+"""Replaces the signal [dBm] of a pair without a link; larger than any signal."""
 
 _SILENT_DBM = -120.0
 """Signals below are not shown."""

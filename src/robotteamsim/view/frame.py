@@ -9,6 +9,7 @@ import numpy as np
 
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.mission.status import Event
+from robotteamsim.scenario.sections import Victim
 from robotteamsim.simulation import StepRecord
 from robotteamsim.world import World
 
@@ -21,8 +22,8 @@ Link = tuple[int, int, int]
 FAR_M = 1000.0
 """Replaces an infinite range [m]; the page draws beams up to the laser's longest range."""
 
-UNKNOWN_SIGNAL_DBM = 0
-"""Signal of a link in a recording without signals."""
+UNKNOWN_SIGNAL_DBM = 5_000
+"""Signal of a link in a recording without signals; larger than any signal."""
 
 
 class VictimShape(msgspec.Struct, frozen=True):
@@ -87,10 +88,7 @@ def frame_of(record: StepRecord, world: World, *, with_scans: bool) -> Frame:
         fiedler_value=record.network.fiedler_value,
         doors=tuple(state.opening for state in record.doors.values()),
         objects=tuple((pose.x_m, pose.y_m, pose.yaw_rad) for pose in world.objects().values()),
-        victims=tuple(
-            VictimShape(victim.name, victim.position, state)
-            for victim, state in zip(record.victims, status.victims, strict=True)
-        ),
+        victims=victim_shapes(record.victims, status.victims),
         explored=status.explored,
         target=status.target_area,
         state=status.state,
@@ -98,6 +96,11 @@ def frame_of(record: StepRecord, world: World, *, with_scans: bool) -> Frame:
         endangered=status.endangered_links,
         scans_m=tuple(scans),
     )
+
+
+def victim_shapes(victims: Sequence[Victim], states: Sequence[str]) -> tuple[VictimShape, ...]:
+    """Return victims with their states."""
+    return tuple(VictimShape(v.name, v.position, state) for v, state in zip(victims, states, strict=True))
 
 
 def finite_ranges(ranges_m: np.ndarray, far_m: float) -> list[float]:

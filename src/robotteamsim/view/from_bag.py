@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from operator import itemgetter
 from pathlib import Path
 
 import msgspec
 import numpy as np
 
 from robotteamsim.analysis.runs.reading import read_run
-from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun, RecordedStatus
+from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun
+from robotteamsim.errors import RecordingError
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.view.bag_layers import BagLayers, read_layers
 from robotteamsim.view.frame import Frame, Link, Pose, VictimShape, links_of, shown_events
 from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, SCAN_S, Recording, layer_map
 from robotteamsim.view.scene import Scene, scene_of_run
+from robotteamsim.world.doors import DoorStates
 
 _FRAMES_PER_SCAN = round(SCAN_S / FRAME_S)
+_LONGEST_S = 86_400.0
+"""A longer recording would make a page that no browser opens; it usually mixes two clocks [s]."""
 
 
 def recording_of_bag(paths: Sequence[Path], scenario: Scenario | None = None) -> Recording:
@@ -35,13 +41,21 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
     layers = read_layers(paths, scanned)
     scene = _with_lasers(scene_of_run(run, scenario), layers)
     recording = Recording(scene, run.name)
-    count = max(int(np.ceil((run.end_ns - run.start_ns) / 1e9 / FRAME_S)), 0)
+    duration_s = (run.end_ns - run.start_ns) / 1e9
+    if duration_s > _LONGEST_S:
+        raise RecordingError(
+            f"{', '.join(map(str, paths))}: lasts {duration_s:.0f} s by its stamps; expected at most "
+            f"{_LONGEST_S:.0f} s, and stamps of one clock"
+        )
+    doors = DoorStates.at_start(scenario.plan) if scenario else {}
+    at_start = {name: state.opening for name, state in doors.items()}
+    count = max(int(np.ceil(duration_s / FRAME_S)), 0)
     stamps_ns = [*(run.start_ns + np.arange(count) * round(FRAME_S * 1e9)).tolist(), run.end_ns]
     recording.frames = [
         msgspec.structs.replace(
             _frame(run, stamp_ns),
             links=_links(run, layers, stamp_ns),
-            doors=_openings(scene, layers, stamp_ns),
+            doors=_openings(at_start, layers, stamp_ns),
             scans_m=_scans(scene, layers, stamp_ns) if index % _FRAMES_PER_SCAN == 0 else (),
         )
         for index, stamp_ns in enumerate(stamps_ns)
@@ -80,11 +94,10 @@ def _links(run: RecordedRun, layers: BagLayers, stamp_ns: int) -> tuple[Link, ..
     return tuple((a, b, signal) for a, b, signal in pairs if a is not None and b is not None)
 
 
-def _openings(scene: Scene, layers: BagLayers, stamp_ns: int) -> tuple[float, ...]:
-    """Return the opening of each door of the scene; () if the bag knows none of them."""
-    found = layers.doors(stamp_ns)
-    known = [found.get(door.name) for door in scene.doors]
-    return () if not any(opening is not None for opening in known) else tuple(opening or 0.0 for opening in known)
+def _openings(at_start: Mapping[str, float], layers: BagLayers, stamp_ns: int) -> tuple[float, ...]:
+    """Return the opening of each door of the scene; of one that the bag does not know, that at the start."""
+    known = layers.doors(stamp_ns)
+    return tuple(known.get(name, opening) for name, opening in at_start.items())
 
 
 def _scans(scene: Scene, layers: BagLayers, stamp_ns: int) -> tuple[list[float], ...]:
@@ -93,34 +106,22 @@ def _scans(scene: Scene, layers: BagLayers, stamp_ns: int) -> tuple[list[float],
 
 
 def _frame(run: RecordedRun, stamp_ns: int) -> Frame:
-    status = _last(run.statuses, [status.stamp_ns for status in run.statuses], stamp_ns)
-    victims = _last(run.victims, [stamp for stamp, _ in run.victims], stamp_ns)
+    index = bisect_right(run.statuses, stamp_ns, key=lambda status: status.stamp_ns)
+    status = run.statuses[index - 1] if index else None
+    index = bisect_right(run.victims, stamp_ns, key=itemgetter(0))
+    victims = run.victims[index - 1][1] if index else ()
     return Frame(
         time_s=(stamp_ns - run.start_ns) / 1e9,
         poses=tuple(_pose(robot, stamp_ns) for robot in run.robots),
         swarms=tuple(OUTSIDE if _is_excluded(robot, stamp_ns) else 0 for robot in run.robots),
         fiedler_value=_network(run, stamp_ns)[1],
-        victims=tuple(VictimShape(victim.name, victim.position_m, victim.state) for victim in victims[1])
-        if victims
-        else (),
+        victims=tuple(VictimShape(victim.name, victim.position_m, victim.state) for victim in victims),
         explored=status.explored if status else (),
-        target=_target(status),
+        target=status.target_area if status else -1,
         state=status.state if status else "",
         noise_db=status.noise_db if status else 0.0,
         endangered=status.endangered_links if status else 0,
     )
-
-
-def _last(items: Sequence, stamps_ns: Sequence[int], stamp_ns: int):  # type: ignore[no-untyped-def,type-arg]
-    index = int(np.searchsorted(stamps_ns, stamp_ns, side="right")) - 1
-    return items[index] if index >= 0 else None
-
-
-def _target(status: RecordedStatus | None) -> int:
-    """Return the first area that is not explored; -1 if there is none."""
-    if status is None or all(status.explored):
-        return -1
-    return status.explored.index(False)
 
 
 def _pose(robot: RecordedRobot, stamp_ns: int) -> Pose | None:

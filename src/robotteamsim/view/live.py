@@ -14,7 +14,7 @@ import msgspec
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Simulation, StepRecord
 from robotteamsim.view.columns import header
-from robotteamsim.view.frame import Frame, ShownEvent, frame_of, shown_events
+from robotteamsim.view.frame import Frame, ShownEvent, frame_of, shown_events, victim_shapes
 from robotteamsim.view.recorder import LayerMap, RadioCoverage, Recording, layer_map
 from robotteamsim.view.scene import scene_of
 
@@ -106,7 +106,7 @@ class Update(msgspec.Struct):
     palette: Any = None
 
 
-class Outlet:
+class Subscription:
     """Updates for one viewer; what it has not fetched yet is merged."""
 
     def __init__(self, first: Update) -> None:
@@ -146,7 +146,7 @@ class LiveMission:
         """
         self._load, self._speed, self._playing = load, speed, playing
         self._commands: queue.SimpleQueue[tuple[Command, Future[None]] | None] = queue.SimpleQueue()
-        self._outlets: list[Outlet] = []
+        self._subscriptions: list[Subscription] = []
         self._layers: frozenset[str] = frozenset()
         self._lock = threading.Lock()
         self._was_watched = False
@@ -163,24 +163,24 @@ class LiveMission:
         self._commands.put(None)
         self._thread.join()
 
-    def ask(self, command: AnyCommand) -> None:
+    def execute(self, command: AnyCommand) -> None:
         """Execute a command between two steps. Raises: RobotTeamSimError, ValueError: it is not possible."""
         done: Future[None] = Future()
         self._commands.put((command, done))
         done.result(timeout=30.0)
 
-    def listen(self) -> Outlet:
+    def subscribe(self) -> Subscription:
         """Return the updates of a new viewer, the first of which contains the scene."""
         with self._lock:
-            outlet = Outlet(self._first_update())
-            self._outlets.append(outlet)
+            subscription = Subscription(self._first_update())
+            self._subscriptions.append(subscription)
         self._commands.put((Watched(), Future()))
-        return outlet
+        return subscription
 
-    def leave(self, outlet: Outlet) -> None:
+    def unsubscribe(self, subscription: Subscription) -> None:
         """End the updates of a viewer."""
         with self._lock:
-            self._outlets.remove(outlet)
+            self._subscriptions.remove(subscription)
 
     def _begin(self, seed: int | None) -> None:
         scenario = self._load(seed)
@@ -255,8 +255,8 @@ class LiveMission:
             case Restart(seed):
                 self._begin(seed)
                 with self._lock:
-                    for outlet in self._outlets:
-                        outlet.put(self._first_update())
+                    for subscription in self._subscriptions:
+                        subscription.put(self._first_update())
 
     def _step(self) -> None:
         if self._record.mission.state == "ended":
@@ -269,15 +269,26 @@ class LiveMission:
 
     def _send(self) -> None:
         """Send the latest frame, and the events and maps that are new, to all viewers."""
-        self._frames.append(self._frame_of(self._record))
-        update = Update(self._status(), self._events[self._sent_events :], self._frames[-1:], self._new_layers())
+        frame = self._frame_of(self._record)
+        if frame.time_s == self._frames[-1].time_s:
+            self._frames.pop()
+        self._frames.append(msgspec.structs.replace(frame, scans_m=()))
+        update = Update(self._status(), self._events[self._sent_events :], [frame], self._new_layers())
         self._sent_events = len(self._events)
         with self._lock:
-            for outlet in self._outlets:
-                outlet.put(update)
+            for subscription in self._subscriptions:
+                subscription.put(update)
 
     def _frame_of(self, record: StepRecord) -> Frame:
-        return frame_of(record, self._simulation.world, with_scans="laser" in self._layers)
+        """Return the frame of the last step, with what was changed by commands since then."""
+        world, mission = self._simulation.world, self._simulation.mission
+        frame = frame_of(record, world, with_scans="laser" in self._layers)
+        return msgspec.structs.replace(
+            frame,
+            doors=tuple(state.opening for state in world.door_states().values()),
+            victims=victim_shapes(mission.victims, mission.status.victims),
+            noise_db=mission.noise_db,
+        )
 
     def _new_layers(self) -> dict[str, dict[str, Any]]:
         found: dict[str, LayerMap] = {}
@@ -292,13 +303,11 @@ class LiveMission:
         return {name: plain_layer(layer) for name, layer in found.items()}
 
     def _status(self) -> dict[str, Any]:
-        record = self._record
-        seed = self._simulation.scenario.run.seed
         return {
             "playing": self._playing,
             "speed": self._speed,
-            "seed": seed,
-            "noise_db": record.noise_db,
+            "seed": self._simulation.scenario.run.seed,
+            "noise_db": self._simulation.mission.noise_db,
             "error": self._error,
         }
 

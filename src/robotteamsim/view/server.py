@@ -97,17 +97,17 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("Content-Type", "text/event-stream")
         self.send_header("Cache-Control", "no-store")
         self.end_headers()
-        outlet = mission.listen()
+        subscription = mission.subscribe()
         try:
             while True:
-                update = outlet.take(_KEEP_ALIVE_S)
+                update = subscription.take(_KEEP_ALIVE_S)
                 # A comment finds out whether the browser is still there.
                 data = b": \n\n" if update is None else b"data: " + msgspec.json.encode(update) + b"\n\n"
                 self.wfile.write(data)
         except OSError:
             return
         finally:
-            mission.leave(outlet)
+            mission.unsubscribe(subscription)
 
     def _reply(self, status: HTTPStatus, body: bytes, kind: str) -> None:
         self.send_response(status)
@@ -122,7 +122,7 @@ class _Handler(BaseHTTPRequestHandler):
 def _execute(mission: LiveMission, text: bytes) -> str:
     """Execute a command; return what is wrong with it, or ""."""
     try:
-        mission.ask(_COMMANDS.decode(text))
+        mission.execute(_COMMANDS.decode(text))
     except (msgspec.ValidationError, msgspec.DecodeError, RobotTeamSimError, ValueError) as error:
         return str(error)
     except Exception as error:  # whatever a mission raises is shown in the page

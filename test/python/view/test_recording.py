@@ -20,6 +20,7 @@ from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter, McapWriter
 from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Door
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import ScheduledEvent
@@ -155,3 +156,20 @@ def test_links_of_a_bag_without_one_robot_join_the_robots_of_their_numbers(
     without = dataclasses.replace(run, robots=run.robots[1:])
     assert any(frame.links for frame in recording_of(run, [tmp_path / "mission.bag"]).frames)
     assert not any(frame.links for frame in recording_of(without, [tmp_path / "mission.bag"]).frames)
+
+
+def test_recording_of_more_than_a_day_is_refused(hall_scenario: Callable[..., Scenario], tmp_path: Path) -> None:
+    path = tmp_path / "mission.bag"
+    Simulation(hall_scenario()).run([BagWriter(path)])
+    run = read_run([path])
+    with pytest.raises(RecordingError, match=r"mission\.bag: lasts 172800 s by its stamps; expected at most 86400 s"):
+        recording_of(dataclasses.replace(run, end_ns=run.start_ns + 172_800 * 10**9), [path])
+
+
+def test_doors_that_a_bag_does_not_contain_are_those_of_the_scenario(tmp_path: Path) -> None:
+    scenario, path = load("garage_sar", ["mission.time_limit_s=2"]), tmp_path / "mission.bag"
+    Simulation(scenario).run([BagWriter(path)])
+    run = read_run([path])
+    expected = tuple(0.0 if door.closed else 1.0 for door in scenario.plan.doors)
+    assert {0.0, 1.0} == set(expected)
+    assert {frame.doors for frame in recording_of(run, [path], scenario).frames} == {expected}

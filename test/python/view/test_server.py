@@ -14,7 +14,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Run
 from robotteamsim.simulation import Simulation
 from robotteamsim.view.html import live_page
-from robotteamsim.view.live import LiveMission, Outlet, Pause, Restart, SetNoise, SetVictim, Step, Update
+from robotteamsim.view.live import LiveMission, Pause, Restart, SetNoise, SetVictim, Step, Subscription, Update
 from robotteamsim.view.server import ViewServer
 
 _WAIT_S = 60.0
@@ -43,8 +43,8 @@ def server(mission: LiveMission) -> Iterator[ViewServer]:
         thread.join()
 
 
-def _taken(outlet: Outlet) -> Update:
-    update = outlet.take(_WAIT_S)
+def _taken(subscription: Subscription) -> Update:
+    update = subscription.take(_WAIT_S)
     assert update is not None
     return update
 
@@ -59,23 +59,23 @@ def _post(server: ViewServer, body: str, headers: dict[str, str] | None = None) 
 
 
 def test_first_update_contains_the_scene_and_further_ones_each_step(mission: LiveMission) -> None:
-    outlet = mission.listen()
-    first = _taken(outlet)
+    subscription = mission.subscribe()
+    first = _taken(subscription)
     assert first.restarted
     assert len(first.scene.robots) == 2
     assert first.events[0].kind == "start"
-    mission.ask(Step())
-    times_s = [frame.time_s for frame in _taken(outlet).frames]
+    mission.execute(Step())
+    times_s = [frame.time_s for frame in _taken(subscription).frames]
     assert times_s[-1] == pytest.approx(first.frames[-1].time_s + 0.1)
 
 
 def test_steps_are_those_of_the_same_mission_without_a_viewer(
     mission: LiveMission, hall_scenario: Callable[..., Scenario]
 ) -> None:
-    outlet = mission.listen()
+    subscription = mission.subscribe()
     for _ in range(20):
-        mission.ask(Step())
-    frames = _taken(outlet).frames
+        mission.execute(Step())
+    frames = _taken(subscription).frames
     alone = Simulation(hall_scenario())
     alone.mission.start()
     for _ in range(21):
@@ -85,18 +85,30 @@ def test_steps_are_those_of_the_same_mission_without_a_viewer(
 
 
 def test_commands_change_the_mission_and_a_restart_begins_it_again(mission: LiveMission) -> None:
-    outlet = mission.listen()
-    mission.ask(SetNoise(33.0))
-    mission.ask(SetVictim("eve", (10.0, 5.0)))
-    mission.ask(Step())
-    frame = _taken(outlet).frames[-1]
+    subscription = mission.subscribe()
+    mission.execute(SetNoise(33.0))
+    mission.execute(SetVictim("eve", (10.0, 5.0)))
+    mission.execute(Step())
+    frame = _taken(subscription).frames[-1]
     assert frame.noise_db == 33.0
     assert frame.victims[-1].name == "eve"
-    mission.ask(Restart(7))
-    again = _taken(outlet)
+    mission.execute(Restart(7))
+    again = _taken(subscription)
     assert again.restarted
     assert again.status["seed"] == 7
     assert len(again.frames[-1].victims) == 2
+
+
+def test_changes_of_a_paused_mission_are_shown_before_the_next_step(mission: LiveMission) -> None:
+    subscription = mission.subscribe()
+    first = _taken(subscription).frames[-1]
+    mission.execute(SetVictim("eve", (10.0, 5.0)))
+    mission.execute(SetNoise(33.0))
+    frame = _taken(subscription).frames[-1]
+    assert frame.time_s == first.time_s
+    assert (frame.victims[-1].name, frame.noise_db) == ("eve", 33.0)
+    again = _taken(mission.subscribe())
+    assert [one.time_s for one in again.frames] == [first.time_s]
 
 
 @pytest.mark.parametrize(
@@ -121,7 +133,7 @@ def test_a_wrong_command_is_answered_in_one_line_and_the_mission_goes_on(
     assert status == 400
     assert said in error
     assert "\n" not in error
-    mission.ask(Pause())
+    mission.execute(Pause())
 
 
 def test_server_answers_only_on_loopback_and_only_to_its_own_page(server: ViewServer) -> None:

@@ -306,6 +306,7 @@ def _status(stamp_ns: int, message: Any) -> RecordedStatus:
         endangered_links=int(message.endangered_links),
         noise_db=message.noise_db,
         delivered=delivered,
+        target_area=int(message.target_area),
     )
 
 

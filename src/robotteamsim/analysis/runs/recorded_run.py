@@ -65,7 +65,11 @@ class RecordedNetwork:
 
 @dataclass(frozen=True, slots=True)
 class RecordedStatus:
-    """The mission at one time, from /mission/status. delivered: discoveries at the base; None if there is no base."""
+    """The mission at one time, from /mission/status.
+
+    delivered:   discoveries at the base; None if there is no base.
+    target_area: index of the area to explore; -1 if none is left.
+    """
 
     stamp_ns: int
     time_s: float
@@ -77,6 +81,7 @@ class RecordedStatus:
     endangered_links: int
     noise_db: float
     delivered: DeliveredDiscoveries | None = None
+    target_area: int = -1
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,7 +29,7 @@ export function scale(palette, name) {
 /** The colour of a cell; null: it is not drawn, as it is silent or cannot be reached. */
 function colourOf(palette, name, value) {
   if (name === "voice") return value > 0 ? gradient(palette.voice, value) : null;
-  return value > -100 ? linkColour(palette, Math.min(value, -1)) : null;
+  return value > -100 ? linkColour(palette, value) : null;
 }
 
 export class Layers {

@@ -50,6 +50,7 @@ export class LiveMission {
       frame.fiedler = frame.fiedler_value;
       if (frame.scans_m.length) this.scans = frame.scans_m;
       frame.scans_m = [];
+      if (this.frames.at(-1)?.time_s === frame.time_s) this.frames.pop(); // changed while paused
       this.frames.push(frame);
     }
     for (const name of Object.keys(update.layers)) this.layers[name] = update.layers[name];

@@ -47,12 +47,12 @@ async function startRecorded(data) {
     addView(mission, () => player, compare ? `${"AB"[index] ?? index}: ${mission.title}` : ""));
   player = new Player(views);
   if (!compare && missions.length > 1) chooseAmong(missions, player);
-  obey(player, new URLSearchParams(location.hash.slice(1)));
+  applyOptions(player, new URLSearchParams(location.hash.slice(1)));
 }
 
 /** The address may end with #t=120&layers=voice,laser&theme=light&play=1. */
-function obey(player, wishes) {
-  const { t, play, layers, theme } = Object.fromEntries(wishes);
+function applyOptions(player, options) {
+  const { t, play, layers, theme } = Object.fromEntries(options);
   for (const name of layers?.split(",") ?? []) {
     const box = element(`layer-${name}`);
     if (box && !box.checked) box.click();

@@ -2,6 +2,7 @@
 
 import { Curves } from "viewer/curves";
 import { lastIndex } from "viewer/recording";
+import { UNKNOWN_DBM } from "viewer/team";
 
 const element = (id) => document.getElementById(id);
 
@@ -21,10 +22,24 @@ export class Panel {
     this.past = 0;
   }
 
-  /** List the events of missions, and mark them on the slider. */
+  /** List the events of missions, and mark them on the slider. A list that is the same stays, with clicks on it. */
   setEvents(missions, start, end, colours) {
-    this.events = missions.flatMap((mission, index) =>
-      mission.events.map((event) => ({ ...event, text: missions.length > 1 ? `${"AB"[index] ?? index}: ${event.text}` : event.text })));
+    const lists = missions.map((mission) => mission.events), count = lists.flat().length;
+    const isSame = this.lists?.length === lists.length && lists.every((list, index) => list === this.lists[index]);
+    if (!isSame || count !== this.events.length) this._listEvents(lists);
+    this.lists = lists;
+    const marks = this.events.map((event) => {
+      const mark = make("i", "", { title: event.text });
+      mark.style.left = `${100 * (event.time_s - start) / Math.max(end - start, 1e-9)}%`;
+      mark.style.background = colours(event.kind);
+      return mark;
+    });
+    element("marks").replaceChildren(...marks);
+  }
+
+  _listEvents(lists) {
+    this.events = lists.flatMap((events, index) =>
+      events.map((event) => ({ ...event, text: lists.length > 1 ? `${"AB"[index] ?? index}: ${event.text}` : event.text })));
     this.events.sort((a, b) => a.time_s - b.time_s);
     const list = make("ol");
     this.items = this.events.map((event) => {
@@ -36,13 +51,6 @@ export class Panel {
     });
     this.past = 0;
     element("events").replaceChildren(make("h2", "Events"), list);
-    const marks = this.events.map((event) => {
-      const mark = make("i", "", { title: event.text });
-      mark.style.left = `${100 * (event.time_s - start) / Math.max(end - start, 1e-9)}%`;
-      mark.style.background = colours(event.kind);
-      return mark;
-    });
-    element("marks").replaceChildren(...marks);
   }
 
   show(views, curves, start, end, time) {
@@ -62,7 +70,7 @@ export class Panel {
     if (!view) return;
     const { frame, selected, mission } = view, pose = frame.poses[selected];
     const links = frame.links.filter(([a, b]) => a === selected || b === selected).map(([a, b, signal]) =>
-      `${a === selected ? b : a}${signal ? ` (${signal} dBm)` : ""}`);
+      `${a === selected ? b : a}${signal === UNKNOWN_DBM ? "" : ` (${signal} dBm)`}`);
     const swarm = frame.swarms?.[selected];
     const rows = [
       ["position", pose ? `${pose[0].toFixed(2)}, ${pose[1].toFixed(2)} m` : "absent"],

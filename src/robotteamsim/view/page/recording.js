@@ -1,6 +1,6 @@
 // A recorded mission: decodes the columns that columns.py writes, and returns the state at any time.
 
-const NO_LINK = 1; // instead of a signal [dBm]
+const NO_LINK = 10000; // instead of a signal [dBm]
 
 /** Decode all missions of a page: base64 text of deflated JSON. */
 export async function decodeMissions(text) {
@@ -10,8 +10,8 @@ export async function decodeMissions(text) {
   return documents.map((document) => new Recording(document));
 }
 
-function cumulated(deltas, scale) {
-  const values = new Float32Array(deltas.length);
+function cumulated(deltas, scale, Numbers = Float32Array) {
+  const values = new Numbers(deltas.length);
   let sum = 0;
   for (let i = 0; i < deltas.length; i++) values[i] = (sum += deltas[i]) * scale;
   return values;
@@ -35,7 +35,7 @@ export class Recording {
   constructor(document) {
     Object.assign(this, { title: document.title, scene: document.scene, palette: document.palette });
     this.events = document.events;
-    this.times = cumulated(document.time_ms, 1e-3);
+    this.times = cumulated(document.time_ms, 1e-3, Float64Array);
     this.tracks = document.robots.map((track) => ({
       x: cumulated(track.x, 0.01), y: cumulated(track.y, 0.01), yaw: cumulated(track.yaw, 0.01),
     }));

@@ -12,10 +12,13 @@ const LINK_Z = 0.6;
 const LEAST_SIZE = 0.0085; // of a robot's radius, as a share of its distance from the camera: far robots are enlarged
 const [STRONG_DBM, WEAK_DBM, ENDANGERED_DBM] = [-50, -70, -80];
 
-/** Colour of a link by its signal [dBm]; 0: the signal is unknown. */
+export const UNKNOWN_DBM = 5000; // the signal of a link in a recording without signals
+
+/** Colour of a link by its signal [dBm]. */
 export function linkColour(palette, signal) {
   const { strong, weak, endangered } = palette.links;
-  if (signal === 0 || signal > STRONG_DBM) return new Color(strong);
+  if (signal === UNKNOWN_DBM) return new Color(palette.event);
+  if (signal > STRONG_DBM) return new Color(strong);
   if (signal > WEAK_DBM) return new Color(weak).lerp(new Color(strong), (signal - WEAK_DBM) / (STRONG_DBM - WEAK_DBM));
   const share = Math.max((signal - ENDANGERED_DBM) / (WEAK_DBM - ENDANGERED_DBM), 0);
   return new Color(endangered).lerp(new Color(weak), share);

@@ -106,8 +106,10 @@ export class View {
     let down = null;
     canvas.addEventListener("pointerdown", (event) => { down = [event.clientX, event.clientY]; });
     canvas.addEventListener("pointerup", (event) => {
-      const far = down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) > CLICK_PX;
-      if (far) this.moved = true; else this._click(event);
+      if (!down) return; // the drag began elsewhere
+      const far = Math.hypot(event.clientX - down[0], event.clientY - down[1]) > CLICK_PX;
+      down = null;
+      if (far) this.moved = true; else if (event.button === 0) this._click(event);
     });
     canvas.addEventListener("wheel", () => { this.moved = true; }, { passive: true });
   }
