@@ -7,6 +7,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unordered_map.h>
 #include <nanobind/stl/vector.h>
+#include <robotteamsim/Voice.h>
 
 #include <algorithm>
 #include <cstring>
@@ -184,19 +185,40 @@ nb::tuple ReadOdometry(const nb::bytes& bytes) {
                         nb::make_tuple(of_twist[0], of_twist[7], of_twist[35]));
 }
 
-// The ranges of a scan, whose number is checked before memory is taken for them.
-std::vector<float> RangesOf(std::string_view scan) {
-  const auto after_header = ros::serialization::serializationLength(Deserialized<std_msgs::Header>(scan));
-  constexpr std::size_t kNumLimits = 7;  // from angle_min to range_max
-  const std::size_t begin = after_header + kNumLimits * sizeof(float);
+// The array of numbers that begins at an offset; their count is checked before memory is taken for them.
+template <class Number>
+std::vector<Number> NumbersAt(std::string_view message, std::size_t begin, const char* type) {
+  const auto truncated = [type] { return std::invalid_argument(std::string(type) + " is truncated"); };
   std::uint32_t count = 0;
-  if (scan.size() < begin + sizeof count) throw std::invalid_argument("sensor_msgs/LaserScan is truncated");
-  std::memcpy(&count, scan.data() + begin, sizeof count);
-  const std::string_view data = scan.substr(begin + sizeof count);
-  if (data.size() / sizeof(float) < count) throw std::invalid_argument("sensor_msgs/LaserScan is truncated");
-  std::vector<float> ranges(count);
-  if (count > 0) std::memcpy(ranges.data(), data.data(), count * sizeof(float));
-  return ranges;
+  if (message.size() < begin + sizeof count) throw truncated();
+  std::memcpy(&count, message.data() + begin, sizeof count);
+  const std::string_view data = message.substr(begin + sizeof count);
+  if (data.size() / sizeof(Number) < count) throw truncated();
+  std::vector<Number> numbers(count);
+  if (count > 0) std::memcpy(numbers.data(), data.data(), count * sizeof(Number));
+  return numbers;
+}
+
+std::size_t SizeOfHeader(std::string_view message) {
+  return ros::serialization::serializationLength(Deserialized<std_msgs::Header>(message));
+}
+
+std::vector<float> RangesOf(std::string_view scan) {
+  constexpr std::size_t kNumLimits = 7;  // from angle_min to range_max
+  return NumbersAt<float>(scan, SizeOfHeader(scan) + kNumLimits * sizeof(float), "sensor_msgs/LaserScan");
+}
+
+nb::tuple ReadContact(const nb::bytes& bytes) {
+  const std::string_view contact = View(bytes);
+  const std::size_t begin = SizeOfHeader(contact);
+  const nb::tuple angles = nb::tuple(nb::cast(NumbersAt<double>(contact, begin + 1, "robotteamsim/Contact")));
+  return nb::make_tuple(contact[begin] != 0, angles);
+}
+
+nb::tuple ReadVoice(const nb::bytes& bytes) {
+  const auto voice = Deserialized<Voice>(View(bytes));
+  return nb::make_tuple(voice.level_db, voice.heard != 0, nb::make_tuple(voice.local_best.x, voice.local_best.y),
+                        voice.local_best_level_db);
 }
 
 nb::ndarray<nb::numpy, float, nb::ndim<1>> ReadRanges(const nb::bytes& bytes) {
@@ -382,6 +404,12 @@ void BindReading(nb::module_& m) {
                 " tuple[float, float, float]]"),
         "Return x, y, qz, qw; forward, left, counter-clockwise; xx, xy, xa, yy, ya, aa of the pose's covariance; the"
         " variances of the twist. Raises ValueError: the message is truncated.");
+  m.def("read_contact", &ReadContact, "message"_a,
+        nb::sig("def read_contact(message: bytes) -> tuple[bool, tuple[float, ...]]"),
+        "Return whether there is contact, and the angles of a robotteamsim/Contact [rad]. Raises ValueError.");
+  m.def("read_voice", &ReadVoice, "message"_a,
+        nb::sig("def read_voice(message: bytes) -> tuple[float, bool, tuple[float, float], float]"),
+        "Return level [dB], heard, local best [m] and its level [dB] of a robotteamsim/Voice. Raises ValueError.");
   m.def("read_ranges", &ReadRanges, "message"_a,
         "Return the ranges of a sensor_msgs/LaserScan as float32, shape (beams,) [m]. Raises ValueError.");
   m.def(

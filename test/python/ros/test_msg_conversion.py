@@ -9,6 +9,7 @@ import pytest
 from geometry_msgs.msg import Point, Quaternion, TwistStamped, Vector3
 from geometry_msgs.msg import Twist as TwistMessage
 from nav_msgs.msg import Odometry
+from robotteamsim.msg import Contact, Voice
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
 
@@ -128,6 +129,8 @@ def test_bytes_that_are_too_few_are_refused():
         (LaserScan(ranges=[1.0, 2.0]), conversion.read_ranges_m),
         (TwistMessage(), conversion.read_twist),
         (TwistStamped(), conversion.read_twist_stamped),
+        (Voice(), conversion.read_voice),
+        (Contact(angles_rad=[1.0]), conversion.read_contact),
     )
     for message, read in messages:
         data = serialized(message)
@@ -136,18 +139,36 @@ def test_bytes_that_are_too_few_are_refused():
                 read(data[:length])
 
 
-def test_scan_that_promises_more_ranges_than_it_has_is_refused_before_memory_is_taken():
-    data = bytearray(serialized(LaserScan()))
-    data[-8:-4] = b"\xff\xff\xff\xff"
+def test_message_that_promises_more_numbers_than_it_has_is_refused_before_memory_is_taken():
+    huge = b"\xff\xff\xff\xff"
+    scan, contact = serialized(LaserScan()), serialized(Contact())
     with pytest.raises(ValueError, match="is truncated"):
-        conversion.read_ranges_m(bytes(data))
+        conversion.read_ranges_m(scan[:-8] + huge + scan[-4:])
+    with pytest.raises(ValueError, match="is truncated"):
+        conversion.read_contact(contact[:-4] + huge)
 
 
 @pytest.mark.parametrize(
     "reading", [VoiceReading(12.5, True, (1.25, 1.0 / 3.0), 0.1), VoiceReading(0.0, False, (0, 0), 0)]
 )
 def test_voice_keeps_its_bits(make, reading):
-    assert conversion.voice_reading(sent(ros_messages.voice(make, TIME_NS, reading))) == reading
+    assert conversion.read_voice(serialized(ros_messages.voice(make, TIME_NS, reading))) == reading
+
+
+@pytest.mark.parametrize(("in_contact", "angles_rad"), [(True, [-1.5, 1.0 / 3.0]), (False, [])])
+def test_contact_keeps_its_bits(in_contact, angles_rad):
+    message = Contact(header=Header(frame_id="robot_0/base_link"), in_contact=in_contact, angles_rad=angles_rad)
+    reading = conversion.read_contact(serialized(message))
+    assert (reading.in_contact, list(reading.angles_rad)) == (in_contact, angles_rad)
+
+
+@pytest.mark.parametrize("odd", [math.nan, math.inf])
+def test_voice_and_contact_that_are_not_finite_are_refused(odd):
+    for voice in (Voice(level_db=odd), Voice(local_best_level_db=odd), Voice(local_best=Point(x=odd))):
+        with pytest.raises(ValueError, match="expected finite numbers"):
+            conversion.read_voice(serialized(voice))
+    with pytest.raises(ValueError, match=r"angles_rad: (nan|inf); expected finite numbers"):
+        conversion.read_contact(serialized(Contact(angles_rad=[odd])))
 
 
 def test_messages_keep_order_and_text(make):

@@ -102,8 +102,8 @@ class ControllerSlot:
             Input(of_robot(self._odom, needed=True), Odometry, conversion.read_odometry),
             Input(of_robot(self._scan, needed=True), LaserScan, partial(conversion.read_ranges_m, beams=self._beams)),
             *([truth] if self._tf is None else []),
-            Input(of_robot(self._contact), Contact),
-            Input(of_robot(self._voice, needed=True), Voice),
+            Input(of_robot(self._contact), Contact, conversion.read_contact),
+            Input(of_robot(self._voice, needed=True), Voice, conversion.read_voice),
             Input(of_robot(self._received), NetworkMessages),
             *self._further.inputs,
         ]
@@ -146,17 +146,17 @@ class ControllerSlot:
         ground_truth = step.latest(self._truth) or odometry
         pose = ground_truth.pose if self._tf is None else self._tf.newest
         assert pose is not None
-        contact = step.latest(self._contact)
+        contact = step.latest(self._contact) or conversion.NO_CONTACT
         robot = RobotReading.of(
             ground_truth=pose,
             twist=ground_truth.twist,
             odometry=odometry,
             ranges_m=step.latest(self._scan),
-            in_contact=contact is not None and contact.in_contact,
-            contact_angles_rad=() if contact is None else tuple(contact.angles_rad),
+            in_contact=contact.in_contact,
+            contact_angles_rad=contact.angles_rad,
             further=self._further.reading(step),
         )
-        return Observation(self._robot_id, step.stamp_ns, robot, conversion.voice_reading(step.latest(self._voice)))
+        return Observation(self._robot_id, step.stamp_ns, robot, step.latest(self._voice))
 
     def _publish(self, time_ns: int, decision: Decision) -> None:
         make = self._make

@@ -69,8 +69,8 @@ class RobotInputs:
         mine = partial(Channel, robot_id=self._robot_id)
         inputs = [
             *self._poses.inputs(self._robot_id),
-            Input(mine(self.contact), msg.Contact),
-            Input(mine(self.voice, needed=True), msg.Voice),
+            Input(mine(self.contact), msg.Contact, conversion.read_contact),
+            Input(mine(self.voice, needed=True), msg.Voice, conversion.read_voice),
         ]
         if controlled:
             inputs.append(Input(mine(self.status, may_be_silent=True), msg.ControllerStatus))
@@ -79,8 +79,8 @@ class RobotInputs:
     def reading(self, step: Step) -> RobotReading:
         """Return the readings of the robot for the mission, without odometry and ranges."""
         found = self._poses.reading(self._robot_id)
-        contact = step.latest(self.contact)
-        return RobotReading.of(found.pose, found.twist, found, _NO_RANGES, contact is not None and contact.in_contact)
+        contact = step.latest(self.contact) or conversion.NO_CONTACT
+        return RobotReading.of(found.pose, found.twist, found, _NO_RANGES, contact.in_contact)
 
     def decision(self, step: Step) -> Decision:
         """Return the published part of the robot's decision; without lockstep that of the newest message."""
@@ -182,10 +182,7 @@ class MissionNode:
         present = self._presence.present
         robots = [(topics, self._presence.is_present(robot_id)) for robot_id, topics in enumerate(self._robots)]
         readings = tuple(topics.reading(step) if is_present else NOT_THERE for topics, is_present in robots)
-        heard = conversion.voice_reading
-        voices = tuple(
-            heard(step.latest(topics.voice)) if is_present else NOTHING_HEARD for topics, is_present in robots
-        )
+        voices = tuple(step.latest(topics.voice) if is_present else NOTHING_HEARD for topics, is_present in robots)
         for topics, is_present in robots:
             if not is_present:
                 topics.forget()

@@ -37,9 +37,10 @@ def outbox_reader(robot_id: int, settings: Settings) -> Callable[[bytes], Any]:
 
 def check_place(name: str, *coordinates: float) -> None:
     """Raises: ValueError: a coordinate [m] is not finite or beyond 1000 km."""
-    if not all(abs(value) <= FARTHEST_M for value in coordinates):
-        shown = ", ".join(f"{value:g}" for value in coordinates)
-        raise ValueError(f"{name}: ({shown}); expected finite numbers within 1000 km")
+    for coordinate in coordinates:
+        if not abs(coordinate) <= FARTHEST_M:
+            shown = ", ".join(f"{value:g}" for value in coordinates)
+            raise ValueError(f"{name}: ({shown}); expected finite numbers within 1000 km")
 
 
 def check_finite(name: str, *values: float) -> None:

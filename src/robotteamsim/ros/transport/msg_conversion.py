@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import geometry_msgs.msg
+import msgspec
 import nav_msgs.msg
 import numpy as np
 import rosgraph_msgs.msg
@@ -83,6 +84,23 @@ def read_odometry(data: bytes) -> OdometryReading:
     return OdometryReading(PoseReading(*pose), Twist(*velocity), pose_covariance, twist_variances)
 
 
+class ContactReading(msgspec.Struct, frozen=True, gc=False):
+    """What a robot touches: the directions of contacts in `base_link`, ascending [rad]."""
+
+    in_contact: bool = False
+    angles_rad: tuple[float, ...] = ()
+
+
+NO_CONTACT = ContactReading()
+
+
+def read_contact(data: bytes) -> ContactReading:
+    """Return a serialized Contact. Raises: ValueError: the bytes are too few, or an angle is not finite."""
+    in_contact, angles_rad = roscpp.read_contact(data)
+    check_finite("angles_rad", *angles_rad)
+    return ContactReading(in_contact, angles_rad)
+
+
 def read_ranges_m(data: bytes, beams: int | None = None) -> np.ndarray:
     """Return the ranges of a serialized sensor_msgs/LaserScan as float32, shape (beams,) [m].
 
@@ -109,9 +127,12 @@ def fix(message: sensor_msgs.msg.NavSatFix) -> Fix:
     return Fix(message.latitude, message.longitude, message.altitude, message.position_covariance[0])
 
 
-def voice_reading(message: robotteamsim.msg.Voice) -> VoiceReading:
-    """Return a voice reading."""
-    return VoiceReading(message.level_db, message.heard, _point(message.local_best), message.local_best_level_db)
+def read_voice(data: bytes) -> VoiceReading:
+    """Return a serialized Voice. Raises: ValueError: the bytes are too few, or a number is not finite."""
+    level_db, heard, local_best_m, local_best_level_db = roscpp.read_voice(data)
+    check_finite("level_db", level_db, local_best_level_db)
+    check_place("local_best", *local_best_m)
+    return VoiceReading(level_db, heard, local_best_m, local_best_level_db)
 
 
 def network_messages(received: Iterable[robotteamsim.msg.NetworkMessages]) -> list[Message]:
