@@ -121,6 +121,7 @@ class ControlsTest(unittest.TestCase):
 
     def test_objects_are_added_moved_and_removed_and_a_reset_takes_them_away(self) -> None:
         objects = Topic("/world/objects", MarkerArray)
+        self.addCleanup(objects.unsubscribe)
         self.assertTrue(objects.is_connected(TIMEOUT_S))
         crate = {"name": "crate", "kind": "box", "length_m": 0.6, "width_m": 0.4}
         self.assertTrue(call("/set_object", SetObject, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)

@@ -30,6 +30,10 @@ class Topic:
             self.messages.append(message)
             self._changed.notify_all()
 
+    def unsubscribe(self) -> None:
+        """End the subscription. Until then, rospy gives later subscribers of this process the last message it has."""
+        self._subscriber.unregister()
+
     def is_connected(self, timeout_s: float) -> bool:
         """Wait until somebody publishes it; return whether somebody does in time [s, wall]."""
         deadline_s = time.monotonic() + timeout_s
