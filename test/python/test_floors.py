@@ -17,7 +17,7 @@ FLOORS = (
     ("map_import",),
     ("scenario", "plan"),  # C++ calls it plan
     ("world", "propagation"),
-    ("sensing", "network", "stage"),
+    ("sensing", "network", "stage", "gazebo"),
     ("swarm",),
     ("interface",),
     ("control",),

@@ -1,4 +1,4 @@
-"""`robotteamsim plan`: import floor plans from map_server images and Stage worlds, export them, draw them."""
+"""`robotteamsim plan`: import floor plans from images and worlds of Stage and Gazebo, export them, draw them."""
 
 import argparse
 import os
@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
-from robotteamsim.cli import stage_commands
+from robotteamsim.cli import gazebo_commands, stage_commands
 from robotteamsim.cli.parser import PLAN_HELP, UsageError, path_of
 from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.recording.files import atomically
@@ -31,6 +31,7 @@ def add_to(commands: Any) -> None:
     import_parser.set_defaults(command=import_plan)
 
     stage_commands.add_to(actions)
+    gazebo_commands.add_to(actions)
 
     render_parser = actions.add_parser("render", help="draw a floor plan")
     render_parser.add_argument("plan", metavar="PLAN", help=PLAN_HELP)

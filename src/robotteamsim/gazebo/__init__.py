@@ -1,0 +1,5 @@
+"""Converter between scenarios and worlds of the Gazebo simulator, in SDF."""
+
+from robotteamsim.gazebo.exporting import GazeboExport, export_world
+
+__all__ = ["GazeboExport", "export_world"]

@@ -1,0 +1,141 @@
+"""Scenarios as Gazebo worlds."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+
+import pytest
+
+from robotteamsim.gazebo import export_world
+from robotteamsim.scenario import load
+from robotteamsim.world.placement import placed_robots
+
+
+def _world(text: str) -> ET.Element:
+    return ET.fromstring(text).find("world")
+
+
+def _model(world: ET.Element, name: str) -> ET.Element:
+    return next(model for model in world.findall("model") if model.get("name") == name)
+
+
+def _numbers(element: ET.Element, path: str) -> list[float]:
+    return [float(number) for number in element.findtext(path).split()]
+
+
+def test_robots_are_models_with_the_laser_of_the_scenario_at_their_start_poses():
+    scenario = load("garage_sar", ["robots.laser={beams: 91, range_max_m: 8.0, noise_m: 0.02, no_return: inf}"])
+    world = _world(export_world(scenario).world)
+    for i, robot in enumerate(placed_robots(scenario)):
+        model = _model(world, f"robot_{i}")
+        x, y, yaw = robot.start_pose
+        assert _numbers(model, "pose") == pytest.approx([x, y, 0.0, 0.0, 0.0, yaw])
+        laser = model.find("link/sensor")
+        assert (laser.get("type"), laser.findtext("ray/scan/horizontal/samples")) == ("ray", "91")
+        assert _numbers(laser, "ray/scan/horizontal/max_angle") == pytest.approx([math.pi / 2])
+        assert _numbers(laser, "ray/range/max") == [8.0]
+        assert _numbers(laser, "ray/noise/stddev") == [0.02]
+        assert _numbers(laser, "pose") == [0.1, 0.0, 0.25, 0.0, 0.0, 0.0]
+        plugin = model.find("plugin")
+        assert plugin.get("filename") == "librobotteamsim_gazebo.so"
+        assert [part.text for part in plugin] == ["velocity", "0.1", "0.8", "inf"]
+
+
+def test_wheels_are_as_far_apart_as_the_body_allows_and_touch_the_floor():
+    world = _world(export_world(load("garage_sar"), "wheels").world)
+    robot = _model(world, "robot_0")
+    assert robot.findtext("plugin/drive") == "wheels"
+    wheels = [link for link in robot.findall("link") if link.get("name").endswith("_wheel")]
+    for wheel, sign in zip(wheels, (1.0, -1.0), strict=True):
+        _, y, z = _numbers(wheel, "pose")[:3]
+        radius, width = (_numbers(wheel, f"collision/geometry/cylinder/{key}")[0] for key in ("radius", "length"))
+        assert z == radius
+        assert math.hypot(radius, sign * y + 0.5 * width) < 0.2
+    masses = [float(mass.text) for mass in robot.iter("mass")]
+    assert sum(masses) == pytest.approx(5.0)
+
+
+def test_only_differential_drives_have_wheels():
+    export = export_world(load("garage_sar", ["robots.drive={kind: omni}"]), "wheels")
+    assert _model(_world(export.world), "robot_0").findtext("plugin/drive") == "velocity"
+    assert export.notes == (
+        "robots.drive: only differential drives have wheels in Gazebo; the others move by their velocity",
+    )
+
+
+def test_robots_that_arrive_later_have_a_file_each():
+    export = export_world(load("garage_sar", ["robots.reserve=1"]))
+    names = [model.get("name") for model in _world(export.world).findall("model")]
+    assert [name for name in names if name.startswith("robot_")] == ["robot_0", "robot_1"]
+    assert list(export.absent) == ["robot_2"]
+    assert ET.fromstring(export.absent["robot_2"]).find("model").get("name") == "robot_2"
+    assert any("arrive later" in note for note in export.notes)
+
+
+@pytest.mark.parametrize("closed", [True, False])
+@pytest.mark.parametrize(
+    ("motion", "kind", "opens_by"),
+    [
+        ({"motion": "swing", "angle_rad": -1.2}, "revolute", (0.0, 0.0, -1.2)),
+        ({"motion": "slide"}, "prismatic", (-1.1, 0.0, 0.0)),
+        ({}, "prismatic", (0.0, 0.0, -100.0)),
+    ],
+    ids=["swing", "slide", "instant"],
+)
+def test_joint_of_a_door_moves_the_leaf_between_closed_and_open(motion, kind, opens_by, closed):
+    garage = load("garage_sar")
+    door = garage.plan.doors[0].model_copy(update={**motion, "closed": closed})
+    plan = garage.plan.model_copy(update={"doors": (door,)})
+    world = _world(export_world(garage.model_copy(update={"plan": plan})).world)
+    joint = _model(world, "door_plant_door").find("joint")
+    assert (joint.get("type"), joint.findtext("parent")) == (kind, "world")
+    axis = _numbers(joint, "axis/xyz")
+    lower, upper = (_numbers(joint, f"axis/limit/{key}")[0] for key in ("lower", "upper"))
+    travel = next(limit for limit in (lower, upper) if limit != 0.0)
+    moved = [travel * part for part in axis]
+    assert moved == pytest.approx([part if closed else -part for part in opens_by])
+    setting = world.find("plugin/door")
+    assert (setting.findtext("model"), setting.findtext("closed")) == ("door_plant_door", str(closed).lower())
+
+
+def test_open_leaf_is_at_its_open_place():
+    garage = load("garage_sar")
+    swing = garage.plan.doors[0].model_copy(update={"motion": "swing"})
+    slide = garage.plan.doors[1].model_copy(update={"motion": "slide", "closed": False})
+    plan = garage.plan.model_copy(update={"doors": (swing, slide)})
+    world = _world(export_world(garage.model_copy(update={"plan": plan})).world)
+    assert _numbers(_model(world, "door_plant_door"), "pose") == pytest.approx([11.9, 36.2, 0, 0, 0, math.pi])
+    assert _numbers(_model(world, "door_stair_door"), "pose") == pytest.approx([54.375, 35.8, 0, 0, 0, math.pi / 2])
+
+
+def test_objects_keep_mass_friction_and_shape():
+    objects = (
+        "[{name: crate, size_m: [0.6, 0.4], pose: [2.0, 2.0, 0.5], mass_kg: 3.0, friction: 0.4},"
+        " {name: drum, kind: barrel, radius_m: 0.3, height_m: 0.9, pose: [4.0, 4.0, 0.0]}]"
+    )
+    world = _world(export_world(load("tutorial_arena", [f"objects={objects}"])).world)
+    crate, drum = (_model(world, f"object_{name}").find("link") for name in ("crate", "drum"))
+    assert _numbers(crate, "collision/geometry/box/size") == [0.6, 0.4, 0.5]
+    assert _numbers(crate, "collision/surface/friction/ode/mu") == [0.4]
+    # A box of 3 kg: m (a^2 + b^2) / 12.
+    assert _numbers(crate, "inertial/inertia/izz") == pytest.approx([3.0 * (0.36 + 0.16) / 12.0])
+    assert _numbers(drum, "collision/geometry/cylinder/radius") == [0.3]
+    assert _numbers(drum, "inertial/inertia/izz") == pytest.approx([0.5 * 2.0 * 0.09])
+
+
+def test_sensors_that_gazebo_lacks_are_named_in_one_line_each():
+    settings = [
+        "robots.gps={datum_lat_deg: 40.0, datum_lon_deg: -8.0}",
+        "robots.sonars=[{name: left}]",
+        "robots.lasers=[{name: rear}]",
+    ]
+    notes = export_world(load("garage_sar", settings)).notes
+    assert [note.partition(":")[0] for note in notes] == ["robots.gps", "robots.lasers", "robots.sonars"]
+
+
+def test_steps_of_the_physics_divide_a_step_of_the_scenario():
+    world = _world(export_world(load("garage_sar", ["run.step_s=0.033"])).world)
+    (part_s,) = _numbers(world, "physics/max_step_size")
+    assert part_s <= 0.005
+    assert 0.033 / part_s == pytest.approx(7.0)
