@@ -1,6 +1,6 @@
 """Doors as models: a leaf, and a joint to the world that lets it open.
 
-The joint is at 0 in the state at the start, and at its other limit in the other state. The world plugin gets the states.
+The joint is at 0 in the state at the start, and at its other limit in the other state. The world plugin gets both.
 """
 
 import math
@@ -26,7 +26,7 @@ _DAMPING = 1.0
 
 
 def door_model(name: str, door: Door) -> Element:
-    """Return the model of a door, in its state at the start; the model's frame is at the hinge, with x along the leaf."""
+    """Return the model of a door, in its state at the start; its frame is at the hinge, with x along the leaf."""
     (x, y), (end_x, end_y) = door.start, door.end
     length_m, half_m = math.dist(door.start, door.end), 0.5 * door.thickness_m
     gap_m = min(_GAP_M, 0.1 * length_m)
@@ -66,4 +66,6 @@ def _joint(door: Door, length_m: float) -> Element:
 def door_setting(name: str, door: Door) -> Element:
     """Return what the world plugin needs: model, joint, the state at the start, how long the leaf moves [s]."""
     parts = element("model", text=name), element("joint", text=JOINT), flag("closed", door.closed)
-    return element("door", *parts, values("time_s", door.leaf_time_s))
+    # For the import alone.
+    kind = element("kind", text=door.kind)
+    return element("door", *parts, values("time_s", door.leaf_time_s), kind)

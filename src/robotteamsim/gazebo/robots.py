@@ -5,7 +5,7 @@ from typing import Literal
 
 import shapely
 
-from robotteamsim.gazebo.elements import Element, element, flag, material, model, pose, surface, values
+from robotteamsim.gazebo.elements import Element, element, material, model, pose, surface, values
 from robotteamsim.gazebo.names import ROBOT_PLUGIN
 from robotteamsim.gazebo.shapes import Solid
 from robotteamsim.palette import INK

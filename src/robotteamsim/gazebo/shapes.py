@@ -14,6 +14,11 @@ _RIGHT_ANGLE = 1e-6
 """Largest cosine of an angle that counts as a right one."""
 
 
+def in_micrometres(point: tuple[float, float]) -> tuple[float, float]:
+    """Return a point without digits from rounding."""
+    return round(point[0], 6) + 0.0, round(point[1], 6) + 0.0
+
+
 @dataclass(frozen=True, slots=True)
 class Rectangle:
     """A rectangle on the floor: its middle, the direction of its first side, and both sides [m, m, rad]."""
@@ -33,12 +38,7 @@ class Rectangle:
         """The ends of its middle line, along the first side [m]."""
         along_x, along_y = 0.5 * self.length_m * math.cos(self.yaw), 0.5 * self.length_m * math.sin(self.yaw)
         start, end = (self.x - along_x, self.y - along_y), (self.x + along_x, self.y + along_y)
-        return _in_micrometres(start), _in_micrometres(end)
-
-
-def _in_micrometres(point: tuple[float, float]) -> tuple[float, float]:
-    """Return a point without digits from rounding."""
-    return round(point[0], 6) + 0.0, round(point[1], 6) + 0.0
+        return in_micrometres(start), in_micrometres(end)
 
 
 def rectangle_of(corners: Corners) -> Rectangle | None:
