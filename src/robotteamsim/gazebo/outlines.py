@@ -9,6 +9,8 @@ import numpy as np
 
 from robotteamsim.gazebo.xml_tree import Node
 from robotteamsim.scenario.plan import Corners
+from robotteamsim.scenario.yaml_text import shown
+from robotteamsim.wording import printable
 
 _UPRIGHT = math.cos(1e-3)
 """A shape that leans by less than a milliradian is upright."""
@@ -54,8 +56,8 @@ def outline_of(geometry: Node, matrix: np.ndarray) -> Outline | None:
 
 
 def _name_of(shape: Node) -> str:
-    uri = shape.child("uri")
-    return f"{shape.tag} ({uri.text})" if uri is not None else shape.tag
+    tag, uri = printable(shape.tag), shape.child("uri")
+    return f"{tag} {shown(uri.text)}" if uri is not None else tag
 
 
 def _check_level(plane: Node, matrix: np.ndarray) -> None:

@@ -16,6 +16,7 @@ from robotteamsim.scenario.base import MAX_NAME_CHARACTERS
 from robotteamsim.scenario.floor_plan import Block, Door, Wall
 from robotteamsim.scenario.plan import Corners, wall_corners
 from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.yaml_text import shown
 from robotteamsim.wording import printable
 
 MAX_THICKNESS_M = 0.8
@@ -133,11 +134,11 @@ class WallReader:
                 return
             if outline.bottom_m > STANDING_M:
                 height = f"{outline.bottom_m:g} m above the floor"
-                self.notes.append(f"{collision.place}: '{printable(name)}': omitted: it begins {height}")
+                self.notes.append(f"{collision.place}: {shown(name)}: omitted: it begins {height}")
                 return
             self._add_solid(outline, model, self._unused(name))
         except ShapeError as error:
-            self._cannot(collision, f"in '{printable(name)}': {error}")
+            self._cannot(collision, f"in {shown(name)}: {error}")
 
     def _read_floor(self, geometry: Node, matrix: np.ndarray) -> bool:
         """Read the size of the floor that `export_world` writes; return whether it is one."""

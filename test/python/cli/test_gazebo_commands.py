@@ -56,7 +56,7 @@ def test_included_models_are_found_in_folders_and_the_environment(capsys, monkey
 def test_mesh_is_a_warning_or_with_strict_an_error(capsys, refusal):
     Path("a.world").write_text(WORLD)
     _write_models("here", MESH)
-    line = "here/case/model.sdf:1: collision 'c': in 'case': a mesh (a.dae) cannot become a wall"
+    line = "here/case/model.sdf:1: collision 'c': in 'case': a mesh 'a.dae' cannot become a wall"
     assert refusal("plan", "import-gazebo", "a.world", "--models", "here", "--strict") == line
     assert not Path("plan.yaml").exists()
     assert main(["plan", "import-gazebo", "a.world", "--models", "here"]) == 0

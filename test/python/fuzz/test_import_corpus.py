@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.gazebo import import_world
 from robotteamsim.scenario import load_floor_plan
 
 TARGET = runpy.run_path(str(Path(__file__).parents[2] / "fuzz" / "import_fuzz.py"))
@@ -17,8 +18,15 @@ HUGE_IMAGE = b"P5\n100000 100000\n255\n" + bytes(10)
 WIDE_IMAGE = b"P5\n100000 3\n255\n" + b"\xfe" * 300_000
 
 
-def test_any_plan_and_map_is_used_or_refused_in_one_line(tmp_path: Path) -> None:
+def test_any_plan_map_and_world_is_used_or_refused_in_one_line(tmp_path: Path) -> None:
     TARGET["fuzz"](tmp_path, number=1, examples=60)
+
+
+def test_world_of_the_target_is_used_as_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "a.world"
+    path.write_bytes(TARGET["WORLD"])
+    plan = import_world(path).plan
+    assert (len(plan.walls), len(plan.blocks), len(plan.doors)) == (1, 2, 1)
 
 
 def test_target_notices_an_error_that_is_none_of_ours(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

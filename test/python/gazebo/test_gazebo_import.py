@@ -180,7 +180,7 @@ MESH = "<geometry><mesh><uri>model://ship/hull.dae</uri></mesh></geometry>"
     [
         (
             f'<collision name="hull">{MESH}</collision>',
-            "in 'house_2': a mesh (model://ship/hull.dae) cannot become a wall",
+            "in 'house_2': a mesh 'model://ship/hull.dae' cannot become a wall",
         ),
         (_box("4 0.2 1", "0 0 0.5 0.3 0 0", "hull"), "in 'house_2': it leans; expected vertical sides"),
         (
