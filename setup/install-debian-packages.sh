@@ -3,9 +3,11 @@
 # usage: install-debian-packages.sh PURPOSE...     build, run, view, test; or names of packages
 set -eu
 list=$(dirname "$0")/debian-packages.txt
+release=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
 wanted=$(for purpose; do
   if grep -qx "\[$purpose\]" "$list"; then
-    awk -v purpose="[$purpose]" '/^\[/ { wanted = $0 == purpose; next } wanted && NF' "$list"
+    awk -v all="[$purpose]" -v this="[$purpose $release]" \
+      '/^\[/ { wanted = $0 == all || $0 == this; next } wanted && NF' "$list"
   else
     echo "$purpose"
   fi
