@@ -23,7 +23,7 @@ from robotteamsim.gazebo.robots import DriveKind, has_wheels, robot_model
 from robotteamsim.gazebo.shapes import Solid
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.plan import counter_clockwise
+from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot, Robot
 from robotteamsim.world.placement import check_places, placed_robots
@@ -166,7 +166,7 @@ def _fixed(name: str, part: Wall | Block, colour: str) -> Element:
     if isinstance(part, Wall):
         (x, y), (end_x, end_y), half_m = part.start, part.end, 0.5 * part.thickness_m
         length_m = math.dist(part.start, part.end)
-        corners = ((0.0, -half_m), (length_m, -half_m), (length_m, half_m), (0.0, half_m))
+        corners: Corners = ((0.0, -half_m), (length_m, -half_m), (length_m, half_m), (0.0, half_m))
         place = pose(x, y, 0.0, math.atan2(end_y - y, end_x - x))
     else:
         # Around its first corner, so that points far from the origin keep their precision.
