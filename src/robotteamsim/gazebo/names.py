@@ -19,11 +19,25 @@ _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]
 _RESERVED = re.compile("__.*__")
 
 
-class Names:
-    """Gives each name once, in the form that SDF allows."""
+class UniqueNames:
+    """Gives each name once; further ones get a number."""
 
     def __init__(self) -> None:
-        self._given: set[str] = set()
+        self._given: dict[str, int] = {}
+        """The last number of each name."""
+
+    def unused(self, wanted: str) -> str:
+        """Return the wanted name if it is unused, or else with the next number."""
+        name = wanted
+        while name in self._given:
+            self._given[wanted] += 1
+            name = f"{wanted}_{self._given[wanted]}"
+        self._given[name] = 1
+        return name
+
+
+class Names(UniqueNames):
+    """Gives each name once, in the form that SDF allows."""
 
     def unused(self, wanted: str) -> str:
         """Return a name for an element of SDF: the wanted one, if it is allowed and unused, or one like it."""
@@ -31,8 +45,4 @@ class Names:
         base = _NOT_IN_XML.sub("_", wanted).replace("::", "_").strip() or "unnamed"
         if _RESERVED.fullmatch(base):
             base = base.strip("_") or "unnamed"
-        name, number = base, 2
-        while name in self._given:
-            name, number = f"{base}_{number}", number + 1
-        self._given.add(name)
-        return name
+        return super().unused(base)

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from robotteamsim.gazebo.door_import import door_settings, read_door
 from robotteamsim.gazebo.frames import Frames
 from robotteamsim.gazebo.included import ModelLibrary, describe, is_without_walls
-from robotteamsim.gazebo.names import BLOCKS, DOOR, FLOOR, PILLARS, WALLS
+from robotteamsim.gazebo.names import BLOCKS, DOOR, FLOOR, PILLARS, WALLS, UniqueNames
 from robotteamsim.gazebo.outlines import Outline, ShapeError, outline_of
 from robotteamsim.gazebo.shapes import Rectangle, in_micrometres, rectangle_of
 from robotteamsim.gazebo.xml_tree import Node
@@ -53,7 +53,7 @@ class WallReader:
         self.moving: list[str] = []
         self._library, self._strict = library, strict
         self._floor: Corners = ()
-        self._names: set[str] = set()
+        self._names = UniqueNames()
         self._num_parts = 0
 
     @property
@@ -180,12 +180,7 @@ class WallReader:
         return along if slender and along.width_m <= MAX_THICKNESS_M else None
 
     def _unused(self, wanted: str) -> str:
-        base = printable(wanted)[: MAX_NAME_CHARACTERS - 7] or "unnamed"
-        name, number = base, 2
-        while name in self._names:
-            name, number = f"{base}_{number}", number + 1
-        self._names.add(name)
-        return name
+        return self._names.unused(printable(wanted)[: MAX_NAME_CHARACTERS - 7] or "unnamed")
 
     def _cannot(self, node: Node, text: str) -> None:
         """Note what cannot become a wall, or raise it."""
