@@ -94,6 +94,7 @@ def _problem(detail: _Detail, root: type[Model], data: Any) -> Problem:
         path += [context["key"]] if context["key"] else []
         text = context["text"]
     elif kind == "extra_forbidden":
+        path = [*(part for part in place[:-1] if not _is_tag(part)), place[-1]]  # a key may look like a tag
         text = renaming(path) or f"unknown key{_known_key(str(path[-1]), _model_at(root, place[:-1]), root)}"
     elif kind == "missing":
         text = f"missing{_meaning(_model_at(root, place[:-1]), str(path[-1]))}"

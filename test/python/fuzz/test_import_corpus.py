@@ -38,6 +38,14 @@ def test_target_notices_an_error_that_is_none_of_ours(tmp_path: Path, monkeypatc
         TARGET["check_bytes"](tmp_path, TARGET["MAP"], TARGET["ROOM_IMAGE"])
 
 
+def test_key_that_looks_like_the_tag_of_a_union_is_an_unknown_key(tmp_path: Path) -> None:
+    path = tmp_path / "plan.yaml"
+    path.write_bytes(b"<" + TARGET["PLAN"])
+    with pytest.raises(ScenarioError) as raised:
+        load_floor_plan(path)
+    assert str(raised.value) == f"{path}: <name: unknown key; did you mean 'name'?"
+
+
 @pytest.mark.parametrize(
     ("keys", "image", "message"),
     [
