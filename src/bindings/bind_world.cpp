@@ -62,6 +62,16 @@ void StepByRows(world::World& world, const Triples& twists) {
   world.Step({rows, rows + twists.shape(0)});
 }
 
+using SpeedRows = Array<const double, -1, 4>;
+
+Array<double, -1, 4> ReachedSpeeds(const std::vector<world::DriveLimits>& drives, const SpeedRows& speeds,
+                                   const Triples& twists, double dt) {
+  const auto* const now = reinterpret_cast<const world::DriveSpeed*>(speeds.data());
+  const auto* const commands = reinterpret_cast<const base::Twist*>(twists.data());
+  return RowsOf<4>(
+      world::ReachedSpeeds({now, now + speeds.shape(0)}, {commands, commands + twists.shape(0)}, drives, dt));
+}
+
 void BindParts(nb::module_& m) {
   nb::class_<world::Solid>(m, "Solid")
       .def(
@@ -118,6 +128,7 @@ void BindParts(nb::module_& m) {
 
 void BindWorld(nb::module_& m) {
   BindParts(m);
+  m.def("reached_speeds", &ReachedSpeeds, "drives"_a, "speeds"_a, "twists"_a, "dt_s"_a);
   nb::class_<world::World>(m, "World")
       .def(nb::init<std::vector<world::Solid>, std::vector<world::Door>, std::vector<world::Robot>, double, int,
                     std::vector<world::MovableObject>>(),

@@ -21,5 +21,9 @@ class RecordingError(RobotTeamSimError):
     """A result could not be written or read."""
 
 
+class PhysicsError(RobotTeamSimError):
+    """The physics of a world failed, although its input was valid."""
+
+
 class CampaignError(RobotTeamSimError):
     """A campaign cannot be run, stored or resumed."""

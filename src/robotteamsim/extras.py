@@ -8,6 +8,7 @@ _EXTRA_OF_PACKAGE = {
     "distributed": "campaign",
     "jinja2": "report",
     "matplotlib": "report",
+    "mujoco": "mujoco",
     "pandas": "notebook",
     "scipy": "report",
     "statsmodels": "report",

@@ -296,6 +296,8 @@ def _world() -> Iterator[Call]:
     yield _WORLD.of(("set_pose", 0, Pose(1.0, 1.0, 0.1)), ("step", _TWISTS), *state)
     yield _WORLD.of(("remove_robot", 1), ("spawn_robot", 1, Pose(0.5, -2.0, 1.0)), ("step", _TWISTS), *state)
     yield _WORLD.of(("add_object", _BOX), ("step", _TWISTS), ("remove_object", 0), ("object_poses",))
+    speeds = np.array([[0.1, 0.0, 0.0, 0.0], [0.2, 0.1, 0.0, 0.3]])
+    yield new("world.reached_speeds", [_WHEELS, _CAR], speeds, _TWISTS, 0.02)
     yield _WORLD.of(("set_object_pose", 0, Pose(0.5, 2.5, 0.1)), ("step", _TWISTS), ("object_poses",))
 
 

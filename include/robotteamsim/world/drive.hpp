@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "robotteamsim/base/geometry.hpp"
 
 namespace robotteamsim::world {
@@ -42,6 +45,15 @@ double SpeedBound(const DriveSpeed& now, const base::Twist& command, const Drive
 /// only an omnidirectional drive moves sideways. A car steers for the commanded turn at the speed that it then has; at
 /// standstill its steering angle does not change.
 DriveSpeed ReachedSpeed(const DriveSpeed& now, const base::Twist& command, const DriveLimits& limits, double dt);
+
+/// Throws std::invalid_argument if there is not one command per robot, or a command is not finite.
+void CheckCommands(const std::vector<base::Twist>& commands, std::size_t robots);
+
+/// Returns the speeds of a team's drives, as ReachedSpeed does, for worlds whose bodies another engine moves.
+/// Throws std::invalid_argument if the drives are not as many, a limit, speed or command is not usable, or dt is not
+/// above 0.
+std::vector<DriveSpeed> ReachedSpeeds(const std::vector<DriveSpeed>& now, const std::vector<base::Twist>& commands,
+                                      const std::vector<DriveLimits>& limits, double dt);
 
 /// Returns the yaw rate of a car at a speed [m/s] and a steering angle [rad/s].
 double CarTurn(double forward, double steering, const DriveLimits& limits);

@@ -113,7 +113,6 @@ class World {
     bool is_busy = true;  // whether the robot could touch something in this step: then Box2D moves its body
   };
 
-  void CheckCommands(const std::vector<base::Twist>& commands) const;
   void AddRobot(const Robot& robot);
   bool HoldsLeaf(const Polygon& now, const Polygon& next) const;
   base::Point BodyPosition(int robot) const;

@@ -73,6 +73,38 @@ DriveSpeed ReachedSpeed(const DriveSpeed& now, const base::Twist& command, const
           Approached(now.turn, command.angular_z, limits.max_turn, limits.max_turn_acceleration * dt)};
 }
 
+void CheckCommands(const std::vector<base::Twist>& commands, std::size_t robots) {
+  if (commands.size() != robots) {
+    throw std::invalid_argument("expected " + std::to_string(robots) + " twists, got " +
+                                std::to_string(commands.size()));
+  }
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const base::Twist& twist = commands[i];
+    if (!std::isfinite(twist.linear_x) || !std::isfinite(twist.linear_y) || !std::isfinite(twist.angular_z)) {
+      throw std::invalid_argument("robot_" + std::to_string(i) + ": twist must be finite, got (" +
+                                  std::to_string(twist.linear_x) + ", " + std::to_string(twist.linear_y) + ", " +
+                                  std::to_string(twist.angular_z) + ")");
+    }
+  }
+}
+
+std::vector<DriveSpeed> ReachedSpeeds(const std::vector<DriveSpeed>& now, const std::vector<base::Twist>& commands,
+                                      const std::vector<DriveLimits>& limits, double dt) {
+  if (now.size() != limits.size()) throw std::invalid_argument("there must be one speed per drive");
+  CheckCommands(commands, limits.size());
+  base::CheckPositive(dt, "dt");
+  std::vector<DriveSpeed> reached;
+  reached.reserve(now.size());
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    CheckDrive(limits[i]);
+    for (const double value : {now[i].forward, now[i].turn, now[i].left, now[i].steering}) {
+      base::Check(value, "the speed of a drive");
+    }
+    reached.push_back(ReachedSpeed(now[i], commands[i], limits[i], dt));
+  }
+  return reached;
+}
+
 double CarTurn(double forward, double steering, const DriveLimits& limits) {
   return forward * std::tan(steering) / limits.wheelbase;
 }

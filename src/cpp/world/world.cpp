@@ -175,23 +175,8 @@ void World::AddRobot(const Robot& robot) {
   poses_.push_back({robot.start.x, robot.start.y, base::NormaliseAngle(robot.start.yaw)});
 }
 
-void World::CheckCommands(const std::vector<base::Twist>& commands) const {
-  if (commands.size() != robots_.size()) {
-    throw std::invalid_argument("expected " + std::to_string(robots_.size()) + " twists, got " +
-                                std::to_string(commands.size()));
-  }
-  for (std::size_t i = 0; i < commands.size(); ++i) {
-    const base::Twist& twist = commands[i];
-    if (!std::isfinite(twist.linear_x) || !std::isfinite(twist.linear_y) || !std::isfinite(twist.angular_z)) {
-      throw std::invalid_argument("robot_" + std::to_string(i) + ": twist must be finite, got (" +
-                                  std::to_string(twist.linear_x) + ", " + std::to_string(twist.linear_y) + ", " +
-                                  std::to_string(twist.angular_z) + ")");
-    }
-  }
-}
-
 void World::Step(const std::vector<base::Twist>& commands) {
-  CheckCommands(commands);
+  CheckCommands(commands, robots_.size());
   const int num_robots = static_cast<int>(robots_.size());
   const std::vector<base::Pose> before = poses_;
   twists_.assign(robots_.size(), {});

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import repeat
 
 import msgspec
@@ -21,12 +21,14 @@ from robotteamsim.scenario.schedule import Upcoming
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.wording import counted
+from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates, LeafMotion
 from robotteamsim.world.walking import Walkers
 
 NOBODY = -1
 """robot_id of an event that no robot caused."""
 
+_MISHAPS: dict[Mishap, str] = {"tipped_over": "tips over", "left_world": "leaves the world"}
 _MOTION: dict[LeafMotion, str] = {"still": "stops", "opens": "opens", "closes": "closes", "held": "is blocked"}
 
 
@@ -75,6 +77,7 @@ class Mission:
         """Whether each robot was present in the last step; None if all were."""
         self._base = BaseStation(scenario)
         self._refusals: set[Refusal] = set()
+        self._mishaps: Mapping[int, Mishap] = {}
         self._events: list[Event] = []
         self.task = Task()
         """The current task of the team."""
@@ -128,6 +131,13 @@ class Mission:
                 detail = f"door {name} {_MOTION[now.motion]}, {now.opening:.0%} open"
                 self._add_event("door_moves", name, NOBODY, detail)
         self._doors = doors
+
+    def follow_mishaps(self, mishaps: Mapping[int, Mishap]) -> None:
+        """Record which robots cannot go on, by id, and why."""
+        for robot_id, mishap in mishaps.items():
+            if self._mishaps.get(robot_id) != mishap:
+                self._add_event(f"robot_{mishap}", "", robot_id, f"robot {robot_id} {_MISHAPS[mishap]}")
+        self._mishaps = mishaps
 
     def set_noise_db(self, noise_db: float) -> None:
         """Record a new background noise, which changes the voice map."""

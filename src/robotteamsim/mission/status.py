@@ -27,7 +27,8 @@ class Event(msgspec.Struct, frozen=True, gc=False):
     """An event of a mission.
 
     kind:     start, pause, resume, end, area_explored, victim_heard, victim_saved, link_endangered, robot_excluded,
-              robot_included, robot_removed, robot_spawned, swarm_founded, swarm_dissolved, controller_failed,
+              robot_included, robot_removed, robot_spawned, robot_tipped_over, robot_left_world,
+              swarm_founded, swarm_dissolved, controller_failed,
               message_too_large,
               discovery_delivered (the discovery of an area or victim by robot_id was delivered to the base),
               door (opened or closed), door_moves (its leaf starts, is blocked or stops), noise, ...

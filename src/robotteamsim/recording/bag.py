@@ -53,6 +53,10 @@ ROBOT_TOPICS = (
 """Topics in the namespace of each robot."""
 
 
+_PRESENCE = ("present", "arrivals", "mishaps")
+"""Members of a record that /world/robots shows."""
+
+
 class BagMessages:
     """The messages of a trial, step by step."""
 
@@ -100,8 +104,11 @@ class BagMessages:
         yield "/tf", ros_messages.transforms(make, time_ns, self._robots, odometry)
         if record.doors and (last is None or record.doors.version != last.doors.version):
             yield "/world/doors", ros_messages.doors(make, time_ns, record.doors)
-        if last is None or record.present is not last.present or record.arrivals is not last.arrivals:
-            yield "/world/robots", ros_messages.robots(make, time_ns, record.present, record.arrivals)
+        if last is None or any(getattr(record, name) is not getattr(last, name) for name in _PRESENCE):
+            yield (
+                "/world/robots",
+                ros_messages.robots(make, time_ns, record.present, record.arrivals, record.mishaps),
+            )
         if record.voice_map is not None:
             yield "/voice_map", ros_messages.field_map_picture(make, time_ns, record.voice_map)
             yield "/voice_map/values", ros_messages.field_map(make, time_ns, record.voice_map, "voice_level", "dB")

@@ -5,7 +5,8 @@ of rosbags, and the nodes pass a factory for their own message classes. Numeric 
 attribute's type; a factory converts them if its classes need something else.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, Protocol
 
 import msgspec
@@ -20,6 +21,7 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
+from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
 
 MAP_FRAME = "map"
@@ -389,12 +391,24 @@ def doors(make: Make, time_ns: int, states: DoorStates) -> Any:
     )
 
 
-def robots(make: Make, time_ns: int, present: np.ndarray | None, arrivals: Sequence[int]) -> Any:
-    """robotteamsim/Robots. Args: present: bool, shape (n,); None if all robots are present."""
+MISHAPS: tuple[Mishap | None, ...] = (None, "tipped_over", "left_world")
+"""Each value of `mishaps` in robotteamsim/Robots."""
+
+
+def robots(
+    make: Make,
+    time_ns: int,
+    present: np.ndarray | None,
+    arrivals: Sequence[int],
+    mishaps: Mapping[int, Mishap] = MappingProxyType({}),
+) -> Any:
+    """robotteamsim/Robots. Args: present: bool, shape (n,); None if all robots are present.  mishaps: by id."""
+    numbers = [MISHAPS.index(mishaps.get(robot_id)) for robot_id in range(len(arrivals))] if mishaps else []
     return make(
         "robotteamsim/Robots",
         header=header(make, time_ns, MAP_FRAME),
         present=np.ones(len(arrivals), dtype=np.uint8) if present is None else present.astype(np.uint8),
+        mishaps=np.array(numbers, dtype=np.uint8),
         arrivals=np.array(arrivals, dtype=np.uint32),
     )
 

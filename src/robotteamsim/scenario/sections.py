@@ -22,6 +22,7 @@ from robotteamsim.scenario.base import (
 from robotteamsim.scenario.body import Body, check_footprint, disc_at, polygon_at
 from robotteamsim.scenario.control_tuning import CoverTuning, DoorTuning, LinkTuning, NavigatorTuning, WanderTuning
 from robotteamsim.scenario.drives import AnyDrive, Drive
+from robotteamsim.scenario.mujoco import Mujoco, Wheels
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.radio_presets import with_preset
@@ -112,6 +113,7 @@ class Robot(Model):
     height_m: float = Field(default=0.25, gt=0.0, le=5.0, description="for 3D views [m]")
     mass_kg: float = Field(default=5.0, gt=0.0, le=10_000.0, description="for pushing [kg]")
     drive: AnyDrive = Field(default=Drive(), description="differential, omni or car")
+    wheels: Wheels = Wheels()
     laser: Laser = Laser()
     lasers: Many[MountedLaser] = Field(
         default=(), max_length=16, description="additional lasers, each on its own topic"
@@ -131,6 +133,8 @@ class Robot(Model):
         check_names({"lasers": self.lasers, "sonars": self.sonars})
         if self.footprint_m:
             check_footprint("footprint_m", self.footprint_m)
+        if self.wheels.radius_m is not None and self.wheels.radius_m > self.height_m:
+            raise wrong("wheels.radius_m", f"{self.wheels.radius_m:g} is above height_m, {self.height_m:g}")
         return self
 
     @property
@@ -416,6 +420,11 @@ class Run(Model):
     physics_substeps: int = Field(
         default=5, ge=1, le=1000, description="physics steps and clock ticks per step; ROS wants 50 Hz"
     )
+    world: Literal["box2d", "mujoco"] = Field(
+        default="box2d",
+        description="what moves the robots: box2d, in the plane; mujoco, in three dimensions, with wheels that slip",
+    )
+    mujoco: Mujoco = Mujoco()
 
     @model_validator(mode="after")
     def _check(self) -> Run:

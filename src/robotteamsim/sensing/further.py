@@ -11,7 +11,7 @@ from robotteamsim.sensing.gps import fix, is_due
 from robotteamsim.sensing.laser import Laser
 from robotteamsim.sensing.readings import NOTHING_FURTHER, Fix, FurtherReadings
 from robotteamsim.sensing.sonar import Sonar
-from robotteamsim.world import World
+from robotteamsim.world.contract import AnyWorld
 
 
 class FurtherSensors:
@@ -20,7 +20,7 @@ class FurtherSensors:
     Random streams: ("laser", id, name), ("sonar", id, name) and ("gps", id).
     """
 
-    def __init__(self, world: World, robots: Sequence[PlacedRobot], seed: int) -> None:
+    def __init__(self, world: AnyWorld, robots: Sequence[PlacedRobot], seed: int) -> None:
         """Args: robots: those of the world, in id order."""
         self._world = world
         self._robots = tuple(robots)

@@ -1,17 +1,14 @@
 """The laser range finder, which detects walls, doors, objects and other robots."""
 
-import functools
 import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from robotteamsim import _core
-from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.sensors import Laser as LaserModel
 from robotteamsim.scenario.sensors import MountedLaser
-from robotteamsim.world import World
-from robotteamsim.world.core_parts import core_solids
+from robotteamsim.sensing.beams import BeamModel, beams_in
+from robotteamsim.world.contract import AnyWorld
 
 _NO_NOISE = np.empty((0, 0))
 
@@ -23,19 +20,18 @@ class Laser:
     nearer than range_min reads range_min, or -inf (REP-117).
     """
 
-    def __init__(self, model: LaserModel, world: World) -> None:
+    def __init__(self, model: LaserModel, world: AnyWorld) -> None:
         self._model = model
-        self._world = world
-        self.beams = model.beams
-        self.core = _core_laser(world.plan, model)
-        """The C++ laser, for the sensors of a team."""
+        self.num_beams = model.beams
+        self.beams = beams_in(world, _beam_model(model))
+        """The beams of these lasers."""
 
     def scan(self, robot_ids: Sequence[int], generators: Sequence[np.random.Generator]) -> np.ndarray:
         """Return the current ranges, float32, shape (robots, beams), the first beam at angle_min [m].
 
         Args: generators: of each robot's noise; not used if the model has no noise.
         """
-        return self.core.scan(self._world.core, robot_ids, self.noise_m(generators))
+        return self.beams.scan(robot_ids, self.noise_m(generators))
 
     def noise_m(self, generators: Sequence[np.random.Generator]) -> np.ndarray:
         """Draw the noise of one scan of each robot, float64, shape (robots, beams) [m]; empty without noise."""
@@ -44,20 +40,18 @@ class Laser:
         return _NO_NOISE
 
 
-@functools.lru_cache(maxsize=16)
-def _core_laser(plan: FloorPlan, model: LaserModel) -> _core.sensing.Laser:
-    """Return the C++ lasers of one kind; worlds on one plan share them, because they store visible edges per cell."""
+def _beam_model(model: LaserModel) -> BeamModel:
     as_rep_117 = model.no_return == "inf"
     left_m, yaw_rad = (model.left_m, model.yaw_rad) if isinstance(model, MountedLaser) else (0.0, 0.0)
-    return _core.sensing.Laser(
-        *core_solids(plan),
+    return BeamModel(
         beams=model.beams,
         angle_min_rad=yaw_rad + model.angle_min_rad,
         angle_max_rad=yaw_rad + model.angle_max_rad,
         forward_m=model.forward_m,
+        left_m=left_m,
+        height_m=model.height_m,
         range_min_m=model.range_min_m,
         range_max_m=model.range_max_m,
         too_near_m=-math.inf if as_rep_117 else model.range_min_m,
         no_return_m=math.inf if as_rep_117 else model.range_max_m,
-        left_m=left_m,
     )

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robotteamsim import _core
 from robotteamsim.rng import stream
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.sensing.further import FurtherSensors
 from robotteamsim.sensing.laser import Laser
 from robotteamsim.sensing.odometry import TeamOdometry
 from robotteamsim.sensing.readings import ROW_LENGTH, TeamReadings
-from robotteamsim.world import World
+from robotteamsim.sensing.team_reader import make_reader
+from robotteamsim.world.contract import AnyWorld
 
 
 class RobotSensors:
@@ -25,7 +25,7 @@ class RobotSensors:
     of the arrival, so that its noise does not depend on what happened before.
     """
 
-    def __init__(self, world: World, robots: Sequence[PlacedRobot], seed: int) -> None:
+    def __init__(self, world: AnyWorld, robots: Sequence[PlacedRobot], seed: int) -> None:
         """Args: robots: those of the world, in id order."""
         self._world = world
         self._robots = tuple(robots)
@@ -35,7 +35,7 @@ class RobotSensors:
             (Laser(model, world), [robot_id for robot_id, robot in enumerate(self._robots) if robot.laser == model])
             for model in models
         ]
-        self._scan_shapes = [(len(robot_ids), laser.beams) for laser, robot_ids in self._lasers]
+        self._scan_shapes = [(len(robot_ids), laser.num_beams) for laser, robot_ids in self._lasers]
         self._has_laser_noise = any(model.noise_m > 0.0 for model in models)
         self._further = FurtherSensors(world, robots, seed)
         self.reset()
@@ -49,7 +49,7 @@ class RobotSensors:
             self._restart_arrived()
         rows = np.empty((len(self._robots), ROW_LENGTH))
         scans_m = [np.empty(shape, dtype=np.float32) for shape in self._scan_shapes]
-        self._core.read(self._world.core, self._odometry.next_noise(), self._laser_noise_m(), rows, scans_m)
+        self._reader(self._odometry.next_noise(), self._laser_noise_m(), rows, scans_m)
         further = self._further.read() if self._further.has_any else ()
         return TeamReadings(rows, self._by_robot(scans_m), self._world.contact_angles_rad(), further)
 
@@ -84,9 +84,7 @@ class RobotSensors:
             [stream(self._seed, "odometry", robot_id) for robot_id in range(len(self._robots))],
             [robot.drive.kind == "omni" for robot in self._robots],
         )
-        self._core = _core.sensing.TeamSensors(
-            self._odometry.core, [(laser.core, robot_ids) for laser, robot_ids in self._lasers]
-        )
+        self._reader = make_reader(self._world, self._odometry, self._lasers)
 
     def _restart_arrived(self) -> None:
         arrivals = self._world.arrivals

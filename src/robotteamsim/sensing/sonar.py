@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from robotteamsim import _core
 from robotteamsim.scenario.sensors import Sonar as SonarModel
-from robotteamsim.world import World
-from robotteamsim.world.core_parts import core_solids
+from robotteamsim.sensing.beams import BeamModel, beams_in
+from robotteamsim.world.contract import AnyWorld
 
 _NO_NOISE = np.empty(0)
 
@@ -18,21 +17,9 @@ class Sonar:
     range_min.
     """
 
-    def __init__(self, model: SonarModel, world: World) -> None:
+    def __init__(self, model: SonarModel, world: AnyWorld) -> None:
         self._model = model
-        self._world = world
-        self._core = _core.sensing.Laser(
-            *core_solids(world.plan),
-            beams=model.rays,
-            angle_min_rad=model.yaw_rad - 0.5 * model.opening_rad,
-            angle_max_rad=model.yaw_rad + 0.5 * model.opening_rad,
-            forward_m=model.forward_m,
-            range_min_m=model.range_min_m,
-            range_max_m=model.range_max_m,
-            too_near_m=model.range_min_m,
-            no_return_m=model.range_max_m,
-            left_m=model.left_m,
-        )
+        self._beams = beams_in(world, _beam_model(model))
 
     def read(self, robot_id: int, generator: np.random.Generator) -> float:
         """Return the current range of a robot's sonar, a float32 [m].
@@ -40,4 +27,19 @@ class Sonar:
         Args: generator: of its noise; not used if the model has no noise.
         """
         noise_m = generator.normal(0.0, self._model.noise_m, 1) if self._model.noise_m > 0.0 else _NO_NOISE
-        return float(self._core.nearest(self._world.core, [robot_id], noise_m)[0])
+        return float(self._beams.nearest([robot_id], noise_m)[0])
+
+
+def _beam_model(model: SonarModel) -> BeamModel:
+    return BeamModel(
+        beams=model.rays,
+        angle_min_rad=model.yaw_rad - 0.5 * model.opening_rad,
+        angle_max_rad=model.yaw_rad + 0.5 * model.opening_rad,
+        forward_m=model.forward_m,
+        left_m=model.left_m,
+        height_m=model.height_m,
+        range_min_m=model.range_min_m,
+        range_max_m=model.range_max_m,
+        too_near_m=model.range_min_m,
+        no_return_m=model.range_max_m,
+    )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Protocol
 
 import msgspec
@@ -15,6 +16,7 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
+from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
 
 
@@ -27,7 +29,9 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     victims:    in the order of `mission.victims`, at their current positions.
     doors:      after the step, by name, in the plan's order; the same object until a door changes.
     present:    whether each robot is present, bool, shape (n,); None: all are. Entries of absent robots mean nothing.
-    arrivals:   how often each robot has arrived, its start included; both are the same objects until that changes.
+    arrivals:   how often each robot has arrived, its start included.
+    mishaps:    robots that cannot go on, by id, and why; present, arrivals and mishaps are the same objects until they
+                change.
     voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
     """
 
@@ -46,6 +50,7 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     doors: DoorStates = DoorStates()
     present: np.ndarray | None = None
     arrivals: tuple[int, ...] = ()
+    mishaps: Mapping[int, Mishap] = MappingProxyType({})
 
     def is_there(self, robot_id: int) -> bool:
         """Whether a robot is present."""

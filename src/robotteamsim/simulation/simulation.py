@@ -23,7 +23,7 @@ from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.tally import Tally
-from robotteamsim.world import World
+from robotteamsim.world.making import make_world
 from robotteamsim.world.placement import check_places, placed_robots
 
 _TWIST, _OUTBOX = attrgetter("twist"), attrgetter("outbox")
@@ -43,11 +43,11 @@ class Simulation:
         check_places(scenario)
         robots, seed = placed_robots(scenario), scenario.run.seed
         self.scenario = scenario
-        objects, schedule = scenario.objects, scenario.schedule
-        self.world = World(scenario.plan, robots, scenario.run, objects=objects, schedule=schedule)
+        self.world = make_world(scenario, robots)
         self.sensors = RobotSensors(self.world, robots, seed)
         self.environment = Environment(scenario)
         self._arrivals = self.world.arrivals
+        self._mishaps = self.world.mishaps
         self.controllers = [self._controller(robot_id, 1) for robot_id in range(len(robots))]
         self.mission = Mission(scenario)
         self._base = scenario.mission.base
@@ -82,6 +82,7 @@ class Simulation:
             doors=world.door_states(),
             present=world.present,
             arrivals=world.arrivals,
+            mishaps=world.mishaps,
         )
 
     def _move_world(self) -> None:
@@ -124,8 +125,12 @@ class Simulation:
     ) -> tuple[Event, ...]:
         """Let the mission judge the step, and return its events."""
         base_inbox = () if self._base is None else inboxes[self._base]
+        world = self.world
+        if world.mishaps is not self._mishaps:
+            self._mishaps = world.mishaps
+            self.mission.follow_mishaps(world.mishaps)
         events = self.mission.step(
-            self.world.sim_time_ns, positions_m, voices, network, self._decisions, base_inbox, self.world.present
+            world.sim_time_ns, positions_m, voices, network, self._decisions, base_inbox, world.present
         )
         self._task, self._saved = self.mission.task, self.mission.saved_victims
         return events

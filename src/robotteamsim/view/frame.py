@@ -11,7 +11,7 @@ from robotteamsim.interface import OUTSIDE
 from robotteamsim.mission.status import Event
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.simulation import StepRecord
-from robotteamsim.world import World
+from robotteamsim.world.contract import AnyWorld
 
 Pose = tuple[float, float, float]
 """x, y [m], yaw [rad] in `map`."""
@@ -72,7 +72,7 @@ class Frame(msgspec.Struct, frozen=True):
     scans_m: tuple[list[float], ...] = ()
 
 
-def frame_of(record: StepRecord, world: World, *, with_scans: bool) -> Frame:
+def frame_of(record: StepRecord, world: AnyWorld, *, with_scans: bool) -> Frame:
     """Return the frame of a step. Args: world: just after that step, for its objects."""
     scans = [finite_ranges(reading.ranges_m, FAR_M) for reading in record.readings] if with_scans else []
     poses = []

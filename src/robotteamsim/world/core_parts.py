@@ -51,11 +51,16 @@ def core_robot(robot: PlacedRobot) -> _core.world.Robot:
     return _core.world.Robot(
         radius_m=robot.radius_m,
         mass_kg=robot.mass_kg,
-        drive=_core.world.Drive(**robot.drive.model_dump()),
+        drive=core_robot_drive(robot),
         start=Pose(*robot.start_pose),
         footprint_m=robot.corners_m,
         present=robot.present,
     )
+
+
+def core_robot_drive(robot: PlacedRobot) -> _core.world.Drive:
+    """Return the drive of a robot."""
+    return _core.world.Drive(**robot.drive.model_dump())
 
 
 def core_object(obj: MovableObject) -> _core.world.MovableObject:

@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 
-OF_EXTRAS = ("PIL", "contourpy", "cv2", "dask", "distributed", "imageio_ffmpeg", "jinja2", "matplotlib")
+OF_EXTRAS = ("PIL", "contourpy", "cv2", "dask", "distributed", "imageio_ffmpeg", "jinja2", "matplotlib", "mujoco")
 OF_EXTRAS += ("pandas", "scipy", "statsmodels", "tornado")
 
 CORE_ONLY = f"""
@@ -63,6 +63,7 @@ def test_command_needs_no_extra(folder: Path, words: tuple[str, ...]) -> None:
         (("field", "voice", "garage_sar", "--png", "field.png"), "report"),
         (("analyse", "mission.bag", "--png", "mission.png"), "report"),
         (("analyse", "mission.bag", "--gif", "mission.gif"), "report"),
+        (("run", "garage_sar", "--set", "run.world=mujoco"), "mujoco"),
         (("plan", "import", str(ROOT / "maps" / "garage" / "map.yaml"), "--out", "plan.yaml"), "images"),
     ],
 )

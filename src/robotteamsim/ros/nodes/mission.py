@@ -192,6 +192,7 @@ class MissionNode:
         doors = None if message is None else conversion.door_states(message)
         base_inbox = conversion.network_messages(step.messages.get(self._base_received, ()))
         with self._trial_lock:
+            self._trial.mission.follow_mishaps(self._presence.mishaps)
             events = self._trial.step(step.stamp_ns, readings, voices, network, decisions, doors, base_inbox, present)
         self._publish(step.stamp_ns, events)
 

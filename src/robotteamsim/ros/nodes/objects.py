@@ -11,7 +11,7 @@ from robotteamsim.ros.transport.topics import Output
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.problems import checked
 from robotteamsim.srv import SetObjectRequest
-from robotteamsim.world import World
+from robotteamsim.world.contract import AnyWorld
 
 
 class ObjectsOutput:
@@ -22,7 +22,7 @@ class ObjectsOutput:
         self._objects: tuple[MovableObject, ...] = ()
         self._poses: Sequence[Pose] = ()
 
-    def show(self, world: World) -> None:
+    def show(self, world: AnyWorld) -> None:
         """Publish all objects, unless nothing has changed. The world must not be changed meanwhile."""
         objects, poses = world.object_models(), tuple(world.objects().values())
         if (objects, poses) == (self._objects, self._poses):
@@ -31,7 +31,7 @@ class ObjectsOutput:
         self._objects, self._poses = objects, poses
 
 
-def set_object(world: World, request: SetObjectRequest) -> None:
+def set_object(world: AnyWorld, request: SetObjectRequest) -> None:
     """Add an object to a world, or move one.
 
     Raises: PlacementError: there is no room. ValueError: no such object, its name is taken, or values are invalid.

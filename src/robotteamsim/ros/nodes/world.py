@@ -2,6 +2,7 @@
 
 import logging
 import threading
+from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
@@ -30,8 +31,9 @@ from robotteamsim.ros.transport.topics import Output, SendingPace
 from robotteamsim.scenario.published_map import published_map
 from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
-from robotteamsim.world import World
+from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
+from robotteamsim.world.making import make_world
 from robotteamsim.world.placement import placed_robots
 
 logger = logging.getLogger(__name__)
@@ -121,12 +123,12 @@ class WorldNode:
                 self._arrived.clear()
                 self._world.step(twists)
                 readings, doors = self._sensors.read(), self._world.door_states()
-                present, arrivals = self._world.present, self._world.arrivals
+                present, arrivals, mishaps = self._world.present, self._world.arrivals, self._world.mishaps
             if self._motion is not None:
                 # The step is made when it begins, so its motion is known at each tick.
                 self._motion.add(readings.odometry, arrivals)
                 self._tick(self._world.sim_time_ns - self._step_ns, present)
-            self._publish(readings, doors, present, arrivals)
+            self._publish(readings, doors, present, arrivals, mishaps)
             self._gate.passed()
 
     def _wait_for_subscribers(self) -> None:
@@ -137,11 +139,9 @@ class WorldNode:
             self._gate.sleep(QUIET_S)
 
     def _build(self) -> None:
-        seed = self._scenario.run.seed
-        objects, schedule = self._scenario.objects, self._scenario.schedule
-        self._world = World(self._scenario.plan, self._robots, self._scenario.run, objects=objects, schedule=schedule)
+        self._world = make_world(self._scenario, self._robots)
         self._arrived: set[int] = set()
-        self._sensors = RobotSensors(self._world, self._robots, seed)
+        self._sensors = RobotSensors(self._world, self._robots, self._scenario.run.seed)
 
     def _reset(self) -> None:
         self._team.restart(self._world.sim_time_ns)
@@ -169,13 +169,18 @@ class WorldNode:
                 self._publish_clock(time_ns)
 
     def _publish(
-        self, readings: TeamReadings, doors: DoorStates, present: np.ndarray | None, arrivals: tuple[int, ...]
+        self,
+        readings: TeamReadings,
+        doors: DoorStates,
+        present: np.ndarray | None,
+        arrivals: tuple[int, ...],
+        mishaps: Mapping[int, Mishap],
     ) -> None:
         time_ns = self._world.sim_time_ns
         self._pace.wait()
         everybody = (True,) * len(arrivals)
         self._team.note_presence(time_ns, everybody if present is None else tuple(present.tolist()))
-        self._presence.publish(ros_messages.robots(self._make, time_ns, present, arrivals))
+        self._presence.publish(ros_messages.robots(self._make, time_ns, present, arrivals, mishaps))
         if self._scenario.plan.doors:
             self._doors.publish(ros_messages.doors(self._make, time_ns, doors))
         self._show_objects()

@@ -12,6 +12,7 @@ from typing import Any
 
 from robotteamsim.msg import NetworkMessages
 from robotteamsim.network.compact import row_bytes
+from robotteamsim.recording.ros_messages import MISHAPS
 from robotteamsim.ros.transport.serialization import deserialized
 from robotteamsim.ros.transport.settings import Settings
 
@@ -79,6 +80,10 @@ def _expect_within(name: str, value: float, low: float, high: float) -> None:
 def _check_robots(message: Any, settings: Settings | None) -> None:
     _expect("arrivals", len(message.arrivals), settings.num_robots if settings else len(message.present))
     _expect("present", len(message.present), len(message.arrivals))
+    if message.mishaps:
+        _expect("mishaps", len(message.mishaps), len(message.arrivals))
+        if max(message.mishaps) >= len(MISHAPS):
+            raise ValueError(f"mishaps: {max(message.mishaps)}; expected 0 to {len(MISHAPS) - 1}")
 
 
 def _check_network(message: Any, settings: Settings | None) -> None:

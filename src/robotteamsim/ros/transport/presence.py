@@ -1,10 +1,14 @@
 """The robots present, as published by the world."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from robotteamsim.msg import Robots
+from robotteamsim.recording.ros_messages import MISHAPS
 from robotteamsim.ros.transport.synchronizer import Channel, Step
 from robotteamsim.ros.transport.topics import Input
+from robotteamsim.world.contract import Mishap
 
 ROBOTS = "/world/robots"
 PRESENCE = Input(Channel(ROBOTS, has_presence=True), Robots)
@@ -19,6 +23,8 @@ class Presence:
         """Whether each robot is present, bool, shape (n,); None if all are. The same object until that changes."""
         self.arrivals: tuple[int, ...] | None = None
         """Number of arrivals of each robot; None if not published yet."""
+        self.mishaps: Mapping[int, Mishap] = {}
+        """Robots that cannot go on, by id, and why."""
 
     def follow(self, step: Step) -> None:
         """Update from the message of a step."""
@@ -31,6 +37,8 @@ class Presence:
         elif self.present is None or not np.array_equal(present, self.present):
             self.present = present
         self.arrivals = tuple(message.arrivals)
+        found = enumerate(MISHAPS[number] for number in message.mishaps)
+        self.mishaps = {robot_id: mishap for robot_id, mishap in found if mishap is not None}
 
     def is_present(self, robot_id: int) -> bool:
         """Whether a robot is present."""

@@ -1,0 +1,185 @@
+"""The contract of worlds: what everybody who uses a world relies on, whichever engine computes its physics.
+
+`test/python/world/conformance` tests each world against it. Simulations, sensors, the ROS node `world` and the viewer use
+only these members.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, Protocol
+
+import numpy as np
+
+from robotteamsim import _core
+from robotteamsim.geometry import Pose, Twist
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.objects import MovableObject
+from robotteamsim.world.doors import DoorStates
+
+Mishap = Literal["tipped_over", "left_world"]
+"""Why a robot cannot go on: it lies on its side or back, or it has left the world."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fan:
+    """Beams from one point of a robot, parallel to its floor.
+
+    angles_rad: of the beams in base_link, float64, shape (beams,).
+    forward_m, left_m, height_m: their origin in base_link.
+    range_max_m: where they end.
+    """
+
+    angles_rad: np.ndarray
+    forward_m: float
+    left_m: float
+    height_m: float
+    range_max_m: float
+
+    @cached_property
+    def directions(self) -> np.ndarray:
+        """The beams as unit vectors in base_link, float64, shape (beams, 3)."""
+        return np.column_stack((np.cos(self.angles_rad), np.sin(self.angles_rad), np.zeros(len(self.angles_rad))))
+
+
+class RayCaster(Protocol):
+    """Casts the beams of sensors in a world of bodies with heights."""
+
+    def ranges_m(self, robot_id: int, fan: Fan) -> np.ndarray:
+        """Return how far each beam of a robot reaches, float64, shape (beams,) [m]; inf without a return.
+
+        Walls, doors, objects, the floor and other robots return a beam; the robot itself does not. An absent robot gets
+        no returns.
+        """
+
+
+class AnyWorld(Protocol):
+    """A floor plan with robots, objects and doors, in steps of constant length.
+
+    **Time.** `step` advances by one step; nothing changes by itself between steps.
+    **Commands in.** One twist per robot and step, in `base_link`. It holds for the whole step: the robot's drive
+    approaches it within its limits of speed and acceleration. Only omnidirectional drives move sideways.
+    **Readings out.** True poses, velocities, motions and contacts after the last step, in id order.
+    **Team.** Its size is fixed, but robots leave and arrive. An absent robot has no body, no sensor sees it, its
+    command is ignored, and its pose is NaN.
+    **Determinism.** The same calls give bit-identical results; `reset` restores the initial state.
+    **Errors.** ValueError for numbers that are not finite and for unknown names and ids, PlacementError where there is
+    no room. After an error nothing has changed.
+    """
+
+    plan: FloorPlan
+    step_index: int
+    """Number of steps since the start."""
+    sim_time_ns: int
+    """Time since the start [ns]."""
+    present: np.ndarray | None
+    """Whether each robot is present, bool, shape (n,); None if all are. The same object until that changes."""
+    arrivals: tuple[int, ...]
+    """Number of arrivals of each robot, including the start; the same object until a robot arrives or leaves."""
+    mishaps: Mapping[int, Mishap]
+    """Robots that lie on their side or have left the world, by id; the same object until that changes. Such robots do
+    not end a mission. A robot that has left is absent; it may be spawned again."""
+
+    @property
+    def num_robots(self) -> int:
+        """Number of robots, present or not; ids count from 0."""
+
+    @property
+    def step_ns(self) -> int:
+        """Length of a step [ns]."""
+
+    @property
+    def scene(self) -> _core.world.World | RayCaster:
+        """What sensors scan: the C++ world of Box2D, in the plane, or a caster of rays."""
+
+    def step(self, twists: Sequence[Twist] | np.ndarray) -> None:
+        """Advance by one step with one command per robot, in id order.
+
+        Scheduled events that are due happen first. The command of an absent robot is ignored.
+        Args:   twists: as an array float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s].
+        Raises: ValueError: the number of twists is wrong, or one is not finite; then nothing has moved.
+        """
+
+    def poses(self) -> list[Pose]:
+        """Return `map_T_base_link` of every robot, projected onto the floor; NaN for absent robots."""
+
+    def positions_m(self) -> np.ndarray:
+        """Return the robots' positions in `map`, float64, shape (n, 2) [m]; NaN for absent robots."""
+
+    def twists(self) -> list[Twist]:
+        """Return every robot's true mean velocity in the last step, in `base_link`.
+
+        It is zero for a blocked robot, and has a sideways component for one that is pushed or slides along something.
+        """
+
+    def motions(self) -> list[Pose]:
+        """Return every robot's motion in the last step: its pose at the end in the frame of that at the beginning.
+
+        Teleporting (`set_pose`, `reset_positions`) does not count as motion.
+        """
+
+    def in_contact(self) -> list[bool]:
+        """Return whether each robot touched something in the last step (came within 5 mm)."""
+
+    def contact_angles_rad(self) -> dict[int, tuple[float, ...]]:
+        """Return the directions of contacts in the last step, by id of the robots that touched something.
+
+        Angles in `base_link`, ascending in (-pi, pi], from the robot's centre; contacts within 0.05 rad count as one.
+        """
+
+    def objects(self) -> dict[str, Pose]:
+        """Return the pose of each object's centre in `map`, by name, in the scenario's order."""
+
+    def object_models(self) -> tuple[MovableObject, ...]:
+        """Return the present objects in the order of `objects`, with the poses at which they were added."""
+
+    def door_states(self) -> DoorStates:
+        """Return the state of all doors, by name, in the plan's order; its version grows with each change."""
+
+    def set_pose(self, robot_id: int, pose: Pose) -> None:
+        """Move a robot to a pose, at rest.
+
+        Raises: PlacementError: there is no room. ValueError: no such robot, it is absent, or the pose is not finite.
+        """
+
+    def remove_robot(self, robot_id: int) -> None:
+        """Remove a robot. Raises: ValueError: no such robot, or it is absent."""
+
+    def spawn_robot(self, robot_id: int, pose: Pose | None = None) -> None:
+        """Spawn an absent robot at a pose, at rest; by default at its start pose.
+
+        Raises: PlacementError: there is no room.
+                ValueError: no such robot, it is already present, or the pose is not finite.
+        """
+
+    def add_object(self, obj: MovableObject) -> None:
+        """Add an object at rest, at the end of the order.
+
+        Raises: PlacementError: there is no room. ValueError: its name is taken.
+        """
+
+    def move_object(self, name: str, pose: Pose) -> None:
+        """Move an object to a pose, at rest.
+
+        Raises: PlacementError: there is no room. ValueError: no such object, or the pose is not finite.
+        """
+
+    def remove_object(self, name: str) -> None:
+        """Remove an object. Raises: ValueError: no such object."""
+
+    def set_door(self, name: str, closed: bool) -> None:
+        """Close or open a door.
+
+        An instant door changes at once and pushes robots in the way of its leaf aside. The leaf of any other swings or
+        slides at constant speed in the following steps; it stops while something is in its way, and never pushes.
+
+        Raises: ValueError: no such door.
+        """
+
+    def reset_positions(self) -> None:
+        """Move all present robots to their start poses, at rest; time, objects and doors stay as they are."""
+
+    def reset(self) -> None:
+        """Restore the initial state: time, poses, presence, objects and doors."""

@@ -1,0 +1,53 @@
+"""The MuJoCo model of a plan, its robots and its objects, as a spec that is compiled or written as MJCF."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import mujoco
+
+from robotteamsim.geometry import Pose
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.mujoco import Mujoco
+from robotteamsim.scenario.objects import MovableObject
+from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.world.mujoco.bodies import add_object, add_robot
+from robotteamsim.world.mujoco.building import add_building
+
+
+def steps_per_substep(run: Run) -> int:
+    """Return the number of MuJoCo's steps in a physics substep of a run."""
+    substep_s = run.step_s / run.physics_substeps
+    return max(1, -int(-(substep_s / run.mujoco.timestep_s - 1e-9) // 1))
+
+
+def make_spec(
+    plan: FloorPlan,
+    robots: Mapping[int, tuple[PlacedRobot, Pose]],
+    objects: Sequence[tuple[MovableObject, Pose]],
+    run: Run,
+) -> mujoco.MjSpec:
+    """Return the spec of a world: the floor and the building, then robots and objects, in their orders, at their poses.
+
+    Args: robots: those that are present, by id. The leaves of doors are closed.
+    """
+    spec = mujoco.MjSpec()
+    spec.modelname = plan.name
+    _set_options(spec, run.mujoco, run.step_s / run.physics_substeps / steps_per_substep(run))
+    add_building(spec, plan, run.mujoco.body_friction)
+    for robot_id, (robot, pose) in robots.items():
+        add_robot(spec, robot_id, robot, pose, run.mujoco.body_friction)
+    for obj, pose in objects:
+        add_object(spec, obj, pose)
+    return spec
+
+
+def _set_options(spec: mujoco.MjSpec, settings: Mujoco, timestep_s: float) -> None:
+    option = spec.option
+    option.timestep = timestep_s
+    # Motors of light wheels are stiff. The other integrators compute the friction of tyres as if they were not.
+    option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.impratio = 10.0  # tyres creep less under a steady load
+    # A state that is not finite is an error of the simulation, and not a reason to start again.
+    option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
