@@ -1,7 +1,7 @@
 """The contract of worlds: what everybody who uses a world relies on, whichever engine computes its physics.
 
-`test/python/world/conformance` tests each world against it. Simulations, sensors, the ROS node `world` and the viewer use
-only these members.
+`test/python/world/conformance` tests each world against it. Simulations, sensors, the ROS node `world` and the viewer
+use only these members.
 """
 
 from __future__ import annotations
