@@ -268,10 +268,10 @@ class Engine:
             raise PhysicsError(
                 f"MuJoCo became unstable at {self.data.time:.2f} s; a smaller run.mujoco.timestep_s may help"
             )
-        real, now = self._bodies.velocities()[: self._num_present], self._present
-        for column, part in ((0, 0), (1, 2), (2, 1)):
-            lead = self._lead[now, column]
-            self._speeds[now, column] = np.clip(self._speeds[now, column], real[:, part] - lead, real[:, part] + lead)
+        real = self._bodies.speeds()[: self._num_present]
+        lead, speeds = self._lead[self._present], self._speeds[self._present]
+        speeds[:, :3] = np.minimum(np.maximum(speeds[:, :3], real - lead), real + lead)
+        self._speeds[self._present] = speeds
 
     def _touches_now(self) -> dict[int, list[float]]:
         """Return the directions in which robots touch something, by id."""

@@ -29,31 +29,33 @@ class FreeBodies:
         joints = model.body_jntadr[self.ids]
         self._qpos, self._qvel = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
         self._at_rest = model.qpos0
+        self._pose_at = self._qpos[:, None] + np.arange(7)
+        self._velocity_at = self._qvel[:, None] + (0, 1, 5)
         # The joints of each body and its wheels end where those of the next begin.
         self._qpos_of = list(map(slice, self._qpos.tolist(), [*self._qpos[1:].tolist(), model.nq]))
         self._qvel_of = list(map(slice, self._qvel.tolist(), [*self._qvel[1:].tolist(), model.nv]))
 
     def poses(self) -> np.ndarray:
         """Return the poses on the floor, float64, shape (bodies, 3): x, y [m] and the heading [rad]."""
-        qpos = self.data.qpos
-        rows = np.empty((len(self.ids), 3))
-        rows[:, 0], rows[:, 1] = qpos[self._qpos], qpos[self._qpos + 1]
-        w, x, y, z = (qpos[self._qpos + 3 + part] for part in range(4))
-        rows[:, 2] = np.arctan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
-        return rows
+        qpos, (cos, sin) = self.data.qpos[self._pose_at], self._heading()
+        return np.column_stack((qpos[:, 0], qpos[:, 1], np.arctan2(sin, cos)))
 
     def lean_rad(self) -> np.ndarray:
         """Return the angle between each body's axis and the vertical."""
-        x, y = (self.data.qpos[self._qpos + 4 + part] for part in range(2))
-        lean_rad: np.ndarray = 2.0 * np.arcsin(np.minimum(np.hypot(x, y), 1.0))
+        qpos = self.data.qpos[self._pose_at]
+        lean_rad: np.ndarray = 2.0 * np.arcsin(np.minimum(np.hypot(qpos[:, 4], qpos[:, 5]), 1.0))
         return lean_rad
 
-    def velocities(self) -> np.ndarray:
-        """Return the current velocities along the heading, float64, shape (bodies, 3): forward, left, turn."""
-        qvel, yaw_rad = self.data.qvel, self.poses()[:, 2]
-        cos, sin = np.cos(yaw_rad), np.sin(yaw_rad)
-        vx, vy = qvel[self._qvel], qvel[self._qvel + 1]
-        return np.column_stack((cos * vx + sin * vy, cos * vy - sin * vx, qvel[self._qvel + 5]))
+    def speeds(self) -> np.ndarray:
+        """Return the current speeds in the heading's frame, float64, shape (bodies, 3): forward, turn, left."""
+        qvel, (cos, sin) = self.data.qvel[self._velocity_at], self._heading()
+        vx, vy = qvel[:, 0] / np.hypot(cos, sin), qvel[:, 1] / np.hypot(cos, sin)
+        return np.column_stack((cos * vx + sin * vy, qvel[:, 2], cos * vy - sin * vx))
+
+    def _heading(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return cosine and sine of each body's heading; smaller by the same factor for a body that leans forward."""
+        w, x, y, z = self.data.qpos[self._pose_at][:, 3:].T
+        return 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z)
 
     def place(self, index: int, pose: Pose) -> None:
         """Put a body upright on the floor, at rest."""
