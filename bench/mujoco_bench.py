@@ -19,9 +19,14 @@ from results_file import append
 from world_bench import REDRAW_STEPS, free_robots, plan_of_rectangles, random_twists
 
 from robotteamsim.scenario.sections import Run
+from robotteamsim.scenario.sensors import Camera
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 from robotteamsim.world.mujoco.world import MujocoWorld
+
+CAMERA = Camera(name="camera")
+CAMERA_GOAL = 9.0
+"""Images of 320 x 240 pixels per second."""
 
 GOALS = {3: 80.0, 30: 8.0}
 """Times real time, by the number of robots, without sensors."""
@@ -29,12 +34,17 @@ GOALS = {3: 80.0, 30: 8.0}
 
 @dataclass(frozen=True, slots=True)
 class Speeds:
-    """Medians over rounds: simulated over busy seconds without and with lasers, of Box2D, and the time of a ray [s]."""
+    """Medians over rounds.
+
+    bare, with_lasers, box2d: simulated over busy seconds, of MuJoCo without and with lasers, and of Box2D.
+    ray_s: busy time of a ray.  images_per_s: images per busy second.
+    """
 
     bare: float
     with_lasers: float
     box2d: float
     ray_s: float
+    images_per_s: float
 
 
 class Course:
@@ -43,9 +53,10 @@ class Course:
     def __init__(self, kind: type[World] | type[MujocoWorld], count: int) -> None:
         self._generator = np.random.default_rng(1)
         plan = plan_of_rectangles(np.random.default_rng(7))
-        self._robots = free_robots(plan, count, self._generator)
+        robots = free_robots(plan, count, self._generator)
+        self._robots = [robot.model_copy(update={"cameras": (CAMERA,)}) for robot in robots]
         self._world = kind(plan, self._robots, Run())
-        self._sensors = RobotSensors(self._world, self._robots, 1)
+        self._sensors = RobotSensors(self._world, robots, 1)  # without the camera, which is measured alone
 
     def drive(self, seconds: float, *, with_sensors: bool = False) -> float:
         """Drive on for some busy seconds; return simulated over busy seconds."""
@@ -68,6 +79,13 @@ class Course:
         beams = sum(robot.laser.beams for robot in self._robots)
         return (time.process_time() - start_s) / repetitions / beams
 
+    def images_per_s(self, repetitions: int = 5) -> float:
+        """Return how many images of 320 x 240 pixels a camera takes per busy second."""
+        start_s = time.process_time()
+        for _ in range(repetitions):
+            self._world.scene.image(0, CAMERA)
+        return repetitions / (time.process_time() - start_s)
+
 
 def measure(count: int, rounds: int, seconds: float) -> Speeds:
     """Return medians over rounds."""
@@ -78,6 +96,7 @@ def measure(count: int, rounds: int, seconds: float) -> Speeds:
             mujoco.drive(seconds, with_sensors=True),
             box2d.drive(0.2 * seconds),
             mujoco.ray_s(),
+            mujoco.images_per_s(),
         )
         for _ in range(rounds)
     ]
@@ -98,13 +117,15 @@ def main() -> None:
         verdict = "" if goal is None else f" (goal {goal:g}: {'met' if found.bare >= goal else 'MISSED'})"
         print(
             f"{count} robots: {found.bare:.1f} x real time{verdict}, with lasers {found.with_lasers:.1f}, "
-            f"Box2D {found.box2d:,.0f}; a ray {found.ray_s * 1e6:.2f} us"
+            f"Box2D {found.box2d:,.0f}; a ray {found.ray_s * 1e6:.2f} us; {found.images_per_s:.0f} images/s "
+            f"(goal {CAMERA_GOAL:g}: {'met' if found.images_per_s >= CAMERA_GOAL else 'MISSED'})"
         )
         quantities = {
             "MuJoCo [s/s]": found.bare,
             "MuJoCo with lasers [s/s]": found.with_lasers,
             "Box2D [s/s]": found.box2d,
             "ray [us]": found.ray_s * 1e6,
+            "images [1/s]": found.images_per_s,
         }
         append(options.csv, "mujoco", count, quantities)
 

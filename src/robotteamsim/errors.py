@@ -25,5 +25,9 @@ class PhysicsError(RobotTeamSimError):
     """The physics of a world failed, although its input was valid."""
 
 
+class CameraError(RobotTeamSimError):
+    """The image of a camera cannot be drawn."""
+
+
 class CampaignError(RobotTeamSimError):
     """A campaign cannot be run, stored or resumed."""

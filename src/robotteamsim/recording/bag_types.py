@@ -37,9 +37,11 @@ class Ros2Types(BagTypes):
         super().__init__(bag_typestore(Stores.ROS2_HUMBLE))
 
     def __call__(self, type_name: str, /, **attributes: Any) -> Any:
-        """Return a message; headers of ROS 2 have no `seq`."""
+        """Return a message; headers of ROS 2 have no `seq`, and names no capitals."""
         if type_name == "std_msgs/Header":
             del attributes["seq"]
+        if type_name == "sensor_msgs/CameraInfo":  # ROS 1 writes its matrices with capitals
+            attributes = {name.lower(): value for name, value in attributes.items()}
         return super().__call__(type_name, **attributes)
 
 

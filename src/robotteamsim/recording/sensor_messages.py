@@ -10,7 +10,7 @@ import numpy as np
 from robotteamsim.recording import ros_messages
 from robotteamsim.recording.ros_messages import Make
 from robotteamsim.scenario.sections import Robot
-from robotteamsim.scenario.sensors import MountedLaser, Sonar
+from robotteamsim.scenario.sensors import Camera, MountedLaser, Sonar
 from robotteamsim.sensing.readings import FurtherReadings
 
 # Constants of sensor_msgs/Range, NavSatStatus and NavSatFix.
@@ -42,8 +42,16 @@ def sensor_topics(robot: Robot) -> tuple[SensorTopic, ...]:
         SensorTopic(sonar.name, "sensor_msgs/Range", partial(_range, index, sonar))
         for index, sonar in enumerate(robot.sonars)
     )
+    cameras = tuple(
+        topic
+        for index, camera in enumerate(robot.cameras)
+        for topic in (
+            SensorTopic(f"{camera.name}/image", "sensor_msgs/Image", partial(_image, index, camera)),
+            SensorTopic(f"{camera.name}/camera_info", "sensor_msgs/CameraInfo", partial(_camera_info, index, camera)),
+        )
+    )
     gps = (SensorTopic("fix", "sensor_msgs/NavSatFix", _fix),) if robot.gps else ()
-    return (*lasers, *sonars, *gps)
+    return (*lasers, *sonars, *cameras, *gps)
 
 
 def _scan(
@@ -63,6 +71,46 @@ def _range(index: int, sonar: Sonar, make: Make, time_ns: int, robot_id: int, re
         min_range=sonar.range_min_m,
         max_range=sonar.range_max_m,
         range=readings.sonars_m[index],
+    )
+
+
+def _image(
+    index: int, camera: Camera, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings
+) -> Any | None:
+    image = readings.images[index]
+    if image is None:
+        return None
+    return make(
+        "sensor_msgs/Image",
+        header=ros_messages.header(make, time_ns, ros_messages.robot_frame(robot_id, f"{camera.name}_link")),
+        height=camera.height_px,
+        width=camera.width_px,
+        encoding="rgb8" if camera.images == "rgb" else "32FC1",
+        is_bigendian=0,
+        step=image.nbytes // camera.height_px,
+        data=np.frombuffer(image.astype(image.dtype.newbyteorder("<")).tobytes(), np.uint8),
+    )
+
+
+def _camera_info(
+    index: int, camera: Camera, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings
+) -> Any | None:
+    if readings.images[index] is None:
+        return None
+    focal, x, y = camera.focal_px, 0.5 * camera.width_px, 0.5 * camera.height_px
+    return make(
+        "sensor_msgs/CameraInfo",
+        header=ros_messages.header(make, time_ns, ros_messages.robot_frame(robot_id, f"{camera.name}_link")),
+        height=camera.height_px,
+        width=camera.width_px,
+        distortion_model="plumb_bob",
+        D=np.zeros(5),
+        K=np.array([focal, 0.0, x, 0.0, focal, y, 0.0, 0.0, 1.0]),
+        R=np.eye(3).ravel(),
+        P=np.array([focal, 0.0, x, 0.0, 0.0, focal, y, 0.0, 0.0, 0.0, 1.0, 0.0]),
+        binning_x=0,
+        binning_y=0,
+        roi=make("sensor_msgs/RegionOfInterest", x_offset=0, y_offset=0, height=0, width=0, do_rectify=False),
     )
 
 

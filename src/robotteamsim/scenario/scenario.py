@@ -76,6 +76,9 @@ class Scenario(Model):
                     "radio.materials",
                     f"has no '{element.material}', the material of '{element.name}' in the plan; known: {known}",
                 )
+        robots = (self.robots,) if isinstance(self.robots, Team) else self.robots
+        if self.run.world != "mujoco" and any(robot.cameras for robot in robots):
+            raise wrong("robots.cameras", f"need run.world mujoco, not {self.run.world}")
         num_robots = self.num_robots
         if self.control.swarms.initial > num_robots:
             raise wrong(

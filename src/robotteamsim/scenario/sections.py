@@ -26,7 +26,7 @@ from robotteamsim.scenario.mujoco import Mujoco, Wheels
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.radio_presets import with_preset
-from robotteamsim.scenario.sensors import Gps, Mount, MountedLaser, Sonar, check_names
+from robotteamsim.scenario.sensors import Camera, Gps, Mount, MountedLaser, Sonar, check_names
 from robotteamsim.scenario.sensors import Laser as Laser
 from robotteamsim.scenario.victims import Victim as Victim
 
@@ -119,6 +119,7 @@ class Robot(Model):
         default=(), max_length=16, description="additional lasers, each on its own topic"
     )
     sonars: Many[Sonar] = Field(default=(), max_length=64, description="a ring of sonars, each on its own topic")
+    cameras: Many[Camera] = Field(default=(), max_length=8, description="cameras; only in `run.world: mujoco`")
     gps: Gps | None = Field(default=None, description="GPS, on the topic `fix`")
     odometry: Odometry = Odometry()
     cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="time for which the last command holds [s]")
@@ -126,11 +127,11 @@ class Robot(Model):
     @property
     def mounts(self) -> tuple[Mount, ...]:
         """The additional sensors, which have frames of their own."""
-        return (*self.lasers, *self.sonars)
+        return (*self.lasers, *self.sonars, *self.cameras)
 
     @model_validator(mode="after")
     def _check_body(self) -> Robot:
-        check_names({"lasers": self.lasers, "sonars": self.sonars})
+        check_names({"lasers": self.lasers, "sonars": self.sonars, "cameras": self.cameras})
         if self.footprint_m:
             check_footprint("footprint_m", self.footprint_m)
         if self.wheels.radius_m is not None and self.wheels.radius_m > self.height_m:

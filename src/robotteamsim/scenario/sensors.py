@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal, Protocol
@@ -115,6 +116,28 @@ class Sonar(Model):
         if not self.range_max_m > self.range_min_m:
             raise wrong("range_max_m", f"{self.range_max_m:g} is not above range_min_m, {self.range_min_m:g}")
         return self
+
+
+class Camera(Model):
+    """A camera, only in the world of MuJoCo; it shows floor, walls, doors, objects and robots, and no victims."""
+
+    name: SensorName = Field(
+        description="a name, for topics robot_<id>/<name>/image and camera_info and frame robot_<id>/<name>_link"
+    )
+    images: Literal["rgb", "depth"] = Field(default="rgb", description="rgb: colours; depth: distances along its axis")
+    width_px: int = Field(default=320, ge=16, le=4096, description="columns of an image")
+    height_px: int = Field(default=240, ge=16, le=4096, description="rows of an image")
+    fov_rad: float = Field(default=1.2, gt=0.05, le=2.8, description="horizontal angle of view [rad]")
+    forward_m: float = Field(default=0.1, ge=-5.0, le=5.0, description="ahead of base_link [m]")
+    left_m: float = Field(default=0.0, ge=-5.0, le=5.0, description="left of base_link [m]")
+    height_m: float = Field(default=0.25, gt=0.0, le=5.0, description="above base_link [m]")
+    yaw_rad: float = Field(default=0.0, ge=-6.2832, le=6.2832, description="direction in which it looks [rad]")
+    every_steps: int = Field(default=5, ge=1, le=10_000, description="an image every n-th step")
+
+    @property
+    def focal_px(self) -> float:
+        """Focal length, the same for columns and rows."""
+        return 0.5 * self.width_px / math.tan(0.5 * self.fov_rad)
 
 
 class Gps(Model):

@@ -11,7 +11,7 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.world.contract import AnyWorld, Fan, RayCaster
+from robotteamsim.world.contract import AnyWorld, Fan, Scene
 from robotteamsim.world.core_parts import core_solids
 
 
@@ -98,7 +98,7 @@ class PlanarBeams:
 class RayBeams:
     """Beams as rays of a world whose bodies have heights."""
 
-    def __init__(self, caster: RayCaster, model: BeamModel) -> None:
+    def __init__(self, caster: Scene, model: BeamModel) -> None:
         angles_rad = np.linspace(model.angle_min_rad, model.angle_max_rad, model.beams)
         self._caster = caster
         self._model = model

@@ -4,9 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from robotteamsim import _core
+from robotteamsim.errors import CameraError
 from robotteamsim.rng import stream
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.scenario.sensors import Gps, MountedLaser
+from robotteamsim.scenario.sensors import Camera, Gps, MountedLaser
 from robotteamsim.sensing.gps import fix, is_due
 from robotteamsim.sensing.laser import Laser
 from robotteamsim.sensing.readings import NOTHING_FURTHER, Fix, FurtherReadings
@@ -30,7 +32,7 @@ class FurtherSensors:
         self._lasers = {model: Laser(model, world) for model in lasers}
         sonars = dict.fromkeys(model for robot in self._robots for model in robot.sonars)
         self._sonars = {model: Sonar(model, world) for model in sonars}
-        self.has_any = any(map(_names, self._robots))
+        self.has_any = any(robot.cameras or _names(robot) for robot in self._robots)
         """Whether any robot has an additional sensor."""
         self.reset()
 
@@ -59,6 +61,7 @@ class FurtherSensors:
                     self._sonars[sonar].read(robot_id, self._streams[robot_id, "sonar", sonar.name])
                     for sonar in robot.sonars
                 ),
+                images=tuple(self._image(robot_id, camera) for camera in robot.cameras),
                 fix=self._fix(robot_id, robot.gps, tuple(positions_m[robot_id])),
             )
             for robot_id, robot in enumerate(self._robots)
@@ -68,6 +71,14 @@ class FurtherSensors:
         if gps is None or not is_due(gps, self._world.sim_time_ns, self._world.step_ns):
             return None
         return fix(gps, position_m, self._streams[robot_id, "gps"])
+
+    def _image(self, robot_id: int, camera: Camera) -> np.ndarray | None:
+        if self._world.step_index % camera.every_steps:
+            return None
+        scene = self._world.scene
+        if isinstance(scene, _core.world.World):
+            raise CameraError(f"robots.cameras: '{camera.name}' needs run.world mujoco")
+        return scene.image(robot_id, camera)
 
     def _scan(self, robot_id: int, laser: MountedLaser) -> np.ndarray | None:
         if self._world.step_index % laser.every_steps:

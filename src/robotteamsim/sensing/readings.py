@@ -59,11 +59,14 @@ class FurtherReadings(msgspec.Struct, frozen=True, gc=False, eq=False):
     scans_m:  of `robots.lasers`, in their order: float32, shape (beams,) [m].
     sonars_m: of `robots.sonars`, in their order: float32 [m].
     fix:      of `robots.gps`.
+    images:   of `robots.cameras`, in their order: uint8, shape (height, width, 3), red, green, blue; or, of depth
+              cameras, float32, shape (height, width) [m].
     """
 
     scans_m: tuple[np.ndarray | None, ...] = ()
     sonars_m: tuple[float, ...] = ()
     fix: Fix | None = None
+    images: tuple[np.ndarray | None, ...] = ()
 
 
 NOTHING_FURTHER = FurtherReadings()

@@ -17,6 +17,7 @@ from robotteamsim import _core
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
+from robotteamsim.scenario.sensors import Camera
 from robotteamsim.world.doors import DoorStates
 
 Mishap = Literal["tipped_over", "left_world"]
@@ -44,14 +45,20 @@ class Fan:
         return np.column_stack((np.cos(self.angles_rad), np.sin(self.angles_rad), np.zeros(len(self.angles_rad))))
 
 
-class RayCaster(Protocol):
-    """Casts the beams of sensors in a world of bodies with heights."""
+class Scene(Protocol):
+    """What sensors measure in a world of bodies with heights."""
 
     def ranges_m(self, robot_id: int, fan: Fan) -> np.ndarray:
         """Return how far each beam of a robot reaches, float64, shape (beams,) [m]; inf without a return.
 
         Walls, doors, objects, the floor and other robots return a beam; the robot itself does not. An absent robot gets
         no returns.
+        """
+
+    def image(self, robot_id: int, camera: Camera) -> np.ndarray:
+        """Return what one of a robot's cameras sees, in the form of `FurtherReadings.images`.
+
+        Raises: CameraError: nothing can be drawn on this computer.
         """
 
 
@@ -91,8 +98,8 @@ class AnyWorld(Protocol):
         """Length of a step [ns]."""
 
     @property
-    def scene(self) -> _core.world.World | RayCaster:
-        """What sensors scan: the C++ world of Box2D, in the plane, or a caster of rays."""
+    def scene(self) -> _core.world.World | Scene:
+        """What sensors scan: the C++ world of Box2D, in the plane, or a scene in three dimensions."""
 
     def step(self, twists: Sequence[Twist] | np.ndarray) -> None:
         """Advance by one step with one command per robot, in id order.

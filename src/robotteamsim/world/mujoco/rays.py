@@ -31,7 +31,7 @@ class Rays:
         self._bodies = bodies
 
     def ranges_m(self, robot_id: int, fan: Fan) -> np.ndarray:
-        """See `RayCaster.ranges_m`."""
+        """See `contract.Scene`."""
         body, num_rays = self._bodies.body_id(robot_id), len(fan.angles_rad)
         if body is None:
             return np.full(num_rays, np.inf)

@@ -11,8 +11,8 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sections import Run
 from robotteamsim.world.base_world import BaseWorld
 from robotteamsim.world.contract import Mishap
+from robotteamsim.world.mujoco.cameras import Scene
 from robotteamsim.world.mujoco.engine import Engine
-from robotteamsim.world.mujoco.rays import Rays
 
 
 class MujocoWorld(BaseWorld):
@@ -29,13 +29,13 @@ class MujocoWorld(BaseWorld):
     """Model and state of MuJoCo."""
 
     @property
-    def scene(self) -> Rays:
-        """The caster of rays for sensors."""
-        return self._rays
+    def scene(self) -> Scene:
+        """What sensors measure."""
+        return self._scene
 
     def _make_physics(self, run: Run) -> Engine:
         self.engine = Engine(self.plan, self._robots, run, self._objects)
-        self._rays = Rays(self.engine)
+        self._scene = Scene(self.engine)
         self._tipped_rad = run.mujoco.tipped_rad
         self._reaches_m = np.array([robot.reach_m for robot in self._robots])
         return self.engine

@@ -1,0 +1,84 @@
+"""Images of the robots' cameras, drawn by OpenGL without a screen."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from robotteamsim.errors import CameraError
+from robotteamsim.scenario.sensors import Camera
+from robotteamsim.world.contract import Fan
+from robotteamsim.world.mujoco.rays import Bodies, Rays
+from robotteamsim.world.mujoco.shapes import about_z
+
+_AHEAD = [0.5, 0.5, -0.5, -0.5]
+"""The quaternion of a camera that looks along the x axis, with z up."""
+
+
+def camera_name(robot_name: str, camera: Camera) -> str:
+    """Return the name of a camera in the model."""
+    return f"{robot_name}/{camera.name}"
+
+
+def add_camera(body: Any, name: str, camera: Camera) -> None:
+    """Add a camera to the body of a robot in the spec."""
+    quat = np.empty(4)
+    mujoco.mju_mulQuat(quat, np.array(about_z(camera.yaw_rad)), np.array(_AHEAD))
+    fovy_rad = 2.0 * math.atan(0.5 * camera.height_px / camera.focal_px)
+    place = [camera.forward_m, camera.left_m, camera.height_m]
+    body.add_camera(name=name, pos=place, quat=quat, fovy=math.degrees(fovy_rad))
+
+
+class Scene:
+    """What sensors measure: rays, and images of cameras."""
+
+    def __init__(self, bodies: Bodies) -> None:
+        self._bodies = bodies
+        self._rays = Rays(bodies)
+        self._model: mujoco.MjModel | None = None
+        self._renderers: dict[tuple[int, int], mujoco.Renderer] = {}
+        self._shown = mujoco.MjvOption()
+        self._shown.geomgroup[:] = 1  # objects and wheels, too
+
+    def ranges_m(self, robot_id: int, fan: Fan) -> np.ndarray:
+        """See `contract.Scene`."""
+        return self._rays.ranges_m(robot_id, fan)
+
+    def image(self, robot_id: int, camera: Camera) -> np.ndarray:
+        """See `contract.Scene`."""
+        body = self._bodies.body_id(robot_id)
+        if body is None:
+            shape = (camera.height_px, camera.width_px)
+            return np.zeros((*shape, 3), np.uint8) if camera.images == "rgb" else np.zeros(shape, np.float32)
+        model, data = self._bodies.model, self._bodies.data
+        mujoco.mj_camlight(model, data)
+        renderer = self._renderer(model, camera)
+        renderer.update_scene(data, camera_name(model.body(body).name, camera), self._shown)
+        if camera.images == "rgb":
+            image: np.ndarray = renderer.render().copy()
+            return image
+        renderer.enable_depth_rendering()
+        depth_m: np.ndarray = renderer.render().copy()
+        renderer.disable_depth_rendering()
+        return depth_m
+
+    def _renderer(self, model: mujoco.MjModel, camera: Camera) -> mujoco.Renderer:
+        """Return the renderer for a size; a new model needs new ones."""
+        if model is not self._model:
+            for renderer in self._renderers.values():
+                renderer.close()
+            self._model, self._renderers = model, {}
+        size = camera.height_px, camera.width_px
+        if size not in self._renderers:
+            try:
+                self._renderers[size] = mujoco.Renderer(model, *size)
+            # The bindings of OpenGL raise errors of many types where a library or a device is missing.
+            except Exception as error:
+                raise CameraError(
+                    f"robots.cameras: no image can be drawn ({type(error).__name__}); install EGL, on Debian: "
+                    "apt-get install libegl1 libgl1-mesa-dri"
+                ) from error
+        return self._renderers[size]

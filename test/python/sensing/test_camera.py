@@ -1,0 +1,86 @@
+"""Cameras: what they see, and their messages."""
+
+import math
+
+import numpy as np
+import pytest
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.recording.bag_types import BagTypes, Ros2Types
+from robotteamsim.recording.sensor_messages import sensor_topics
+from robotteamsim.scenario import load
+from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
+from robotteamsim.scenario.objects import MovableObject
+from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.scenario.sensors import Camera
+from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.world.mujoco.world import MujocoWorld
+
+PLAN = FloorPlan(name="field", bounds=Bounds(max=(20.0, 10.0)))
+BOX = MovableObject(name="box", size_m=(0.4, 0.4), height_m=0.5, pose=(5.0, 5.0, 0.0))
+COLOUR, DEPTH = Camera(name="colour", every_steps=1), Camera(name="depth", images="depth", every_steps=1)
+
+
+def images_of(robot: PlacedRobot, *objects: MovableObject) -> tuple[np.ndarray, ...]:
+    world = MujocoWorld(PLAN, [robot], Run(world="mujoco"), objects=objects)
+    return RobotSensors(world, [robot], 1).read()[0].further.images
+
+
+def test_depth_is_the_distance_along_the_axis():
+    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), cameras=(DEPTH,))
+    (depth_m,) = images_of(robot, BOX)
+    assert (depth_m.shape, depth_m.dtype) == ((240, 320), np.float32)
+    # The near side of the box, seen from 0.1 m ahead of base_link, in the column of its centre and its edge.
+    edge_px = round(DEPTH.focal_px * 0.19 / 2.7)
+    assert depth_m[120, 160] == pytest.approx(2.7, abs=0.01)
+    assert depth_m[120, 160 + edge_px] == pytest.approx(2.7, abs=0.01)
+    # The floor 30 rows below the axis: the camera is 0.25 m above it.
+    assert depth_m[200, 20] == pytest.approx(0.25 * DEPTH.focal_px / 80.5, rel=0.01)
+
+
+def test_what_is_on_the_left_is_on_the_left_of_the_image_and_a_turned_camera_looks_there():
+    left = BOX.model_copy(update={"pose": (5.0, 6.0, 0.0)})
+    turned = COLOUR.model_copy(update={"name": "turned", "yaw_rad": math.atan2(1.0, 2.9)})
+    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), cameras=(COLOUR, turned))
+    empty, with_box = images_of(robot), images_of(robot, left)
+    assert with_box[0].dtype == np.uint8
+    columns = [np.flatnonzero((one != other).any(axis=(0, 2))) for one, other in zip(empty, with_box, strict=True)]
+    assert columns[0].max() < 150
+    assert columns[1].mean() == pytest.approx(160, abs=8)
+
+
+def test_images_are_the_same_again():
+    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.3), cameras=(COLOUR, DEPTH))
+    first, second = images_of(robot, BOX), images_of(robot, BOX)
+    assert [image.tobytes() for image in first] == [image.tobytes() for image in second]
+
+
+def test_camera_takes_every_nth_image():
+    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), cameras=(COLOUR.model_copy(update={"every_steps": 3}),))
+    world = MujocoWorld(PLAN, [robot], Run(world="mujoco"))
+    sensors, taken = RobotSensors(world, [robot], 1), []
+    for _ in range(6):
+        world.step(np.zeros((1, 3)))
+        taken.append(sensors.read()[0].further.images[0] is not None)
+    assert taken == [False, False, True] * 2
+
+
+@pytest.mark.parametrize("make", [BagTypes(), Ros2Types()], ids=["ROS 1", "ROS 2"])
+def test_messages_have_the_image_and_the_calibration(make):
+    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), cameras=(COLOUR, DEPTH))
+    world = MujocoWorld(PLAN, [robot], Run(world="mujoco"), objects=(BOX,))
+    further = RobotSensors(world, [robot], 1).read()[0].further
+    topics = {topic.name: topic.message(make, 5, 0, further) for topic in sensor_topics(robot)}
+    assert list(topics) == ["colour/image", "colour/camera_info", "depth/image", "depth/camera_info"]
+    image, depth, info = topics["colour/image"], topics["depth/image"], topics["colour/camera_info"]
+    assert (image.encoding, image.step, image.header.frame_id) == ("rgb8", 960, "robot_0/colour_link")
+    assert bytes(image.data) == further.images[0].tobytes()
+    assert (depth.encoding, depth.step) == ("32FC1", 1280)
+    assert np.frombuffer(bytes(depth.data), "<f4").tolist() == further.images[1].ravel().tolist()
+    matrix = info.K if hasattr(info, "K") else info.k
+    assert list(matrix) == pytest.approx([160 / math.tan(0.6), 0, 160, 0, 160 / math.tan(0.6), 120, 0, 0, 1])
+
+
+def test_camera_in_the_plane_is_rejected():
+    with pytest.raises(ScenarioError, match=r"robots\.cameras: need run\.world mujoco, not box2d$"):
+        load("garage_sar", ["robots.cameras=[{name: front}]"])
