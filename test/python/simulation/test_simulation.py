@@ -34,7 +34,7 @@ class FakeParts:
     def names(self) -> list[str]:
         return [call[0] for call in self.calls]
 
-    def world(self, plan, robots, run, *, objects, schedule) -> FakeWorld:
+    def world(self, scenario, robots) -> FakeWorld:
         return FakeWorld(self)
 
     def sensors(self, world, robots, seed) -> FakeSensors:
@@ -53,6 +53,7 @@ class FakeWorld:
     num_robots: int = 2
     present: None = None
     arrivals: tuple[int, ...] = (1, 1)
+    mishaps: dict[int, str] = dataclasses.field(default_factory=dict)
 
     @property
     def step_index(self) -> int:
@@ -122,7 +123,7 @@ class FakeController:
 @pytest.fixture
 def parts(monkeypatch) -> FakeParts:
     fakes = FakeParts()
-    monkeypatch.setattr(simulation, "World", fakes.world)
+    monkeypatch.setattr(simulation, "make_world", fakes.world)
     monkeypatch.setattr(simulation, "RobotSensors", fakes.sensors)
     monkeypatch.setattr(simulation, "Environment", fakes.environment)
     monkeypatch.setattr(simulation, "make_controller", fakes.controller)
