@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import shutil
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
@@ -16,6 +17,9 @@ from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Area, Mission, PlacedRobot, Run, Victim
+
+# MuJoCo reads it when it is imported, which a test may do before this package does.
+os.environ.setdefault("MUJOCO_GL", "egl")
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

@@ -1,6 +1,9 @@
 """Cameras: what they see, and their messages."""
 
 import math
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -79,6 +82,18 @@ def test_messages_have_the_image_and_the_calibration(make):
     assert np.frombuffer(bytes(depth.data), "<f4").tolist() == further.images[1].ravel().tolist()
     matrix = info.K if hasattr(info, "K") else info.k
     assert list(matrix) == pytest.approx([160 / math.tan(0.6), 0, 160, 0, 160 / math.tan(0.6), 120, 0, 0, 1])
+
+
+def test_computer_that_cannot_draw_is_one_line():
+    code = (
+        "from robotteamsim.cli import main\n"
+        "main(['run', 'garage_sar', '--set', 'run.world=mujoco', '--set', 'robots.cameras=[{name: front}]'])"
+    )
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"MUJOCO_GL": "off"}, check=False)
+    assert done.stderr.splitlines()[-1].startswith("robotteamsim: robots.cameras: no image can be drawn")
+    assert "apt-get install libegl1" in done.stderr
+    assert "Traceback" not in done.stderr
 
 
 def test_camera_in_the_plane_is_rejected():

@@ -78,7 +78,7 @@ class Scene:
             # The bindings of OpenGL raise errors of many types where a library or a device is missing.
             except Exception as error:
                 raise CameraError(
-                    f"robots.cameras: no image can be drawn ({type(error).__name__}); install EGL, on Debian: "
-                    "apt-get install libegl1 libgl1-mesa-dri"
+                    f"robots.cameras: no image can be drawn ({type(error).__name__}); install EGL, on Debian "
+                    "`apt-get install libegl1 libgl1-mesa-dri`, and set MUJOCO_GL=egl if mujoco is imported first"
                 ) from error
         return self._renderers[size]
