@@ -114,6 +114,17 @@ Array<float, -1, -1> Scan(const sensing::Laser& laser, const world::World& world
   return ranges;
 }
 
+// Changes `ranges_m` in place.
+void Dim(const sensing::Laser& laser, const world::World& world, const std::vector<int>& robot_ids,
+         const hazards::Haze& haze, const Array<float, -1, -1>& ranges_m) {
+  if (ranges_m.shape(0) != robot_ids.size() || ranges_m.shape(1) != static_cast<std::size_t>(laser.NumBeams())) {
+    throw std::invalid_argument("ranges must have one row per robot and one column per beam");
+  }
+  for (std::size_t i = 0; i < robot_ids.size(); ++i) {
+    laser.Dim(world, robot_ids[i], haze, ranges_m.data() + i * static_cast<std::size_t>(laser.NumBeams()));
+  }
+}
+
 void BindOdometry(nb::module_& m) {
   nb::class_<sensing::TeamOdometry>(m, "TeamOdometry")
       .def(
@@ -191,6 +202,7 @@ void BindSensing(nb::module_& m) {
           "solids"_a, "doors"_a, nb::kw_only(), "beams"_a, "angle_min_rad"_a, "angle_max_rad"_a, "forward_m"_a,
           "range_min_m"_a, "range_max_m"_a, "too_near_m"_a, "no_return_m"_a, "left_m"_a)
       .def("scan", &Scan, "world"_a, "robot_ids"_a, "noise_m"_a)
+      .def("dim", &Dim, "world"_a, "robot_ids"_a, "haze"_a, "ranges_m"_a)
       .def("nearest", &Nearest, "world"_a, "robot_ids"_a, "noise_m"_a);
   BindOdometry(m);
   BindTeam(m);

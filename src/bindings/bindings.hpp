@@ -9,6 +9,7 @@ void BindBase(nanobind::module_& m);
 void BindPlan(nanobind::module_& m);
 void BindWorld(nanobind::module_& m);
 void BindPropagation(nanobind::module_& m);
+void BindHazards(nanobind::module_& m);
 void BindSensing(nanobind::module_& m);
 void BindNetwork(nanobind::module_& m);
 void BindSwarm(nanobind::module_& m);

@@ -14,6 +14,7 @@ constexpr Floor kFloors[] = {
     {"plan", "Path planning on a known map.", &robotteamsim::bindings::BindPlan},
     {"world", "Robots, walls, doors and objects.", &robotteamsim::bindings::BindWorld},
     {"propagation", "Fading of radio and voice.", &robotteamsim::bindings::BindPropagation},
+    {"hazards", "Fire, smoke and heat.", &robotteamsim::bindings::BindHazards},
     {"sensing", "Lasers, odometry and hearing.", &robotteamsim::bindings::BindSensing},
     {"network", "Links between robots.", &robotteamsim::bindings::BindNetwork},
     {"swarm", "Velocities of a robotic swarm.", &robotteamsim::bindings::BindSwarm},

@@ -16,6 +16,9 @@ ROBOT_BODY = "#14171c"
 
 WAITING, HEARD, SAVED = VERMILLION, YELLOW, GREEN
 VICTIMS = {"waiting": WAITING, "heard": HEARD, "saved": SAVED}
+CASUALTY = "#6b6f76"
+"""Victims who have collapsed or died."""
+FLAME, SMOKE, CHAR = "#ff5a1f", "#7d8087", "#26211d"
 SKIN = "#f1d3b8"
 OPEN_AREA, TARGET_AREA, EXPLORED_AREA = "#c3ccd6", WHITE, GREEN
 COLLISION = VERMILLION

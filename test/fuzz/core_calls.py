@@ -332,6 +332,38 @@ def _sensors() -> Iterator[Call]:
     yield totals.of(("add_steps", np.arange(12.0).reshape(3, 2, 2), flags, flags, np.ones(3, np.bool_)), ("totals",))
 
 
+_BURNING = new(
+    "hazards.BurningFloor",
+    np.ones((8, 12), np.bool_),
+    np.ones((8, 12), np.bool_),
+    [(0, 41, True), (0, 53, True)],
+    [(True, 0.01, 3.0)],
+    [(5000.0, 60.0, 0.2)],
+    np.zeros((8, 12), np.int32),
+    np.full((8, 12), 0.3),
+    cell_m=0.5,
+    diffusivity_m2_s=0.2,
+    ambient_c=20.0,
+    heat_kj_m2_k=3.0,
+    convection_kw_m2_k=0.01,
+    emissivity=0.8,
+    soot_g_kj=0.003,
+    convective_share=0.7,
+)
+_HAZE = new("hazards.Haze", (-1.0, 2.0), 0.5, _MAP, 8.7, 1.5)
+
+
+def _hazards() -> Iterator[Call]:
+    state = (("states",), ("soot_g_m2",), ("soot_g_m3", 2.6), ("temperature_c", 20.0, 820.0))
+    numbers = (("heat_release_kw",), ("num_burning",), ("is_burnt_through", 0))
+    burn = (("ignite", 40), ("advance", 1.0), ("set_door", 0, False), ("advance", 5.0))
+    yield _BURNING.of(*burn, *state, *numbers)
+    yield _HAZE.of(("sight_m", (0.0, 3.0), 0.5, 4.0))
+    yield new("hazards.values_at", _MAP, (-1.0, 2.0), 0.5, np.array([[0.0, 3.0], [9.0, 9.0]]), 1.0)
+    yield new("hazards.hot_in_sight", _MAP, (-1.0, 2.0), 0.5, 2.0, _GRID, _FROM, 4.0)
+    yield _LASER.of(("dim", _WORLD, [0, 1], _HAZE, Output((2, 7))))
+
+
 def calls() -> tuple[Call, ...]:
     """Return the valid calls of all submodules."""
-    return (*_plan(), *_control(), *_signals(), *_world(), *_sensors())
+    return (*_plan(), *_control(), *_signals(), *_world(), *_sensors(), *_hazards())

@@ -16,7 +16,7 @@ FLOORS = (
     ("errors", "extras", "geometry", "palette", "rng", "wording", "base"),  # base is C++
     ("map_import",),
     ("scenario", "plan"),  # C++ calls it plan
-    ("world", "propagation"),
+    ("world", "propagation", "hazards"),
     ("sensing", "network", "stage", "gazebo"),
     ("swarm",),
     ("interface",),

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
+#include "robotteamsim/hazards/haze.hpp"
 #include "robotteamsim/sensing/beam_fan.hpp"
 #include "robotteamsim/world/nearby_edges.hpp"
 #include "robotteamsim/world/world.hpp"
@@ -43,6 +44,9 @@ class Laser {
 
   /// Writes the reported ranges of a scan [m]. Args: noise: added to each range [m]; null: none.
   void Report(const std::vector<double>& ranges, const double* noise, float* report) const;
+
+  /// Removes the returns of a scan that smoke hides from a robot's laser. Args: report: the reported ranges [m].
+  void Dim(const world::World& world, int robot, const hazards::Haze& haze, float* report) const;
 
  private:
   /// The ranges found so far, in the order of the fan.

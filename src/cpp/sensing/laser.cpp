@@ -13,6 +13,7 @@ namespace robotteamsim::sensing {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kSharedSight = 0.09;  // 5 degrees
 constexpr int kMostBeams = 1'000'000;
 
 LaserModel Checked(const LaserModel& model) {
@@ -220,6 +221,27 @@ std::vector<double> Laser::Scan(const world::World& world, int robot) const {
 
 void Laser::Report(const std::vector<double>& ranges, const double* noise, float* report) const {
   write_report_(model_, ranges.data(), noise, ranges.size(), report);
+}
+
+void Laser::Dim(const world::World& world, int robot, const hazards::Haze& haze, float* report) const {
+  if (!world.present().at(robot)) return;
+  const base::Pose& base = world.poses()[robot];
+  const double cos = std::cos(base.yaw), sin = std::sin(base.yaw);
+  const base::Point origin{base.x + model_.forward * cos - model_.left * sin,
+                           base.y + model_.forward * sin + model_.left * cos};
+  if (haze.IsClearAround(origin, model_.range_max)) return;
+  const double step = model_.beams > 1 ? (model_.angle_max - model_.angle_min) / (model_.beams - 1) : 0.0;
+  // Smoke is so smooth that neighbouring beams share the sight along their middle.
+  const int shared = std::max(1, step > 0.0 ? base::ClampedInt(kSharedSight / step, 1, model_.beams) : 1);
+  for (int first = 0; first < model_.beams; first += shared) {
+    const int end = std::min(first + shared, model_.beams);
+    const double angle = base.yaw + model_.angle_min + 0.5 * (first + end - 1) * step;
+    const double sight = haze.Sight(origin, {std::cos(angle), std::sin(angle)}, model_.range_max);
+    if (sight >= model_.range_max) continue;
+    for (int beam = first; beam < end; ++beam) {
+      if (report[beam] > sight && report[beam] <= model_.range_max) report[beam] = static_cast<float>(model_.no_return);
+    }
+  }
 }
 
 }  // namespace robotteamsim::sensing

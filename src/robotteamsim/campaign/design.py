@@ -15,6 +15,7 @@ from robotteamsim.control.driving.localisation import check_headless
 from robotteamsim.errors import CampaignError, RobotTeamSimError, ScenarioError
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import shown
+from robotteamsim.simulation.hazard_stage import check_fire
 from robotteamsim.world.placement import check_places
 
 _NUM_SEEDS = 2**53
@@ -160,6 +161,7 @@ def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
     try:
         loaded = scenario.load(scenario_name, [f"{s.key}={json.dumps(s.values[0])}" for s in settings])
         check_places(loaded)
+        check_fire(loaded)
         check_headless(loaded)
         return loaded
     except ScenarioError as error:

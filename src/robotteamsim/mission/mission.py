@@ -10,9 +10,20 @@ import msgspec
 import numpy as np
 
 from robotteamsim import _core
+from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Decision, Discovery, Task
 from robotteamsim.mission.base_station import BaseStation
-from robotteamsim.mission.status import END_TEXTS, Event, MissionEnd, MissionState, MissionStatus, VictimState
+from robotteamsim.mission.casualties import Casualties
+from robotteamsim.mission.status import (
+    END_TEXTS,
+    OUT_OF_DANGER,
+    SILENT,
+    Event,
+    MissionEnd,
+    MissionState,
+    MissionStatus,
+    VictimState,
+)
 from robotteamsim.mission.team_monitor import TeamMonitor
 from robotteamsim.network.graph import newly_endangered
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
@@ -55,6 +66,9 @@ class Mission:
         self._step_ns = scenario.run.step_ns
         self._upcoming = Upcoming(scenario.schedule, ("noise_db", "victim"))
         self._walkers = Walkers(scenario)
+        self._casualties = Casualties(scenario)
+        self.failed: frozenset[int] = frozenset()
+        """Ids of the absent robots that have failed by heat, as of the step to be judged."""
 
         self._state: MissionState = "waiting"
         self._end: MissionEnd = ""
@@ -139,6 +153,14 @@ class Mission:
                 self._add_event(f"robot_{mishap}", "", robot_id, f"robot {robot_id} {_MISHAPS[mishap]}")
         self._mishaps = mishaps
 
+    def follow_hazards(self, field: HazardField | None, failed: frozenset[int]) -> None:
+        """Record fire and smoke of the step to be judged, and the absent robots that have failed by heat.
+
+        Args: field: None if fire and smoke have not advanced in this step.
+        """
+        self._casualties.follow(field)
+        self.failed = failed
+
     def set_noise_db(self, noise_db: float) -> None:
         """Record a new background noise, which changes the voice map."""
         self.noise_db = noise_db
@@ -148,6 +170,7 @@ class Mission:
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
         """Add a victim, or move an existing one, who no longer walks; they then wait (again) to be heard and saved."""
         self._walkers.stop(name)
+        self._casualties.forget(name)
         victim = Victim(name=name, position=position_m)
         names = [known.name for known in self.victims]
         index = names.index(name) if name in names else len(names)
@@ -190,6 +213,7 @@ class Mission:
         if self._state == "running":
             self._judge_voices(voices)
             self._judge_places(positions_m)
+            self._judge_harm()
             if self._base.undelivered:
                 self._judge_deliveries(base_inbox)
             self._judge_links(network)
@@ -221,7 +245,7 @@ class Mission:
             return
         moved = tuple(
             victim
-            if state == "saved" or due.get(victim.name, victim.position) == victim.position
+            if state in SILENT or due.get(victim.name, victim.position) == victim.position
             else victim.model_copy(update={"position": due[victim.name]})
             for victim, state in zip(self.victims, self._victim_states, strict=True)
         )
@@ -230,6 +254,16 @@ class Mission:
             self._note_who_is_saved()
             self._places = self._all_places()
             self._heard_places_m.clear()
+
+    def _judge_harm(self) -> None:
+        for index, state, dose in self._casualties.judge(self.victims, self._victim_states):
+            name = self.victims[index].name
+            self._victim_states[index] = state
+            self._note_who_is_saved()
+            self._heard_places_m.clear()
+            self._epoch += 1  # the voice leaves the map
+            does = "dies" if state == "dead" else "collapses"
+            self._add_event(f"victim_{state}", name, NOBODY, f"{name} {does}: {dose}")
 
     def _judge_voices(self, voices: Sequence[VoiceReading]) -> None:
         if "waiting" not in self._victim_states:
@@ -245,7 +279,7 @@ class Mission:
         for place, robot_id in self._places.reached(positions_m):
             if place == area:
                 self._explore(robot_id)
-            elif place < num_victims and self._victim_states[place] != "saved":
+            elif place < num_victims and self._victim_states[place] not in OUT_OF_DANGER:
                 self._save(place, robot_id)
 
     def _save(self, index: int, robot_id: int) -> None:
@@ -261,8 +295,11 @@ class Mission:
     def _note_who_is_saved(self) -> None:
         is_saved = [state == "saved" for state in self._victim_states]
         self.saved_victims = tuple([victim.name for victim, saved in zip(self.victims, is_saved, strict=True) if saved])
-        """Names of the saved victims, who are silent; the same object until another victim is saved."""
-        self._unsaved = [i for i, saved in enumerate(is_saved) if not saved and self.victims[i].calling]
+        """Names of the saved victims; the same object until another victim is saved."""
+        is_silent = [state in SILENT for state in self._victim_states]
+        self.silent_victims = tuple([v.name for v, silent in zip(self.victims, is_silent, strict=True) if silent])
+        """Names of the victims who do not call any more; the same object until there is another one."""
+        self._unsaved = [i for i, silent in enumerate(is_silent) if not silent and self.victims[i].calling]
         """Indices of the victims who may be heard."""
         self._unsaved_m = [self.victims[index].position for index in self._unsaved]
 
@@ -318,7 +355,10 @@ class Mission:
         now = np.ones(self._num_robots, dtype=bool) if present is None else present
         then = np.ones(self._num_robots, dtype=bool) if before is None else before
         for robot_id in np.flatnonzero(then & ~now).tolist():
-            self._add_event("robot_removed", "", robot_id, f"robot {robot_id} is removed")
+            if robot_id in self.failed:
+                self._add_event("robot_failed_by_heat", "", robot_id, f"robot {robot_id} fails by heat")
+            else:
+                self._add_event("robot_removed", "", robot_id, f"robot {robot_id} is removed")
         for robot_id in np.flatnonzero(now & ~then).tolist():
             self._add_event("robot_spawned", "", robot_id, f"robot {robot_id} is spawned")
 

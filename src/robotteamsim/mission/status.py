@@ -11,7 +11,11 @@ from robotteamsim.interface import Task
 
 MissionState = Literal["waiting", "running", "paused", "ended"]
 MissionEnd = Literal["", "areas_explored", "time_limit", "all_excluded", "none_left", "aborted"]
-VictimState = Literal["waiting", "heard", "saved"]
+VictimState = Literal["waiting", "heard", "collapsed", "saved", "dead"]
+SILENT: frozenset[VictimState] = frozenset(("collapsed", "saved", "dead"))
+"""States of victims who do not call."""
+OUT_OF_DANGER: frozenset[VictimState] = frozenset(("saved", "dead"))
+"""States that do not change any more."""
 
 END_TEXTS: Mapping[str, str] = {
     "areas_explored": "all areas are explored",
@@ -30,6 +34,7 @@ class Event(msgspec.Struct, frozen=True, gc=False):
               robot_included, robot_removed, robot_spawned, robot_tipped_over, robot_left_world,
               swarm_founded, swarm_dissolved, controller_failed,
               message_too_large,
+              robot_failed_by_heat, victim_collapsed, victim_dead,
               discovery_delivered (the discovery of an area or victim by robot_id was delivered to the base),
               door (opened or closed), door_moves (its leaf starts, is blocked or stops), noise, ...
     subject:  name of the area, victim, door, link ("0-2") or swarm ("swarm 1"); "" for the mission itself.

@@ -7,6 +7,7 @@ from typing import Any
 from robotteamsim.network.compact import LinksEncoder
 from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.hazard_messages import FIRE_GRID, SMOKE_GRID, SOOT, TEMPERATURE, hazard_messages
 from robotteamsim.recording.sensor_messages import sensor_topics
 from robotteamsim.scenario.published_map import published_map
 from robotteamsim.scenario.scenario import Scenario
@@ -38,6 +39,14 @@ TEAM_TOPICS = (
     Topic("/world/doors", "robotteamsim/Doors", latched=True),
     Topic("/world/robots", "robotteamsim/Robots", latched=True),
 )
+
+FIRE_TOPICS = (
+    Topic(FIRE_GRID, "nav_msgs/OccupancyGrid", latched=True),
+    Topic(TEMPERATURE, "robotteamsim/FloatMap", latched=True),
+    Topic(SMOKE_GRID, "nav_msgs/OccupancyGrid", latched=True),
+    Topic(SOOT, "robotteamsim/FloatMap", latched=True),
+)
+"""Of scenarios with a fire."""
 
 ROBOT_TOPICS = (
     Topic("odom", "nav_msgs/Odometry"),
@@ -73,6 +82,8 @@ class BagMessages:
         """Yield all topics of the team and of each robot."""
         with_matrices = self._scenario.network.publish_matrices
         yield from (topic for topic in TEAM_TOPICS if with_matrices or topic.name != "/network/state")
+        if self._scenario.fire is not None:
+            yield from FIRE_TOPICS
         for robot_id, sensors in enumerate(self._sensors):
             for topic in (*ROBOT_TOPICS, *(Topic(sensor.name, sensor.type_name) for sensor in sensors)):
                 yield Topic(f"/{ros_messages.robot_name(robot_id)}/{topic.name}", topic.type_name, topic.latched)
@@ -107,8 +118,10 @@ class BagMessages:
         if last is None or any(getattr(record, name) is not getattr(last, name) for name in _PRESENCE):
             yield (
                 "/world/robots",
-                ros_messages.robots(make, time_ns, record.present, record.arrivals, record.mishaps),
+                ros_messages.robots(make, time_ns, record.present, record.arrivals, record.mishaps, record.failed),
             )
+        if record.hazards is not None:
+            yield from hazard_messages(make, time_ns, record.hazards)
         if record.voice_map is not None:
             yield "/voice_map", ros_messages.field_map_picture(make, time_ns, record.voice_map)
             yield "/voice_map/values", ros_messages.field_map(make, time_ns, record.voice_map, "voice_level", "dB")

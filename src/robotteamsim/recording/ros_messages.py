@@ -5,7 +5,7 @@ of rosbags, and the nodes pass a factory for their own message classes. Numeric 
 attribute's type; a factory converts them if its classes need something else.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Protocol
 
@@ -401,6 +401,7 @@ def robots(
     present: np.ndarray | None,
     arrivals: Sequence[int],
     mishaps: Mapping[int, Mishap] = MappingProxyType({}),
+    failed: Collection[int] = (),
 ) -> Any:
     """robotteamsim/Robots. Args: present: bool, shape (n,); None if all robots are present.  mishaps: by id."""
     numbers = [MISHAPS.index(mishaps.get(robot_id)) for robot_id in range(len(arrivals))] if mishaps else []
@@ -410,6 +411,7 @@ def robots(
         present=np.ones(len(arrivals), dtype=np.uint8) if present is None else present.astype(np.uint8),
         mishaps=np.array(numbers, dtype=np.uint8),
         arrivals=np.array(arrivals, dtype=np.uint32),
+        failed_by_heat=np.array([robot_id in failed for robot_id in range(len(arrivals))], dtype=np.uint8),
     )
 
 

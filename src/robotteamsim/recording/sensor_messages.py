@@ -51,7 +51,8 @@ def sensor_topics(robot: Robot) -> tuple[SensorTopic, ...]:
         )
     )
     gps = (SensorTopic("fix", "sensor_msgs/NavSatFix", _fix),) if robot.gps else ()
-    return (*lasers, *sonars, *cameras, *gps)
+    heat = (SensorTopic("heat", "robotteamsim/Heat", _heat),) if robot.heat else ()
+    return (*lasers, *sonars, *cameras, *gps, *heat)
 
 
 def _scan(
@@ -126,4 +127,15 @@ def _fix(make: Make, time_ns: int, robot_id: int, readings: FurtherReadings) -> 
         altitude=readings.fix.altitude_m,
         position_covariance=np.diag([readings.fix.variance_m2, readings.fix.variance_m2, 0.0]).ravel(),
         position_covariance_type=_COVARIANCE_TYPE_DIAGONAL_KNOWN,
+    )
+
+
+def _heat(make: Make, time_ns: int, robot_id: int, readings: FurtherReadings) -> Any | None:
+    if readings.heat is None:
+        return None
+    return make(
+        "robotteamsim/Heat",
+        header=ros_messages.header(make, time_ns, ros_messages.MAP_FRAME),
+        temperature_c=readings.heat.temperature_c,
+        hot=[ros_messages.point(make, place) for place in readings.heat.hot_m],
     )

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from robotteamsim.scenario.base import Many, Model, Name, first_repeated, wrong
+from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.origin import Origin
@@ -48,8 +49,11 @@ class Scenario(Model):
         default=(), max_length=MAX_OBJECTS, description="boxes and barrels that robots push"
     )
     schedule: Many[ScheduledEvent] = Field(
-        default=(), max_length=MAX_EVENTS, description="changes while the world runs: robots, doors, noise, victims"
+        default=(),
+        max_length=MAX_EVENTS,
+        description="changes while the world runs: robots, doors, noise, victims, fire",
     )
+    fire: Fire | None = Field(default=None, description="fire and smoke; none by default")
     run: Run = Run()
 
     _plan_file: tuple[FloorPlan, str] | None = PrivateAttr(default=None)
@@ -90,7 +94,8 @@ class Scenario(Model):
             raise wrong(f"objects.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
         if not any(self.present_at_start):
             raise wrong("robots", "none of them is present at the start")
-        problem = problem_of(self.schedule, self.present_at_start, [door.name for door in self.plan.doors])
+        doors = [door.name for door in self.plan.doors]
+        problem = problem_of(self.schedule, self.present_at_start, doors) or self._problem_of_fire(doors)
         if problem:
             raise wrong(*problem)
         if self.mission.base is not None and self.mission.base >= num_robots:
@@ -98,6 +103,23 @@ class Scenario(Model):
         if self.mission.base is not None and num_robots == 1:
             raise wrong("mission.base", "is the only robot; expected at least one other robot to search")
         return self
+
+    def _problem_of_fire(self, doors: list[str]) -> tuple[str, str] | None:
+        """Return a key and its mistake if the fire contradicts the plan or the rest of the scenario."""
+        if self.fire is None:
+            for index, event in enumerate(self.schedule):
+                if event.ignite is not None:
+                    return f"schedule.{index}.ignite", "there is no section 'fire' with fuel"
+            return None
+        for index, name in enumerate(self.fire.fireproof):
+            if name not in doors:
+                known = ", ".join(doors) or "none"
+                return f"fire.fireproof.{index}", f"there is no door '{name}'; known: {known}"
+        if self.run.world != "box2d":
+            return "fire", f"needs run.world box2d, not {self.run.world}"
+        if self.fire.update_ns < self.run.step_ns:
+            return "fire.update_s", f"{self.fire.update_s:g} is below run.step_s, {self.run.step_s:g}"
+        return None
 
     @property
     def num_robots(self) -> int:

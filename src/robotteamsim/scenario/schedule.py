@@ -1,4 +1,4 @@
-"""What changes at given times: robots, doors, noise and victims."""
+"""What changes at given times: robots, doors, noise, victims and fire."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 
 from robotteamsim.scenario.base import Model, Name, NoiseDb, PlanarPose, Point, wrong
 
-EventKind = Literal["remove", "spawn", "door", "noise_db", "victim"]
+EventKind = Literal["remove", "spawn", "door", "noise_db", "victim", "ignite"]
 _KINDS: tuple[EventKind, ...] = get_args(EventKind)
 _DETAILS: dict[str, EventKind] = {"pose": "spawn", "closed": "door", "position": "victim"}
 """Keys that are only allowed with one kind of event."""
 
 
 class ScheduledEvent(Model):
-    """One change: exactly one of `remove`, `spawn`, `door`, `noise_db` and `victim`."""
+    """One change: exactly one of `remove`, `spawn`, `door`, `noise_db`, `victim` and `ignite`."""
 
     at_s: float = Field(ge=0.0, le=1e6, description="takes effect in the first step that begins then or later [s]")
     remove: int | None = Field(default=None, ge=0, le=2999, description="id of the robot to remove")
@@ -32,6 +32,7 @@ class ScheduledEvent(Model):
     noise_db: NoiseDb | None = Field(default=None, description="new background noise [dB]")
     victim: Name | None = Field(default=None, description="name of the victim to add or to move")
     position: Point | None = Field(default=None, description="[x, y] of this victim in the map frame [m]")
+    ignite: Point | None = Field(default=None, description="[x, y] of the place that starts to burn [m, map]")
 
     @model_validator(mode="after")
     def _check(self) -> ScheduledEvent:

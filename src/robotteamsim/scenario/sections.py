@@ -26,7 +26,7 @@ from robotteamsim.scenario.mujoco import Mujoco, Wheels
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.radio_presets import with_preset
-from robotteamsim.scenario.sensors import Camera, Gps, Mount, MountedLaser, Sonar, check_names
+from robotteamsim.scenario.sensors import Camera, Gps, HeatSensor, Mount, MountedLaser, Sonar, check_names
 from robotteamsim.scenario.sensors import Laser as Laser
 from robotteamsim.scenario.victims import Victim as Victim
 
@@ -121,6 +121,7 @@ class Robot(Model):
     sonars: Many[Sonar] = Field(default=(), max_length=64, description="a ring of sonars, each on its own topic")
     cameras: Many[Camera] = Field(default=(), max_length=8, description="cameras; only in `run.world: mujoco`")
     gps: Gps | None = Field(default=None, description="GPS, on the topic `fix`")
+    heat: HeatSensor | None = Field(default=None, description="thermal camera, on the topic `heat`; needs `fire`")
     odometry: Odometry = Odometry()
     cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="time for which the last command holds [s]")
 

@@ -17,7 +17,7 @@ _NAME = re.compile("[a-z][a-z0-9_]*")
 _TAKEN = frozenset(
     (
         *("base", "base_laser", "base_pose_ground_truth", "base_scan", "cmd_vel", "cmd_vel_stamped", "contact"),
-        *("controller", "fix", "network", "odom", "radio_map", "teleop", "voice"),
+        *("controller", "fix", "heat", "network", "odom", "radio_map", "teleop", "voice"),
     )
 )
 """Topics and frames that every robot has."""
@@ -149,3 +149,9 @@ class Gps(Model):
         default=1.0, ge=0.0, le=1000.0, description="standard deviation to the east and to the north [m]"
     )
     rate_hz: float = Field(default=1.0, gt=0.0, le=1000.0, description="fixes per second, at most one per step [Hz]")
+
+
+class HeatSensor(Model):
+    """A thermal camera that looks around: the temperature at the robot, and the hot places that it sees."""
+
+    range_m: float = Field(default=5.0, gt=0.0, le=100.0, description="farthest hot place that it sees [m]")

@@ -1,4 +1,4 @@
-"""Additional sensors of robots: lasers, sonars and GPS, each with its own topic."""
+"""Additional sensors of robots: lasers, sonars, GPS and thermal camera, each with its own topic."""
 
 from collections.abc import Sequence
 
@@ -10,8 +10,10 @@ from robotteamsim.rng import stream
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import Camera, Gps, MountedLaser
 from robotteamsim.sensing.gps import fix, is_due
+from robotteamsim.sensing.heat import ThermalCamera
 from robotteamsim.sensing.laser import Laser
 from robotteamsim.sensing.readings import NOTHING_FURTHER, Fix, FurtherReadings
+from robotteamsim.sensing.smoke import SmokyAir
 from robotteamsim.sensing.sonar import Sonar
 from robotteamsim.world.contract import AnyWorld
 
@@ -22,8 +24,8 @@ class FurtherSensors:
     Random streams: ("laser", id, name), ("sonar", id, name) and ("gps", id).
     """
 
-    def __init__(self, world: AnyWorld, robots: Sequence[PlacedRobot], seed: int) -> None:
-        """Args: robots: those of the world, in id order."""
+    def __init__(self, world: AnyWorld, robots: Sequence[PlacedRobot], seed: int, air: SmokyAir | None = None) -> None:
+        """Args: robots: those of the world, in id order.  air: None if nothing can burn."""
         self._world = world
         self._robots = tuple(robots)
         self._seed = seed
@@ -31,8 +33,10 @@ class FurtherSensors:
         lasers = dict.fromkeys(model for robot in self._robots for model in robot.lasers)
         self._lasers = {model: Laser(model, world) for model in lasers}
         sonars = dict.fromkeys(model for robot in self._robots for model in robot.sonars)
+        self._air = air
+        self._camera = None if air is None else ThermalCamera(world, air)
         self._sonars = {model: Sonar(model, world) for model in sonars}
-        self.has_any = any(robot.cameras or _names(robot) for robot in self._robots)
+        self.has_any = any(robot.cameras or _names(robot) or robot.heat for robot in self._robots)
         """Whether any robot has an additional sensor."""
         self.reset()
 
@@ -63,6 +67,9 @@ class FurtherSensors:
                 ),
                 images=tuple(self._image(robot_id, camera) for camera in robot.cameras),
                 fix=self._fix(robot_id, robot.gps, tuple(positions_m[robot_id])),
+                heat=self._camera.read(robot.heat, tuple(positions_m[robot_id]))
+                if self._camera and robot.heat
+                else None,
             )
             for robot_id, robot in enumerate(self._robots)
         )
@@ -84,6 +91,8 @@ class FurtherSensors:
         if self._world.step_index % laser.every_steps:
             return None
         scans: np.ndarray = self._lasers[laser].scan([robot_id], [self._streams[robot_id, "laser", laser.name]])
+        if self._air is not None:
+            self._air.dim(self._lasers[laser], [robot_id], scans)
         ranges_m: np.ndarray = scans[0]
         return ranges_m
 

@@ -53,6 +53,17 @@ class Fix(msgspec.Struct, frozen=True, gc=False):
     variance_m2: float
 
 
+class HeatReading(msgspec.Struct, frozen=True, gc=False):
+    """What a thermal camera measures.
+
+    temperature_c: of the air at the robot [degC].
+    hot_m:         centres of the hot places in sight, in `map` [m].
+    """
+
+    temperature_c: float
+    hot_m: tuple[tuple[float, float], ...] = ()
+
+
 class FurtherReadings(msgspec.Struct, frozen=True, gc=False, eq=False):
     """Readings of sensors that only some robots have; None for a sensor without a reading in this step.
 
@@ -61,12 +72,14 @@ class FurtherReadings(msgspec.Struct, frozen=True, gc=False, eq=False):
     fix:      of `robots.gps`.
     images:   of `robots.cameras`, in their order: uint8, shape (height, width, 3), red, green, blue; or, of depth
               cameras, float32, shape (height, width) [m].
+    heat:     of `robots.heat`, in the steps in which fire and smoke advance.
     """
 
     scans_m: tuple[np.ndarray | None, ...] = ()
     sonars_m: tuple[float, ...] = ()
     fix: Fix | None = None
     images: tuple[np.ndarray | None, ...] = ()
+    heat: HeatReading | None = None
 
 
 NOTHING_FURTHER = FurtherReadings()

@@ -6,12 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from robotteamsim.hazards import HazardSource
 from robotteamsim.rng import stream
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.sensing.further import FurtherSensors
 from robotteamsim.sensing.laser import Laser
 from robotteamsim.sensing.odometry import TeamOdometry
 from robotteamsim.sensing.readings import ROW_LENGTH, TeamReadings
+from robotteamsim.sensing.smoke import SmokyAir
 from robotteamsim.sensing.team_reader import make_reader
 from robotteamsim.world.contract import AnyWorld
 
@@ -25,8 +27,10 @@ class RobotSensors:
     of the arrival, so that its noise does not depend on what happened before.
     """
 
-    def __init__(self, world: AnyWorld, robots: Sequence[PlacedRobot], seed: int) -> None:
-        """Args: robots: those of the world, in id order."""
+    def __init__(
+        self, world: AnyWorld, robots: Sequence[PlacedRobot], seed: int, hazards: HazardSource | None = None
+    ) -> None:
+        """Args: robots: those of the world, in id order.  hazards: None if nothing can burn."""
         self._world = world
         self._robots = tuple(robots)
         self._seed = seed
@@ -37,7 +41,8 @@ class RobotSensors:
         ]
         self._scan_shapes = [(len(robot_ids), laser.num_beams) for laser, robot_ids in self._lasers]
         self._has_laser_noise = any(model.noise_m > 0.0 for model in models)
-        self._further = FurtherSensors(world, robots, seed)
+        self._air = None if hazards is None else SmokyAir(world, hazards)
+        self._further = FurtherSensors(world, robots, seed, self._air)
         self.reset()
 
     def read(self) -> TeamReadings:
@@ -50,6 +55,9 @@ class RobotSensors:
         rows = np.empty((len(self._robots), ROW_LENGTH))
         scans_m = [np.empty(shape, dtype=np.float32) for shape in self._scan_shapes]
         self._reader(self._odometry.next_noise(), self._laser_noise_m(), rows, scans_m)
+        if self._air is not None:
+            for (laser, robot_ids), scan_m in zip(self._lasers, scans_m, strict=True):
+                self._air.dim(laser, robot_ids, scan_m)
         further = self._further.read() if self._further.has_any else ()
         return TeamReadings(rows, self._by_robot(scans_m), self._world.contact_angles_rad(), further)
 

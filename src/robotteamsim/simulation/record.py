@@ -9,6 +9,7 @@ from typing import Protocol
 import msgspec
 import numpy as np
 
+from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Decision
 from robotteamsim.mission.status import Event, MissionEnd, MissionStatus
 from robotteamsim.network.messages import Message, NetworkState
@@ -33,6 +34,8 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     mishaps:    robots that cannot go on, by id, and why; present, arrivals and mishaps are the same objects until they
                 change.
     voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
+    hazards:    fire, smoke and temperature, in the steps in which they advance, else None.
+    failed:     ids of the absent robots that have failed by heat.
     """
 
     step_index: int
@@ -51,6 +54,8 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     present: np.ndarray | None = None
     arrivals: tuple[int, ...] = ()
     mishaps: Mapping[int, Mishap] = MappingProxyType({})
+    hazards: HazardField | None = None
+    failed: frozenset[int] = frozenset()
 
     def is_there(self, robot_id: int) -> bool:
         """Whether a robot is present."""

@@ -12,6 +12,7 @@ import numpy as np
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.driving.localisation import check_headless
 from robotteamsim.geometry import Pose, Twist
+from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.mission import Mission
 from robotteamsim.mission.status import Event
@@ -21,6 +22,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import RobotReading, VoiceReading, reading_rows
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation.environment import Environment
+from robotteamsim.simulation.hazard_stage import HazardStage
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.tally import Tally
 from robotteamsim.world.making import make_world
@@ -32,7 +34,8 @@ _TWIST, _OUTBOX = attrgetter("twist"), attrgetter("outbox")
 class Simulation:
     """One trial of a scenario. It depends on nothing but the scenario, which includes the seed.
 
-    The world moves, the robots sense, the network delivers, the controllers decide, the mission judges.
+    The world moves, fire and smoke spread, the robots sense, the network delivers, the controllers decide, the mission
+    judges.
     The stages pass each other only what ROS messages of the same stamp, or of the step before, can carry: in step k
     the world moves by the twists of step k-1, the network delivers what was sent in step k-1, controllers know the
     mission's task as of step k-1. Nodes that wait for the same stamps therefore compute the same bits.
@@ -44,7 +47,9 @@ class Simulation:
         robots, seed = placed_robots(scenario), scenario.run.seed
         self.scenario = scenario
         self.world = make_world(scenario, robots)
-        self.sensors = RobotSensors(self.world, robots, seed)
+        self.fire = None if scenario.fire is None else HazardStage(scenario, self.world)
+        """Fire and smoke; None if nothing can burn."""
+        self.sensors = RobotSensors(self.world, robots, seed, None if self.fire is None else self.fire.hazards)
         self.environment = Environment(scenario)
         self._arrivals = self.world.arrivals
         self._mishaps = self.world.mishaps
@@ -56,6 +61,7 @@ class Simulation:
         self._saved: tuple[str, ...] = ()
         self._voice_map_changes = -1
         self._doors_version = 0
+        self._hazard_field: HazardField | None = None
 
     def step(self) -> StepRecord:
         """Advance by one step and return its record."""
@@ -83,11 +89,16 @@ class Simulation:
             present=world.present,
             arrivals=world.arrivals,
             mishaps=world.mishaps,
+            hazards=self._hazard_field,
+            failed=mission.failed,
         )
 
     def _move_world(self) -> None:
         """Move the world by the last decisions; voice, radio and mission follow its doors and its time."""
         self.world.step(list(map(_TWIST, self._decisions)))
+        if self.fire is not None:
+            self._hazard_field = self.fire.field if self.fire.step() else None
+            self.mission.follow_hazards(self._hazard_field, self.fire.failed)
         doors = self.world.door_states()
         if doors.version != self._doors_version:
             self._doors_version = doors.version
@@ -132,7 +143,7 @@ class Simulation:
         events = self.mission.step(
             world.sim_time_ns, positions_m, voices, network, self._decisions, base_inbox, world.present
         )
-        self._task, self._saved = self.mission.task, self.mission.saved_victims
+        self._task, self._saved = self.mission.task, self.mission.silent_victims
         return events
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:
@@ -190,6 +201,12 @@ class Simulation:
         decisions = list(self._decisions)
         decisions[robot_id] = msgspec.structs.replace(decisions[robot_id], twist=Twist())
         self._decisions = tuple(decisions)
+
+    def ignite(self, position_m: tuple[float, float]) -> None:
+        """Set fire to a place in `map` [m]. Raises: ValueError: nothing burns there, or the scenario has no fire."""
+        if self.fire is None:
+            raise ValueError("ignite: the scenario has no section 'fire'")
+        self.fire.ignite(position_m)
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
         """Add a victim, or move the one of that name [m, map]; they call from there and no longer walk."""

@@ -78,6 +78,7 @@ def test_message_that_fits_the_scenario_is_read(message):
     [
         (Robots(present=[1], arrivals=[1, 1]), "present: 1 entries; expected 2"),
         (Robots(present=[1, 1], arrivals=[]), "arrivals: 0 entries; expected 2"),
+        (Robots(present=[1, 1], arrivals=[1, 1], failed_by_heat=[1]), "failed_by_heat: 1 entries; expected 2"),
         (NetworkState(num_robots=3), "num_robots: 3; expected 2"),
         (NetworkState(**NETWORK | {"hop_count": [0]}), "hop_count: 1 entries; expected 4"),
         (NetworkState(**NETWORK, refused_senders=[1]), "refused_bytes: 0 entries; expected 1"),
@@ -100,11 +101,11 @@ def test_message_that_fits_the_scenario_is_read(message):
         (LaserScan(angle_increment=math.nan), "angles: (0, nan); expected finite numbers"),
         (FloatMap(resolution_m=0.0), "resolution_m: 0; expected 0.01 to 1e+06"),
         (FloatMap(resolution_m=1.0, width=2, height=2, data=[1.0]), "data: 1 entries; expected 4"),
-        (FloatMap(resolution_m=1.0, width=1, height=1, data=[math.nan]), "data: nan; expected -300 to 300"),
+        (FloatMap(resolution_m=1.0, width=1, height=1, data=[math.nan]), "data: nan; expected -1e+06 to 1e+06"),
         (Areas(areas=[Area(radius_m=-1.0)]), "radius_m: -1; expected 0 to 1e+06"),
         (Areas(areas=[Area(), Area()]), "areas: expected unique names"),
         (Victims(victims=[Victim(state="saved")] * 2), "victims: expected unique names"),
-        (Victims(victims=[Victim(state="lost")]), "state: expected waiting, heard or saved"),
+        (Victims(victims=[Victim(state="lost")]), "state: expected one of waiting, heard, collapsed, saved, dead"),
     ],
 )
 def test_message_that_does_not_fit_the_scenario_is_refused(message, line):

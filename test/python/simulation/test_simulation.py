@@ -37,7 +37,7 @@ class FakeParts:
     def world(self, scenario, robots) -> FakeWorld:
         return FakeWorld(self)
 
-    def sensors(self, world, robots, seed) -> FakeSensors:
+    def sensors(self, world, robots, seed, hazards) -> FakeSensors:
         return FakeSensors(self)
 
     def environment(self, loaded) -> FakeEnvironment:

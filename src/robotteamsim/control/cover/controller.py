@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import msgspec
+
 from robotteamsim.control.cover.floor_cover import CELL_M, FloorCover
 from robotteamsim.control.cover.update import CoverUpdate, parse_cover_update
+from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import KnownMap, known_map
 from robotteamsim.control.driving.localisation import Localiser, body_of
 from robotteamsim.control.driving.navigation import Navigator
@@ -42,7 +45,9 @@ class CoverController:
         self._found_within_m = scenario.mission.save_distance_m + scenario.voice.map_resolution_m
         self._level_at_1_m_db = -scenario.voice.constant_db[1]
         self._localiser = Localiser(robot_id, scenario)
+        self._plan, self._reach_m = scenario.plan, body.reach_m
         self._map = known_map(scenario.plan, body.reach_m)
+        self._hot = HotPlaces(scenario.plan)
         self._cover = FloorCover(scenario.plan, body.reach_m, start[:2], control.cover.radius_m)
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self._links = LinkKeeper(scenario)
@@ -82,6 +87,7 @@ class CoverController:
             self._ruled_out.clear()
             self._note_victim(observation)
         self._observation, self._task = observation, task
+        self._hot.look(observation.robot)
         voice = observation.voice
         is_beside = voice.heard and voice.local_best_level_db >= self._level_at_1_m_db
         self._loudest = voice.local_best_m if is_beside else None
@@ -91,6 +97,7 @@ class CoverController:
                 continue
             self._team[update.robot_id] = observation.sim_time_ns * 1e-9, update
             self._teammates[update.robot_id] = update.position
+            self._hot.hear(update.hot or ())
             for victim in update.discoveries:
                 self._add_victim(victim)
 
@@ -104,9 +111,12 @@ class CoverController:
         iteration = sim_time_ns // self._iteration_ns
         if iteration != self._iteration:
             self._iteration = iteration
+            if self._hot.update(sim_time_ns):
+                self._map = known_map(self._plan, self._reach_m, (), self._hot.blocked)
             self._choose(pose, self._observation.voice, sim_time_ns * 1e-9)
             position, covered = (pose.x_m, pose.y_m), self._cover.to_hex()
-            update = CoverUpdate(self._robot_id, position, self._goal, covered, self.found)
+            hot = self._hot.in_sight or msgspec.UNSET
+            update = CoverUpdate(self._robot_id, position, self._goal, covered, self.found, hot)
             outbox = (Message(self._robot_id, EVERYBODY, update.to_json()),)
         if self._target is None:
             return Decision(outbox=outbox)

@@ -6,6 +6,7 @@ import math
 import numpy as np
 
 from robotteamsim import _core
+from robotteamsim.control.driving.hot_places import Block, with_hot_blocks
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import FREE, occupancy_grid
 from robotteamsim.swarm import Vector
@@ -24,7 +25,7 @@ _KEPT_DISTANCE_MAPS = 64
 
 
 class KnownMap:
-    """Free space of one plan for one size of robot, with doors as believed.
+    """Free space of one plan for one size of robot, with doors and hot places as believed.
 
     Results depend only on places and doors, not on earlier calls. Distance maps are cached because they are expensive.
 
@@ -34,10 +35,17 @@ class KnownMap:
     it. A goal without a path of at most the given length [m] is returned unchanged, at its straight distance.
     """
 
-    def __init__(self, plan: FloorPlan, robot_radius_m: float, closed_doors: tuple[tuple[str, bool], ...]) -> None:
+    def __init__(
+        self,
+        plan: FloorPlan,
+        robot_radius_m: float,
+        closed_doors: tuple[tuple[str, bool], ...],
+        hot: tuple[Block, ...] = (),
+    ) -> None:
         occupancy = occupancy_grid(plan, GRID_RESOLUTION_M, dict(closed_doors))
+        cells = with_hot_blocks(occupancy, hot) if hot else occupancy.cells
         self.grid = _core.plan.PlanningGrid(
-            occupancy.cells != FREE, occupancy.origin_m, GRID_RESOLUTION_M, robot_radius_m + MARGIN_M
+            cells != FREE, occupancy.origin_m, GRID_RESOLUTION_M, robot_radius_m + MARGIN_M
         )
         self._distance_maps: dict[Vector, np.ndarray | None] = {}
 
@@ -79,9 +87,14 @@ class KnownMap:
 
 
 @functools.lru_cache(maxsize=16)
-def known_map(plan: FloorPlan, robot_radius_m: float, closed_doors: tuple[tuple[str, bool], ...] = ()) -> KnownMap:
-    """Return the map for a plan, a robot's radius [m], and the doors believed to differ from the plan.
+def known_map(
+    plan: FloorPlan,
+    robot_radius_m: float,
+    closed_doors: tuple[tuple[str, bool], ...] = (),
+    hot: tuple[Block, ...] = (),
+) -> KnownMap:
+    """Return the map for a plan, a robot's radius [m], the doors believed to differ from the plan, and hot places.
 
     Robots and trials share it: its contents depend only on these values.
     """
-    return KnownMap(plan, robot_radius_m, closed_doors)
+    return KnownMap(plan, robot_radius_m, closed_doors, hot)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
+from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.localisation import Localiser, body_of
 from robotteamsim.control.driving.navigation import Navigator
@@ -22,6 +23,8 @@ class PathController:
         self.robot_id = robot_id
         self.scenario = scenario
         self.map = known_map(scenario.plan, body.reach_m)
+        self._reach_m = body.reach_m
+        self._hot = HotPlaces(scenario.plan)
         self.speed_mps = scenario.control.max_step_speed_mps
         self._localiser = Localiser(robot_id, scenario)
         control = scenario.control
@@ -36,6 +39,9 @@ class PathController:
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
         """Process the observation, the messages that arrived, and the mission's task."""
         self._observation, self.inbox, self.task = observation, inbox, task
+        self._hot.look(observation.robot)
+        if self._hot.update(observation.sim_time_ns):
+            self.map = known_map(self.scenario.plan, self._reach_m, (), self._hot.blocked)
 
     @property
     def observation(self) -> Observation:

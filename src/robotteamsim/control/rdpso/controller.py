@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 
 from robotteamsim import swarm
+from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.localisation import Localiser, body_of
 from robotteamsim.control.driving.navigation import Navigator
@@ -58,6 +59,7 @@ class RdpsoController:
         self._doors = DoorBeliefs(scenario.plan, body.laser, control.doors)
         self._map = known_map(scenario.plan, body.reach_m)
         self._map_doors = self._doors.changed
+        self._hot = HotPlaces(scenario.plan)
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self._surroundings = Surroundings(body.laser, control.sensing_radius_m)
         self._links = LinkKeeper(scenario)
@@ -99,6 +101,7 @@ class RdpsoController:
     def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
         """Process the observation, the messages that arrived, and the mission's task."""
         self._observation, self._task = observation, task
+        self._hot.look(observation.robot)
         if inbox:
             self._team = self._team.after(batch_of(inbox))
 
@@ -158,6 +161,7 @@ class RdpsoController:
             swarm_id=self._membership.swarm_id,
             swarm=self._membership.state,
             doors=self._doors.sightings,
+            hot=self._hot.in_sight or msgspec.UNSET,
         )
 
     def _choose_next_point(self, pose: Pose, ranges_m: np.ndarray, own: RdpsoUpdate) -> None:
@@ -171,6 +175,9 @@ class RdpsoController:
         # A new swarm starts with the best of the excluded robots.
         self._known_best = bests.get(self._membership.swarm_id, bests.get(OUTSIDE))
         self._doors.hear(view.doors)
+        for update in view.updates:
+            if update.hot:
+                self._hot.hear(update.hot)
         self._update_map()
         if self._membership.excluded or self._known_best is None or self._local_best is None:
             self._goal = self._context = None
@@ -268,10 +275,11 @@ class RdpsoController:
         return self._map.grid.along_path(position, place, self._control.longest_detour_m)
 
     def _update_map(self) -> None:
-        """Use the map with the doors as believed now, and discard bests, whose paths may have changed."""
-        if self._doors.changed != self._map_doors:
+        """Use the map with doors and hot places as believed now, and discard bests, whose paths may have changed."""
+        assert self._observation is not None
+        if self._hot.update(self._observation.sim_time_ns) or self._doors.changed != self._map_doors:
             self._map_doors = self._doors.changed
-            self._map = known_map(self._plan, self._reach_m, self._map_doors)
+            self._map = known_map(self._plan, self._reach_m, self._map_doors, self._hot.blocked)
             self._known_best = None
 
     def _decide_to_stand(self) -> Decision:

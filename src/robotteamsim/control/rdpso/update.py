@@ -43,6 +43,7 @@ class RdpsoUpdate(Update, frozen=True, gc=False, cache_hash=True, tag="rdpso"):
     swarm_id:   its swarm before this iteration; OUTSIDE if it is socially excluded.
     swarm:      its copy of that swarm's memory, before this iteration.
     doors:      sightings of doors, sorted by name.
+    hot:        blocks of hot places that the robot sees, sorted; left out by a robot that sees none.
     """
 
     robot_id: Index
@@ -55,6 +56,7 @@ class RdpsoUpdate(Update, frozen=True, gc=False, cache_hash=True, tag="rdpso"):
     swarm_id: Annotated[int, msgspec.Meta(ge=OUTSIDE, le=2**31 - 1)]
     swarm: SwarmState
     doors: tuple[Sighting, ...] = ()
+    hot: tuple[tuple[Index, Index], ...] | msgspec.UnsetType = msgspec.UNSET
 
     @property
     def value(self) -> float:

@@ -83,7 +83,7 @@ class ControllerSlot:
         self._contact, self._voice, self._received = (f"{prefix}{name}" for name in ("contact", "voice", "network/rx"))
         robot = body_of(robot_id, settings.scenario)
         self._beams = robot.laser.beams
-        self._further = FurtherInputs(robot, prefix, settings.step_ns, robot_id)
+        self._further = FurtherInputs(robot, prefix, settings.step_ns, robot_id, settings.scenario.fire)
         self._arrival = 1
         """Number of the robot's arrivals, including the start."""
         self.build(settings)

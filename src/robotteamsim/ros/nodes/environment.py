@@ -10,6 +10,7 @@ import numpy as np
 from nav_msgs.msg import OccupancyGrid
 
 from robotteamsim import srv
+from robotteamsim.mission.status import SILENT
 from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkLinks, NetworkMessages, NetworkState, Voice
 from robotteamsim.network.compact import LinksEncoder
 from robotteamsim.network.messages import NetworkState as Network
@@ -168,7 +169,7 @@ class EnvironmentNode:
             status = step.latest(STATUS)
             if status is not None:
                 states = zip(self._environment.victim_names(), status.victims, strict=False)
-                self._saved = tuple(name for name, state in states if state == "saved")
+                self._saved = tuple(name for name, state in states if state in SILENT)
             self._environment.advance_to(step.stamp_ns)
             voices, network, inboxes = self._environment.step(
                 positions_m, outboxes, self._saved, self._presence.present

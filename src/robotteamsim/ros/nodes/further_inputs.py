@@ -1,13 +1,15 @@
-"""The additional lasers, sonars and GPS of a robot, as received by its controller's node."""
+"""The additional lasers, sonars, GPS and thermal camera of a robot, as received by its controller's node."""
 
 from collections.abc import Callable
 from functools import partial
 
 from sensor_msgs.msg import LaserScan, NavSatFix, Range
 
+from robotteamsim.msg import Heat
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.synchronizer import Channel, Step
 from robotteamsim.ros.transport.topics import Input
+from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.sections import Robot
 from robotteamsim.scenario.sensors import Gps
 from robotteamsim.sensing.gps import is_due
@@ -17,9 +19,13 @@ from robotteamsim.sensing.readings import NOTHING_FURTHER, FurtherReadings
 class FurtherInputs:
     """Makes `RobotReading.further` from the topics of one robot."""
 
-    def __init__(self, robot: Robot, prefix: str, step_ns: int, robot_id: int | None = None) -> None:
-        """Args: prefix: of the names of the topics.  step_ns: length of a step [ns]."""
+    def __init__(
+        self, robot: Robot, prefix: str, step_ns: int, robot_id: int | None = None, fire: Fire | None = None
+    ) -> None:
+        """Args: prefix: of the names of the topics.  step_ns: length of a step [ns].  fire: of the scenario."""
         self._robot = robot
+        self._fire = fire
+        self._heat = f"{prefix}heat"
         self._lasers = [f"{prefix}{laser.name}" for laser in robot.lasers]
         self._sonars = [f"{prefix}{sonar.name}" for sonar in robot.sonars]
         self._fix = f"{prefix}fix"
@@ -40,6 +46,9 @@ class FurtherInputs:
         inputs += [Input(mine(name), Range) for name in self._sonars]
         if self._robot.gps is not None:
             inputs.append(Input(mine(self._fix, due=_fix_due(self._robot.gps, self._step_ns)), NavSatFix))
+        if self._robot.heat is not None and self._fire is not None:
+            due = partial(self._fire.updates_at, step_ns=self._step_ns)
+            inputs.append(Input(mine(self._heat, due=due), Heat))
         return inputs
 
     def restart(self) -> None:
@@ -55,7 +64,13 @@ class FurtherInputs:
                 self._sonars_m[i] = float(message.range)
         fix = step.latest(self._fix)
         scans_m = tuple(step.latest(name) for name in self._lasers)
-        return FurtherReadings(scans_m, tuple(self._sonars_m), None if fix is None else conversion.fix(fix))
+        heat = step.latest(self._heat)
+        return FurtherReadings(
+            scans_m,
+            tuple(self._sonars_m),
+            None if fix is None else conversion.fix(fix),
+            heat=None if heat is None else conversion.heat(heat),
+        )
 
 
 def _due(every_steps: int, step_ns: int) -> Callable[[int], bool] | None:

@@ -18,6 +18,7 @@ from robotteamsim.network.compact import LinksDecoder
 from robotteamsim.network.messages import NetworkState
 from robotteamsim.recording import ResultWriter, TumWriter, ros_messages
 from robotteamsim.recording.table import print_totals
+from robotteamsim.ros.nodes.hazards import HazardInputs
 from robotteamsim.ros.nodes.requests import check_door, check_noise, check_victim
 from robotteamsim.ros.nodes.trial import Trial
 from robotteamsim.ros.transport import msg_conversion as conversion
@@ -113,6 +114,7 @@ class MissionNode:
         self._base = base
         self._base_received = "" if base is None else f"/{ros_messages.robot_name(base)}/network/rx"
         self._presence = Presence()
+        self._hazards = HazardInputs(settings)
         self._trial_lock = threading.Lock()
         self._trial = self._begin_trial()
         inputs = self._inputs()
@@ -160,7 +162,7 @@ class MissionNode:
             inputs.append(Input(Channel(DOORS), msg.Doors))
         if self._base_received:
             inputs.append(Input(Channel(self._base_received, robot_id=self._base), msg.NetworkMessages))
-        return [*inputs, PRESENCE, self._links_input()]
+        return [*inputs, *self._hazards.inputs, PRESENCE, self._links_input()]
 
     def _links_input(self) -> Input:
         decoder, read = LinksDecoder(), reader(msg.NetworkLinks, self._settings)
@@ -193,7 +195,18 @@ class MissionNode:
         base_inbox = conversion.network_messages(step.messages.get(self._base_received, ()))
         with self._trial_lock:
             self._trial.mission.follow_mishaps(self._presence.mishaps)
-            events = self._trial.step(step.stamp_ns, readings, voices, network, decisions, doors, base_inbox, present)
+            events = self._trial.step(
+                step.stamp_ns,
+                readings,
+                voices,
+                network,
+                decisions,
+                doors,
+                base_inbox,
+                present,
+                self._hazards.field(step),
+                self._presence.failed,
+            )
         self._publish(step.stamp_ns, events)
 
     def _publish(self, time_ns: int, events: Sequence[Event]) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Decision
 from robotteamsim.mission import Mission
 from robotteamsim.mission.status import Event
@@ -39,14 +40,18 @@ class Trial:
         doors: DoorStates | None = None,
         base_inbox: Sequence[Message] = (),
         present: np.ndarray | None = None,
+        hazards: HazardField | None = None,
+        failed: frozenset[int] = frozenset(),
     ) -> tuple[Event, ...]:
         """Judge one step and return its events; totals do not change after the end.
 
         Args: doors: after the step; None if unknown.  base_inbox: messages that the base receives in it.
               present: whether each robot is present, bool, shape (n,); None if all are.
+              hazards: in steps in which fire and smoke advance.  failed: absent robots that have failed by heat.
         """
         if doors is not None:
             self.mission.follow_doors(doors)
+        self.mission.follow_hazards(hazards, failed)
         positions_m = true_positions_m(readings)
         events = self.mission.step(sim_time_ns, positions_m, voices, network, decisions, base_inbox, present)
         if self.result is None:
@@ -67,6 +72,8 @@ class Trial:
                 noise_db=self.mission.noise_db,
                 voice_map=None,
                 present=present,
+                hazards=hazards,
+                failed=failed,
             )
             self._tally.add(record)
             for recorder in self._recorders:

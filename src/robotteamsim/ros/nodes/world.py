@@ -17,6 +17,7 @@ from robotteamsim.msg import Doors, Robots
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.commands import STOP
 from robotteamsim.ros.nodes.gate import Gate, Pacer
+from robotteamsim.ros.nodes.hazards import HazardOutputs
 from robotteamsim.ros.nodes.motion import StepMotion
 from robotteamsim.ros.nodes.objects import ObjectsOutput, set_object
 from robotteamsim.ros.nodes.stage import StageRequests
@@ -31,6 +32,7 @@ from robotteamsim.ros.transport.topics import Output, SendingPace
 from robotteamsim.scenario.published_map import published_map
 from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.simulation.hazard_stage import HazardStage
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.making import make_world
@@ -87,6 +89,7 @@ class WorldNode:
         # The only source of door states for environment and mission.
         self._doors = Output("/world/doors", Doors, latched=True)
         self._presence = Output(ROBOTS, Robots, latched=True)
+        self._hazards = HazardOutputs(self._make) if scenario.fire is not None else None
         # In lockstep a late subscriber must still get the step that all nodes wait for.
         self._outputs = TeamOutputs(
             self._robots,
@@ -122,12 +125,15 @@ class WorldNode:
                     twists[robot_id] = STOP  # its controller's last decision before the robot left
                 self._arrived.clear()
                 self._world.step(twists)
+                burns = self._fire is not None and self._fire.step()
                 readings, doors = self._sensors.read(), self._world.door_states()
                 present, arrivals, mishaps = self._world.present, self._world.arrivals, self._world.mishaps
             if self._motion is not None:
                 # The step is made when it begins, so its motion is known at each tick.
                 self._motion.add(readings.odometry, arrivals)
                 self._tick(self._world.sim_time_ns - self._step_ns, present)
+            if self._hazards is not None and self._fire is not None and burns:
+                self._hazards.publish(self._world.sim_time_ns, self._fire.field)
             self._publish(readings, doors, present, arrivals, mishaps)
             self._gate.passed()
 
@@ -141,7 +147,9 @@ class WorldNode:
     def _build(self) -> None:
         self._world = make_world(self._scenario, self._robots)
         self._arrived: set[int] = set()
-        self._sensors = RobotSensors(self._world, self._robots, self._scenario.run.seed)
+        self._fire = None if self._scenario.fire is None else HazardStage(self._scenario, self._world)
+        hazards = None if self._fire is None else self._fire.hazards
+        self._sensors = RobotSensors(self._world, self._robots, self._scenario.run.seed, hazards)
 
     def _reset(self) -> None:
         self._team.restart(self._world.sim_time_ns)
@@ -180,7 +188,8 @@ class WorldNode:
         self._pace.wait()
         everybody = (True,) * len(arrivals)
         self._team.note_presence(time_ns, everybody if present is None else tuple(present.tolist()))
-        self._presence.publish(ros_messages.robots(self._make, time_ns, present, arrivals, mishaps))
+        failed = () if self._fire is None else self._fire.failed
+        self._presence.publish(ros_messages.robots(self._make, time_ns, present, arrivals, mishaps, failed))
         if self._scenario.plan.doors:
             self._doors.publish(ros_messages.doors(self._make, time_ns, doors))
         self._show_objects()
@@ -216,6 +225,7 @@ class WorldNode:
             locked("/remove_robot", srv.RemoveRobot, lambda request: self._world.remove_robot(request.robot_id)),
             locked("/set_object", srv.SetObject, self._set_object),
             locked("/remove_object", srv.RemoveObject, self._remove_object),
+            locked("/ignite", srv.Ignite, self._ignite),
             locked("/world/set_door", srv.SetDoor, lambda request: self._world.set_door(request.name, request.closed)),
         )
 
@@ -251,6 +261,11 @@ class WorldNode:
         pose = None if request.at_start else Pose(request.pose.x, request.pose.y, request.pose.theta)
         self._world.spawn_robot(request.robot_id, pose)
         self._arrived.add(request.robot_id)
+
+    def _ignite(self, request: srv.IgniteRequest) -> None:
+        if self._fire is None:
+            raise ValueError("ignite: the scenario has no section 'fire'")
+        self._fire.ignite((request.position.x, request.position.y))
 
     def _set_object(self, request: srv.SetObjectRequest) -> None:
         set_object(self._world, request)

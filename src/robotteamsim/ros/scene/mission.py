@@ -30,6 +30,7 @@ from robotteamsim.ros.scene.shapes import (
 from robotteamsim.scenario.floor_plan import Bounds
 
 VICTIM_COLOURS = {state: colour(code) for state, code in palette.VICTIMS.items()}
+CASUALTY = colour(palette.CASUALTY)
 VICTIM_GROUND = colour(palette.ROBOT_BODY, 0.6)
 SKIN = colour(palette.SKIN)
 
@@ -96,7 +97,7 @@ def victim_markers(
 def _victim_parts(
     index: int, victim: msg.Victim, save_distance_m: float, lettering: Lettering, name: Written
 ) -> Iterable[Marker]:
-    tint = VICTIM_COLOURS[victim.state]
+    tint = VICTIM_COLOURS.get(victim.state, CASUALTY)
     x, y = victim.position.x, victim.position.y
     yaw_rad = 0.6 + 1.9 * index  # each in another direction
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)

@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, get_args
 
+from robotteamsim.mission.status import VictimState
 from robotteamsim.msg import NetworkMessages
 from robotteamsim.network.compact import row_bytes
 from robotteamsim.recording.ros_messages import MISHAPS
@@ -19,8 +20,8 @@ from robotteamsim.ros.transport.settings import Settings
 FARTHEST_M = 1e6
 """Limit of coordinates, as in the propagation models."""
 FINEST_CELL_M = 0.01
-LOUDEST_DB = 300.0
-"""Limit of the values of maps [dB, dBm]."""
+LARGEST_VALUE = 1e6
+"""Limit of the values of maps, in their unit."""
 
 
 def reader(message_class: Any, settings: Settings | None = None) -> Callable[[bytes], Any]:
@@ -77,6 +78,12 @@ def _expect_within(name: str, value: float, low: float, high: float) -> None:
         raise ValueError(f"{name}: {value:g}; expected {low:g} to {high:g}")
 
 
+def _check_heat(message: Any, _: Settings | None) -> None:
+    check_place("temperature_c", message.temperature_c)
+    for place in message.hot:
+        check_place("hot", place.x, place.y)
+
+
 def _check_robots(message: Any, settings: Settings | None) -> None:
     _expect("arrivals", len(message.arrivals), settings.num_robots if settings else len(message.present))
     _expect("present", len(message.present), len(message.arrivals))
@@ -84,6 +91,8 @@ def _check_robots(message: Any, settings: Settings | None) -> None:
         _expect("mishaps", len(message.mishaps), len(message.arrivals))
         if max(message.mishaps) >= len(MISHAPS):
             raise ValueError(f"mishaps: {max(message.mishaps)}; expected 0 to {len(MISHAPS) - 1}")
+    if message.failed_by_heat:  # empty in a world without fire
+        _expect("failed_by_heat", len(message.failed_by_heat), len(message.arrivals))
 
 
 def _check_network(message: Any, settings: Settings | None) -> None:
@@ -181,7 +190,7 @@ def _check_map(message: Any, _: Settings | None) -> None:
     check_place("origin", message.origin.x, message.origin.y)
     _expect("data", len(message.data), message.width * message.height)
     for value in message.data:
-        _expect_within("data", value, -LOUDEST_DB, LOUDEST_DB)
+        _expect_within("data", value, -LARGEST_VALUE, LARGEST_VALUE)
 
 
 def _check_names(name: str, owners: Sequence[Any]) -> None:
@@ -200,8 +209,8 @@ def _check_victims(message: Any, _: Settings | None) -> None:
     _check_names("victims", message.victims)
     for victim in message.victims:
         check_place("position", victim.position.x, victim.position.y)
-        if victim.state not in ("waiting", "heard", "saved"):
-            raise ValueError("state: expected waiting, heard or saved")
+        if victim.state not in get_args(VictimState):
+            raise ValueError(f"state: expected one of {', '.join(get_args(VictimState))}")
 
 
 _CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
@@ -215,6 +224,7 @@ _CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
     "robotteamsim/ControllerStatus": _check_controller,
     "robotteamsim/Contact": _check_contact,
     "robotteamsim/FloatMap": _check_map,
+    "robotteamsim/Heat": _check_heat,
     "robotteamsim/Areas": _check_areas,
     "robotteamsim/Victims": _check_victims,
     "nav_msgs/Odometry": _check_odometry,

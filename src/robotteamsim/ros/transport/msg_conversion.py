@@ -16,11 +16,14 @@ from genpy import Time
 import robotteamsim.msg
 from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.hazards import BURNING, BURNT_OUT, NOT_BURNING, HazardField
 from robotteamsim.interface import Decision, Discovery, SwarmContext, Task
 from robotteamsim.network.compact import CompactLinks, row_bytes
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
+from robotteamsim.recording.hazard_messages import BURNING_VALUE, BURNT_OUT_VALUE
 from robotteamsim.ros.transport.checks import check_finite, check_place
-from robotteamsim.sensing.readings import Fix, OdometryReading, VoiceReading
+from robotteamsim.scenario.fire import Fire
+from robotteamsim.sensing.readings import Fix, HeatReading, OdometryReading, VoiceReading
 from robotteamsim.world.doors import DoorState, DoorStates
 
 _PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_msgs, robotteamsim)
@@ -125,6 +128,11 @@ def read_twist_stamped(data: bytes) -> Twist:
 def fix(message: sensor_msgs.msg.NavSatFix) -> Fix:
     """Return a GPS fix."""
     return Fix(message.latitude, message.longitude, message.altitude, message.position_covariance[0])
+
+
+def heat(message: robotteamsim.msg.Heat) -> HeatReading:
+    """Return the reading of a thermal camera."""
+    return HeatReading(message.temperature_c, tuple(_point(place) for place in message.hot))
 
 
 def read_voice(data: bytes) -> VoiceReading:
@@ -232,3 +240,25 @@ def door_states(message: robotteamsim.msg.Doors) -> DoorStates:
     states = {door.name: DoorState(bool(door.closed), door.opening, door.motion) for door in message.doors}
     # 0 is the version at the start, before any message.
     return DoorStates(states, version=stamp_ns(message) + 1)
+
+
+def hazard_field(
+    fire: Fire,
+    grid: nav_msgs.msg.OccupancyGrid,
+    temperature: robotteamsim.msg.FloatMap,
+    soot: robotteamsim.msg.FloatMap,
+) -> HazardField:
+    """Return fire, smoke and temperature. Raises: ValueError: the messages have different sizes."""
+    shape = (grid.info.height, grid.info.width)
+    if {shape} != {(values.height, values.width) for values in (temperature, soot)}:
+        raise ValueError("the maps of fire and smoke have different sizes")
+    cells = np.array(grid.data, dtype=np.int8).reshape(shape)
+    states = np.select([cells == BURNING_VALUE, cells == BURNT_OUT_VALUE], [BURNING, BURNT_OUT], NOT_BURNING)
+    return HazardField(
+        _point(soot.origin),
+        soot.resolution_m,
+        np.array(temperature.data, dtype=np.float32).reshape(shape),
+        np.array(soot.data, dtype=np.float32).reshape(shape),
+        states.astype(np.uint8),
+        fire,
+    )

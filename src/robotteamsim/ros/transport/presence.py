@@ -25,6 +25,8 @@ class Presence:
         """Number of arrivals of each robot; None if not published yet."""
         self.mishaps: Mapping[int, Mishap] = {}
         """Robots that cannot go on, by id, and why."""
+        self.failed: frozenset[int] = frozenset()
+        """Ids of the absent robots that have failed by heat."""
 
     def follow(self, step: Step) -> None:
         """Update from the message of a step."""
@@ -39,6 +41,8 @@ class Presence:
         self.arrivals = tuple(message.arrivals)
         found = enumerate(MISHAPS[number] for number in message.mishaps)
         self.mishaps = {robot_id: mishap for robot_id, mishap in found if mishap is not None}
+        if message.failed_by_heat or self.failed:
+            self.failed = frozenset(i for i, has_failed in enumerate(message.failed_by_heat) if has_failed)
 
     def is_present(self, robot_id: int) -> bool:
         """Whether a robot is present."""

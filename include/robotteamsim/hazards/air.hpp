@@ -1,0 +1,50 @@
+#pragma once
+
+#include <vector>
+
+#include "robotteamsim/hazards/links.hpp"
+
+namespace robotteamsim::hazards {
+
+/// How smoke and heat spread over a floor, and how heat is lost; docs/fire.md has the equations.
+struct AirModel {
+  double cell = 0.5;            ///< size of a cell [m]
+  double diffusivity = 0.25;    ///< [m^2/s]
+  double ambient = 293.15;      ///< [K]
+  double heat_capacity = 3.14;  ///< of the air above a square metre [kJ/(m^2 K)]
+  double convection = 0.010;    ///< [kW/(m^2 K)]
+  double emissivity = 0.8;
+};
+
+/// Soot and heat in the air of each cell. Soot only moves: its mass is conserved.
+class Air {
+ public:
+  /// Throws std::invalid_argument: a number of the model is out of range.
+  Air(const AirModel& model, const Links& links);
+
+  /// Adds soot [g/m^2] and heat [kJ/m^2] to a cell.
+  void Add(int padded, double soot, double heat);
+
+  /// Lets soot and heat spread through the links, and heat be lost, for some time [s].
+  void Advance(const Links& links, double seconds);
+
+  /// Soot of each cell, with a border [g/m^2].
+  const std::vector<double>& soot() const { return soot_; }
+  /// Temperature above the ambient one, with a border [K].
+  const std::vector<float>& excess() const { return excess_; }
+
+ private:
+  void Spread(const Links& links, double share, int passes);
+  void Cool(int stride, double seconds);
+
+  AirModel model_;
+  int rows_;
+  std::vector<double> soot_;
+  std::vector<float> excess_;  ///< single precision, because heat is lost anyway
+  std::vector<double> soot_after_;
+  std::vector<float> excess_after_;
+  int first_;  ///< rows, with the border, that have soot or heat
+  int last_;
+};
+
+}  // namespace robotteamsim::hazards

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <vector>
+
+#include "robotteamsim/hazards/air.hpp"
+#include "robotteamsim/hazards/fire.hpp"
+#include "robotteamsim/hazards/links.hpp"
+
+namespace robotteamsim::hazards {
+
+/// A door as an obstacle for fire and smoke.
+struct DoorModel {
+  bool closed = false;
+  double leakage = 0.0;  ///< share of the smoke that passes the closed door
+  double endures = 0.0;  ///< a closed door burns through after so long beside flames [s]; negative: never
+};
+
+/// What a fire gives to the air of its cell, per heat that it releases.
+struct Yields {
+  double soot = 0.003;  ///< [g/kJ]
+  double warmth = 0.7;  ///< share of the heat that warms the air
+};
+
+/// Fire, smoke, heat and doors of one floor.
+class BurningFloor {
+ public:
+  /// Args: doors: as many as the links have.  Throws std::invalid_argument: a number is wrong.
+  BurningFloor(Links links, Fire fire, const AirModel& air, const Yields& yields, std::vector<DoorModel> doors);
+
+  /// Ignites a cell, row * cols + column; returns false if it cannot burn.
+  bool Ignite(int cell);
+
+  /// Opens or closes a door; one that has burnt through stays open.
+  void SetDoor(int door, bool closed);
+
+  /// Lets everything burn, spread and cool for some time [s].
+  void Advance(double seconds);
+
+  const Links& links() const { return links_; }
+  const Fire& fire() const { return fire_; }
+  const Air& air() const { return air_; }
+  bool IsBurntThrough(int door) const { return is_burnt_through_.at(door); }
+
+ private:
+  void Apply(int door);
+
+  Links links_;
+  Fire fire_;
+  Air air_;
+  double cell_area_;
+  Yields yields_;
+  std::vector<DoorModel> doors_;
+  std::vector<double> heated_;  ///< time beside flames [s]
+  std::vector<bool> is_burnt_through_;
+};
+
+}  // namespace robotteamsim::hazards

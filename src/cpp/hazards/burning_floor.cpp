@@ -1,0 +1,66 @@
+#include "robotteamsim/hazards/burning_floor.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include "robotteamsim/base/checks.hpp"
+
+namespace robotteamsim::hazards {
+
+BurningFloor::BurningFloor(Links links, Fire fire, const AirModel& air, const Yields& yields,
+                           std::vector<DoorModel> doors)
+    : links_(std::move(links)),
+      fire_(std::move(fire)),
+      air_(air, links_),
+      cell_area_(air.cell * air.cell),
+      yields_(yields),
+      doors_(std::move(doors)),
+      heated_(doors_.size(), 0.0),
+      is_burnt_through_(doors_.size(), false) {
+  base::CheckNotNegative(yields.soot, "soot");
+  base::CheckNotNegative(yields.warmth, "warmth");
+  if (yields.warmth > 1.0) throw std::invalid_argument("warmth must be at most 1");
+  if (static_cast<int>(doors_.size()) != links_.doors()) throw std::invalid_argument("each door must have a model");
+  for (std::size_t door = 0; door < doors_.size(); ++door) {
+    base::CheckNotNegative(doors_[door].leakage, "leakage");
+    base::Check(doors_[door].endures, "endures");
+    Apply(static_cast<int>(door));
+  }
+}
+
+bool BurningFloor::Ignite(int cell) {
+  if (cell < 0 || cell >= links_.rows() * links_.cols()) throw std::invalid_argument("there is no such cell");
+  return fire_.Ignite(links_, links_.Padded(cell));
+}
+
+void BurningFloor::SetDoor(int door, bool closed) {
+  if (doors_.at(door).closed == closed) return;
+  doors_[door].closed = closed;
+  Apply(door);
+  fire_.FollowLinks(links_);
+}
+
+void BurningFloor::Advance(double seconds) {
+  fire_.Advance(links_, seconds);
+  for (const Release& release : fire_.releases()) {
+    air_.Add(release.padded, yields_.soot * release.heat / cell_area_, yields_.warmth * release.heat / cell_area_);
+  }
+  air_.Advance(links_, seconds);
+  if (fire_.num_burning() == 0) return;
+  for (int door = 0; door < links_.doors(); ++door) {
+    const DoorModel& model = doors_[door];
+    if (!model.closed || model.endures < 0.0 || is_burnt_through_[door] || !fire_.BurnsBeside(links_, door)) continue;
+    heated_[door] += seconds;
+    if (heated_[door] < model.endures) continue;
+    is_burnt_through_[door] = true;
+    Apply(door);
+    fire_.FollowLinks(links_);
+  }
+}
+
+void BurningFloor::Apply(int door) {
+  const bool holds = doors_[door].closed && !is_burnt_through_[door];
+  links_.SetDoor(door, holds ? doors_[door].leakage : 1.0);
+}
+
+}  // namespace robotteamsim::hazards

@@ -1,0 +1,67 @@
+"""The hot places that a robot knows, from its thermal camera and its teammates; its paths avoid them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.plan import OCCUPIED, OccupancyGrid
+from robotteamsim.sensing.readings import RobotReading
+
+BLOCK_M = 1.0
+"""Hot places count in blocks of this size, so that a fire that spreads changes the map only now and then."""
+
+REPLAN_NS = 5 * 10**9
+"""A map with new blocks is made at most once in this time, because it is expensive."""
+
+Block = tuple[int, int]
+"""Row and column of a square of BLOCK_M, counted from the lower left corner of the plan."""
+
+
+class HotPlaces:
+    """The blocks that a robot knows to be hot. A place that was hot counts as hot for the rest of the mission."""
+
+    def __init__(self, plan: FloorPlan) -> None:
+        self._origin_m = plan.bounds.min
+        self._known: set[Block] = set()
+        self._next_ns = 0
+        self.in_sight: tuple[Block, ...] = ()
+        """The blocks of the last reading, sorted."""
+        self.blocked: tuple[Block, ...] = ()
+        """The blocks that paths avoid, sorted."""
+
+    def look(self, robot: RobotReading) -> None:
+        """Note the hot places in a robot's reading, if it has a thermal camera."""
+        heat = robot.further.heat
+        if heat is not None:
+            self.in_sight = tuple(sorted({self._block_at(place) for place in heat.hot_m}))
+            self._known.update(self.in_sight)
+
+    def hear(self, blocks: Iterable[Block]) -> None:
+        """Note the hot places that teammates see."""
+        self._known.update(blocks)
+
+    def update(self, sim_time_ns: int) -> bool:
+        """Let paths avoid all known blocks, unless they have changed shortly before; return whether they change."""
+        if len(self._known) == len(self.blocked) or sim_time_ns < self._next_ns:
+            return False
+        self._next_ns = sim_time_ns + REPLAN_NS
+        self.blocked = tuple(sorted(self._known))
+        return True
+
+    def _block_at(self, place: tuple[float, float]) -> Block:
+        (x, y), (min_x, min_y) = place, self._origin_m
+        return math.floor((y - min_y) / BLOCK_M), math.floor((x - min_x) / BLOCK_M)
+
+
+def with_hot_blocks(grid: OccupancyGrid, blocks: Iterable[Block]) -> np.ndarray:
+    """Return the cells of a plan's grid with the blocks occupied; blocks outside the grid are ignored."""
+    cells = grid.cells.copy()
+    per_block = BLOCK_M / grid.resolution_m
+    for row, column in blocks:
+        rows = slice(round(row * per_block), round((row + 1) * per_block))
+        cells[rows, round(column * per_block) : round((column + 1) * per_block)] = OCCUPIED
+    return cells

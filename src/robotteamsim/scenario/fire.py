@@ -1,0 +1,160 @@
+"""Fire and smoke: fuel, ignitions, and the constants of the models. docs/fire.md has equations and sources."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import shapely
+from pydantic import Field, model_validator
+
+from robotteamsim.scenario.base import Many, Model, Name, Point, first_repeated, wrong
+
+Growth = Literal["slow", "medium", "fast", "ultra_fast"]
+
+GROWTH_KW_PER_S2: dict[Growth, float] = {"slow": 0.00293, "medium": 0.01172, "fast": 0.0469, "ultra_fast": 0.1876}
+"""Growth coefficients of t-squared fires [nfpa204]: 1055 kW after 600, 300, 150 and 75 s."""
+
+MAX_CELLS = 4_000_000
+
+
+class Fuel(Model):
+    """What burns in one place: a disc, a polygon, or the room that contains a point. Later entries replace earlier."""
+
+    name: Name = Field(description="a name, unique among fuels")
+    room: Point | None = Field(
+        default=None, description="[x, y] of any point of a room: all that can be reached without passing a door [m]"
+    )
+    polygon: Many[Point] | None = Field(default=None, min_length=3, description="corners in order [m]")
+    center: Point | None = Field(default=None, description="[x, y] of a disc in the map frame [m]")
+    radius_m: float | None = Field(default=None, gt=0.0, le=1000.0, description="of the disc [m]")
+    load_mj_m2: float = Field(default=400.0, ge=1.0, le=100_000.0, description="heat of all that burns [MJ/m^2]")
+    growth: Growth = Field(default="medium", description="class of the t-squared fire")
+    peak_kw_m2: float = Field(default=250.0, ge=1.0, le=10_000.0, description="highest heat release rate [kW/m^2]")
+
+    @model_validator(mode="after")
+    def _check(self) -> Fuel:
+        given = [key for key in ("room", "polygon", "center") if getattr(self, key) is not None]
+        if len(given) != 1:
+            found = " and ".join(given) or "none"
+            raise wrong("", f"expected exactly one of room, polygon, center; found {found}")
+        if (self.center is None) != (self.radius_m is None):
+            missing, other = ("radius_m", "center") if self.radius_m is None else ("center", "radius_m")
+            raise wrong(missing, f"missing; expected together with {other}")
+        if self.polygon is not None and not shapely.Polygon(self.polygon).is_valid:
+            raise wrong("polygon", "crosses itself")
+        return self
+
+    @property
+    def growth_kw_s2(self) -> float:
+        """Growth coefficient of the t-squared fire [kW/s^2]."""
+        return GROWTH_KW_PER_S2[self.growth]
+
+
+class Ignition(Model):
+    """A place that starts to burn."""
+
+    at_s: float = Field(default=0.0, ge=0.0, le=1e6, description="time of the world [s]")
+    position: Point = Field(description="[x, y] in the map frame, where there is fuel [m]")
+
+
+class Soot(Model):
+    """How much soot and carbon monoxide a fire produces, and how smoke spreads and dims light."""
+
+    yield_g_g: float = Field(default=0.06, ge=0.0001, le=0.5, description="soot per mass of burnt fuel [g/g]")
+    co_yield_g_g: float = Field(default=0.04, ge=0.0, le=0.5, description="carbon monoxide per mass of fuel [g/g]")
+    heat_kj_g: float = Field(default=20.0, ge=1.0, le=150.0, description="heat of combustion [kJ/g]")
+    diffusivity_m2_s: float = Field(
+        default=0.15, gt=0.0, le=10.0, description="of smoke and heat over the floor, by turbulence [m^2/s]"
+    )
+    height_m: float = Field(default=2.6, ge=1.0, le=50.0, description="height over which smoke mixes [m]")
+    extinction_m2_g: float = Field(default=8.7, gt=0.0, le=100.0, description="extinction per mass of soot [m^2/g]")
+    visibility_c: float = Field(
+        default=3.0, gt=0.0, le=20.0, description="C of Jin's C/K: 3 for reflecting things, 8 for lamps"
+    )
+    door_leakage: float = Field(
+        default=0.01, ge=0.0, le=1.0, description="share of the smoke that passes a closed door that is not fireproof"
+    )
+    laser_optical_depth: float = Field(
+        default=1.5, gt=0.0, le=20.0, description="a laser gets no return from beyond this optical depth, one way"
+    )
+
+
+class Heat(Model):
+    """Loss of heat to floor, ceiling and walls, and what robots and doors endure."""
+
+    ambient_c: float = Field(default=20.0, ge=-40.0, le=60.0, description="temperature at the start [degC]")
+    flame_c: float = Field(default=820.0, ge=100.0, le=2000.0, description="least temperature where it burns [degC]")
+    convective_share: float = Field(default=0.7, ge=0.0, le=1.0, description="of the heat that warms the air")
+    convection_w_m2_k: float = Field(default=10.0, ge=0.0, le=1000.0, description="loss by convection [W/(m^2 K)]")
+    emissivity: float = Field(default=0.8, ge=0.0, le=1.0, description="of the hot air, for its loss by radiation")
+    robot_limit_c: float = Field(default=80.0, ge=0.0, le=2000.0, description="robots endure less for ever [degC]")
+    robot_endures_s: float = Field(
+        default=30.0, ge=0.0, le=1e6, description="a robot fails after this time above its limit, cooled or not [s]"
+    )
+    block_c: float = Field(
+        default=60.0, ge=0.0, le=2000.0, description="robots that sense heat avoid places as hot as this [degC]"
+    )
+    door_endures_s: float = Field(
+        default=300.0, ge=0.0, le=1e6, description="a closed door burns through after so long beside flames [s]"
+    )
+
+
+class Casualties(Model):
+    """At which fractional effective dose (FED) people collapse and die [purser2016]."""
+
+    collapse_dose: float = Field(default=1.0, gt=0.0, le=100.0, description="FED at which a person collapses")
+    lethal_dose: float = Field(default=2.0, gt=0.0, le=100.0, description="FED at which a person dies")
+
+    @model_validator(mode="after")
+    def _check(self) -> Casualties:
+        if self.lethal_dose < self.collapse_dose:
+            raise wrong("lethal_dose", f"{self.lethal_dose:g} is below collapse_dose, {self.collapse_dose:g}")
+        return self
+
+
+class Fire(Model):
+    """Fire and smoke on a grid of the plan."""
+
+    fuel: Many[Fuel] = Field(default=(), max_length=1000, description="what burns, by place; the rest does not burn")
+    ignitions: Many[Ignition] = Field(default=(), max_length=1000, description="where and when it starts to burn")
+    fireproof: Many[str] = Field(
+        default=(), description="names of doors that never burn through; doors of kind fireproof never do"
+    )
+    cell_m: float = Field(default=0.5, ge=0.1, le=5.0, description="size of a cell; doorways must be wider [m]")
+    update_s: float = Field(default=1.0, ge=0.05, le=10.0, description="fire and smoke advance at this interval [s]")
+    soot: Soot = Soot()
+    heat: Heat = Heat()
+    casualties: Casualties = Casualties()
+    fds: str | None = Field(
+        default=None,
+        description="folder with the results of FDS, instead of fuel and ignitions; relative to the current folder",
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Fire:
+        repeated = first_repeated([fuel.name for fuel in self.fuel])
+        if repeated:
+            raise wrong(f"fuel.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
+        if self.fds is not None:
+            for key in ("fuel", "ignitions"):
+                if getattr(self, key):
+                    raise wrong(key, "not allowed together with fds, whose fire is already computed")
+        return self
+
+    @property
+    def update_ns(self) -> int:
+        """Interval of the updates [ns]."""
+        return round(self.update_s * 1e9)
+
+    def updates_at(self, sim_time_ns: int, step_ns: int) -> bool:
+        """Whether fire and smoke advance in the step with this stamp [ns]; never in the first step.
+
+        They do in the first step that begins at a multiple of `update_s` or later.
+        """
+        return updates(sim_time_ns, step_ns, self.update_ns)
+
+
+def updates(sim_time_ns: int, step_ns: int, update_ns: int) -> bool:
+    """Whether the step with this stamp is the first that begins at a multiple of an interval or later, but not at 0."""
+    begin_ns = sim_time_ns - step_ns
+    return begin_ns > 0 and begin_ns // update_ns != (begin_ns - step_ns) // update_ns

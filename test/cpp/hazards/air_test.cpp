@@ -1,0 +1,129 @@
+// Smoke and heat against a straightforward computation, cell by cell.
+#include "robotteamsim/hazards/air.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "robotteamsim/hazards/links.hpp"
+
+namespace robotteamsim::hazards {
+namespace {
+
+constexpr int kRows = 7, kCols = 19;
+constexpr double kCell = 0.5, kDiffusivity = 0.25;
+
+std::vector<std::uint8_t> Pattern(int period) {
+  std::vector<std::uint8_t> links(kRows * kCols);
+  for (int i = 0; i < kRows * kCols; ++i) links[i] = i % period == 0 ? 0 : 1;
+  return links;
+}
+
+// One step of explicit diffusion between linked neighbours.
+std::vector<double> Plain(const std::vector<double>& from, const std::vector<std::uint8_t>& east,
+                          const std::vector<std::uint8_t>& north, double share) {
+  std::vector<double> to = from;
+  for (int row = 0; row < kRows; ++row) {
+    for (int col = 0; col < kCols; ++col) {
+      const int cell = row * kCols + col;
+      if (col + 1 < kCols && east[cell] != 0) {
+        to[cell] += share * (from[cell + 1] - from[cell]);
+        to[cell + 1] -= share * (from[cell + 1] - from[cell]);
+      }
+      if (row + 1 < kRows && north[cell] != 0) {
+        to[cell] += share * (from[cell + kCols] - from[cell]);
+        to[cell + kCols] -= share * (from[cell + kCols] - from[cell]);
+      }
+    }
+  }
+  return to;
+}
+
+AirModel WithoutLosses() {
+  AirModel model;
+  model.cell = kCell;
+  model.diffusivity = kDiffusivity;
+  model.heat_capacity = 2.0;
+  model.convection = 0.0;
+  model.emissivity = 0.0;
+  return model;
+}
+
+TEST(Air, SpreadsAsAStraightforwardComputationDoes) {
+  const auto east = Pattern(5), north = Pattern(4);
+  const Links links(kRows, kCols, east, north, {}, 0);
+  Air air(WithoutLosses(), links);
+  std::vector<double> soot(kRows * kCols, 0.0);
+  soot[3 * kCols + 8] = 5.0;
+  air.Add(links.Padded(3 * kCols + 8), 5.0, 0.0);
+  for (int second = 0; second < 30; ++second) {
+    air.Advance(links, 1.0);
+    // 1 s is five passes of 0.2 s: 0.25 * 0.2 / 0.25 = 0.2 flows.
+    for (int pass = 0; pass < 5; ++pass) soot = Plain(soot, east, north, 0.2);
+  }
+  for (int cell = 0; cell < kRows * kCols; ++cell) EXPECT_NEAR(air.soot()[links.Padded(cell)], soot[cell], 1e-12);
+}
+
+TEST(Air, KeepsAllSootWhileDoorsChange) {
+  std::vector<Crossing> crossings;
+  std::vector<std::uint8_t> east(kRows * kCols, 1);
+  for (int row = 0; row < kRows; ++row) {
+    if (row == 3) {
+      crossings.push_back({0, row * kCols + 9, true});
+    } else {
+      east[row * kCols + 9] = 0;
+    }
+  }
+  Links links(kRows, kCols, east, std::vector<std::uint8_t>(kRows * kCols, 1), crossings, 1);
+  Air air(WithoutLosses(), links);
+  air.Add(links.Padded(3 * kCols + 2), 7.0, 3.0);
+  for (int second = 0; second < 1000; ++second) {
+    links.SetDoor(0, second % 3 == 0 ? 1.0 : second % 3 == 1 ? 0.01 : 0.0);
+    air.Advance(links, 1.0);
+    EXPECT_NEAR(std::accumulate(air.soot().begin(), air.soot().end(), 0.0), 7.0, 7e-12);
+  }
+  EXPECT_GT(air.soot()[links.Padded(3 * kCols + 15)], 0.0);
+}
+
+TEST(Air, PassesNoClosedDoor) {
+  const std::vector<std::uint8_t> all(kRows * kCols, 1);
+  std::vector<Crossing> crossings;
+  for (int row = 0; row < kRows; ++row) crossings.push_back({0, row * kCols + 9, true});
+  Links links(kRows, kCols, all, all, crossings, 1);
+  links.SetDoor(0, 0.0);
+  Air air(WithoutLosses(), links);
+  air.Add(links.Padded(2), 1.0, 1.0);
+  for (int second = 0; second < 500; ++second) air.Advance(links, 1.0);
+  for (int row = 0; row < kRows; ++row) {
+    for (int col = 10; col < kCols; ++col) {
+      EXPECT_EQ(air.soot()[links.Padded(row * kCols + col)], 0.0);
+      EXPECT_EQ(air.excess()[links.Padded(row * kCols + col)], 0.0F);
+    }
+  }
+}
+
+TEST(Air, CoolsByConvectionAtTheRateOfItsModel) {
+  const Links links(1, 1, {1}, {1}, {}, 0);
+  AirModel model = WithoutLosses();
+  model.convection = 0.01;
+  Air air(model, links);
+  air.Add(links.Padded(0), 0.0, 200.0);  // 100 K
+  for (int second = 0; second < 60; ++second) air.Advance(links, 1.0);
+  // x' = -2 h / C x, implicit steps of 1 s.
+  EXPECT_NEAR(air.excess()[links.Padded(0)], 100.0 * std::pow(1.0 / 1.01, 60), 1e-3);
+}
+
+TEST(Air, RejectsImpossibleNumbers) {
+  const Links links(1, 1, {1}, {1}, {}, 0);
+  AirModel model;
+  model.cell = 0.0;
+  EXPECT_THROW(Air(model, links), std::invalid_argument);
+  Air air(AirModel(), links);
+  EXPECT_THROW(air.Advance(links, -1.0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace robotteamsim::hazards

@@ -1,0 +1,63 @@
+"""Hot places that robots know: paths around them, and what they tell their team."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robotteamsim.control.driving.hot_places import HotPlaces
+from robotteamsim.control.driving.known_map import known_map
+from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.scenario import load, load_floor_plan
+from robotteamsim.sensing.readings import FurtherReadings, HeatReading, OdometryReading, RobotReading
+from robotteamsim.simulation import Simulation
+
+ODOMETRY = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
+
+
+def reading(*hot_m: tuple[float, float]) -> RobotReading:
+    nothing_m = np.zeros(0, np.float32)
+    heat = FurtherReadings(heat=HeatReading(20.0, hot_m))
+    return RobotReading.of(ODOMETRY.pose, Twist(), ODOMETRY, nothing_m, in_contact=False, further=heat)
+
+
+def test_paths_lead_around_known_hot_blocks():
+    plan = load_floor_plan("garage")
+    start, goal = (20.0, 7.0), (40.0, 7.0)
+    hot = tuple((row, 30) for row in range(2, 10))  # 30 to 31 m along the south aisle, y from 2 to 10 m
+    free, around = known_map(plan, 0.2).grid, known_map(plan, 0.2, (), hot).grid
+    assert free.is_line_free(start, goal)
+    assert not around.is_line_free(start, goal)
+    corners = np.array(around.waypoints(start, goal, 100.0))
+    lengths = np.diff(corners, axis=0)
+    steps = np.concatenate([corners[i] + np.linspace(0, 1, 200)[:, None] * lengths[i] for i in range(len(lengths))])
+    inside = (steps[:, 0] > 30) & (steps[:, 0] < 31) & (steps[:, 1] > 2) & (steps[:, 1] < 10)
+    assert not inside.any()
+
+
+def test_map_follows_hot_places_seen_and_heard_at_most_every_five_seconds():
+    places = HotPlaces(load_floor_plan("garage"))
+    places.look(reading((3.2, 4.7), (3.9, 4.1)))
+    assert places.in_sight == ((4, 3),)
+    assert places.update(10**9)
+    assert places.blocked == ((4, 3),)
+    places.hear([(7, 7)])
+    assert not places.update(5 * 10**9)
+    assert places.update(6 * 10**9)
+    assert places.blocked == ((4, 3), (7, 7))
+    places.look(reading())  # what it sees no longer may still be hot
+    assert places.in_sight == ()
+    assert not places.update(60 * 10**9)
+
+
+def test_robots_tell_their_team_where_it_is_hot_and_nothing_without_a_fire():
+    def payloads(*overrides: str) -> list[str]:
+        simulation = Simulation(load("garage_fire", ["run.seed=7", *overrides]))
+        decisions = [decision for _ in range(300) for decision in simulation.step().decisions]
+        return [message.payload for decision in decisions for message in decision.outbox]
+
+    near = [
+        "fire.fuel=[{name: boxes, center: [8, 5], radius_m: 3, growth: ultra_fast}]",
+        "fire.ignitions=[{position: [9.2, 5.2]}]",
+    ]
+    assert any('"hot":[[' in payload for payload in payloads(*near))
+    assert not any('"hot"' in payload for payload in payloads("fire.ignitions=[]"))
