@@ -6,13 +6,16 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import shapely
 from geometry_msgs.msg import Point, TransformStamped
+from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import PointCloud2
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robotteamsim import _ros_transport as roscpp
 from robotteamsim import msg
+from robotteamsim.recording.hazard_messages import FIRE_GRID, SMOKE_GRID
 from robotteamsim.recording.ros_messages import robot_name
+from robotteamsim.ros.scene import fire as scene_fire
 from robotteamsim.ros.scene import laser as scene_laser
 from robotteamsim.ros.scene import mission as scene_mission
 from robotteamsim.ros.scene import objects as scene_objects
@@ -104,7 +107,20 @@ class Scene:
         self._wall_height_m = wall_height_m
         self._lettering = Lettering.of(scenario, wall_height_m)
         self._placed = placed_robots(scenario)
-        layers = ("building", "doors", "voice", "areas", "victims", "trails", "links", "robots", "headline", *SENSORS)
+        layers = (
+            "building",
+            "doors",
+            "fire",
+            "smoke",
+            "voice",
+            "areas",
+            "victims",
+            "trails",
+            "links",
+            "robots",
+            "headline",
+            *SENSORS,
+        )
         self._canvas = {layer: Canvas(f"/scene/{layer}") for layer in layers}
         self._laser = Output("/scene/laser", PointCloud2)
         self._transforms = roscpp.TransformListener() if scenario.control.localisation == "tf" else None
@@ -120,6 +136,9 @@ class Scene:
         self._absent: frozenset[int] = frozenset()
         self._network = NetworkFeed(scenario.num_robots)
         self._voice = Feed("/voice_map/values", msg.FloatMap)
+        has_fire = scenario.fire is not None
+        self._fire = Feed(FIRE_GRID, OccupancyGrid) if has_fire else None
+        self._smoke = Feed(SMOKE_GRID, OccupancyGrid) if has_fire else None
         self._links: list[scene_team.LinkView] = []
         self._scans: dict[tuple[int, str], scene_laser.ScanView] = {}
         self._mission: msg.MissionStatus | None = None
@@ -143,7 +162,7 @@ class Scene:
         self._draw_areas(areas)
         waiting = [msg.Victim(victim.name, Point(*victim.position, 0.0), "waiting") for victim in mission.victims]
         self._draw_victims(waiting)
-        for layer in ("voice", "trails", "links", "robots", *SENSORS):
+        for layer in ("fire", "smoke", "voice", "trails", "links", "robots", *SENSORS):
             self._canvas[layer].draw([])
         self._canvas["headline"].draw(legend_markers(self._scenario))
 
@@ -175,6 +194,7 @@ class Scene:
                 canvas.draw(canvas.markers)
         self._draw_mission()
         self._draw_voice()
+        self._draw_hazards()
         self._draw_team(now_s)
         self._draw_headline()
         self._draw_laser()
@@ -260,6 +280,17 @@ class Scene:
             same = plan.bounds.min == origin_m and grid_shape(plan, voice.resolution_m) == levels_db.shape
             solid = occupancy_grid(plan, voice.resolution_m).cells == OCCUPIED if same else None
             self._canvas["voice"].draw(scene_mission.voice_markers(origin_m, voice.resolution_m, levels_db, solid))
+
+    def _draw_hazards(self) -> None:
+        for layer, feed, markers_of in (
+            ("fire", self._fire, scene_fire.fire_markers),
+            ("smoke", self._smoke, scene_fire.smoke_markers),
+        ):
+            grid = feed.newest() if feed else None
+            if grid is not None:
+                place = grid.info.origin.position
+                cells = np.array(grid.data, dtype=np.int8).reshape(grid.info.height, grid.info.width)
+                self._canvas[layer].draw(markers_of((place.x, place.y), grid.info.resolution, cells))
 
     def _draw_team(self, now_s: float) -> None:
         num_seen = sum(robot.view() is not None for robot in self._robots.values())
