@@ -6,6 +6,7 @@ _EXTRA_OF_PACKAGE = {
     "cv2": "images",
     "dask": "campaign",
     "distributed": "campaign",
+    "fdsreader": "fds",
     "jinja2": "report",
     "matplotlib": "report",
     "mujoco": "mujoco",

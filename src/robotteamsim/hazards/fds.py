@@ -1,0 +1,159 @@
+"""Fire and smoke from the results of FDS, which the package fdsreader reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robotteamsim.errors import PlacementError
+from robotteamsim.extras import missing_extra
+from robotteamsim.hazards.field import BURNING, HazardField
+from robotteamsim.hazards.hazards import ClosedDoors, ambient_field
+from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.fire import Fire
+from robotteamsim.scenario.scenario import Scenario
+
+_KEY = "fire.fds"
+_TEMPERATURE = "TEMPERATURE"
+_G_PER_KG = 1e3
+_MIN_VISIBILITY_M = 1e-3
+
+
+def _soot_of(fire: Fire) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
+    """Return the quantities that show smoke, and how each becomes soot [g/m^3]."""
+    extinction_m2_g, c = fire.soot.extinction_m2_g, fire.soot.visibility_c
+    return {
+        "SOOT DENSITY": lambda kg_m3: kg_m3 * _G_PER_KG,
+        "EXTINCTION COEFFICIENT": lambda per_m: per_m / extinction_m2_g,
+        "VISIBILITY": lambda metres: c / np.maximum(metres, _MIN_VISIBILITY_M) / extinction_m2_g,
+    }
+
+
+class FdsHazards:
+    """Fire and smoke of a run of FDS, in cells of the plan: each has the values of the point nearest to its centre.
+
+    Between two times of the results, values are interpolated linearly; after the last one they stay.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Read the folder. Raises: PlacementError: it is not that of a run of FDS, or shows no temperature or smoke."""
+        fire = scenario.fire
+        assert fire is not None
+        assert fire.fds is not None
+        self._fire, self._step_ns = fire, scenario.run.step_ns
+        slices = _horizontal_slices(fire.fds)
+        soot_of = _soot_of(fire)
+        smoke = next((name for name in soot_of if _find(slices, name)), None)
+        for wanted, found in ((_TEMPERATURE, _find(slices, _TEMPERATURE)), (", ".join(soot_of), smoke)):
+            if not found:
+                known = ", ".join(sorted({_name(each) for each in slices})) or "none"
+                raise _mistake(f"'{fire.fds}' has no horizontal slice of {wanted}; found {known}")
+        assert smoke is not None
+        self._ambient = ambient_field(scenario)
+        self._temperature = _Samples(_find(slices, _TEMPERATURE), self._ambient, fire.heat.ambient_c)
+        self._smoke = _Samples(_find(slices, smoke), self._ambient, np.inf if smoke == "VISIBILITY" else 0.0)
+        self._soot_of = soot_of[smoke]
+        self.field = self._at(0.0)
+        """Of the last update."""
+        self.updated = False
+        """Whether the last step was an update."""
+
+    def step(self, sim_time_ns: int, doors: ClosedDoors) -> bool:
+        """Advance to the step with this stamp [ns]; return whether this was an update. Doors change nothing."""
+        self.updated = self._fire.updates_at(sim_time_ns, self._step_ns)
+        if not self.updated:
+            return False
+        self.field = self._at((sim_time_ns - self._step_ns) / 1e9)
+        return True
+
+    def ignite(self, position_m: Point) -> None:
+        """Raises: ValueError: the results of FDS cannot be changed."""
+        raise ValueError("ignite: the fire is a result of FDS, fire.fds, which cannot be changed")
+
+    def burnt_doors(self) -> tuple[str, ...]:
+        """Return no doors."""
+        return ()
+
+    def _at(self, time_s: float) -> HazardField:
+        temperatures_c = self._temperature.at(time_s).astype(np.float32)
+        states = np.where(temperatures_c >= self._fire.heat.flame_c, BURNING, 0).astype(np.uint8)
+        soot_g_m3 = self._soot_of(self._smoke.at(time_s)).astype(np.float32)
+        origin_m, resolution_m = self._ambient.origin_m, self._ambient.resolution_m
+        return HazardField(origin_m, resolution_m, temperatures_c, soot_g_m3, states, self._fire)
+
+
+class _Samples:
+    """The values of a slice in the cells of a grid, over time."""
+
+    def __init__(self, found: Any, cells: HazardField, outside: float) -> None:
+        """Args: outside: the value of cells that the slice does not cover."""
+        self._times_s = np.asarray(found.times, dtype=np.float64)
+        rows, cols = cells.states.shape
+        x = cells.origin_m[0] + cells.resolution_m * (np.arange(cols) + 0.5)
+        y = cells.origin_m[1] + cells.resolution_m * (np.arange(rows) + 0.5)
+        self._values = np.full((len(self._times_s), rows, cols), outside, dtype=np.float32)
+        for part in found.subslices:
+            points = part.get_coordinates()
+            covered_x, near_x = _nearest(points["x"], x)
+            covered_y, near_y = _nearest(points["y"], y)
+            data = np.asarray(part.data)  # by time, x and y
+            picked = data[:, near_x[covered_x]][:, :, near_y[covered_y]]
+            self._values[np.ix_(np.arange(len(data)), covered_y, covered_x)] = picked.transpose(0, 2, 1)
+
+    def at(self, time_s: float) -> np.ndarray:
+        """Return the values at a time, float64, shape (rows, cols)."""
+        after = int(np.searchsorted(self._times_s, time_s, side="right"))
+        if after == 0 or after == len(self._times_s):
+            nearest: np.ndarray = self._values[min(after, len(self._times_s) - 1)].astype(np.float64)
+            return nearest
+        begin_s, end_s = self._times_s[after - 1 : after + 1]
+        share = (time_s - begin_s) / (end_s - begin_s)
+        before, now = self._values[after - 1].astype(np.float64), self._values[after].astype(np.float64)
+        # Where both are infinite, as the visibility outside the slice, their difference is not a number.
+        values: np.ndarray = np.where(before == now, before, before + share * (now - before))
+        return values
+
+
+def _nearest(points: Sequence[float], places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the indices of the places within the points' range, and for each place the index of the nearest point."""
+    sorted_points = np.asarray(points, dtype=np.float64)
+    half = 0.5 * (sorted_points[1] - sorted_points[0]) if len(sorted_points) > 1 else 0.0
+    is_covered = (places >= sorted_points[0] - half) & (places <= sorted_points[-1] + half)
+    nearest = np.abs(places[:, None] - sorted_points[None, :]).argmin(axis=1)
+    return np.flatnonzero(is_covered), nearest
+
+
+def _horizontal_slices(folder: str) -> list[Any]:
+    """Return the horizontal slices in a folder. Raises: PlacementError: there is no run of FDS, or no fdsreader."""
+    try:
+        import fdsreader
+    except ImportError as error:
+        raise _mistake(missing_extra(error) or str(error)) from None
+    if not Path(folder).is_dir():
+        raise _mistake(f"'{folder}' is not a folder; expected the results of FDS")
+    if not any(Path(folder).glob("*.smv")):
+        raise _mistake(f"'{folder}' has no .smv file; expected the results of FDS")
+    # Its caches are pickles: a folder from elsewhere could run code.
+    fdsreader.settings.ENABLE_CACHING = False
+    try:
+        found = fdsreader.Simulation(folder).slices
+        return [each for each in found if each.orientation == 3]
+    except Exception as error:  # fdsreader has no error class for files that it cannot read
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise _mistake(f"'{folder}' cannot be read as results of FDS: {reason}") from None
+
+
+def _find(slices: Sequence[Any], quantity: str) -> Any:
+    """Return the first slice of a quantity, also of one species such as soot; None if there is none."""
+    return next((each for each in slices if _name(each).endswith(quantity)), None)
+
+
+def _name(found: Any) -> str:
+    return str(found.quantity.name).strip().upper()
+
+
+def _mistake(text: str) -> PlacementError:
+    return PlacementError(f"{_KEY}: {text}", _KEY)

@@ -1,0 +1,138 @@
+"""Results of FDS: a small run in FDS's own file format, written here."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from burning import STEP_NS, Doors, scenario
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.hazards.fds import FdsHazards
+from robotteamsim.simulation import Simulation
+
+PLAN = {"name": "room", "bounds": {"max": [4, 3]}}
+TIMES_S = (0.0, 10.0, 20.0)
+X, Y, Z = np.linspace(0.0, 4.0, 9), np.linspace(0.0, 3.0, 7), np.linspace(0.0, 2.5, 6)
+Field = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
+
+
+def temperature_c(x: np.ndarray, y: np.ndarray, time_s: float) -> np.ndarray:
+    return 20.0 + 10.0 * x + y + 5.0 * time_s
+
+
+def soot_kg_m3(x: np.ndarray, y: np.ndarray, time_s: float) -> np.ndarray:
+    return 1e-5 * time_s * (1.0 + x) + 0.0 * y
+
+
+def record(data: bytes) -> bytes:
+    """Return a record of Fortran's unformatted files."""
+    size = np.array([len(data)], dtype="<i4").tobytes()
+    return size + data + size
+
+
+def axis(name: str, nodes: np.ndarray) -> list[str]:
+    return ["", f"TRN{name}", "    0", *(f"{i:5d} {node:14.5f}" for i, node in enumerate(nodes))]
+
+
+def write_run(folder: Path, slices: Sequence[tuple[str, str, str, Field]]) -> str:
+    """Write a run with one mesh and horizontal slices at z = 1.5 m. Args: slices: quantity, label, unit, values."""
+    lines = ["CHID", " room", "", "FDSVERSION", "FDS6.8.0", "", "TOFFSET", " 0.0 0.0 0.0", ""]
+    lines += ["HRRPUVCUT", "     1", "   200.0", "", "GRID  mesh", f" {len(X) - 1} {len(Y) - 1} {len(Z) - 1} 0", ""]
+    lines += ["PDIM", " 0.0 4.0 0.0 3.0 0.0 2.5 0.0 0.0 0.0", *axis("X", X), *axis("Y", Y), *axis("Z", Z)]
+    lines += ["", "OBST", "    0", "", "VENT", "    0    0", "", "CVENT", "    0", ""]
+    x, y = np.meshgrid(X, Y, indexing="ij")
+    for index, (quantity, label, unit, values) in enumerate(slices, start=1):
+        file = f"room_1_{index}.sf"
+        lines += [f"SLCF     1 # STRUCTURED &     0     8     0     6     3     3 ! {index}"]
+        lines += [f" {file}", f" {quantity}", f" {label}", f" {unit}"]
+        data = b"".join(record(text.ljust(30).encode()) for text in (quantity, label, unit))
+        data += record(np.array([0, 8, 0, 6, 3, 3], dtype="<i4").tobytes())
+        for time_s in TIMES_S:
+            data += record(np.array([time_s], dtype="<f4").tobytes())
+            data += record(values(x, y, time_s).astype("<f4").tobytes(order="F"))
+        (folder / file).write_bytes(data)
+    (folder / "room.smv").write_text("\n".join(lines) + "\n")
+    return str(folder)
+
+
+HEAT = ("TEMPERATURE", "temp", "C", temperature_c)
+SOOT = ("SOOT DENSITY", "rho_soot", "kg/m3", soot_kg_m3)
+
+
+def test_temperature_and_soot_are_those_of_fds_in_space_and_time(tmp_path):
+    hazards = FdsHazards(scenario(PLAN, {"fds": write_run(tmp_path, [HEAT, SOOT])}))
+    assert hazards.step(6 * STEP_NS, Doors())  # begins at 5 s
+    # The centre (0.75, 1.25) of a cell of 0.5 m is as far from the nodes 0.5 and 1 of FDS; the first counts.
+    place = np.array([[0.75, 1.25]])
+    assert hazards.field.temperature_c(place) == pytest.approx(temperature_c(0.5, 1.0, 5.0), abs=1e-3)
+    assert hazards.field.soot(place) == pytest.approx(1e3 * soot_kg_m3(0.5, 1.0, 5.0), rel=1e-5)
+    hazards.step(100 * STEP_NS, Doors())
+    assert hazards.field.temperature_c(place) == pytest.approx(temperature_c(0.5, 1.0, 20.0), abs=1e-3)
+
+
+def test_visibility_and_extinction_become_the_same_soot(tmp_path):
+    def extinction(x: np.ndarray, y: np.ndarray, time_s: float) -> np.ndarray:
+        return 8.7e3 * soot_kg_m3(x, y, time_s)
+
+    def visibility_m(x: np.ndarray, y: np.ndarray, time_s: float) -> np.ndarray:
+        return 3.0 / np.maximum(extinction(x, y, time_s), 1e-6)
+
+    found = []
+    for name, smoke in (
+        ("density", SOOT),
+        ("extinction", ("SOOT EXTINCTION COEFFICIENT", "ext_soot", "1/m", extinction)),
+        ("visibility", ("SOOT VISIBILITY", "VIS_soot", "m", visibility_m)),
+    ):
+        folder = tmp_path / name
+        folder.mkdir()
+        hazards = FdsHazards(scenario(PLAN, {"fds": write_run(folder, [HEAT, smoke])}))
+        hazards.step(11 * STEP_NS, Doors())  # begins at a time of the results
+        found.append(hazards.field.soot_g_m3)
+    assert found[1] == pytest.approx(found[0], rel=1e-5)
+    assert found[2] == pytest.approx(found[0], rel=1e-5)
+
+
+def test_mission_runs_in_a_fire_of_fds(tmp_path):
+    simulation = Simulation(scenario(PLAN, {"fds": write_run(tmp_path, [HEAT, SOOT])}))
+    fields = [record.hazards for record in (simulation.step() for _ in range(12)) if record.hazards is not None]
+    assert len(fields) == 11
+    assert fields[-1].temperatures_c.max() > fields[0].temperatures_c.max()
+
+
+@pytest.mark.parametrize(
+    ("slices", "message"),
+    [
+        ([HEAT], "has no horizontal slice of SOOT DENSITY, EXTINCTION COEFFICIENT, VISIBILITY; found TEMPERATURE$"),
+        ([SOOT], "has no horizontal slice of TEMPERATURE; found SOOT DENSITY$"),
+        ([], "has no horizontal slice of TEMPERATURE; found none$"),
+    ],
+)
+def test_folder_without_smoke_or_temperature_is_refused_in_one_line(slices, message, tmp_path):
+    with pytest.raises(ScenarioError, match=message) as caught:
+        Simulation(scenario(PLAN, {"fds": write_run(tmp_path, slices)}))
+    assert "fire.fds: " in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_folder_that_is_not_of_fds_is_refused(tmp_path):
+    with pytest.raises(ScenarioError, match=r"fire\.fds: '/nowhere' is not a folder; expected the results of FDS"):
+        Simulation(scenario(PLAN, {"fds": "/nowhere"}))
+    with pytest.raises(ScenarioError, match=r"has no \.smv file; expected the results of FDS"):
+        Simulation(scenario(PLAN, {"fds": str(tmp_path)}))
+
+
+def test_without_fdsreader_one_line_says_what_to_install(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "fdsreader", None)
+    with pytest.raises(ScenarioError, match=r"fire\.fds: .*pip install 'robotteamsim\[fds\]'"):
+        Simulation(scenario(PLAN, {"fds": str(tmp_path)}))
+
+
+def test_caches_of_fdsreader_are_neither_read_nor_written(tmp_path):
+    folder = write_run(tmp_path, [HEAT, SOOT])
+    before = sorted(path.name for path in tmp_path.iterdir())
+    Simulation(scenario(PLAN, {"fds": folder}))
+    assert sorted(path.name for path in tmp_path.iterdir()) == before
