@@ -160,6 +160,7 @@ void BindControl(nb::module_& m) {
           nb::kw_only(), "laser"_a, "stride"_a, "sensing_radius_m"_a, "headings_rad"_a)
       .def("clearest_place", &ClearestPlace, "pose"_a, "ranges_m"_a);
   BindRuledOut(m);
+  BindSearch(m);
 }
 
 }  // namespace robotteamsim::bindings

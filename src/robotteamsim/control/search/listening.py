@@ -1,0 +1,69 @@
+"""Where the team has listened, as far as one robot knows, and how robots tell each other."""
+
+from __future__ import annotations
+
+_DIGITS = 6
+"""Hexadecimal digits of an entry: four for the cell, two for the loudness that would have been noticed."""
+
+_LARGEST = 255
+
+
+class ListeningLog:
+    """The cells at which robots of the team listened, and the faintest voice that they would have noticed there.
+
+    A message contains the sender's own new entries, and some of all that it knows, in turn. Entries may arrive twice, late
+    or not at all: for each cell the smallest value counts, so all robots that know the same entries agree, and robots
+    of a split team agree after they have met for some time.
+    """
+
+    def __init__(self) -> None:
+        self._above: dict[int, int] = {}
+        """Steps over the noise above which a voice would have been noticed, by cell."""
+        self._order: list[int] = []
+        """The cells in the order in which the robot learned of them."""
+        self._unsent: dict[int, None] = {}
+        self._next = 0
+        """Index in `_order` of the next old entry to send."""
+
+    def __len__(self) -> int:
+        return len(self._order)
+
+    def add(self, cell: int, above: int, *, own: bool) -> bool:
+        """Add an entry, of the robot itself or of a teammate; return whether it is news."""
+        known = self._above.get(cell)
+        if known is not None and known <= above:
+            return False
+        if known is None:
+            self._order.append(cell)
+        self._above[cell] = above
+        if own:
+            self._unsent[cell] = None
+        return True
+
+    def to_text(self, most: int) -> str:
+        """Return the robot's own news and some of all entries: at most `most` of each."""
+        news = list(self._unsent)[-most:]
+        for cell in news:
+            del self._unsent[cell]
+        count = min(most, len(self._order))
+        old = [self._order[(self._next + i) % len(self._order)] for i in range(count)]
+        self._next = (self._next + count) % max(len(self._order), 1)
+        cells = dict.fromkeys([*news, *old])
+        return "".join(f"{cell:04x}{self._above[cell]:02x}" for cell in cells)
+
+
+def entries_in(text: str, num_cells: int) -> list[tuple[int, int]] | None:
+    """Return the entries in a text from `to_text`; None if it does not fit a grid of so many cells."""
+    try:
+        data = bytes.fromhex(text)
+    except ValueError:
+        return None
+    if len(data) % (_DIGITS // 2):
+        return None
+    entries = [((data[i] << 8) + data[i + 1], data[i + 2]) for i in range(0, len(data), _DIGITS // 2)]
+    return entries if all(cell < num_cells for cell, _ in entries) else None
+
+
+def limited(above: float) -> int:
+    """Return a number of steps over the noise as an entry holds it: a whole number from 0 to 255, rounded up."""
+    return min(max(-int(-above // 1), 0), _LARGEST)
