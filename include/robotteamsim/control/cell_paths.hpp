@@ -46,7 +46,7 @@ class CellPaths {
   const std::vector<float>& LengthsFrom(int cell) const;
 
   /// Returns the farthest place on the path to a cell to which the straight line from a position is free, at most
-  /// `longest` [m] of path ahead; nothing without a path.
+  /// `longest` [m] of path ahead; if none is, the next one. Nothing without a path.
   std::optional<base::Point> Ahead(const base::Point& position, int goal, double longest) const;
 
  private:

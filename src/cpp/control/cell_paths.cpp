@@ -166,6 +166,7 @@ std::optional<base::Point> CellPaths::Ahead(const base::Point& position, int goa
   if (at == kNone || !(lengths[at] < kNoPath)) return std::nullopt;
   const float least = lengths[at] - static_cast<float>(longest);
   base::Point ahead = *places_[at];
+  bool is_first = fine_->IsLineFree(position, ahead);
   while (at != goal && lengths[at] > least) {
     int best = at;
     float total = kNoPath;
@@ -179,6 +180,8 @@ std::optional<base::Point> CellPaths::Ahead(const base::Point& position, int goa
     }
     if (best == at) break;
     at = best;
+    if (is_first) ahead = *places_[at];  // around a corner, if it is not in sight
+    is_first = false;
     if (!fine_->IsLineFree(position, *places_[at]) || !IsAllowed(position, *places_[at])) break;
     ahead = *places_[at];
   }

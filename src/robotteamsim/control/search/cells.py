@@ -165,7 +165,8 @@ def _beside(cells: np.ndarray) -> np.ndarray:
     padded = np.pad(cells, 1)
     rows, columns = cells.shape
     shifted = [padded[i : i + rows, j : j + columns] for i in range(3) for j in range(3)]
-    return np.logical_or.reduce(shifted)
+    beside: np.ndarray = np.logical_or.reduce(shifted)
+    return beside
 
 
 def unheard(voice: Voice, noise_db: float) -> np.ndarray:
@@ -183,4 +184,4 @@ def unheard(voice: Voice, noise_db: float) -> np.ndarray:
     levels_db = loudness_db[None, :, None] - losses_db[:, None, None] * exponent[None, None, :]
     missed = np.mean(levels_db < noise_db, axis=(1, 2))
     missed[-1] = 1.0
-    return missed.astype(np.float32)
+    return np.asarray(missed, dtype=np.float32)

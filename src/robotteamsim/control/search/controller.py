@@ -114,6 +114,7 @@ class SearchController:
             self._given_up.clear()
         self._observation, self._task = observation, task
         self._knowledge.note(observation.voice, task.epoch)
+        self._was_beside_m = self._hunt.beside(observation.voice)
         if task.running:
             if self._last_ns is not None:
                 self._elapsed_ns += observation.sim_time_ns - self._last_ns
@@ -211,7 +212,6 @@ class SearchController:
         knowledge.agree_on_noise([update.noise_db for update in self._team.updates if update.noise_db is not None])
         mass = knowledge.mass() if voice.heard else self._places.prior
         self._voice = self._hunt.follow(voice, self._task.epoch, position, knowledge.losses, mass, self._places.prior)
-        self._was_beside_m = self._voice.follow_m if self._voice is not None else None
         start = self._all_paths.start_of(position)
         if start != NO_CELL:
             knowledge.listen(start, voice)

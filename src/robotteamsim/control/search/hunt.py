@@ -108,9 +108,11 @@ class Hunt:
             source = self._fix.most_probable(self._prior)
         if source is None:
             return None
-        beside = voice.local_best_level_db >= self._beside_db
-        follow_m = voice.local_best_m if beside else None
-        return Hunted(source[0], self._grid.centre_of(source[0]), voice.local_best_level_db, follow_m)
+        return Hunted(source[0], self._grid.centre_of(source[0]), voice.local_best_level_db, self.beside(voice))
+
+    def beside(self, voice: VoiceReading) -> Vector | None:
+        """Return the loudest place that a robot perceives, if the victim must be beside it; else None."""
+        return voice.local_best_m if voice.heard and voice.local_best_level_db >= self._beside_db else None
 
     def _restart(self, losses: _core.control.VoiceLosses) -> None:
         self._fix = _core.control.VoiceFix(losses, self._loudness_db, self._exponent)

@@ -11,9 +11,9 @@ _LARGEST = 255
 class ListeningLog:
     """The cells at which robots of the team listened, and the faintest voice that they would have noticed there.
 
-    A message contains the sender's own new entries, and some of all that it knows, in turn. Entries may arrive twice, late
-    or not at all: for each cell the smallest value counts, so all robots that know the same entries agree, and robots
-    of a split team agree after they have met for some time.
+    A message contains the sender's own new entries, and some of all that it knows, in turn. Entries may arrive twice,
+    late or not at all: for each cell the smallest value counts, so all robots that know the same entries agree, and
+    robots of a split team agree after they have met for some time.
     """
 
     def __init__(self) -> None:
