@@ -64,11 +64,12 @@ class VictimBelief {
   ListeningPlace Worth(const CellPaths& paths, int start, int cell, const Plan& plan) const;
 
  private:
-  struct Weights {
-    std::vector<int> cells;     ///< those with any weight, ascending
-    std::vector<float> weight;  ///< of these
-  };
+  /// Probabilities of cells, and their sums.
+  class Weights;
+  struct Window;
 
+  void FindReach();
+  Window Around(int cell) const;
   void CheckCell(int cell) const;
   Weights Unclaimed(const std::vector<int>& claims) const;
   double Gain(const Weights& left, int cell) const;
@@ -77,6 +78,7 @@ class VictimBelief {
   std::vector<float> prior_;
   std::vector<std::uint8_t> least_;
   Unheard unheard_{};
+  int reach_ = 0;  ///< farther away, in rows or columns, no voice is heard
 };
 
 }  // namespace robotteamsim::control

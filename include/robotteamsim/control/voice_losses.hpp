@@ -37,6 +37,9 @@ class VoiceLosses {
   /// Returns the losses from one cell to all cells. Throws std::invalid_argument if there is no such cell.
   const std::vector<std::uint8_t>& From(int cell) const;
 
+  /// Returns the largest number of rows or columns between two cells whose loss is below some steps.
+  int ReachOf(int steps) const;
+
   /// Returns the loss of the walls alone between a place and the centre of each cell [dB].
   std::vector<float> WallsFromDb(const base::Point& place) const;
 

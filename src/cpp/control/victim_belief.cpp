@@ -26,6 +26,7 @@ VictimBelief::VictimBelief(std::shared_ptr<const VoiceLosses> losses, std::vecto
   for (const float share : prior_) base::CheckNotNegative(share, "prior");
   least_.assign(prior_.size(), VoiceLosses::kSilent);
   unheard_.fill(1.0F);
+  FindReach();
 }
 
 void VictimBelief::SetLosses(std::shared_ptr<const VoiceLosses> losses) {
@@ -33,6 +34,7 @@ void VictimBelief::SetLosses(std::shared_ptr<const VoiceLosses> losses) {
     throw std::invalid_argument("losses must be those of the same grid");
   }
   losses_ = std::move(losses);
+  FindReach();
 }
 
 void VictimBelief::SetUnheard(const Unheard& unheard) {
@@ -40,6 +42,13 @@ void VictimBelief::SetUnheard(const Unheard& unheard) {
     if (!(share >= 0.0F && share <= 1.0F)) throw std::invalid_argument("unheard must be from 0 to 1");
   }
   unheard_ = unheard;
+  FindReach();
+}
+
+void VictimBelief::FindReach() {
+  int loss = 0;
+  while (loss < VoiceLosses::kSilent && unheard_[loss] < 1.0F) ++loss;
+  reach_ = losses_->ReachOf(loss);
 }
 
 void VictimBelief::CheckCell(int cell) const {
@@ -71,6 +80,35 @@ std::vector<float> VictimBelief::Mass() const {
   return mass;
 }
 
+class VictimBelief::Weights {
+ public:
+  Weights(std::vector<float> cells, int rows, int cols)
+      : cells_(std::move(cells)), cols_(cols), sums_(static_cast<std::size_t>(rows + 1) * (cols + 1), 0.0) {
+    for (int row = 0; row < rows; ++row) {
+      double in_row = 0.0;
+      for (int col = 0; col < cols; ++col) {
+        in_row += cells_[static_cast<std::size_t>(row) * cols + col];
+        Sum(row + 1, col + 1) = Sum(row, col + 1) + in_row;
+      }
+    }
+  }
+
+  const std::vector<float>& cells() const { return cells_; }
+
+  /// Returns the sum over rows [row, row_end) and columns [col, col_end).
+  double Within(int row, int row_end, int col, int col_end) const {
+    return At(row_end, col_end) - At(row, col_end) - At(row_end, col) + At(row, col);
+  }
+
+ private:
+  double& Sum(int row, int col) { return sums_[static_cast<std::size_t>(row) * (cols_ + 1) + col]; }
+  double At(int row, int col) const { return sums_[static_cast<std::size_t>(row) * (cols_ + 1) + col]; }
+
+  std::vector<float> cells_;
+  int cols_;
+  std::vector<double> sums_;  ///< over all cells below and to the left
+};
+
 VictimBelief::Weights VictimBelief::Unclaimed(const std::vector<int>& claims) const {
   std::vector<std::uint8_t> least = least_;
   for (const int claim : claims) {
@@ -78,26 +116,37 @@ VictimBelief::Weights VictimBelief::Unclaimed(const std::vector<int>& claims) co
     const std::vector<std::uint8_t>& losses = losses_->From(claim);
     for (std::size_t i = 0; i < least.size(); ++i) least[i] = std::min(least[i], losses[i]);
   }
-  Weights left;
-  for (std::size_t i = 0; i < least.size(); ++i) {
-    const float weight = prior_[i] * unheard_[least[i]];
-    if (weight <= kNegligible) continue;
-    left.cells.push_back(static_cast<int>(i));
-    left.weight.push_back(weight);
-  }
-  return left;
+  std::vector<float> cells(least.size());
+  for (std::size_t i = 0; i < least.size(); ++i) cells[i] = prior_[i] * unheard_[least[i]];
+  return {std::move(cells), losses_->grid().rows, losses_->grid().cols};
+}
+
+/// The cells from which a voice may be heard at a cell.
+struct VictimBelief::Window {
+  int row, row_end, col, col_end;
+};
+
+VictimBelief::Window VictimBelief::Around(int cell) const {
+  const plan::GridShape& grid = losses_->grid();
+  const int row = cell / grid.cols, col = cell % grid.cols;
+  return {std::max(row - reach_, 0), std::min(row + reach_ + 1, grid.rows), std::max(col - reach_, 0),
+          std::min(col + reach_ + 1, grid.cols)};
 }
 
 double VictimBelief::Gain(const Weights& left, int cell) const {
   const std::vector<std::uint8_t>& losses = losses_->From(cell);
-  // Several sums, so that an addition need not wait for the one before.
-  std::array<double, 4> sums{};
-  for (std::size_t i = 0; i < left.cells.size(); ++i) {
-    const int at = left.cells[i];
-    const float missed = prior_[at] * unheard_[losses[at]];
-    sums[i % sums.size()] += std::max(left.weight[i] - missed, 0.0F);
+  const Window near = Around(cell);
+  const int cols = losses_->grid().cols;
+  double sum = 0.0;
+  for (int row = near.row; row < near.row_end; ++row) {
+    const std::size_t first = static_cast<std::size_t>(row) * cols;
+    float in_row = 0.0F;
+    for (std::size_t i = first + near.col; i < first + near.col_end; ++i) {
+      in_row += std::max(left.cells()[i] - prior_[i] * unheard_[losses[i]], 0.0F);
+    }
+    sum += in_row;
   }
-  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+  return sum;
 }
 
 std::optional<ListeningPlace> VictimBelief::Best(const CellPaths& paths, int start, const std::vector<int>& candidates,
@@ -106,18 +155,31 @@ std::optional<ListeningPlace> VictimBelief::Best(const CellPaths& paths, int sta
   base::CheckPositive(plan.delay_s, "delay_s");
   if (paths.Size() != prior_.size()) throw std::invalid_argument("paths must be those of the same grid");
   const Weights left = Unclaimed(plan.claims);
-  double all = 0.0;
-  for (const float weight : left.weight) all += weight;
   const std::vector<float>& lengths = paths.LengthsFrom(start);
-  std::optional<ListeningPlace> best;
+  struct Candidate {
+    int cell;
+    double time_s;
+    double most_per_s;  // if all that may be heard were heard
+  };
+  std::vector<Candidate> open;
+  open.reserve(candidates.size());
   for (const int cell : candidates) {
     CheckCell(cell);
     if (!std::isfinite(lengths[cell])) continue;
     const double time_s = lengths[cell] / plan.speed_mps + plan.delay_s;
-    if (best && all <= best->rate_per_s * time_s) continue;
-    const double gain = Gain(left, cell);
-    if (gain <= kNegligible || (best && gain <= best->rate_per_s * time_s)) continue;
-    best = ListeningPlace{cell, gain, gain / time_s};
+    const Window near = Around(cell);
+    const double most = left.Within(near.row, near.row_end, near.col, near.col_end);
+    if (most > kNegligible) open.push_back({cell, time_s, most / time_s});
+  }
+  std::sort(open.begin(), open.end(), [](const Candidate& a, const Candidate& b) {
+    return a.most_per_s != b.most_per_s ? a.most_per_s > b.most_per_s : a.cell < b.cell;
+  });
+  std::optional<ListeningPlace> best;
+  for (const Candidate& candidate : open) {
+    if (best && candidate.most_per_s <= best->rate_per_s) break;
+    const double gain = Gain(left, candidate.cell);
+    if (gain <= kNegligible || (best && gain <= best->rate_per_s * candidate.time_s)) continue;
+    best = ListeningPlace{candidate.cell, gain, gain / candidate.time_s};
   }
   return best;
 }

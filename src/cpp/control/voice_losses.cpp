@@ -70,6 +70,17 @@ const std::vector<std::uint8_t>& VoiceLosses::From(int cell) const {
   return losses;
 }
 
+int VoiceLosses::ReachOf(int steps) const {
+  int reach = 0;
+  const int longest = std::max(grid_.rows, grid_.cols);
+  for (int apart = 1; apart < longest; ++apart) {
+    // Without walls, and along a row or a column, the loss is smallest.
+    const double distance = std::max(apart * grid_.resolution - fading_.nearer_m, fading_.min_distance_m);
+    if (std::ceil(fading_.slope_db * base::Log10(distance) / fading_.step_db) < steps) reach = apart;
+  }
+  return reach;
+}
+
 std::vector<float> VoiceLosses::WallsFromDb(const base::Point& place) const {
   const propagation::WeightMap weights(faces_, propagation::RoundToMm(place, "place_m"), grid_);
   std::vector<float> walls_db;

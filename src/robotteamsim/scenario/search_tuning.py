@@ -72,5 +72,11 @@ class SearchTuning(Model):
         default=60,
         ge=1,
         le=10_000,
-        description="places at which a robot listened, and old ones sent again, in one message: at most this many each",
+        description="at most so many places at which the robot listened are in one message",
+    )
+    repeated_places: int = Field(
+        default=20,
+        ge=0,
+        le=10_000,
+        description="so many known places, in turn, are in each message again, for robots that missed them",
     )

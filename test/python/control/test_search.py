@@ -18,6 +18,7 @@ EAST, WEST = Area(name="east", center=(16.0, 5.0)), Area(name="west", center=(5.
 UPDATE = SearchUpdate(
     robot_id=2,
     position=(1.0 / 3.0, 4.0),
+    at=21,
     work="voice",
     goal=17,
     voice=HeardVoice((1.5, 2.5), 47.25),

@@ -198,7 +198,7 @@ def test_robot_that_receives_every_third_message_learns_all_in_time():
     for second in range(150):
         if second < 60:
             sender.add(second, second % 7, own=True)
-        text = sender.to_text(12)
+        text = sender.to_text(12, 12)
         assert len(text) <= 6 * 24
         if second % 3 == 0:
             for cell, above in entries_in(text, 200):

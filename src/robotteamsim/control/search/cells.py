@@ -116,15 +116,12 @@ class Places:
 
     prior:      probability of each cell, float32; all 0 if no cell can be reached.
     candidates: cells to listen at.
+    num_open:   number of cells in which a victim may be.
     """
 
     prior: np.ndarray
     candidates: list[int]
-
-    @property
-    def num_open(self) -> int:
-        """Number of cells in which a victim may be."""
-        return int(np.count_nonzero(self.prior))
+    num_open: int
 
 
 @functools.lru_cache(maxsize=16)
@@ -157,7 +154,7 @@ def places(
     for _ in range(stride):
         covered = _beside(covered)
     candidates = np.flatnonzero(lattice | (reached & ~covered)).tolist()
-    return Places(prior / total if total > 0.0 else prior, candidates)
+    return Places(prior / total if total > 0.0 else prior, candidates, int(total))
 
 
 def _beside(cells: np.ndarray) -> np.ndarray:

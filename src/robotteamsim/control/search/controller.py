@@ -85,6 +85,7 @@ class SearchController:
         self._elapsed_ns = 0
         self._last_ns: int | None = None
         """The stamp of the last step in which the mission was running."""
+        self._at = NO_CELL
         self._work: Work = "search"
         self._goal = NO_CELL
         self._target: Vector | None = None
@@ -167,7 +168,7 @@ class SearchController:
         update = update_of(message)
         if update is None or update.robot_id == self._robot_id:
             return
-        if update.goal >= self._grid.size or not self._knowledge.merge(update.listened, update.found):
+        if max(update.goal, update.at) >= self._grid.size or not self._knowledge.merge(update.listened, update.found):
             return
         self._team.hear(update, time_s)
         self._doors.hear(update.doors)
@@ -179,13 +180,14 @@ class SearchController:
         return SearchUpdate(
             robot_id=self._robot_id,
             position=(pose.x_m, pose.y_m),
+            at=self._at,
             work=self._work,
             goal=self._goal,
             voice=voice,
             noise_db=self._knowledge.measured_noise_db,
             elapsed_s=self._elapsed_ns * 1e-9,
             found=tuple(self._knowledge.found),
-            listened=self._knowledge.log.to_text(self._tuning.shared_places),
+            listened=self._knowledge.log.to_text(self._tuning.shared_places, self._tuning.repeated_places),
             doors=self._doors.sightings,
         )
 
@@ -212,7 +214,7 @@ class SearchController:
         knowledge.agree_on_noise([update.noise_db for update in self._team.updates if update.noise_db is not None])
         mass = knowledge.mass() if voice.heard else self._places.prior
         self._voice = self._hunt.follow(voice, self._task.epoch, position, knowledge.losses, mass, self._places.prior)
-        start = self._all_paths.start_of(position)
+        self._at = start = self._all_paths.start_of(position)
         if start != NO_CELL:
             knowledge.listen(start, voice)
         self._choose(position, start, time_s)
@@ -315,9 +317,8 @@ class SearchController:
         paths, cell = self._all_paths, self._areas.cell
         robots = [(paths.length_m(cell, start) if start != NO_CELL else math.inf, self._robot_id)]
         for update in self._team.updates:
-            at = paths.start_of(update.position)
-            if at != NO_CELL and (not works or update.work in works):
-                robots.append((paths.length_m(cell, at), update.robot_id))
+            if update.at != NO_CELL and (not works or update.work in works):
+                robots.append((paths.length_m(cell, update.at), update.robot_id))
         return robots
 
     def _is_nearest(self, start: int, works: tuple[Work, ...] = ()) -> bool:

@@ -130,6 +130,8 @@ class Knowledge:
 
     def add_found(self, place: Vector) -> None:
         """Add a victim whom a robot has reached, unless one at that place is already known."""
+        if place in self.found:
+            return
         is_new = all(math.dist(place, known) > self._found_within_m for known in self.found)
         if is_new and len(self.found) < MOST_FOUND:
             self.found.append(place)

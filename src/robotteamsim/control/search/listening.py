@@ -40,12 +40,12 @@ class ListeningLog:
             self._unsent[cell] = None
         return True
 
-    def to_text(self, most: int) -> str:
-        """Return the robot's own news and some of all entries: at most `most` of each."""
+    def to_text(self, most: int, repeated: int) -> str:
+        """Return at most `most` of the robot's own news, and `repeated` of all entries, in turn."""
         news = list(self._unsent)[-most:]
         for cell in news:
             del self._unsent[cell]
-        count = min(most, len(self._order))
+        count = min(repeated, len(self._order))
         old = [self._order[(self._next + i) % len(self._order)] for i in range(count)]
         self._next = (self._next + count) % max(len(self._order), 1)
         cells = dict.fromkeys([*news, *old])

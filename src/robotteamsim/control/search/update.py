@@ -22,10 +22,15 @@ class HeardVoice(msgspec.Struct, frozen=True, gc=False):
     level_db: Level
 
 
+CellNumber = Annotated[int, msgspec.Meta(ge=-1, le=65_535)]
+"""A cell; -1 for none."""
+
+
 class SearchUpdate(Update, frozen=True, gc=False, tag="search"):
     """What one robot does and knows.
 
     position:  in `map` [m].
+    at:        the cell where it is; -1 if it is far from all free cells.
     work:      what it does.
     goal:      cell to which it drives; -1 if it has none.
     voice:     the voice that it approaches; None if it approaches none.
@@ -38,8 +43,9 @@ class SearchUpdate(Update, frozen=True, gc=False, tag="search"):
 
     robot_id: Index
     position: Point
+    at: CellNumber
     work: Work
-    goal: Annotated[int, msgspec.Meta(ge=-1, le=65_535)]
+    goal: CellNumber
     voice: HeardVoice | None
     noise_db: Level | None
     elapsed_s: Annotated[float, msgspec.Meta(ge=0.0, le=1e9)]
