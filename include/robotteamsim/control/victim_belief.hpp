@@ -71,6 +71,7 @@ class VictimBelief {
   void FindReach();
   Window Around(int cell) const;
   void CheckCell(int cell) const;
+  void CheckPlan(const CellPaths& paths, const Plan& plan) const;
   Weights Unclaimed(const std::vector<int>& claims) const;
   double Gain(const Weights& left, int cell) const;
 

@@ -149,11 +149,15 @@ double VictimBelief::Gain(const Weights& left, int cell) const {
   return sum;
 }
 
-std::optional<ListeningPlace> VictimBelief::Best(const CellPaths& paths, int start, const std::vector<int>& candidates,
-                                                 const Plan& plan) const {
+void VictimBelief::CheckPlan(const CellPaths& paths, const Plan& plan) const {
   base::CheckPositive(plan.speed_mps, "speed_mps");
   base::CheckPositive(plan.delay_s, "delay_s");
   if (paths.Size() != prior_.size()) throw std::invalid_argument("paths must be those of the same grid");
+}
+
+std::optional<ListeningPlace> VictimBelief::Best(const CellPaths& paths, int start, const std::vector<int>& candidates,
+                                                 const Plan& plan) const {
+  CheckPlan(paths, plan);
   const Weights left = Unclaimed(plan.claims);
   const std::vector<float>& lengths = paths.LengthsFrom(start);
   struct Candidate {
@@ -185,7 +189,13 @@ std::optional<ListeningPlace> VictimBelief::Best(const CellPaths& paths, int sta
 }
 
 ListeningPlace VictimBelief::Worth(const CellPaths& paths, int start, int cell, const Plan& plan) const {
-  return Best(paths, start, {cell}, plan).value_or(ListeningPlace{cell, 0.0, 0.0});
+  CheckPlan(paths, plan);
+  CheckCell(start);
+  // Paths are as long in the other direction, and those to a goal are known.
+  const double length = paths.LengthsFrom(cell)[start];
+  if (!std::isfinite(length)) return {cell, 0.0, 0.0};
+  const double gain = Gain(Unclaimed(plan.claims), cell);
+  return {cell, gain, gain / (length / plan.speed_mps + plan.delay_s)};
 }
 
 }  // namespace robotteamsim::control

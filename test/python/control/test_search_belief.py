@@ -134,7 +134,7 @@ def test_room_behind_a_wall_without_a_door_is_searched_by_nobody(hall_scenario):
     wall = Wall(name="wall", start=(10.0, 0.0), end=(10.0, 10.0))
     plan = hall.model_copy(update={"walls": (*hall.walls, wall)})
     scenario = hall_scenario(plan=plan)
-    found = places(plan, RADIUS_M, cell_grid(scenario), _cell(3, 5), 1.0, 2.0)
+    found = places(plan, RADIUS_M, cell_grid(scenario), _cell(3, 5), 1.0, 2)
     assert found.prior.sum() == pytest.approx(1.0)
     assert found.prior[_cell(15, 5)] == 0.0
     assert all(cell % 20 < 10 for cell in found.candidates)

@@ -126,11 +126,13 @@ class Places:
 
 @functools.lru_cache(maxsize=16)
 def places(
-    plan: FloorPlan, robot_radius_m: float, grid: CellGrid, start: int, save_distance_m: float, spacing_m: float
+    plan: FloorPlan, robot_radius_m: float, grid: CellGrid, start: int, save_distance_m: float, stride: int
 ) -> Places:
-    """Return the places that matter to a robot at the cell `start`, which may be -1 for none.
+    """Return the places that matter to a robot.
 
     A victim may be in each cell that has a free place within reach of a save, or next to a cell that has one.
+
+    Args: start: cell of a robot, -1 for none.  stride: distance of candidates in cells.
     """
     # Closed doors may open: they do not rule a room out.
     opened = tuple(sorted((door.name, False) for door in plan.doors if door.closed))
@@ -144,7 +146,6 @@ def places(
         near = free.nearest_free(grid.centre_of(int(cell)), save_distance_m)
         prior[cell] = near is not None
     total = prior.sum()
-    stride = max(1, round(spacing_m / grid.cell_m))
     rows, columns = np.nonzero(reached)
     on_lattice = (rows % stride == stride // 2) & (columns % stride == stride // 2)
     # A cell without a neighbour on the lattice is a candidate itself.

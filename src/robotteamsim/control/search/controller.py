@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -36,6 +37,9 @@ _SHOWN_S = 5.0
 _IDLE_S = 5.0
 """A robot without work waits this long before it ends the search, so that messages in transit can arrive [s]."""
 
+_SPACING = 0.25
+"""Distance of places to listen at, if it is above `place_spacing_m`: this share of the hearing distance."""
+
 _MOVED_M = 2.0
 """If the estimated source of a voice moves farther, the robot has a new goal [m]."""
 
@@ -66,14 +70,10 @@ class SearchController:
         self._areas = Areas(scenario, self._grid)
         self._use_paths()
         start = self._all_paths.start_of(placed_robots(scenario)[robot_id].start_pose[:2])
-        self._places = places(
-            scenario.plan,
-            body.reach_m,
-            self._grid,
-            start,
-            scenario.mission.save_distance_m,
-            self._tuning.place_spacing_m,
+        self._find_places = partial(
+            places, scenario.plan, body.reach_m, self._grid, start, scenario.mission.save_distance_m
         )
+        self._places = self._find_places(1)
         self._knowledge = Knowledge(scenario, self._grid, self._places)
         self._hunt = Hunt(scenario, self._grid)
         self._team = Teammates(robot_id, self._tuning.given_up_s)
@@ -212,6 +212,8 @@ class SearchController:
             self._areas.measure(self._all_paths, self._all_paths.start_of(position))
         knowledge, voice = self._knowledge, observation.voice
         knowledge.agree_on_noise([update.noise_db for update in self._team.updates if update.noise_db is not None])
+        per_cell = max(self._tuning.place_spacing_m, _SPACING * knowledge.hearing_m) / self._grid.cell_m
+        self._places = self._find_places(max(1, round(per_cell)))
         mass = knowledge.mass() if voice.heard else self._places.prior
         self._voice = self._hunt.follow(voice, self._task.epoch, position, knowledge.losses, mass, self._places.prior)
         self._at = start = self._all_paths.start_of(position)
