@@ -43,7 +43,7 @@ class VoiceFix {
  private:
   /// Weighted sums of one cell: x is 10 log10(d), r the level above that of a middling voice.
   struct Sums {
-    double w = 0.0, wx = 0.0, wxx = 0.0, wr = 0.0, wxr = 0.0, wrr = 0.0, log_w = 0.0;
+    double w = 0.0, wx = 0.0, wxx = 0.0, wr = 0.0, wxr = 0.0, wrr = 0.0, log_w = 0.0, w_product = 1.0;
   };
 
   std::shared_ptr<const VoiceLosses> losses_;

@@ -19,6 +19,7 @@ namespace {
 constexpr double kLevelDeviation = 1.0;
 /// Distance of a victim from the centre of their cell, in cells: the standard deviation along one axis.
 constexpr double kOffCenter = 0.29;
+constexpr double kSmallProduct = 1e-100;
 constexpr double kLn10 = 2.302585092994046;
 
 Spread CheckedSpread(const Spread& spread, const char* name) {
@@ -62,7 +63,11 @@ void VoiceFix::Add(const base::Point& place, double level_db) {
       sums.wr += w * r;
       sums.wxr += w * x * r;
       sums.wrr += w * r * r;
-      sums.log_w += Ln(w);
+      sums.w_product *= w;
+      if (sums.w_product < kSmallProduct) {  // a logarithm now and then, instead of one per level
+        sums.log_w += Ln(sums.w_product);
+        sums.w_product = 1.0;
+      }
     }
   }
   ++count_;
@@ -87,7 +92,7 @@ std::optional<VoiceFix::Source> VoiceFix::MostProbable(const std::vector<float>&
     if (!(determinant > 0.0)) continue;  // rounding
     const double explained = (p22 * s.wr * s.wr + 2.0 * p12 * s.wr * s.wxr + p11 * s.wxr * s.wxr) / determinant;
     const double misfit = std::max(s.wrr - explained, 0.0);
-    const double evidence = 0.5 * (s.log_w - Ln(determinant) - misfit) + Ln(prior[i]);
+    const double evidence = 0.5 * (s.log_w + Ln(s.w_product / determinant) - misfit) + Ln(prior[i]);
     if (evidence > highest) {
       highest = evidence;
       best = Source{static_cast<int>(i), misfit / count_};

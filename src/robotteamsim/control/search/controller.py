@@ -75,6 +75,7 @@ class SearchController:
         )
         self._places = self._find_places(1)
         self._knowledge = Knowledge(scenario, self._grid, self._places)
+        self._space_places()
         self._hunt = Hunt(scenario, self._grid)
         self._team = Teammates(robot_id, self._tuning.given_up_s)
         self._listening = ListeningGoal(self._tuning, self._speed_mps)
@@ -211,15 +212,20 @@ class SearchController:
             self._use_paths()
             self._areas.measure(self._all_paths, self._all_paths.start_of(position))
         knowledge, voice = self._knowledge, observation.voice
-        knowledge.agree_on_noise([update.noise_db for update in self._team.updates if update.noise_db is not None])
-        per_cell = max(self._tuning.place_spacing_m, _SPACING * knowledge.hearing_m) / self._grid.cell_m
-        self._places = self._find_places(max(1, round(per_cell)))
+        of_team_db = [update.noise_db for update in self._team.updates if update.noise_db is not None]
+        if knowledge.agree_on_noise(of_team_db):
+            self._space_places()
         mass = knowledge.mass() if voice.heard else self._places.prior
         self._voice = self._hunt.follow(voice, self._task.epoch, position, knowledge.losses, mass, self._places.prior)
         self._at = start = self._all_paths.start_of(position)
         if start != NO_CELL:
             knowledge.listen(start, voice)
         self._choose(position, start, time_s)
+
+    def _space_places(self) -> None:
+        """Choose the places to listen at: the farther a robot hears, the fewer."""
+        spacing_m = max(self._tuning.place_spacing_m, _SPACING * self._knowledge.hearing_m)
+        self._places = self._find_places(max(1, round(spacing_m / self._grid.cell_m)))
 
     def _use_paths(self) -> None:
         plan, reach_m, doors = self._scenario.plan, self._reach_m, self._known_doors

@@ -96,37 +96,40 @@ class Knowledge:
         """Note the reading of a step, for the estimate of the noise."""
         self._noise.note(voice, epoch)
 
-    def agree_on_noise(self, of_teammates_db: list[float]) -> None:
-        """Use the lowest estimate of the robot and its teammates; without any, the assumption."""
+    def agree_on_noise(self, of_teammates_db: list[float]) -> bool:
+        """Use the lowest estimate of the robot and its teammates, or the assumption; return whether it has changed."""
         own_db = self.measured_noise_db
         known = of_teammates_db if own_db is None else [*of_teammates_db, own_db]
         # What is heard is an upper limit even if no voice has appeared or vanished yet.
         noise_db = min([*known, self._noise.noise_db]) if own_db is None and not known else min(known)
-        if abs(noise_db - self._noise_db) >= _NOISE_STEP_DB:
-            self._noise_db = noise_db
-            self.belief.set_unheard(unheard(self._scenario.voice, noise_db))
-            self._remaining = None
+        if abs(noise_db - self._noise_db) < _NOISE_STEP_DB:
+            return False
+        self._noise_db = noise_db
+        self.belief.set_unheard(unheard(self._scenario.voice, noise_db))
+        self._remaining = None
+        return True
 
     def listen(self, cell: int, voice: VoiceReading) -> None:
         """Note that the robot hears nothing at a cell, or nothing louder than a voice."""
         above_db = voice.local_best_level_db - self._noise_db if voice.heard else 0.0
-        self._learn(cell, limited(above_db / self._step_db), own=True)
+        above = limited(above_db / self._step_db)
+        if self.log.add(cell, above, own=True):
+            self._learn(cell, above)
 
     def merge(self, listened: str, found: tuple[Vector, ...]) -> bool:
         """Add what a teammate knows; return whether it is about the same plan."""
         entries = entries_in(listened, self._grid.size)
         if entries is None:
             return False
-        for cell, above in entries:
-            self._learn(cell, above, own=False)
+        for cell, above in self.log.merge(entries):
+            self._learn(cell, above)
         for place in found:
             self.add_found(place)
         return True
 
-    def _learn(self, cell: int, above: int, *, own: bool) -> None:
-        if self.log.add(cell, above, own=own):
-            self.belief.listen(cell, above)
-            self._remaining = None
+    def _learn(self, cell: int, above: int) -> None:
+        self.belief.listen(cell, above)
+        self._remaining = None
 
     def add_found(self, place: Vector) -> None:
         """Add a victim whom a robot has reached, unless one at that place is already known."""

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-_DIGITS = 6
-"""Hexadecimal digits of an entry: four for the cell, two for the loudness that would have been noticed."""
+import functools
+import struct
+from collections.abc import Iterable
+
+_ENTRY = struct.Struct(">HB")
+"""The cell, and the loudness that would have been noticed; three bytes, as hexadecimal digits in a message."""
 
 _LARGEST = 255
 
@@ -40,6 +44,12 @@ class ListeningLog:
             self._unsent[cell] = None
         return True
 
+    def merge(self, entries: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
+        """Add entries of a teammate; return those that are news."""
+        known = self._above
+        news = [(cell, above) for cell, above in entries if above < known.get(cell, _LARGEST + 1)]
+        return [(cell, above) for cell, above in news if self.add(cell, above, own=False)]
+
     def to_text(self, most: int, repeated: int) -> str:
         """Return at most `most` of the robot's own news, and `repeated` of all entries, in turn."""
         news = list(self._unsent)[-most:]
@@ -52,16 +62,18 @@ class ListeningLog:
         return "".join(f"{cell:04x}{self._above[cell]:02x}" for cell in cells)
 
 
-def entries_in(text: str, num_cells: int) -> list[tuple[int, int]] | None:
+# The robots of one process receive the same messages.
+@functools.lru_cache(maxsize=1024)
+def entries_in(text: str, num_cells: int) -> tuple[tuple[int, int], ...] | None:
     """Return the entries in a text from `to_text`; None if it does not fit a grid of so many cells."""
     try:
         data = bytes.fromhex(text)
     except ValueError:
         return None
-    if len(data) % (_DIGITS // 2):
+    if len(data) % _ENTRY.size:
         return None
-    entries = [((data[i] << 8) + data[i + 1], data[i + 2]) for i in range(0, len(data), _DIGITS // 2)]
-    return entries if all(cell < num_cells for cell, _ in entries) else None
+    entries = tuple(_ENTRY.iter_unpack(data))
+    return entries if max(entries, default=(0, 0))[0] < num_cells else None
 
 
 def limited(above: float) -> int:
