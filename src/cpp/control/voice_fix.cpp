@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "robotteamsim/base/checks.hpp"
-#include "robotteamsim/base/hypot.hpp"
 #include "robotteamsim/base/log10.hpp"
 #include "robotteamsim/propagation/cells.hpp"
 
@@ -19,6 +18,7 @@ namespace {
 constexpr double kLevelDeviation = 1.0;
 /// Distance of a victim from the centre of their cell, in cells: the standard deviation along one axis.
 constexpr double kOffCenter = 0.29;
+constexpr float kLeastPrior = 1e-30F;
 constexpr double kSmallProduct = 1e-100;
 constexpr double kLn10 = 2.302585092994046;
 
@@ -46,15 +46,17 @@ void VoiceFix::Add(const base::Point& place, double level_db) {
   const std::vector<float> walls_db = losses_->WallsFromDb(place);
   const plan::GridShape& grid = losses_->grid();
   const double least_m = std::max(losses_->fading().min_distance_m, kOffCenter * grid.resolution);
+  const double least_square = least_m * least_m;
   // The loss grows by this per metre at a distance of 1 m.
   const double grows_db = 10.0 * exponent_.mean / kLn10 * kOffCenter * grid.resolution;
   for (int row = 0; row < grid.rows; ++row) {
     for (int col = 0; col < grid.cols; ++col) {
       const std::size_t cell = static_cast<std::size_t>(row) * grid.cols + col;
-      const double distance = std::max(Distance(place, propagation::CellCenter(grid, row, col)), least_m);
-      const double deviation = grows_db / distance;
-      const double w = 1.0 / (kLevelDeviation * kLevelDeviation + deviation * deviation);
-      const double x = 10.0 * base::Log10(distance);
+      const base::Point center = propagation::CellCenter(grid, row, col);
+      const double away_x = center.x - place.x, away_y = center.y - place.y;
+      const double square = std::max(away_x * away_x + away_y * away_y, least_square);
+      const double w = square / (kLevelDeviation * kLevelDeviation * square + grows_db * grows_db);
+      const double x = 5.0 * base::Log10(square);
       const double r = level_db + walls_db[cell] - loudness_db_.mean + exponent_.mean * x;
       Sums& sums = sums_[cell];
       sums.w += w;
@@ -84,7 +86,7 @@ std::optional<VoiceFix::Source> VoiceFix::MostProbable(const std::vector<float>&
   std::optional<Source> best;
   double highest = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < prior.size(); ++i) {
-    if (!(prior[i] > 0.0F)) continue;
+    if (!(prior[i] > kLeastPrior)) continue;
     const Sums& s = sums_[i];
     // The precision of (loudness, exponent), a symmetric matrix, and its inverse in closed form.
     const double p11 = s.w + of_loudness, p12 = -s.wx, p22 = s.wxx + of_exponent;
@@ -92,7 +94,7 @@ std::optional<VoiceFix::Source> VoiceFix::MostProbable(const std::vector<float>&
     if (!(determinant > 0.0)) continue;  // rounding
     const double explained = (p22 * s.wr * s.wr + 2.0 * p12 * s.wr * s.wxr + p11 * s.wxr * s.wxr) / determinant;
     const double misfit = std::max(s.wrr - explained, 0.0);
-    const double evidence = 0.5 * (s.log_w + Ln(s.w_product / determinant) - misfit) + Ln(prior[i]);
+    const double evidence = 0.5 * (s.log_w - misfit + Ln(prior[i] * prior[i] * s.w_product / determinant));
     if (evidence > highest) {
       highest = evidence;
       best = Source{static_cast<int>(i), misfit / count_};

@@ -75,7 +75,7 @@ class SearchTuning(Model):
         description="at most so many places at which the robot listened are in one message",
     )
     repeated_places: int = Field(
-        default=20,
+        default=12,
         ge=0,
         le=10_000,
         description="so many known places, in turn, are in each message again, for robots that missed them",

@@ -41,6 +41,12 @@ class CellGrid:
         """Number of cells."""
         return self.rows * self.columns
 
+    def cell_of(self, place: Vector) -> int:
+        """Return the cell that contains a place in `map` [m]; the nearest one for a place beyond the plan."""
+        row = math.floor((place[1] - self.origin_m[1]) / self.cell_m)
+        column = math.floor((place[0] - self.origin_m[0]) / self.cell_m)
+        return min(max(row, 0), self.rows - 1) * self.columns + min(max(column, 0), self.columns - 1)
+
     def centre_of(self, cell: int) -> Vector:
         """Return the centre of a cell in `map` [m]."""
         row, column = divmod(cell, self.columns)

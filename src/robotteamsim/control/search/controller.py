@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from functools import partial
 
+import msgspec
 import numpy as np
 
 from robotteamsim import _core
@@ -102,6 +103,8 @@ class SearchController:
         self._idle_since_s: float | None = None
         self._done = ""
         self._next_shown_s = 0.0
+        self._standing = Decision()
+        """The decision to stand still in this iteration."""
 
     @property
     def knowledge(self) -> Knowledge:
@@ -115,8 +118,8 @@ class SearchController:
             self._listening.forget_avoided()
             self._given_up.clear()
         self._observation, self._task = observation, task
-        self._knowledge.note(observation.voice, task.epoch)
-        self._was_beside_m = self._hunt.beside(observation.voice)
+        self._knowledge.noise.note(observation.voice, task.epoch)
+        self._was_beside_m = self._hunt.beside(observation.voice) if observation.voice.heard else None
         if task.running:
             if self._last_ns is not None:
                 self._elapsed_ns += observation.sim_time_ns - self._last_ns
@@ -141,9 +144,11 @@ class SearchController:
             self._iterate(pose, observation)
             outbox = (Message(self._robot_id, EVERYBODY, self._update(pose).to_json()),)
             belief = self._shown_belief(sim_time_ns * 1e-9)
-        remaining = self._knowledge.remaining
+            self._standing = Decision(
+                goal_m=self._shown_goal(), local_best=self._knowledge.remaining, done=self._done
+            )
         if self._target is None:
-            return Decision(outbox=outbox, local_best=remaining, done=self._done, belief=belief)
+            return msgspec.structs.replace(self._standing, outbox=outbox, belief=belief)
         twist = self._navigator.drive(
             self._map.grid,
             pose,
@@ -153,16 +158,16 @@ class SearchController:
             sim_time_ns,
             lambda: self._team.positions,
         )
-        return Decision(twist, outbox, goal_m=self._shown_goal(), local_best=remaining, done=self._done, belief=belief)
+        return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, belief=belief)
 
     def _shown_belief(self, time_s: float) -> FieldMap | None:
         """Return the belief for display, once per period."""
-        largest = float(self._places.prior.max())
-        if time_s < self._next_shown_s or largest <= 0.0:
+        if time_s < self._next_shown_s or not self._places.num_open:
             return None
         self._next_shown_s = time_s + _SHOWN_S
         grid = self._grid
-        percent = (100.0 / largest * self._knowledge.mass()).reshape(grid.rows, grid.columns)
+        # The prior is the same in all these cells.
+        percent = (100.0 * self._places.num_open * self._knowledge.mass()).reshape(grid.rows, grid.columns)
         return FieldMap(grid.origin_m, grid.cell_m, percent.astype(np.float32))
 
     def _hear(self, message: Message, time_s: float) -> None:

@@ -69,11 +69,9 @@ class Hunt:
         self._exponent = spread(*voice.exponent, 0.05)
         self._beside_db = _level_at(_BESIDE_M, voice)
         self._saved_within_m = max(scenario.mission.save_distance_m - 0.7 * grid.cell_m, 0.3)
-        rows, columns = np.divmod(np.arange(grid.size), grid.columns)
-        self._centres_m = (np.stack([columns, rows], axis=1) + 0.5) * grid.cell_m + grid.origin_m
         self._fix: _core.control.VoiceFix | None = None
         self._prior: np.ndarray | None = None
-        self._visited = np.zeros(grid.size, dtype=bool)
+        self._visited: set[int] = set()
         self._heard_at: set[Vector] = set()
         self._epoch = -1
 
@@ -97,7 +95,7 @@ class Hunt:
         if self._fix is None or epoch != self._epoch or self._prior is None:
             self._epoch = epoch
             self._prior = mass + np.float32(_RULED_OUT) * prior
-            self._visited[:] = False
+            self._visited.clear()
             self._restart(losses)
         assert self._fix is not None
         self._add(voice, position)
@@ -119,7 +117,7 @@ class Hunt:
         self._heard_at = set()
 
     def _add(self, voice: VoiceReading, position: Vector) -> None:
-        """Add the levels of a reading, each place once, and rule out the cells beside the robot."""
+        """Add the levels of a reading, each place once, and rule out the cell of the robot."""
         assert self._fix is not None
         assert self._prior is not None
         if voice.local_best_m not in self._heard_at:
@@ -127,10 +125,10 @@ class Hunt:
             self._fix.add(voice.local_best_m, voice.local_best_level_db)
             if voice.level_db > 0.0:
                 self._fix.add(position, voice.level_db)
-        away_m = self._centres_m - position
-        beside = away_m[:, 0] ** 2 + away_m[:, 1] ** 2 <= self._saved_within_m**2
-        self._prior[beside & ~self._visited] *= np.float32(_RULED_OUT)
-        self._visited |= beside
+        cell = self._grid.cell_of(position)
+        if cell not in self._visited and math.dist(self._grid.centre_of(cell), position) <= self._saved_within_m:
+            self._prior[cell] *= np.float32(_RULED_OUT)
+            self._visited.add(cell)
 
 
 def _level_at(distance_m: float, voice: Voice) -> float:

@@ -42,7 +42,8 @@ class Knowledge:
         self._mean_victims = search.expected_victims
         self._step_db = loss_step_db(voice)
         self._found_within_m = 2.0 * scenario.mission.save_distance_m + voice.map_resolution_m
-        self._noise = NoiseEstimate(search.assumed_noise_db)
+        self.noise = NoiseEstimate(search.assumed_noise_db)
+        """The robot's own estimate, from its readings."""
         self._noise_db = search.assumed_noise_db
         self.log = ListeningLog()
         self.losses = voice_losses(scenario, grid, ())
@@ -60,7 +61,7 @@ class Knowledge:
     @property
     def measured_noise_db(self) -> float | None:
         """The robot's own estimate of the noise; None if no voice has shown it."""
-        return self._noise.noise_db if self._noise.is_measured else None
+        return self.noise.noise_db if self.noise.is_measured else None
 
     @property
     def remaining(self) -> float:
@@ -92,16 +93,12 @@ class Knowledge:
         self.losses = voice_losses(self._scenario, self._grid, doors)
         self.belief.set_losses(self.losses)
 
-    def note(self, voice: VoiceReading, epoch: int) -> None:
-        """Note the reading of a step, for the estimate of the noise."""
-        self._noise.note(voice, epoch)
-
     def agree_on_noise(self, of_teammates_db: list[float]) -> bool:
         """Use the lowest estimate of the robot and its teammates, or the assumption; return whether it has changed."""
         own_db = self.measured_noise_db
         known = of_teammates_db if own_db is None else [*of_teammates_db, own_db]
         # What is heard is an upper limit even if no voice has appeared or vanished yet.
-        noise_db = min([*known, self._noise.noise_db]) if own_db is None and not known else min(known)
+        noise_db = min([*known, self.noise.noise_db]) if own_db is None and not known else min(known)
         if abs(noise_db - self._noise_db) < _NOISE_STEP_DB:
             return False
         self._noise_db = noise_db

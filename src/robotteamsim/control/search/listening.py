@@ -23,6 +23,7 @@ class ListeningLog:
     def __init__(self) -> None:
         self._above: dict[int, int] = {}
         """Steps over the noise above which a voice would have been noticed, by cell."""
+        self._texts: dict[int, str] = {}
         self._order: list[int] = []
         """The cells in the order in which the robot learned of them."""
         self._unsent: dict[int, None] = {}
@@ -40,6 +41,7 @@ class ListeningLog:
         if known is None:
             self._order.append(cell)
         self._above[cell] = above
+        self._texts[cell] = f"{cell:04x}{above:02x}"
         if own:
             self._unsent[cell] = None
         return True
@@ -55,11 +57,11 @@ class ListeningLog:
         news = list(self._unsent)[-most:]
         for cell in news:
             del self._unsent[cell]
-        count = min(repeated, len(self._order))
-        old = [self._order[(self._next + i) % len(self._order)] for i in range(count)]
-        self._next = (self._next + count) % max(len(self._order), 1)
-        cells = dict.fromkeys([*news, *old])
-        return "".join(f"{cell:04x}{self._above[cell]:02x}" for cell in cells)
+        if self._next >= len(self._order):
+            self._next = 0
+        old = self._order[self._next : self._next + repeated]
+        self._next += repeated
+        return "".join(map(self._texts.__getitem__, dict.fromkeys([*news, *old])))
 
 
 # The robots of one process receive the same messages.

@@ -35,6 +35,9 @@ class NoiseEstimate:
     def note(self, voice: VoiceReading, epoch: int) -> None:
         """Note the reading of a step. Args: epoch: of the task; voices that a new epoch brings or ends do not count."""
         last, self._last = self._last, voice
+        if last is not None and not (voice.heard or last.heard):
+            self._epoch = epoch
+            return
         if last is None or epoch != self._epoch:
             self._epoch = epoch
         elif voice.heard != last.heard:
