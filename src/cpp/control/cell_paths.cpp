@@ -166,7 +166,9 @@ std::optional<base::Point> CellPaths::Ahead(const base::Point& position, int goa
   if (at == kNone || !(lengths[at] < kNoPath)) return std::nullopt;
   const float least = lengths[at] - static_cast<float>(longest);
   base::Point ahead = *places_[at];
-  bool is_first = fine_->IsLineFree(position, ahead);
+  // A robot that is too near to a wall is in no free cell.
+  const base::Point from = fine_->NearestFree(position, cells_.resolution).value_or(position);
+  bool is_first = fine_->IsLineFree(from, ahead);
   while (at != goal && lengths[at] > least) {
     int best = at;
     float total = kNoPath;
@@ -182,7 +184,7 @@ std::optional<base::Point> CellPaths::Ahead(const base::Point& position, int goa
     at = best;
     if (is_first) ahead = *places_[at];  // around a corner, if it is not in sight
     is_first = false;
-    if (!fine_->IsLineFree(position, *places_[at]) || !IsAllowed(position, *places_[at])) break;
+    if (!fine_->IsLineFree(from, *places_[at]) || !IsAllowed(from, *places_[at])) break;
     ahead = *places_[at];
   }
   return ahead;

@@ -56,9 +56,11 @@ class Areas:
 
     @property
     def kept_out(self) -> Disc | None:
-        """The disc to keep out of until the search is done."""
-        area = self.next
-        return (area.center, area.radius_m + _KEPT_OUT_M) if area is not None and self.is_last else None
+        """The disc to keep out of until the search is done: a robot inside it when its turn comes would end the mission."""
+        if self.next is None:
+            return None
+        last = self._areas[-1]
+        return last.center, last.radius_m + _KEPT_OUT_M
 
     def measure(self, paths: _core.control.CellPaths, start: int) -> None:
         """Find the cells of the remaining areas that a robot can reach from a cell, and the length of the tour."""

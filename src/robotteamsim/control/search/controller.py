@@ -41,6 +41,9 @@ _IDLE_S = 5.0
 _SPACING = 0.25
 """Distance of places to listen at, if it is above `place_spacing_m`: this share of the hearing distance."""
 
+_SPLIT = 0.03
+"""If keeping out of the last area makes a larger share of the cells unreachable, the robots do not until its turn."""
+
 _MOVED_M = 2.0
 """If the estimated source of a voice moves farther, the robot has a new goal [m]."""
 
@@ -69,8 +72,7 @@ class SearchController:
         self._grid = cell_grid(scenario)
         self._map = known_map(scenario.plan, body.reach_m)
         self._areas = Areas(scenario, self._grid)
-        self._use_paths()
-        start = self._all_paths.start_of(placed_robots(scenario)[robot_id].start_pose[:2])
+        start = self._use_paths(placed_robots(scenario)[robot_id].start_pose[:2])
         self._find_places = partial(
             places, scenario.plan, body.reach_m, self._grid, start, scenario.mission.save_distance_m
         )
@@ -214,8 +216,7 @@ class SearchController:
             self._knowledge.use_doors(self._known_doors)
             self._listening.forget_avoided()
         if areas_changed or doors_changed:
-            self._use_paths()
-            self._areas.measure(self._all_paths, self._all_paths.start_of(position))
+            self._areas.measure(self._all_paths, self._use_paths(position))
         knowledge, voice = self._knowledge, observation.voice
         of_team_db = [update.noise_db for update in self._team.updates if update.noise_db is not None]
         if knowledge.agree_on_noise(of_team_db):
@@ -232,10 +233,20 @@ class SearchController:
         spacing_m = max(self._tuning.place_spacing_m, _SPACING * self._knowledge.hearing_m)
         self._places = self._find_places(max(1, round(spacing_m / self._grid.cell_m)))
 
-    def _use_paths(self) -> None:
-        plan, reach_m, doors = self._scenario.plan, self._reach_m, self._known_doors
-        self._all_paths = cell_paths(plan, reach_m, self._grid, doors, None)
-        self._paths = cell_paths(plan, reach_m, self._grid, doors, self._areas.kept_out)
+    def _use_paths(self, position: Vector) -> int:
+        """Use the paths with doors and areas as they are now; return the cell of the robot."""
+        find = partial(cell_paths, self._scenario.plan, self._reach_m, self._grid, self._known_doors)
+        self._all_paths, self._paths = find(None), find(self._areas.kept_out)
+        start = self._all_paths.start_of(position)
+        kept_out = self._areas.kept_out
+        if kept_out is not None and not self._areas.is_last and start != NO_CELL:
+            everywhere, outside = (
+                np.count_nonzero(np.isfinite(paths.lengths_from(start))) for paths in (self._all_paths, self._paths)
+            )
+            inside = math.pi * (1.0 + kept_out[1] / self._grid.cell_m) ** 2
+            if everywhere - outside > inside + _SPLIT * everywhere:
+                self._paths = self._all_paths  # The last area is on the only path to a part of the building.
+        return start
 
     def _choose(self, position: Vector, start: int, time_s: float) -> None:
         """Choose what to do now."""
@@ -249,7 +260,9 @@ class SearchController:
         goal = self._listen_next(allowed, time_s) if not urgent else NO_CELL
         if self._goes_to_area(start, goal, urgent, time_s):
             self._listening.clear()
-            self._set_goal("area", self._areas.cell, position, self._all_paths)
+            ends = self._areas.is_last or allowed == NO_CELL
+            ends = ends or not math.isfinite(self._paths.length_m(self._areas.cell, allowed))
+            self._set_goal("area", self._areas.cell, position, self._all_paths if ends else self._paths)
         elif goal != NO_CELL:
             self._idle_since_s = None
             self._set_goal("search", goal, position, self._paths)
@@ -291,7 +304,7 @@ class SearchController:
         same_m = self._tuning.same_voice_m
         if any(math.dist(place, voice.source_m) <= same_m for place, _ in self._given_up):
             return False
-        kept_out = self._areas.kept_out
+        kept_out = self._areas.kept_out if self._areas.is_last else None
         if kept_out is not None and math.dist(kept_out[0], voice.source_m) <= kept_out[1]:
             return False  # To save this victim would end the mission.
         if self._team.approaches(voice, same_m):
