@@ -13,7 +13,6 @@ void BindSensing(nanobind::module_& m);
 void BindNetwork(nanobind::module_& m);
 void BindSwarm(nanobind::module_& m);
 void BindControl(nanobind::module_& m);
-void BindSearch(nanobind::module_& m);  // of control, too
 void BindSimulation(nanobind::module_& m);
 
 }  // namespace robotteamsim::bindings

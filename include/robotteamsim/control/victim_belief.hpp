@@ -51,9 +51,9 @@ class VictimBelief {
 
   /// What a robot plans to do, and what its team does.
   struct Plan {
-    std::vector<int> claims;       ///< cells at which teammates will listen
+    std::vector<int> claims;  ///< cells at which teammates will listen
     double speed_mps = 0.0;
-    double delay_s = 0.0;          ///< added to each travel time
+    double delay_s = 0.0;  ///< added to each travel time
   };
 
   /// Returns the candidate with the highest gain per second; nothing if no candidate has any gain.

@@ -117,7 +117,8 @@ int CellPaths::StartOf(const base::Point& point) const {
     for (int c = std::max(col - kReach, 0); c <= std::min(col + kReach, cells_.cols - 1); ++c) {
       const int other = r * cells_.cols + c;
       if (!places_[other]) continue;
-      const bool is_linked = std::any_of(links_[other].begin(), links_[other].end(), [](float l) { return l < kNoPath; });
+      const bool is_linked =
+          std::any_of(links_[other].begin(), links_[other].end(), [](float l) { return l < kNoPath; });
       // A place behind a wall is nearer than it seems.
       const double detour = fine_->IsLineFree(point, *places_[other]) ? 0.0 : kReach * cells_.resolution;
       const double distance = Distance(point, *places_[other]) + detour;

@@ -56,7 +56,7 @@ class Areas:
 
     @property
     def kept_out(self) -> Disc | None:
-        """The disc to keep out of until the search is done: a robot inside it when its turn comes would end the mission."""
+        """The disc to keep out of until the search is done; a robot in the last area ends the mission at its turn."""
         if self.next is None:
             return None
         last = self._areas[-1]

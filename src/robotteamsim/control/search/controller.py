@@ -146,9 +146,7 @@ class SearchController:
             self._iterate(pose, observation)
             outbox = (Message(self._robot_id, EVERYBODY, self._update(pose).to_json()),)
             belief = self._shown_belief(sim_time_ns * 1e-9)
-            self._standing = Decision(
-                goal_m=self._shown_goal(), local_best=self._knowledge.remaining, done=self._done
-            )
+            self._standing = Decision(goal_m=self._shown_goal(), local_best=self._knowledge.remaining, done=self._done)
         if self._target is None:
             return msgspec.structs.replace(self._standing, outbox=outbox, belief=belief)
         twist = self._navigator.drive(
