@@ -361,8 +361,10 @@ class SearchController:
         if areas.is_last:
             is_over = goal == NO_CELL and self._team.all_wait and self._has_been_idle(2.0, time_s)
             return is_over and self._is_nearest(start)
-        on_the_way = [u for u in self._team.updates if u.work == "area" and u.goal == areas.cell]
-        if on_the_way and self._work != "area":
+        keeps = self._work == "area" and self._goal == areas.cell
+        if keeps and self._is_nearest(start, ("search", "wait", "area")):
+            return True  # A robot whose goal changed with its position could drive back and forth forever.
+        if not keeps and any(update.work == "area" and update.goal == areas.cell for update in self._team.updates):
             return False
         if goal == NO_CELL:
             return self._is_nearest(start, ("wait", "area"))
