@@ -28,7 +28,17 @@ SECTIONS = {
     "Tutorials": ("README", "tutorial", "notebook", "tutorial_controller", "classroom", "exercises"),
     "How-to guides": ("own_building", "viewer", "experiments", "stage", "gazebo"),
     "Reference": ("scenario_keys", "python_api", "ros_api", "CHANGELOG"),
-    "Explanation": ("world", "fire", "propagation", "network", "swarm", "reliability", "SECURITY", "CONTRIBUTING"),
+    "Explanation": (
+        "world",
+        "fire",
+        "propagation",
+        "network",
+        "swarm",
+        "search",
+        "reliability",
+        "SECURITY",
+        "CONTRIBUTING",
+    ),
 }
 """The pages of the website by kind (https://diataxis.fr); each page of docs/ is in one section."""
 

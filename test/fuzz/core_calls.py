@@ -195,6 +195,42 @@ def _control() -> Iterator[Call]:
 
 
 _FACES = new("propagation.FaceSet", [(1000, 0, 1000, 3000), (2000, 3000, 4000, 3000)], [20, 40])
+_CELL_GRID = {"origin_m": (-1.0, 2.0), "cell_m": 1.0, "rows": 4, "columns": 6}
+_LOSSES = new(
+    "control.VoiceLosses",
+    faces=_FACES,
+    **_CELL_GRID,
+    slope_db=55.0,
+    wall_unit_db=1.0,
+    min_distance_m=0.1,
+    nearer_m=1.4,
+    step_db=0.3,
+)
+_CELL_PATHS = new("control.CellPaths", grid=_GRID, **_CELL_GRID, kept_out=((3.0, 3.0), 0.8))
+_PRIOR = np.linspace(0.1, 1.0, 24, dtype=np.float32)
+
+
+def _search() -> Iterator[Call]:
+    yield from _of(_LOSSES, ("losses_from", 3))
+    yield from _of(
+        _CELL_PATHS,
+        ("cell_of", _FROM),
+        ("start_of", _FROM),
+        ("place_of", 3),
+        ("lengths_from", 3),
+        ("length_m", 3, 7),
+        ("ahead", _FROM, 7, 5.0),
+    )
+    belief = new("control.VictimBelief", _LOSSES, _PRIOR)
+    unheard = ("set_unheard", np.linspace(0.0, 1.0, 256, dtype=np.float32))
+    listened = ("listen", 3, 2)
+    yield belief.of(unheard, listened, ("set_losses", _LOSSES), ("remaining",), ("mass",))
+    yield belief.of(unheard, listened, ("best", _CELL_PATHS, 3, [7, 9], [1], 0.5, 2.0))
+    yield belief.of(unheard, listened, ("worth", _CELL_PATHS, 3, 7, [1], 0.5, 2.0))
+    fix = new("control.VoiceFix", _LOSSES, (75.0, 1.7), (5.5, 0.3))
+    yield fix.of(("add", _FROM, 50.0), ("count",), ("most_probable", _PRIOR))
+
+
 _RADIO = new(
     "propagation.RadioModel",
     tx_power_dbm=0.0,
@@ -366,4 +402,4 @@ def _hazards() -> Iterator[Call]:
 
 def calls() -> tuple[Call, ...]:
     """Return the valid calls of all submodules."""
-    return (*_plan(), *_control(), *_signals(), *_world(), *_sensors(), *_hazards())
+    return (*_plan(), *_control(), *_search(), *_signals(), *_world(), *_sensors(), *_hazards())

@@ -31,7 +31,10 @@ TIME_LIMIT_S = 5.0
 MEMORY_LIMIT_MB = 1024
 # An infinite length means that there is no path, an infinite range no return (REP-117). hypot equals math.hypot, and
 # the pose of a removed robot is NaN.
-MAY_BE_INFINITE = {"base.hypot", "distance_map", "value_at", "least_reachable", "scan", "read", "remove_robot"}
+MAY_BE_INFINITE = {
+    *("base.hypot", "distance_map", "value_at", "least_reachable", "scan", "read", "remove_robot"),
+    *("lengths_from", "length_m"),
+}
 # What is wrong is named: the type, the value, or the index.
 EXPECTED = (ValueError, TypeError, IndexError)
 

@@ -66,6 +66,15 @@ def test_team_in_one_process_drives_rdpso_by_the_same_bits_as_headless(folder):
     assert result_of(folder)["trajectory_hash"] == headless.trajectory_hash
 
 
+def test_searching_team_drives_by_the_same_bits_as_headless(folder):
+    command = (*ROSLAUNCH, "robotteamsim", "garage_sar.launch", "controllers:=team", *LOCKSTEP, "out:=out", "seed:=7")
+    overrides = ["control.algorithm=search", "voice.noise_db=30", "mission.time_limit_s=40"]
+    with running((*command, f"set:={' '.join(overrides)}"), folder) as program:
+        assert program.wait() == 0, program.output
+    headless = Simulation(load("garage_sar", [*overrides, "run.seed=7"])).run()
+    assert result_of(folder)["trajectory_hash"] == headless.trajectory_hash
+
+
 @pytest.mark.parametrize("hosted", ["per_robot", "team"])
 def test_faulty_controller_stops_its_robot_and_the_mission_tells_why(hosted, folder):
     command = (*ROSLAUNCH, "robotteamsim", "garage_sar.launch", f"controllers:={hosted}", *LOCKSTEP, "out:=out")

@@ -4,6 +4,7 @@ import msgspec
 
 from robotteamsim.geometry import Twist
 from robotteamsim.network.messages import Message
+from robotteamsim.propagation import FieldMap
 
 OUTSIDE = -1
 """`Decision.swarm` of a robot that is socially excluded."""
@@ -41,6 +42,9 @@ class Decision(msgspec.Struct, frozen=True, gc=False):
     swarm:        number of its swarm; OUTSIDE if excluded, 0 if there are no swarms.
     context:      its measured context and adapted coefficients; None without adaptation.
     fault:        one line: why its controller was stopped; "" if it is running. A stopped robot stands still.
+    done:         one line: why the robot has nothing left to do; "" while it has. The mission ends when all are done.
+    belief:       for display, where it expects victims: per cell 0 to 100 % of what it expected at first; None in most
+                  steps, and from controllers without a belief.
     """
 
     twist: Twist = Twist()
@@ -52,3 +56,5 @@ class Decision(msgspec.Struct, frozen=True, gc=False):
     swarm: int = 0
     fault: str = ""
     context: SwarmContext | None = None
+    done: str = ""
+    belief: FieldMap | None = None

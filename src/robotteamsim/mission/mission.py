@@ -371,12 +371,14 @@ class Mission:
             self._finish("none_left")
         elif self._team.all_excluded:
             self._finish("all_excluded")
+        elif self._team.done and not self._base.undelivered:
+            self._finish("search_over", f": {self._team.done}")
 
-    def _finish(self, end: MissionEnd) -> None:
+    def _finish(self, end: MissionEnd, why: str = "") -> None:
         self._state, self._end = "ended", end
         saved = self._victim_states.count("saved")
         count = f"{self._num_explored}/{len(self._areas)} areas, {saved}/{len(self.victims)} victims"
-        self._add_event("end", "", NOBODY, f"mission ends: {END_TEXTS[end]}; {count}")
+        self._add_event("end", "", NOBODY, f"mission ends: {END_TEXTS[end]}{why}; {count}")
 
     def _all_places(self) -> _core.base.Places:
         """Return the positions of victims, then of areas, with the radius of each."""

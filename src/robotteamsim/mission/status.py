@@ -10,7 +10,7 @@ import msgspec
 from robotteamsim.interface import Task
 
 MissionState = Literal["waiting", "running", "paused", "ended"]
-MissionEnd = Literal["", "areas_explored", "time_limit", "all_excluded", "none_left", "aborted"]
+MissionEnd = Literal["", "areas_explored", "time_limit", "all_excluded", "none_left", "search_over", "aborted"]
 VictimState = Literal["waiting", "heard", "collapsed", "saved", "dead"]
 SILENT: frozenset[VictimState] = frozenset(("collapsed", "saved", "dead"))
 """States of victims who do not call."""
@@ -22,6 +22,7 @@ END_TEXTS: Mapping[str, str] = {
     "time_limit": "time limit reached",
     "all_excluded": "all robots are excluded",
     "none_left": "no robots left",
+    "search_over": "the search is over",
     "aborted": "aborted",
 }
 """Each MissionEnd as a text for users."""

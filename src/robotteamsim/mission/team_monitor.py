@@ -21,7 +21,7 @@ class Change(msgspec.Struct, frozen=True, gc=False):
     detail: str
 
 
-_STATUS = attrgetter("excluded", "swarm", "fault")
+_STATUS = attrgetter("excluded", "swarm", "fault", "done")
 
 
 class TeamMonitor:
@@ -34,11 +34,13 @@ class TeamMonitor:
     def __init__(self, base: int | None = None) -> None:
         """Args: base: id of the base; None if there is none."""
         self._base = base
-        self._statuses: list[tuple[bool, int, str]] = []
-        """Excluded, swarm and fault of each robot in the last step."""
+        self._statuses: list[tuple[bool, int, str, str]] = []
+        """Excluded, swarm, fault and done of each robot in the last step."""
         self._present: np.ndarray | None = None
         self.all_excluded = False
         """Whether no present robot belongs to a swarm."""
+        self.done = ""
+        """Why the team has nothing left to do, according to its first robot; "" while any working robot has."""
         self._swarms: list[int] = []
         self._faults: list[str] = []
 
@@ -51,8 +53,9 @@ class TeamMonitor:
         if statuses == self._statuses and present is self._present:
             return []
         self._statuses, self._present = statuses, present
-        swarms = [OUTSIDE if excluded else swarm for excluded, swarm, _ in statuses]
-        faults = [fault for *_, fault in statuses]
+        swarms = [OUTSIDE if excluded else swarm for excluded, swarm, *_ in statuses]
+        faults = [fault for *_, fault, _ in statuses]
+        self.done = self._done(statuses, present)
         if self._base is not None:
             swarms[self._base] = OUTSIDE
         if present is not None:
@@ -62,6 +65,16 @@ class TeamMonitor:
         self._swarms, self._faults = swarms, faults
         self.all_excluded = all(swarm in (OUTSIDE, _ABSENT) for swarm in swarms)
         return found
+
+    def _done(self, statuses: list[tuple[bool, int, str, str]], present: np.ndarray | None) -> str:
+        """Return the reason of the first robot if all are done; absent and stopped robots and the base do not count."""
+        counts = [True] * len(statuses) if present is None else present.tolist()
+        reasons = [
+            done
+            for robot_id, (_, _, fault, done) in enumerate(statuses)
+            if counts[robot_id] and robot_id != self._base and not fault
+        ]
+        return reasons[0] if all(reasons) and reasons else ""
 
     def _at_first(self, swarms: list[int]) -> list[int]:
         """Return the swarms before the first step; a robot that is excluded in it was in swarm 0."""

@@ -58,6 +58,7 @@ ROBOT_TOPICS = (
     Topic("network/rx", "robotteamsim/NetworkMessages"),
     Topic("cmd_vel", "geometry_msgs/Twist"),
     Topic("controller/status", "robotteamsim/ControllerStatus"),
+    Topic("controller/belief", "nav_msgs/OccupancyGrid", latched=True),
 )
 """Topics in the namespace of each robot."""
 
@@ -156,3 +157,5 @@ class BagMessages:
         yield "network/tx", ros_messages.network_messages(make, time_ns, decision.outbox)
         yield "cmd_vel", ros_messages.twist(make, decision.twist)
         yield "controller/status", ros_messages.controller_status(make, time_ns, robot_id, decision)
+        if decision.belief is not None:
+            yield "controller/belief", ros_messages.field_map_picture(make, time_ns, decision.belief)

@@ -194,7 +194,7 @@ def occupancy_grid(make: Make, time_ns: int, grid: OccupancyGrid) -> Any:
 
 
 def field_map_picture(make: Make, time_ns: int, field: FieldMap) -> Any:
-    """nav_msgs/OccupancyGrid of a map of levels, for rviz: integer dB from 0 to 100."""
+    """nav_msgs/OccupancyGrid of a map of levels, or of a belief in per cent, for rviz: integers from 0 to 100."""
     levels = np.clip(np.round(field.values), 0, 100).astype(np.int8)
     return _grid(make, time_ns, field.origin_m, field.resolution_m, levels)
 
@@ -311,6 +311,7 @@ def controller_status(make: Make, time_ns: int, robot_id: int, decision: Decisio
         search_counter=int(decision.search_counter),
         context=[] if decision.context is None else [swarm_context(make, decision.context)],
         fault=decision.fault,
+        done=decision.done,
     )
 
 

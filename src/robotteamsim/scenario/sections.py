@@ -26,6 +26,7 @@ from robotteamsim.scenario.mujoco import Mujoco, Wheels
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.radio_presets import with_preset
+from robotteamsim.scenario.search_tuning import SearchTuning
 from robotteamsim.scenario.sensors import Camera, Gps, HeatSensor, Mount, MountedLaser, Sonar, check_names
 from robotteamsim.scenario.sensors import Laser as Laser
 from robotteamsim.scenario.victims import Victim as Victim
@@ -271,7 +272,7 @@ class Swarms(Model):
         return self
 
 
-_WITHOUT_ADAPTATION = ("pso", "rpso", "dpso", "greedy", "random_walk", "sebs", "cover")
+_WITHOUT_ADAPTATION = ("pso", "rpso", "dpso", "greedy", "random_walk", "sebs", "cover", "search")
 
 
 class Control(Model):
@@ -356,6 +357,7 @@ class Control(Model):
     swarms: Swarms = Swarms()
     patrol: Patrol = Patrol()
     cover: CoverTuning = CoverTuning()
+    search: SearchTuning = SearchTuning()
     navigator: NavigatorTuning = NavigatorTuning()
     wander: WanderTuning = WanderTuning()
     communication: LinkTuning = LinkTuning()

@@ -57,6 +57,7 @@ def test_bag_has_the_topics_and_types_of_a_ros_run(bag):
             "network/rx": "robotteamsim/NetworkMessages",
             "cmd_vel": "geometry_msgs/Twist",
             "controller/status": "robotteamsim/ControllerStatus",
+            "controller/belief": "nav_msgs/OccupancyGrid",
         }.items()
     )
     assert {topic: kind for topic, kind in types.items() if not topic.startswith("/robot_")} == {

@@ -34,6 +34,7 @@ _SHORT_ENDS = {
     "time_limit": "time limit",
     "all_excluded": "excluded",
     "none_left": "none left",
+    "search_over": "search over",
 }
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import EVERYBODY, OUTSIDE, Controller, Decision, Message, Observation, SwarmContext, Task
+from robotteamsim.propagation import FieldMap
 
 _LARGEST = 2**31 - 1
 """ROS messages and bags hold numbers of swarms and search counters in 32 bits."""
@@ -86,6 +87,8 @@ def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
         return f"decide returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
     if decision.context is not None and not _is_context(decision.context):
         return f"decide returned the context {_shown(decision.context)}; expected a finite SwarmContext, or None"
+    if decision.belief is not None and not _is_field(decision.belief):
+        return f"decide returned the belief {_shown(decision.belief)}; expected a finite FieldMap, or None"
     if not isinstance(decision.outbox, (tuple, list)):
         return f"decide returned the outbox {_shown(decision.outbox)}; expected a tuple of Messages"
     for message in decision.outbox:
@@ -94,7 +97,12 @@ def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
             return problem
     try:
         return _problem_of_status(
-            decision.excluded, decision.swarm, decision.search_counter, decision.local_best, decision.fault
+            decision.excluded,
+            decision.swarm,
+            decision.search_counter,
+            decision.local_best,
+            decision.fault,
+            decision.done,
         )
     except TypeError:  # not hashable
         return f"decide returned {_shown(decision)}; expected a status of numbers and text"
@@ -103,7 +111,7 @@ def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
 # A robot's status changes once per iteration, at most.
 @functools.lru_cache(maxsize=4096, typed=True)
 def _problem_of_status(
-    excluded: object, swarm: object, search_counter: object, local_best: object, fault: object
+    excluded: object, swarm: object, search_counter: object, local_best: object, fault: object, done: object
 ) -> str:
     """Return what is wrong with the status in a decision, which ROS messages and bags hold as it is."""
     if not isinstance(excluded, _TRUTHS):
@@ -116,6 +124,8 @@ def _problem_of_status(
         return f"decide returned local_best = {local_best!r:.60}; expected a number"
     if not isinstance(fault, str):
         return f"decide returned fault = {fault!r:.60}; expected text"
+    if not isinstance(done, str):
+        return f"decide returned done = {done!r:.60}; expected text"
     return ""
 
 
@@ -130,6 +140,14 @@ def _is_context(value: Any) -> bool:
     try:
         return isinstance(value, SwarmContext) and isfinite(sum(msgspec.structs.astuple(value)))
     except TypeError:
+        return False
+
+
+def _is_field(value: Any) -> bool:
+    try:
+        numbers = (*value.origin_m, value.resolution_m, float(np.sum(value.values)))
+        return isinstance(value, FieldMap) and value.values.ndim == 2 and _is_finite(*numbers)
+    except (TypeError, ValueError, AttributeError):
         return False
 
 

@@ -12,6 +12,7 @@ from robotteamsim.control.baselines.sebs import SebsController
 from robotteamsim.control.cover.controller import CoverController
 from robotteamsim.control.rdpso.controller import RdpsoController
 from robotteamsim.control.runtime.base_station import with_base
+from robotteamsim.control.search.controller import SearchController
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.interface import Controller
 from robotteamsim.scenario.scenario import Scenario
@@ -31,6 +32,7 @@ ALGORITHMS: dict[str, MakeController] = {
     "rpso": RpsoController,
     "sebs": SebsController,
     "cover": CoverController,
+    "search": SearchController,
 }
 """The controllers of this package."""
 

@@ -9,7 +9,7 @@ from functools import partial
 import msgspec
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import TwistStamped
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import OccupancyGrid, Odometry
 from sensor_msgs.msg import LaserScan
 
 from robotteamsim import _ros_transport as roscpp
@@ -91,6 +91,7 @@ class ControllerSlot:
         self._answer = Output(f"{prefix}cmd_vel_stamped", TwistStamped, latched=True)
         self._messages = Output(f"{prefix}network/tx", NetworkMessages, latched=latched)
         self._status = Output(f"{prefix}controller/status", ControllerStatus, latched=latched)
+        self._belief = Output(f"{prefix}controller/belief", OccupancyGrid, latched=True)
         self._command = Output(f"{prefix}cmd_vel", TwistMessage) if settings.drives(robot_id) else None
 
     @property
@@ -165,6 +166,8 @@ class ControllerSlot:
             self._messages.enqueue(ros_messages.network_messages(make, time_ns, decision.outbox))
         if self._status.wanted:
             self._status.enqueue(ros_messages.controller_status(make, time_ns, self._robot_id, decision))
+        if decision.belief is not None:
+            self._belief.enqueue(ros_messages.field_map_picture(make, time_ns, decision.belief))
         if self._command is not None and self._command.wanted:
             self._command.enqueue(ros_messages.twist(make, decision.twist))
         send_enqueued()

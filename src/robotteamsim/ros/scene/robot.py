@@ -48,6 +48,7 @@ class RobotFeed:
         self._sonars_m: dict[str, float] = {}
         self._recent: dict[int, Pose] = {}
         self._excluded = False
+        self._goal_m: tuple[float, float] | None = None
         self._contact_angles_rad: tuple[float, ...] = ()
         self._fixes: deque[FixView] = deque(maxlen=FIXES_KEPT)
         self.stamp_ns = 0
@@ -69,6 +70,7 @@ class RobotFeed:
         status = self._status.newest()
         if status is not None:
             self._excluded = status.excluded
+            self._goal_m = (status.goal.x, status.goal.y) if status.has_goal else None
             self._swarm = status.swarm if self._several_swarms else None
         contact = self._contact.newest()
         if contact is not None:
@@ -91,6 +93,7 @@ class RobotFeed:
             lasers_m=tuple((mount.x_m, mount.y_m) for mount in map(_mount, self._lasers.values())),
             swarm=self._swarm,
             base=self._base,
+            goal_m=self._goal_m,
         )
 
     def scans(self, wanted: bool) -> dict[str, ScanView]:

@@ -65,6 +65,8 @@ TURRET_M = 0.25
 """Limit of the size of lasers on large robots."""
 MAX_LASERS = 17
 """That a robot can have: `robots.laser` and sixteen of `robots.lasers`."""
+FAR_GOAL_M = 2.0
+"""Goals that are nearer are not shown [m]."""
 LABEL_M = 1.1
 """Height of a robot's number in a building of 60 x 40 m; all sizes but those of bodies scale with the building."""
 HOPS_M = 0.9
@@ -92,6 +94,8 @@ class RobotView:
     """Its swarm; None if there is only one swarm."""
     base: bool = False
     """Whether discoveries are delivered to this robot."""
+    goal_m: tuple[float, float] | None = None
+    """Where it drives to."""
 
     @property
     def words(self) -> str:
@@ -182,6 +186,7 @@ def robot_markers(view: RobotView, lettering: Lettering, number: Written) -> lis
         flat("wedges", Marker.TRIANGLE_LIST, WHITE, height_m + 0.012, _wedge(radius_m)),
         *(flat(name, Marker.TRIANGLE_LIST, BUMPER, z_m, corners) for name, z_m, corners in touching if corners),
         *([_square(view, BASE_PER_RING * ring_m, width_m)] if view.base else []),
+        *_goal(view, sign, width_m),
         lettering.label("robot_ids", view.robot_id, number, sign),
     ]
 
@@ -193,6 +198,16 @@ def _square(view: RobotView, half_m: float, width_m: float) -> Marker:
     corners = ((-half_m, -half_m), (half_m, -half_m), (half_m, half_m), (-half_m, half_m), (-half_m, -half_m))
     result.points = [Point(*corner, 0.0) for corner in corners]
     return result
+
+
+def _goal(view: RobotView, tint: Colour, width_m: float) -> Iterator[Marker]:
+    """Yield a thin line to the goal; none for the next point of a swarm robot, which is beside it."""
+    x, y = view.pose.x_m, view.pose.y_m
+    if view.goal_m is None or math.dist(view.goal_m, (x, y)) < FAR_GOAL_M:
+        return
+    result = marker("goals", view.robot_id, Marker.LINE_STRIP, faded(tint, 0.6), scale=(0.5 * width_m, 0, 0))
+    result.points = [Point(x, y, RING_Z_M), Point(*view.goal_m, RING_Z_M)]
+    yield result
 
 
 def _body(

@@ -207,6 +207,7 @@ def decision(message: robotteamsim.msg.ControllerStatus) -> Decision:
         search_counter=message.search_counter,
         context=swarm_context(message),
         fault=message.fault,
+        done=message.done,
     )
 
 

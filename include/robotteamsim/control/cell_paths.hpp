@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "robotteamsim/base/geometry.hpp"
+#include "robotteamsim/plan/grid.hpp"
+
+namespace robotteamsim::control {
+
+/// A disc that a robot keeps out of [m].
+struct KeptOut {
+  base::Point center;
+  double radius = 0.0;
+};
+
+/// Paths between the cells of a coarse grid: a graph over the fine grid in which robots drive.
+///
+/// Each cell has one free place, if it has any. Neighbours are linked if the fine grid has a short path between their
+/// places. Lengths from a cell are computed when they are first asked for: use one object per thread.
+class CellPaths {
+ public:
+  static constexpr int kNone = -1;
+
+  /// Args: cells: the coarse grid.  kept_out: no path enters this disc; nothing if there is none.
+  /// Throws std::invalid_argument if the grid has no cell or too many, or a number cannot be used.
+  CellPaths(std::shared_ptr<const plan::PlanningGrid> fine, const plan::GridShape& cells,
+            const std::optional<KeptOut>& kept_out);
+
+  std::size_t Size() const { return places_.size(); }
+  const plan::GridShape& cells() const { return cells_; }
+
+  /// Returns the cell that contains a point; the nearest one for a point beyond the grid.
+  int CellOf(const base::Point& point) const;
+
+  /// Returns the cell nearest to a point, of those around it, whose place is linked to others; kNone without one.
+  int StartOf(const base::Point& point) const;
+
+  /// Returns the free place of a cell [m]; nothing if it has none.
+  const std::optional<base::Point>& PlaceOf(int cell) const { return places_.at(cell); }
+
+  /// Returns the lengths of the shortest paths from one cell's place to all others [m]; infinity where there is none.
+  const std::vector<float>& LengthsFrom(int cell) const;
+
+  /// Returns the farthest place on the path to a cell to which the straight line from a position is free, at most
+  /// `longest` [m] of path ahead; if none is, the next one. Nothing without a path.
+  std::optional<base::Point> Ahead(const base::Point& position, int goal, double longest) const;
+
+ private:
+  static constexpr int kNeighbours = 8;
+
+  void FindPlaces();
+  void Link(int row, int col);
+  bool IsAllowed(const base::Point& a, const base::Point& b) const;
+
+  std::shared_ptr<const plan::PlanningGrid> fine_;
+  plan::GridShape cells_;
+  std::optional<KeptOut> kept_out_;
+  std::vector<std::optional<base::Point>> places_;
+  std::vector<std::array<float, kNeighbours>> links_;  ///< lengths to the neighbours [m]; infinite if not linked
+  mutable std::vector<std::vector<float>> lengths_;
+};
+
+}  // namespace robotteamsim::control

@@ -1,0 +1,194 @@
+#include "robotteamsim/control/cell_paths.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "robotteamsim/base/checks.hpp"
+#include "robotteamsim/base/hypot.hpp"
+#include "robotteamsim/control/voice_losses.hpp"
+#include "robotteamsim/propagation/cells.hpp"
+
+namespace robotteamsim::control {
+namespace {
+
+constexpr float kNoPath = std::numeric_limits<float>::infinity();
+/// A link may be this much longer than the distance of two neighbouring cells.
+constexpr double kLongestLink = 2.0;
+/// A cell's place is at most this far from its centre, in cells.
+constexpr double kPlaceOffCenter = 0.6;
+
+struct CellStep {
+  int row, col;
+};
+constexpr std::array<CellStep, 8> kSteps{{{-1, -1}, {-1, 0}, {-1, 1}, {0, -1}, {0, 1}, {1, -1}, {1, 0}, {1, 1}}};
+
+plan::GridShape CheckedCells(const plan::GridShape& cells) {
+  base::Check(cells.origin, "origin_m");
+  base::CheckPositive(cells.resolution, "cell_m");
+  if (cells.rows < 1 || cells.cols < 1 || cells.rows > VoiceLosses::kMostCells / cells.cols) {
+    throw std::invalid_argument("a grid of cells must have 1 to 65536 cells");
+  }
+  return cells;
+}
+
+double DistanceToSegment(const base::Point& point, const base::Point& a, const base::Point& b) {
+  const double x = b.x - a.x, y = b.y - a.y;
+  const double square = x * x + y * y;
+  const double along = square > 0.0 ? std::clamp(((point.x - a.x) * x + (point.y - a.y) * y) / square, 0.0, 1.0) : 0.0;
+  return Distance(point, {a.x + along * x, a.y + along * y});
+}
+
+}  // namespace
+
+CellPaths::CellPaths(std::shared_ptr<const plan::PlanningGrid> fine, const plan::GridShape& cells,
+                     const std::optional<KeptOut>& kept_out)
+    : fine_(std::move(fine)), cells_(CheckedCells(cells)), kept_out_(kept_out) {
+  if (fine_ == nullptr) throw std::invalid_argument("paths need a grid");
+  if (kept_out_) {
+    base::Check(kept_out_->center, "center_m");
+    base::CheckNotNegative(kept_out_->radius, "radius_m");
+  }
+  FindPlaces();
+  links_.resize(places_.size());
+  for (std::array<float, kNeighbours>& links : links_) links.fill(kNoPath);
+  for (int row = 0; row < cells_.rows; ++row) {
+    for (int col = 0; col < cells_.cols; ++col) Link(row, col);
+  }
+  lengths_.resize(places_.size());
+}
+
+void CellPaths::FindPlaces() {
+  places_.reserve(static_cast<std::size_t>(cells_.rows) * cells_.cols);
+  for (int row = 0; row < cells_.rows; ++row) {
+    for (int col = 0; col < cells_.cols; ++col) {
+      std::optional<base::Point> place =
+          fine_->NearestFree(propagation::CellCenter(cells_, row, col), kPlaceOffCenter * cells_.resolution);
+      if (place && !IsAllowed(*place, *place)) place.reset();
+      places_.push_back(place);
+    }
+  }
+}
+
+/// Links a cell with its later neighbours, and them with it.
+void CellPaths::Link(int row, int col) {
+  const int cell = row * cells_.cols + col;
+  if (!places_[cell]) return;
+  for (int k = kNeighbours / 2; k < kNeighbours; ++k) {
+    const int to_row = row + kSteps[k].row, to_col = col + kSteps[k].col;
+    if (to_row < 0 || to_row >= cells_.rows || to_col < 0 || to_col >= cells_.cols) continue;
+    const int other = to_row * cells_.cols + to_col;
+    if (!places_[other] || !IsAllowed(*places_[cell], *places_[other])) continue;
+    double length = Distance(*places_[cell], *places_[other]);
+    if (!fine_->IsLineFree(*places_[cell], *places_[other])) {
+      const double longest = kLongestLink * cells_.resolution;
+      const std::vector<base::Point> corners =
+          fine_->Shortcut(fine_->ShortestPath(*places_[cell], *places_[other], longest));
+      if (corners.size() < 2) continue;
+      length = 0.0;
+      for (std::size_t i = 1; i < corners.size(); ++i) length += Distance(corners[i - 1], corners[i]);
+    }
+    links_[cell][k] = links_[other][kNeighbours - 1 - k] = static_cast<float>(length);
+  }
+}
+
+bool CellPaths::IsAllowed(const base::Point& a, const base::Point& b) const {
+  return !kept_out_ || DistanceToSegment(kept_out_->center, a, b) > kept_out_->radius;
+}
+
+int CellPaths::CellOf(const base::Point& point) const {
+  const double row = std::floor((point.y - cells_.origin.y) / cells_.resolution);
+  const double col = std::floor((point.x - cells_.origin.x) / cells_.resolution);
+  return base::ClampedInt(row, 0, cells_.rows - 1) * cells_.cols + base::ClampedInt(col, 0, cells_.cols - 1);
+}
+
+int CellPaths::StartOf(const base::Point& point) const {
+  base::Check(point, "point_m");
+  constexpr int kReach = 2;
+  const int cell = CellOf(point), row = cell / cells_.cols, col = cell % cells_.cols;
+  int best = kNone;
+  double least = std::numeric_limits<double>::infinity();
+  for (int r = std::max(row - kReach, 0); r <= std::min(row + kReach, cells_.rows - 1); ++r) {
+    for (int c = std::max(col - kReach, 0); c <= std::min(col + kReach, cells_.cols - 1); ++c) {
+      const int other = r * cells_.cols + c;
+      if (!places_[other]) continue;
+      const bool is_linked =
+          std::any_of(links_[other].begin(), links_[other].end(), [](float l) { return l < kNoPath; });
+      // A place behind a wall is nearer than it seems.
+      const double detour = fine_->IsLineFree(point, *places_[other]) ? 0.0 : kReach * cells_.resolution;
+      const double distance = Distance(point, *places_[other]) + detour;
+      if ((is_linked || links_.size() == 1) && distance < least) {
+        least = distance;
+        best = other;
+      }
+    }
+  }
+  return best;
+}
+
+const std::vector<float>& CellPaths::LengthsFrom(int cell) const {
+  if (cell < 0 || static_cast<std::size_t>(cell) >= places_.size()) {
+    throw std::invalid_argument("there is no cell " + std::to_string(cell));
+  }
+  std::vector<float>& lengths = lengths_[cell];
+  if (!lengths.empty()) return lengths;
+  lengths.assign(places_.size(), kNoPath);
+  if (!places_[cell]) return lengths;
+  using Reached = std::pair<float, int>;
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next;
+  lengths[cell] = 0.0F;
+  next.emplace(0.0F, cell);
+  while (!next.empty()) {
+    const auto [length, at] = next.top();
+    next.pop();
+    if (length > lengths[at]) continue;
+    for (int k = 0; k < kNeighbours; ++k) {
+      if (!(links_[at][k] < kNoPath)) continue;
+      const int other = at + kSteps[k].row * cells_.cols + kSteps[k].col;
+      const float through = length + links_[at][k];
+      if (through < lengths[other]) {
+        lengths[other] = through;
+        next.emplace(through, other);
+      }
+    }
+  }
+  return lengths;
+}
+
+std::optional<base::Point> CellPaths::Ahead(const base::Point& position, int goal, double longest) const {
+  base::CheckNotNegative(longest, "longest_m");
+  const std::vector<float>& lengths = LengthsFrom(goal);
+  int at = StartOf(position);
+  if (at == kNone || !(lengths[at] < kNoPath)) return std::nullopt;
+  const float least = lengths[at] - static_cast<float>(longest);
+  base::Point ahead = *places_[at];
+  // A robot that is too near to a wall is in no free cell.
+  const base::Point from = fine_->NearestFree(position, cells_.resolution).value_or(position);
+  bool is_first = fine_->IsLineFree(from, ahead);
+  while (at != goal && lengths[at] > least) {
+    int best = at;
+    float total = kNoPath;
+    for (int k = 0; k < kNeighbours; ++k) {
+      if (!(links_[at][k] < kNoPath)) continue;
+      const int other = at + kSteps[k].row * cells_.cols + kSteps[k].col;
+      if (links_[at][k] + lengths[other] < total && lengths[other] < lengths[at]) {
+        total = links_[at][k] + lengths[other];
+        best = other;
+      }
+    }
+    if (best == at) break;
+    at = best;
+    if (is_first) ahead = *places_[at];  // around a corner, if it is not in sight
+    is_first = false;
+    if (!fine_->IsLineFree(from, *places_[at]) || !IsAllowed(from, *places_[at])) break;
+    ahead = *places_[at];
+  }
+  return ahead;
+}
+
+}  // namespace robotteamsim::control

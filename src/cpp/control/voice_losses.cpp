@@ -1,0 +1,96 @@
+#include "robotteamsim/control/voice_losses.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "robotteamsim/base/checks.hpp"
+#include "robotteamsim/base/hypot.hpp"
+#include "robotteamsim/base/log10.hpp"
+#include "robotteamsim/propagation/cells.hpp"
+#include "robotteamsim/propagation/maps/field_maps.hpp"
+
+namespace robotteamsim::control {
+namespace {
+
+plan::GridShape CheckedGrid(const plan::GridShape& grid) {
+  base::Check(grid.origin, "origin_m");
+  base::CheckPositive(grid.resolution, "cell_m");
+  if (grid.rows < 1 || grid.cols < 1 || grid.rows > VoiceLosses::kMostCells / grid.cols) {
+    throw std::invalid_argument("a grid of the belief must have 1 to 65536 cells");
+  }
+  return grid;
+}
+
+AssumedFading CheckedFading(const AssumedFading& fading) {
+  base::CheckPositive(fading.slope_db, "slope_db");
+  base::CheckNotNegative(fading.wall_unit_db, "wall_unit_db");
+  base::CheckPositive(fading.min_distance_m, "min_distance_m");
+  base::CheckNotNegative(fading.nearer_m, "nearer_m");
+  base::CheckPositive(fading.step_db, "step_db");
+  return fading;
+}
+
+}  // namespace
+
+VoiceLosses::VoiceLosses(propagation::FaceSet faces, const plan::GridShape& grid, const AssumedFading& fading)
+    : faces_(std::move(faces)), grid_(CheckedGrid(grid)), fading_(CheckedFading(fading)) {
+  rows_.resize(static_cast<std::size_t>(grid_.rows) * grid_.cols);
+  over_distance_.reserve(rows_.size());
+  for (int row = 0; row < grid_.rows; ++row) {
+    for (int col = 0; col < grid_.cols; ++col) {
+      const double apart = grid_.resolution * base::Hypot(1.0 * col, 1.0 * row);
+      const double distance = std::max(apart - fading_.nearer_m, fading_.min_distance_m);
+      over_distance_.push_back(static_cast<float>(fading_.slope_db * base::Log10(distance)));
+    }
+  }
+}
+
+const std::vector<std::uint8_t>& VoiceLosses::From(int cell) const {
+  if (cell < 0 || static_cast<std::size_t>(cell) >= rows_.size()) {
+    throw std::invalid_argument("there is no cell " + std::to_string(cell));
+  }
+  std::vector<std::uint8_t>& losses = rows_[cell];
+  if (!losses.empty()) return losses;
+  const int from_row = cell / grid_.cols, from_col = cell % grid_.cols;
+  const std::vector<float> walls_db = WallsFromDb(propagation::CellCenter(grid_, from_row, from_col));
+  const auto steps_per_db = static_cast<float>(1.0 / fading_.step_db);
+  losses.resize(rows_.size());
+  for (int row = 0; row < grid_.rows; ++row) {
+    const float* const over_distance = &over_distance_[static_cast<std::size_t>(std::abs(row - from_row)) * grid_.cols];
+    for (int col = 0; col < grid_.cols; ++col) {
+      const std::size_t to = static_cast<std::size_t>(row) * grid_.cols + col;
+      const float steps = std::ceil((over_distance[std::abs(col - from_col)] + walls_db[to]) * steps_per_db);
+      losses[to] = static_cast<std::uint8_t>(base::ClampedInt(steps, 0, kSilent));
+    }
+  }
+  return losses;
+}
+
+int VoiceLosses::ReachOf(int steps) const {
+  int reach = 0;
+  const int longest = std::max(grid_.rows, grid_.cols);
+  for (int apart = 1; apart < longest; ++apart) {
+    // Without walls, and along a row or a column, the loss is smallest.
+    const double distance = std::max(apart * grid_.resolution - fading_.nearer_m, fading_.min_distance_m);
+    if (std::ceil(fading_.slope_db * base::Log10(distance) / fading_.step_db) < steps) reach = apart;
+  }
+  return reach;
+}
+
+std::vector<float> VoiceLosses::WallsFromDb(const base::Point& place) const {
+  const propagation::WeightMap weights(faces_, propagation::RoundToMm(place, "place_m"), grid_);
+  std::vector<float> walls_db;
+  walls_db.reserve(rows_.size());
+  for (int row = 0; row < grid_.rows; ++row) {
+    for (int col = 0; col < grid_.cols; ++col) {
+      walls_db.push_back(static_cast<float>(fading_.wall_unit_db * weights.At(row, col)));
+    }
+  }
+  return walls_db;
+}
+
+}  // namespace robotteamsim::control

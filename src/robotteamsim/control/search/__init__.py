@@ -1,0 +1,1 @@
+"""Bayesian search for victims: a belief over their positions, shared by messages."""

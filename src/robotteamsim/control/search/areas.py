@@ -1,0 +1,116 @@
+"""The areas of the mission that are still to be explored: how long that takes, and what to keep out of."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from robotteamsim import _core
+from robotteamsim.control.search.cells import CellGrid, Disc
+from robotteamsim.interface import Task
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Area
+from robotteamsim.swarm import Vector
+
+_KEPT_OUT_M = 0.3
+"""Clearance from the last area, which ends the mission [m]."""
+
+NO_CELL = -1
+
+
+class Areas:
+    """The areas in their order, of which the mission names the next one.
+
+    The last area ends the mission, so the team explores it when the search is done. Until then it keeps out of it.
+    """
+
+    def __init__(self, scenario: Scenario, grid: CellGrid) -> None:
+        self._areas = scenario.mission.areas
+        self._grid = grid
+        self._next = 0
+        self._center: Vector | None = None
+        self.cell = NO_CELL
+        """The cell from which the next area can be explored; NO_CELL if there is none."""
+        self._tour_m = 0.0
+
+    def follow(self, task: Task) -> bool:
+        """Adopt the mission's next area; return whether it has changed."""
+        if task.area_center_m == self._center:
+            return False
+        self._center = task.area_center_m
+        following = [i for i, area in enumerate(self._areas) if area.center == self._center and i >= self._next]
+        self._next = following[0] if following else len(self._areas)
+        return True
+
+    @property
+    def next(self) -> Area | None:
+        """The next area; None if none is left."""
+        return self._areas[self._next] if self._next < len(self._areas) else None
+
+    @property
+    def is_last(self) -> bool:
+        """Whether the next area is the last one."""
+        return self._next == len(self._areas) - 1
+
+    @property
+    def kept_out(self) -> Disc | None:
+        """The disc to keep out of until the search is done; a robot in the last area ends the mission at its turn."""
+        if self.next is None:
+            return None
+        last = self._areas[-1]
+        return last.center, last.radius_m + _KEPT_OUT_M
+
+    def measure(self, paths: _core.control.CellPaths, start: int) -> None:
+        """Find the cells of the remaining areas that a robot can reach from a cell, and the length of the tour."""
+        cells = [self._cell_in(area, paths, start) for area in self._areas[self._next :]]
+        self.cell = cells[0] if cells else NO_CELL
+        reached = [cell for cell in cells if cell != NO_CELL]
+        legs_m = [paths.length_m(a, b) for a, b in itertools.pairwise(reached)]
+        self._tour_m = sum(length_m for length_m in legs_m if math.isfinite(length_m))
+
+    @property
+    def tour_m(self) -> float:
+        """The length of the path from the next area through all others [m]."""
+        return self._tour_m
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether there is a next area, and a robot can reach it."""
+        return self.cell != NO_CELL
+
+    def cell_beside(self, paths: _core.control.CellPaths, start: int) -> int:
+        """Return the reachable cell that is nearest to the next area; NO_CELL if there is none.
+
+        Args: paths: outside the area.  start: the cell of the robot.
+        """
+        area = self.next
+        if area is None:
+            return NO_CELL
+        reached = np.flatnonzero(np.isfinite(paths.lengths_from(start)))
+        if not reached.size:
+            return NO_CELL
+        rows, columns = np.divmod(reached, self._grid.columns)
+        x_m = self._grid.origin_m[0] + (columns + 0.5) * self._grid.cell_m - area.center[0]
+        y_m = self._grid.origin_m[1] + (rows + 0.5) * self._grid.cell_m - area.center[1]
+        return int(reached[np.argmin(x_m**2 + y_m**2)])
+
+    def _cell_in(self, area: Area, paths: _core.control.CellPaths, start: int) -> int:
+        """Return the reachable cell whose place is nearest to the middle of an area and inside it; else NO_CELL."""
+        if start < 0:
+            return NO_CELL
+        lengths_m = paths.lengths_from(start)
+        best, nearest_m = NO_CELL, area.radius_m
+        reach = math.ceil(area.radius_m / self._grid.cell_m) + 1
+        middle_row, middle_column = divmod(paths.cell_of(area.center), self._grid.columns)
+        for row in range(max(middle_row - reach, 0), min(middle_row + reach + 1, self._grid.rows)):
+            for column in range(max(middle_column - reach, 0), min(middle_column + reach + 1, self._grid.columns)):
+                cell = row * self._grid.columns + column
+                place = paths.place_of(cell)
+                if place is None or not math.isfinite(lengths_m[cell]):
+                    continue
+                away_m = math.dist(place, area.center)
+                if away_m < nearest_m:
+                    best, nearest_m = cell, away_m
+        return best

@@ -1,0 +1,191 @@
+"""The cells of a plan: losses of voices between them, paths between them, and where a victim may be."""
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from robotteamsim import _core
+from robotteamsim.control.driving.known_map import known_map
+from robotteamsim.propagation.faces import thickness_faces, voice_faces
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Voice
+from robotteamsim.swarm import Vector
+
+Doors = tuple[tuple[str, bool], ...]
+"""The doors that differ from the plan, sorted by name, and whether they are closed."""
+
+Disc = tuple[Vector, float]
+"""Centre in `map` and radius [m]."""
+
+NUM_LOSSES = 256
+"""Losses are whole numbers of steps from 0 to 255."""
+
+_HALF_MM_DB = 20.0 * math.log10(math.e) * 0.05
+"""Loss of half a millimetre of a wall with mu = 1/cm, eq. (5) [dB]."""
+
+
+@dataclass(frozen=True, slots=True)
+class CellGrid:
+    """Square cells over a plan; row 0 has the lowest y, cells are numbered row by row."""
+
+    origin_m: Vector
+    cell_m: float
+    rows: int
+    columns: int
+
+    @property
+    def size(self) -> int:
+        """Number of cells."""
+        return self.rows * self.columns
+
+    def cell_of(self, place: Vector) -> int:
+        """Return the cell that contains a place in `map` [m]; the nearest one for a place beyond the plan."""
+        row = math.floor((place[1] - self.origin_m[1]) / self.cell_m)
+        column = math.floor((place[0] - self.origin_m[0]) / self.cell_m)
+        return min(max(row, 0), self.rows - 1) * self.columns + min(max(column, 0), self.columns - 1)
+
+    def centre_of(self, cell: int) -> Vector:
+        """Return the centre of a cell in `map` [m]."""
+        row, column = divmod(cell, self.columns)
+        return self.origin_m[0] + (column + 0.5) * self.cell_m, self.origin_m[1] + (row + 0.5) * self.cell_m
+
+
+def cell_grid(scenario: Scenario) -> CellGrid:
+    """Return the cells of the belief: of `cell_m`, or as many times doubled as `most_cells` demands."""
+    search = scenario.control.search
+    (x_low, y_low), (x_high, y_high) = scenario.plan.bounds.min, scenario.plan.bounds.max
+    cell_m = search.cell_m
+    while True:
+        rows, columns = math.ceil((y_high - y_low) / cell_m), math.ceil((x_high - x_low) / cell_m)
+        if rows * columns <= search.most_cells:
+            return CellGrid((x_low, y_low), cell_m, rows, columns)
+        cell_m *= 2.0
+
+
+def loss_step_db(voice: Voice) -> float:
+    """Return the unit of losses: the loudest voice is silent after a loss of 250 steps [dB]."""
+    return max(-voice.constant_db[0], 1.0) / 250.0
+
+
+# Losses and paths depend only on these values: robots and trials share them.
+@functools.lru_cache(maxsize=16)
+def _voice_losses(plan: FloorPlan, voice_json: str, grid: CellGrid, doors: Doors) -> _core.control.VoiceLosses:
+    voice = Voice.model_validate_json(voice_json)
+    by_thickness = voice.wall_model == "thickness"
+    faces = thickness_faces(plan) if by_thickness else voice_faces(plan)
+    face_set = faces.core()
+    for name, closed in doors:
+        face_set.set_active(faces.door_face(name), closed)
+    return _core.control.VoiceLosses(
+        faces=face_set,
+        origin_m=grid.origin_m,
+        cell_m=grid.cell_m,
+        rows=grid.rows,
+        columns=grid.columns,
+        slope_db=5.0 * sum(voice.exponent),
+        wall_unit_db=_HALF_MM_DB * voice.attenuation_per_cm if by_thickness else voice.wall_loss_db / 2.0,
+        min_distance_m=voice.min_distance_m,
+        # A robot perceives the loudest cell whose centre is within the radius.
+        nearer_m=max(voice.local_best_radius_m - 0.5 * voice.map_resolution_m, 0.0),
+        step_db=loss_step_db(voice),
+    )
+
+
+def voice_losses(scenario: Scenario, grid: CellGrid, doors: Doors) -> _core.control.VoiceLosses:
+    """Return the losses of voices between all cells, with doors as believed."""
+    # The noise is not known to the robots.
+    assumed = scenario.voice.model_copy(update={"noise_db": 0.0})
+    return _voice_losses(scenario.plan, assumed.model_dump_json(), grid, doors)
+
+
+@functools.lru_cache(maxsize=16)
+def cell_paths(
+    plan: FloorPlan, robot_radius_m: float, grid: CellGrid, doors: Doors, kept_out: Disc | None
+) -> _core.control.CellPaths:
+    """Return the paths between all cells for one size of robot, outside a disc."""
+    return _core.control.CellPaths(
+        grid=known_map(plan, robot_radius_m, doors).grid,
+        origin_m=grid.origin_m,
+        cell_m=grid.cell_m,
+        rows=grid.rows,
+        columns=grid.columns,
+        kept_out=kept_out,
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Places:
+    """Where victims may be, and where robots listen, as seen from one start.
+
+    prior:      probability of each cell, float32; all 0 if no cell can be reached.
+    candidates: cells to listen at.
+    num_open:   number of cells in which a victim may be.
+    """
+
+    prior: np.ndarray
+    candidates: list[int]
+    num_open: int
+
+
+@functools.lru_cache(maxsize=16)
+def places(
+    plan: FloorPlan, robot_radius_m: float, grid: CellGrid, start: int, save_distance_m: float, stride: int
+) -> Places:
+    """Return the places that matter to a robot.
+
+    A victim may be in each cell that has a free place within reach of a save, or next to a cell that has one.
+
+    Args: start: cell of a robot, -1 for none.  stride: distance of candidates in cells.
+    """
+    # Closed doors may open: they do not rule a room out.
+    opened = tuple(sorted((door.name, False) for door in plan.doors if door.closed))
+    reached = np.zeros((grid.rows, grid.columns), dtype=bool)
+    if start >= 0:
+        lengths = cell_paths(plan, robot_radius_m, grid, opened, None).lengths_from(start)
+        reached = np.isfinite(lengths).reshape(reached.shape)
+    free = known_map(plan, robot_radius_m, opened).grid
+    prior = np.zeros(grid.size, dtype=np.float32)
+    for cell in np.flatnonzero(_beside(reached)):
+        near = free.nearest_free(grid.centre_of(int(cell)), save_distance_m)
+        prior[cell] = near is not None
+    total = prior.sum()
+    rows, columns = np.nonzero(reached)
+    on_lattice = (rows % stride == stride // 2) & (columns % stride == stride // 2)
+    # A cell without a neighbour on the lattice is a candidate itself.
+    lattice = np.zeros_like(reached)
+    lattice[rows[on_lattice], columns[on_lattice]] = True
+    covered = lattice.copy()
+    for _ in range(stride):
+        covered = _beside(covered)
+    candidates = np.flatnonzero(lattice | (reached & ~covered)).tolist()
+    return Places(prior / total if total > 0.0 else prior, candidates, int(total))
+
+
+def _beside(cells: np.ndarray) -> np.ndarray:
+    """Return the cells, bool, and their neighbours."""
+    padded = np.pad(cells, 1)
+    rows, columns = cells.shape
+    shifted = [padded[i : i + rows, j : j + columns] for i in range(3) for j in range(3)]
+    beside: np.ndarray = np.logical_or.reduce(shifted)
+    return beside
+
+
+def unheard(voice: Voice, noise_db: float) -> np.ndarray:
+    """Return for each loss the probability that a victim is not heard over the noise, float32, shape (256,).
+
+    Loudness -l_c and exponent gamma are uniform in their ranges. The loss of a middling exponent is over distance; that
+    of another exponent is proportional to it.
+    """
+    step_db = loss_step_db(voice)
+    (low_db, high_db), (low, high) = voice.constant_db, voice.exponent
+    quantiles = (np.arange(16) + 0.5) / 16
+    loudness_db = -(low_db + (high_db - low_db) * quantiles)
+    exponent = (low + (high - low) * quantiles) / (0.5 * (low + high))
+    losses_db = np.arange(NUM_LOSSES) * step_db
+    levels_db = loudness_db[None, :, None] - losses_db[:, None, None] * exponent[None, None, :]
+    missed = np.mean(levels_db < noise_db, axis=(1, 2))
+    missed[-1] = 1.0
+    return np.asarray(missed, dtype=np.float32)

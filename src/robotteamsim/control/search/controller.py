@@ -1,0 +1,405 @@
+"""One robot of a team that searches: it listens where victims are expected, saves whom it hears, explores areas."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import partial
+
+import msgspec
+import numpy as np
+
+from robotteamsim import _core
+from robotteamsim.control.driving.known_map import known_map
+from robotteamsim.control.driving.localisation import Localiser, body_of
+from robotteamsim.control.driving.navigation import Navigator
+from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
+from robotteamsim.control.search.areas import NO_CELL, Areas
+from robotteamsim.control.search.cells import cell_grid, cell_paths, places
+from robotteamsim.control.search.goals import ListeningGoal, Progress
+from robotteamsim.control.search.hunt import Hunt, Hunted
+from robotteamsim.control.search.knowledge import Knowledge
+from robotteamsim.control.search.team import Teammates
+from robotteamsim.control.search.update import SearchUpdate, Work, update_of
+from robotteamsim.geometry import Pose
+from robotteamsim.interface import Decision, Observation, Task
+from robotteamsim.network.messages import EVERYBODY, Message
+from robotteamsim.propagation import FieldMap
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.swarm import Vector
+from robotteamsim.world.placement import placed_robots
+
+_AHEAD_M = 8.0
+"""A robot drives to the farthest place on its path that it can reach in a straight line, within this length [m]."""
+
+_SHOWN_S = 5.0
+"""Period with which a robot publishes its belief for display [s]."""
+
+_IDLE_S = 5.0
+"""A robot without work waits this long before it ends the search, so that messages in transit can arrive [s]."""
+
+_SPACING = 0.25
+"""Distance of places to listen at, if it is above `place_spacing_m`: this share of the hearing distance."""
+
+_SPLIT = 0.03
+"""If keeping out of the last area makes a larger share of the cells unreachable, the robots do not until its turn."""
+
+_MOVED_M = 2.0
+"""If the estimated source of a voice moves farther, the robot has a new goal [m]."""
+
+_LONGEST_APPROACH = 4.0
+"""A voice that was approached for longer is given up, in `progress_timeout_s`."""
+
+
+class SearchController:
+    """Bayesian search, see `docs/search.md`.
+
+    In each iteration the robot listens, updates its belief, chooses its work, and sends an update of what it knows and
+    plans. It uses its map, its readings, the messages of its teammates and the mission's order of areas.
+    """
+
+    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+        control, body = scenario.control, body_of(robot_id, scenario)
+        self._robot_id, self._scenario = robot_id, scenario
+        self._tuning = control.search
+        self._speed_mps = control.max_step_speed_mps
+        self._iteration_ns = round(control.iteration_s * 1e9)
+        self._reach_m = body.reach_m
+        self._localiser = Localiser(robot_id, scenario)
+        self._doors = DoorBeliefs(scenario.plan, body.laser, control.doors)
+        self._known_doors = self._doors.changed
+        self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
+        self._grid = cell_grid(scenario)
+        self._map = known_map(scenario.plan, body.reach_m)
+        self._areas = Areas(scenario, self._grid)
+        start = self._use_paths(placed_robots(scenario)[robot_id].start_pose[:2])
+        self._find_places = partial(
+            places, scenario.plan, body.reach_m, self._grid, start, scenario.mission.save_distance_m
+        )
+        self._places = self._find_places(1)
+        self._knowledge = Knowledge(scenario, self._grid, self._places)
+        self._space_places()
+        self._hunt = Hunt(scenario, self._grid)
+        self._team = Teammates(robot_id, self._tuning.given_up_s)
+        self._listening = ListeningGoal(self._tuning, self._speed_mps)
+
+        self._observation: Observation | None = None
+        self._task = Task()
+        self._iteration = -1
+        self._elapsed_ns = 0
+        self._last_ns: int | None = None
+        """The stamp of the last step in which the mission was running."""
+        self._at = NO_CELL
+        self._work: Work = "search"
+        self._goal = NO_CELL
+        self._target: Vector | None = None
+        self._voice: Hunted | None = None
+        self._was_beside_m: Vector | None = None
+        self._approach = Progress(self._tuning.progress_timeout_s)
+        self._approached_m: Vector | None = None
+        self._approach_until_s = 0.0
+        self._lost_voice_m: Vector | None = None
+        """The source of the last voice that the robot could not reach, in `map` [m]."""
+        self._given_up: list[tuple[Vector, float]] = []
+        """Sources of voices that the robot could not reach, and until when it ignores them [s]."""
+        self._idle_since_s: float | None = None
+        self._done = ""
+        self._next_shown_s = 0.0
+        self._standing = Decision()
+        """The decision to stand still in this iteration."""
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """What the robot knows about victims."""
+        return self._knowledge
+
+    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        """Process the observation, the messages that arrived, and the mission's task."""
+        if task.epoch != self._task.epoch:
+            self._note_found(observation)
+            self._listening.forget_avoided()
+            self._given_up.clear()
+        self._observation, self._task = observation, task
+        self._knowledge.noise.note(observation.voice, task.epoch)
+        self._was_beside_m = self._hunt.beside(observation.voice) if observation.voice.heard else None
+        if task.running:
+            if self._last_ns is not None:
+                self._elapsed_ns += observation.sim_time_ns - self._last_ns
+            self._last_ns = observation.sim_time_ns
+        else:
+            self._last_ns = None
+        for message in inbox:
+            self._hear(message, observation.sim_time_ns * 1e-9)
+
+    def decide(self) -> Decision:
+        """Return the command and the messages of this step."""
+        observation = self._observation
+        if observation is None or not self._task.running:
+            return Decision()
+        sim_time_ns, robot = observation.sim_time_ns, observation.robot
+        pose = self._localiser.map_T_base_link(robot)
+        outbox: tuple[Message, ...] = ()
+        belief: FieldMap | None = None
+        iteration = sim_time_ns // self._iteration_ns
+        if iteration != self._iteration:
+            self._iteration = iteration
+            self._iterate(pose, observation)
+            outbox = (Message(self._robot_id, EVERYBODY, self._update(pose).to_json()),)
+            belief = self._shown_belief(sim_time_ns * 1e-9)
+            self._standing = Decision(goal_m=self._shown_goal(), local_best=self._knowledge.remaining, done=self._done)
+        if self._target is None:
+            return msgspec.structs.replace(self._standing, outbox=outbox, belief=belief)
+        twist = self._navigator.drive(
+            self._map.grid,
+            pose,
+            robot.ranges_m,
+            self._target,
+            self._speed_mps,
+            sim_time_ns,
+            lambda: self._team.positions,
+        )
+        return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, belief=belief)
+
+    def _shown_belief(self, time_s: float) -> FieldMap | None:
+        """Return the belief for display, once per period."""
+        if time_s < self._next_shown_s or not self._places.num_open:
+            return None
+        self._next_shown_s = time_s + _SHOWN_S
+        grid = self._grid
+        # The prior is the same in all these cells.
+        percent = (100.0 * self._places.num_open * self._knowledge.mass()).reshape(grid.rows, grid.columns)
+        return FieldMap(grid.origin_m, grid.cell_m, percent.astype(np.float32))
+
+    def _hear(self, message: Message, time_s: float) -> None:
+        update = update_of(message)
+        if update is None or update.robot_id == self._robot_id:
+            return
+        if max(update.goal, update.at) >= self._grid.size or not self._knowledge.merge(update.listened, update.found):
+            return
+        self._team.hear(update, time_s)
+        self._doors.hear(update.doors)
+        # A robot that arrives later does not know how long the mission has been running.
+        self._elapsed_ns = max(self._elapsed_ns, round(update.elapsed_s * 1e9))
+
+    def _update(self, pose: Pose) -> SearchUpdate:
+        voice = self._voice.announced if self._voice is not None and self._work == "voice" else None
+        return SearchUpdate(
+            robot_id=self._robot_id,
+            position=(pose.x_m, pose.y_m),
+            at=self._at,
+            work=self._work,
+            goal=self._goal,
+            voice=voice,
+            noise_db=self._knowledge.measured_noise_db,
+            elapsed_s=self._elapsed_ns * 1e-9,
+            found=tuple(self._knowledge.found),
+            listened=self._knowledge.log.to_text(self._tuning.shared_places, self._tuning.repeated_places),
+            doors=self._doors.sightings,
+        )
+
+    def _shown_goal(self) -> Vector | None:
+        place = self._all_paths.place_of(self._goal) if self._goal != NO_CELL else None
+        return place or self._target
+
+    def _iterate(self, pose: Pose, observation: Observation) -> None:
+        """Listen, and choose the work and the goal of this iteration."""
+        position, time_s = (pose.x_m, pose.y_m), observation.sim_time_ns * 1e-9
+        self._team.forget_lost(time_s)
+        self._doors.look(pose, observation.robot.ranges_m, self._iteration)
+        areas_changed = self._areas.follow(self._task)
+        doors_changed = self._doors.changed != self._known_doors
+        if doors_changed:
+            self._known_doors = self._doors.changed
+            self._map = known_map(self._scenario.plan, self._reach_m, self._known_doors)
+            self._knowledge.use_doors(self._known_doors)
+            self._listening.forget_avoided()
+        if areas_changed or doors_changed:
+            self._areas.measure(self._all_paths, self._use_paths(position))
+        knowledge, voice = self._knowledge, observation.voice
+        of_team_db = [update.noise_db for update in self._team.updates if update.noise_db is not None]
+        if knowledge.agree_on_noise(of_team_db):
+            self._space_places()
+        mass = knowledge.mass() if voice.heard else self._places.prior
+        self._voice = self._hunt.follow(voice, self._task.epoch, position, knowledge.losses, mass, self._places.prior)
+        self._at = start = self._all_paths.start_of(position)
+        if start != NO_CELL:
+            knowledge.listen(start, voice)
+        self._choose(position, start, time_s)
+
+    def _space_places(self) -> None:
+        """Choose the places to listen at: the farther a robot hears, the fewer."""
+        spacing_m = max(self._tuning.place_spacing_m, _SPACING * self._knowledge.hearing_m)
+        self._places = self._find_places(max(1, round(spacing_m / self._grid.cell_m)))
+
+    def _use_paths(self, position: Vector) -> int:
+        """Use the paths with doors and areas as they are now; return the cell of the robot."""
+        find = partial(cell_paths, self._scenario.plan, self._reach_m, self._grid, self._known_doors)
+        self._all_paths, self._paths = find(None), find(self._areas.kept_out)
+        start = self._all_paths.start_of(position)
+        kept_out = self._areas.kept_out
+        if kept_out is not None and not self._areas.is_last and start != NO_CELL:
+            everywhere, outside = (
+                np.count_nonzero(np.isfinite(paths.lengths_from(start))) for paths in (self._all_paths, self._paths)
+            )
+            inside = math.pi * (1.0 + kept_out[1] / self._grid.cell_m) ** 2
+            if everywhere - outside > inside + _SPLIT * everywhere:
+                self._paths = self._all_paths  # The last area is on the only path to a part of the building.
+        return start
+
+    def _choose(self, position: Vector, start: int, time_s: float) -> None:
+        """Choose what to do now."""
+        self._done = ""
+        urgent = self._is_urgent(start)
+        if self._voice is not None and not urgent and self._approach_voice(self._voice, position, start, time_s):
+            self._listening.clear()
+            self._idle_since_s = None
+            return
+        allowed = self._paths.start_of(position) if self._areas.kept_out else start
+        goal = self._listen_next(allowed, time_s) if not urgent else NO_CELL
+        if self._goes_to_area(start, goal, urgent, time_s):
+            self._listening.clear()
+            ends = self._areas.is_last or allowed == NO_CELL
+            ends = ends or not math.isfinite(self._paths.length_m(self._areas.cell, allowed))
+            self._set_goal("area", self._areas.cell, position, self._all_paths if ends else self._paths)
+        elif goal != NO_CELL:
+            self._idle_since_s = None
+            self._set_goal("search", goal, position, self._paths)
+        else:
+            self._wait(position, allowed, time_s)
+
+    def _set_goal(self, work: Work, cell: int, position: Vector, paths: _core.control.CellPaths) -> None:
+        self._work, self._goal = work, cell
+        self._target = paths.ahead(position, cell, _AHEAD_M)
+
+    def _listen_next(self, start: int, time_s: float) -> int:
+        if start == NO_CELL:
+            return NO_CELL
+        knowledge = self._knowledge
+        return self._listening.choose(
+            knowledge.belief,
+            self._paths,
+            start,
+            self._places.candidates,
+            self._team.claims,
+            knowledge.victims_per_share,
+            time_s,
+        )
+
+    def _note_found(self, observation: Observation) -> None:
+        """Note a victim whom the robot has reached: a voice beside it that falls silent in a new epoch."""
+        if self._was_beside_m is None:
+            return
+        pose, voice = self._localiser.map_T_base_link(observation.robot), observation.voice
+        within_m = self._scenario.mission.save_distance_m + self._scenario.voice.map_resolution_m
+        is_silent = not voice.heard or math.dist(voice.local_best_m, self._was_beside_m) > within_m
+        if is_silent and math.dist((pose.x_m, pose.y_m), self._was_beside_m) <= within_m:
+            self._knowledge.add_found(self._was_beside_m)
+        self._was_beside_m = None
+
+    def _approach_voice(self, voice: Hunted, position: Vector, start: int, time_s: float) -> bool:
+        """Drive towards a voice; return False if the robot leaves it to a teammate, or cannot reach it."""
+        self._given_up = [(place, until_s) for place, until_s in self._given_up if until_s > time_s]
+        same_m = self._tuning.same_voice_m
+        if any(math.dist(place, voice.source_m) <= same_m for place, _ in self._given_up):
+            return False
+        kept_out = self._areas.kept_out if self._areas.is_last else None
+        if kept_out is not None and math.dist(kept_out[0], voice.source_m) <= kept_out[1]:
+            return False  # To save this victim would end the mission.
+        if self._team.approaches(voice, same_m):
+            return False
+        goal = self._paths.start_of(voice.source_m)
+        length_m = self._paths.length_m(goal, start) if NO_CELL not in (goal, start) else math.inf
+        if self._approached_m is None or self._work != "voice":
+            self._approach_until_s = time_s + _LONGEST_APPROACH * self._tuning.progress_timeout_s
+        if self._approached_m is None or math.dist(self._approached_m, voice.source_m) > _MOVED_M:
+            self._approached_m = voice.source_m
+            self._approach.restart(time_s)
+        stuck = self._approach.is_stuck(length_m, time_s) or time_s > self._approach_until_s
+        if stuck or not math.isfinite(length_m):
+            self._given_up.append((voice.source_m, time_s + self._tuning.avoided_s))
+            self._lost_voice_m, self._approached_m = voice.source_m, None
+            return False
+        self._set_goal("voice", goal, position, self._paths)
+        if voice.follow_m is not None:
+            self._target = voice.follow_m
+        return True
+
+    def _is_urgent(self, start: int) -> bool:
+        """Whether the time left is needed to explore the areas."""
+        if not self._areas.is_possible:
+            return False
+        nearest_m = min((length_m for length_m, _ in self._lengths_to_area(start)), default=math.inf)
+        tour_s = (nearest_m + self._areas.tour_m) / self._speed_mps
+        left_s = self._scenario.mission.time_limit_s - self._elapsed_ns * 1e-9
+        return left_s < self._tuning.reserve * tour_s + self._tuning.reserve_s
+
+    def _lengths_to_area(self, start: int, works: tuple[Work, ...] = ()) -> list[tuple[float, int]]:
+        """Return the path lengths from the robot and its teammates to the next area [m], with their ids.
+
+        Args: works: of the teammates to consider; empty for all.
+        """
+        paths, cell = self._all_paths, self._areas.cell
+        robots = [(paths.length_m(cell, start) if start != NO_CELL else math.inf, self._robot_id)]
+        for update in self._team.updates:
+            if update.at != NO_CELL and (not works or update.work in works):
+                robots.append((paths.length_m(cell, update.at), update.robot_id))
+        return robots
+
+    def _is_nearest(self, start: int, works: tuple[Work, ...] = ()) -> bool:
+        return min(self._lengths_to_area(start, works))[1] == self._robot_id
+
+    def _goes_to_area(self, start: int, goal: int, urgent: bool, time_s: float) -> bool:
+        """Whether this robot explores the next area now.
+
+        Args: goal: the cell where it would listen otherwise; NO_CELL for none.
+        """
+        areas = self._areas
+        if not areas.is_possible or start == NO_CELL:
+            return False
+        if urgent:
+            return self._is_nearest(start)
+        if areas.is_last:
+            is_over = goal == NO_CELL and self._team.all_wait and self._has_been_idle(2.0, time_s)
+            return is_over and self._is_nearest(start)
+        keeps = self._work == "area" and self._goal == areas.cell
+        if keeps and self._is_nearest(start, ("search", "wait", "area")):
+            return True  # A robot whose goal changed with its position could drive back and forth forever.
+        if not keeps and any(update.work == "area" and update.goal == areas.cell for update in self._team.updates):
+            return False
+        if goal == NO_CELL:
+            return self._is_nearest(start, ("wait", "area"))
+        to_area_m = self._all_paths.length_m(areas.cell, start)
+        search_s = self._knowledge.remaining * self._knowledge.open_m2
+        search_s /= 2.0 * self._knowledge.hearing_m * self._speed_mps * (1 + len(self._team.updates))
+        if (to_area_m + areas.tour_m) / self._speed_mps >= search_s:
+            return self._is_nearest(start, ("search", "wait", "area"))
+        detour_m = to_area_m + self._all_paths.length_m(areas.cell, goal) - self._all_paths.length_m(goal, start)
+        return detour_m / self._speed_mps <= self._tuning.detour_s
+
+    def _has_been_idle(self, for_s: float, time_s: float) -> bool:
+        return self._idle_since_s is not None and time_s - self._idle_since_s >= for_s
+
+    def _wait(self, position: Vector, start: int, time_s: float) -> None:
+        """Have nothing to do: wait beside the last area, or end the search if no area is left."""
+        if self._idle_since_s is None:
+            self._idle_since_s = time_s
+        self._work, self._goal, self._target = "wait", NO_CELL, None
+        if self._areas.is_possible:
+            if self._areas.is_last and start != NO_CELL and self._is_nearest(start, ("wait",)):
+                beside = self._areas.cell_beside(self._paths, start)
+                if beside not in (NO_CELL, start):
+                    self._target = self._paths.ahead(position, beside, _AHEAD_M)
+        elif self._team.all_wait and self._has_been_idle(_IDLE_S, time_s):
+            self._done = self._reason()
+
+    def _reason(self) -> str:
+        """Return why the search is over, in a few words."""
+        if not self._places.num_open:
+            return "no free place can be reached"
+        share = f"{self._knowledge.remaining:.1%} of the floor is unheard, which is worth less than the time"
+        if self._areas.next is not None:
+            return f"{self._areas.next.name} cannot be reached; {share}"
+        if self._lost_voice_m is not None:
+            x_m, y_m = self._lost_voice_m
+            return f"a voice near ({x_m:.1f}, {y_m:.1f}) cannot be reached; {share}"
+        return share

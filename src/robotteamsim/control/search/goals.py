@@ -1,0 +1,98 @@
+"""Where a robot listens next: the place with the most expected victims per second of travel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from robotteamsim import _core
+from robotteamsim.control.search.areas import NO_CELL
+from robotteamsim.scenario.search_tuning import SearchTuning
+
+_PROGRESS_M = 0.5
+"""A path that becomes shorter by less is no progress [m]."""
+
+
+class Progress:
+    """Watches whether a robot gets nearer to its goal."""
+
+    def __init__(self, timeout_s: float) -> None:
+        self._timeout_s = timeout_s
+        self._least_m, self._since_s = math.inf, 0.0
+
+    def restart(self, time_s: float) -> None:
+        """Begin with a new goal."""
+        self._least_m, self._since_s = math.inf, time_s
+
+    def is_stuck(self, length_m: float, time_s: float) -> bool:
+        """Return whether the path to the goal has not become shorter for too long."""
+        if length_m < self._least_m - _PROGRESS_M:
+            self._least_m, self._since_s = length_m, time_s
+        return time_s - self._since_s > self._timeout_s
+
+
+class ListeningGoal:
+    """The cell at which one robot listens next.
+
+    It stays the goal while no other place is much better. Places that turn out to be useless or out of reach are
+    avoided for some time.
+    """
+
+    def __init__(self, tuning: SearchTuning, speed_mps: float) -> None:
+        self._tuning, self._speed_mps = tuning, speed_mps
+        self._progress = Progress(tuning.progress_timeout_s)
+        self._avoided: dict[int, float] = {}
+        """Cells, and until when they are avoided [s]."""
+        self._next_choice_s = 0.0
+        self.cell = NO_CELL
+        """NO_CELL if no place is worth the time."""
+
+    def clear(self) -> None:
+        """Choose again in the next iteration, because the robot did something else meanwhile."""
+        self.cell, self._next_choice_s = NO_CELL, 0.0
+
+    def forget_avoided(self) -> None:
+        """Try avoided places again, because a voice has fallen silent or a door has changed."""
+        self._avoided.clear()
+        self.clear()
+
+    def avoid(self, cell: int, time_s: float) -> None:
+        """Avoid a cell for some time."""
+        self._avoided[cell] = time_s + self._tuning.avoided_s
+
+    def choose(
+        self,
+        belief: _core.control.VictimBelief,
+        paths: _core.control.CellPaths,
+        start: int,
+        candidates: Sequence[int],
+        claims: list[int],
+        victims_per_share: float,
+        time_s: float,
+    ) -> int:
+        """Return the cell to drive to; NO_CELL if no place is worth the time.
+
+        Args: start: the cell of the robot.  claims: cells at which teammates will listen.
+              victims_per_share: expected victims per share of the prior.
+        """
+        least = 1.0 / (self._tuning.victim_worth_s * victims_per_share)
+        speed_mps, delay_s = self._speed_mps, self._tuning.delay_s
+        rate = 0.0
+        if self.cell != NO_CELL:
+            _, _, rate = belief.worth(paths, start, self.cell, claims, speed_mps, delay_s)
+            stuck = self._progress.is_stuck(paths.length_m(self.cell, start), time_s)
+            if rate < least or start == self.cell or stuck:
+                if rate >= least:
+                    self.avoid(self.cell, time_s)
+                self.clear()
+                rate = 0.0
+        if time_s >= self._next_choice_s:
+            self._next_choice_s = time_s + self._tuning.choose_s
+            self._avoided = {cell: until_s for cell, until_s in self._avoided.items() if until_s > time_s}
+            if self._avoided:
+                candidates = [cell for cell in candidates if cell not in self._avoided]
+            best = belief.best(paths, start, candidates, claims, speed_mps, delay_s)
+            if best is not None and best[2] >= least and best[2] > self._tuning.better * rate:
+                self.cell = best[0]
+                self._progress.restart(time_s)
+        return self.cell

@@ -1,0 +1,58 @@
+"""The teammates of one robot, as far as their messages tell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from robotteamsim.control.search.hunt import Hunted
+from robotteamsim.control.search.update import SearchUpdate
+from robotteamsim.swarm import Vector
+
+
+class Teammates:
+    """The last update of each teammate that was heard recently."""
+
+    def __init__(self, robot_id: int, given_up_s: float) -> None:
+        self._robot_id = robot_id
+        self._given_up_s = given_up_s
+        self._heard_s: dict[int, float] = {}
+        self._updates: dict[int, SearchUpdate] = {}
+        self.positions: Mapping[int, Vector] = {}
+        """The last position of each, in `map` [m], by id."""
+
+    def hear(self, update: SearchUpdate, time_s: float) -> None:
+        """Store an update. Args: time_s: of its arrival [s]."""
+        self._updates[update.robot_id] = update
+        self._heard_s[update.robot_id] = time_s
+        self.positions = {**self.positions, update.robot_id: update.position}
+
+    def forget_lost(self, time_s: float) -> None:
+        """Forget the teammates that have not been heard for too long."""
+        for robot_id in [i for i, heard_s in self._heard_s.items() if time_s - heard_s > self._given_up_s]:
+            del self._heard_s[robot_id], self._updates[robot_id]
+            self.positions = {i: place for i, place in self.positions.items() if i != robot_id}
+
+    @property
+    def updates(self) -> list[SearchUpdate]:
+        """The last updates, in the order of ids."""
+        return [self._updates[robot_id] for robot_id in sorted(self._updates)]
+
+    @property
+    def claims(self) -> list[int]:
+        """Cells at which teammates will listen."""
+        return [update.goal for update in self.updates if update.goal >= 0 and update.work in ("search", "area")]
+
+    @property
+    def all_wait(self) -> bool:
+        """Whether all have nothing to do."""
+        return all(update.work == "wait" for update in self._updates.values())
+
+    def approaches(self, voice: Hunted, same_voice_m: float) -> bool:
+        """Whether a teammate that hears a voice louder, or as loud with a lower id, approaches it."""
+        return any(
+            update.voice is not None
+            and math.dist(update.voice.source, voice.source_m) <= same_voice_m
+            and (-update.voice.level_db, update.robot_id) < (-voice.level_db, self._robot_id)
+            for update in self._updates.values()
+        )
