@@ -389,6 +389,13 @@ class Mission(Model):
 
     areas: Many[Area] = Field(default=(), description="explored in this order")
     victims: Many[Victim] = Field(default=(), description="victims")
+    random_victims: int = Field(
+        default=0,
+        ge=0,
+        le=1000,
+        description="number of further victims, random_1, random_2, ..., at places that `run.seed` draws uniformly "
+        "from the floor that robots can reach",
+    )
     walk_update_s: float = Field(
         default=1.0, ge=0.05, le=60.0, description="victims who walk, and their voices, move at this interval [s]"
     )
@@ -410,6 +417,10 @@ class Mission(Model):
             repeated = first_repeated([item.name for item in items])
             if repeated:
                 raise wrong(f"{key}.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
+        random = {f"random_{number}" for number in range(1, self.random_victims + 1)}
+        for index, victim in enumerate(self.victims):
+            if victim.name in random:
+                raise wrong(f"victims.{index}.name", f"'{victim.name}' is the name of a victim of random_victims")
         return self
 
 
