@@ -270,7 +270,10 @@ class Swarms(Model):
         return self
 
 
-_WITHOUT_ADAPTATION = ("pso", "rpso", "dpso", "greedy", "random_walk", "sebs", "cover")
+_WITHOUT_ADAPTATION = (
+    *("pso", "rpso", "dpso", "greedy", "random_walk", "cover"),
+    *("sebs", "conscientious_reactive"),
+)
 
 
 class Control(Model):

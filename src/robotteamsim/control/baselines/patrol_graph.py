@@ -32,7 +32,7 @@ def patrol_graph(scenario: Scenario, robot_radius_m: float) -> Graph:
         vertices = patrol.graph.vertices
         edges = tuple(tuple(zip(vertex.neighbours, vertex.lengths_m, strict=True)) for vertex in vertices)
         return Graph(tuple(vertex.position for vertex in vertices), edges)
-    graph = _lattice(scenario.plan, robot_radius_m, patrol.spacing_m, patrol.longest_edge)
+    graph = lattice(scenario.plan, robot_radius_m, patrol.spacing_m, patrol.longest_edge)
     if not graph.places:
         raise ScenarioError(
             f"{scenario.name}: control.patrol.spacing_m: {patrol.spacing_m:g} m leaves no two places of the plan linked"
@@ -41,7 +41,7 @@ def patrol_graph(scenario: Scenario, robot_radius_m: float) -> Graph:
 
 
 @functools.lru_cache(maxsize=8)
-def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float, longest_edge: float) -> Graph:
+def lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float, longest_edge: float) -> Graph:
     """Return the free places next to the points of a square lattice, linked to their four neighbours by free paths.
 
     Only the largest connected part is kept.

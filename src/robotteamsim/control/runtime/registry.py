@@ -5,6 +5,7 @@ import inspect
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
 
+from robotteamsim.control.baselines.conscientious import ConscientiousReactiveController
 from robotteamsim.control.baselines.greedy import GreedyController
 from robotteamsim.control.baselines.pso import DpsoController, PsoController, RpsoController
 from robotteamsim.control.baselines.random_walk import RandomWalkController
@@ -30,6 +31,7 @@ ALGORITHMS: dict[str, MakeController] = {
     "dpso": DpsoController,
     "rpso": RpsoController,
     "sebs": SebsController,
+    "conscientious_reactive": ConscientiousReactiveController,
     "cover": CoverController,
 }
 """The controllers of this package."""
