@@ -26,6 +26,7 @@ from robotteamsim.scenario.mujoco import Mujoco, Wheels
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.radio_presets import with_preset
+from robotteamsim.scenario.search_tuning import InfotaxisTuning, SweepTuning
 from robotteamsim.scenario.sensors import Camera, Gps, Mount, MountedLaser, Sonar, check_names
 from robotteamsim.scenario.sensors import Laser as Laser
 from robotteamsim.scenario.victims import Victim as Victim
@@ -272,7 +273,7 @@ class Swarms(Model):
 
 _WITHOUT_ADAPTATION = (
     *("pso", "rpso", "dpso", "greedy", "random_walk", "cover"),
-    *("sebs", "conscientious_reactive"),
+    *("sebs", "conscientious_reactive", "boustrophedon", "infotaxis"),
 )
 
 
@@ -358,6 +359,8 @@ class Control(Model):
     swarms: Swarms = Swarms()
     patrol: Patrol = Patrol()
     cover: CoverTuning = CoverTuning()
+    sweep: SweepTuning = SweepTuning()
+    infotaxis: InfotaxisTuning = InfotaxisTuning()
     navigator: NavigatorTuning = NavigatorTuning()
     wander: WanderTuning = WanderTuning()
     communication: LinkTuning = LinkTuning()
