@@ -6,6 +6,7 @@ docs/benchmark.md describes them.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,6 +16,7 @@ from robotteamsim.campaign.design import Cell, Design
 from robotteamsim.control import ALGORITHMS, make_controller
 from robotteamsim.errors import CampaignError, PlacementError, RobotTeamSimError, ScenarioError
 from robotteamsim.recording.idleness import PATROLLING
+from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Control, Mission, Team, Voice
@@ -39,6 +41,9 @@ _BASELINES = (
     *("rdpso_published", "rdpso_adapted", "pso", "greedy", "random_walk", "cover", "sebs", "infotaxis"),
     "boustrophedon",
 )
+
+_LEAST_LATTICE = 6.0
+"""Number of places along the side of a square building, at least, in the lattice that is patrolled."""
 
 _OFFICE_AREAS = (
     "mission.areas=[{name: area_1, center: [18, 15]}, {name: area_2, center: [42, 14]}, "
@@ -130,7 +135,8 @@ def search_design(protocol: SearchProtocol) -> Design:
         for noise_db in protocol.noises_db:
             voice = _section(Voice, base.voice, "--noise: ", noise_db=noise_db)
             noisy = base.model_copy(update={"voice": voice})
-            for robots, controller, cell in _teams(noisy, protocol.robots, protocol.controllers):
+            lattice = {"patrol": Patrol(spacing_m=_spacing_m(base))}
+            for robots, controller, cell in _teams(noisy, protocol.robots, protocol.controllers, lattice):
                 cells.append(Cell((building, noise_db, robots, controller), cell))
     keys = ("building", "noise_db", "robots", "controller")
     return _design(cells, keys, protocol.trials, protocol.seed)
@@ -152,7 +158,7 @@ def patrol_design(protocol: PatrolProtocol) -> Design:
         Mission, base.mission, "--duration: ", areas=(), victims=(), base=None, time_limit_s=protocol.duration_s
     )
     base = base.model_copy(update={"mission": mission})
-    patrol = {"patrol": base.control.patrol}
+    patrol = {"patrol": base.control.patrol if protocol.graph else Patrol(spacing_m=_spacing_m(base))}
     cells = [
         Cell((robots, controller), cell)
         for robots, controller, cell in _teams(base, protocol.robots, protocol.controllers, patrol)
@@ -171,14 +177,24 @@ def load_building(name: str, overrides: Sequence[str] = ()) -> Scenario:
     return loaded
 
 
-def control_of(controller: str, further: Mapping[str, Any] | None = None) -> Control:
-    """Return `control` with its defaults, except what makes a controller. Raises: CampaignError: it is not valid."""
+def control_of(controller: str, further: Mapping[str, Any]) -> Control:
+    """Return `control` with its defaults, except what makes a controller, and further keys.
+
+    Raises: CampaignError: it is not valid.
+    """
     keys = VARIANTS.get(controller, {"algorithm": controller})
-    return checked(Control, {**keys, **(further or {})}, CampaignError, f"--controller: {controller}: ")
+    return checked(Control, {**keys, **further}, CampaignError, f"--controller: {controller}: ")
+
+
+def _spacing_m(of: Scenario) -> float:
+    """Return the spacing of the lattice that is patrolled: the default, or less in a small building."""
+    (x_low, y_low), (x_high, y_high) = of.plan.bounds.min, of.plan.bounds.max
+    side_m = math.sqrt((x_high - x_low) * (y_high - y_low))
+    return min(Patrol().spacing_m, max(side_m / _LEAST_LATTICE, 1.0))
 
 
 def _teams(
-    base: Scenario, robots: Sequence[int], controllers: Sequence[str], further: Mapping[str, Any] | None = None
+    base: Scenario, robots: Sequence[int], controllers: Sequence[str], further: Mapping[str, Any]
 ) -> Iterator[tuple[int, str, Scenario]]:
     """Yield each number of robots with each controller and its scenario, after checks."""
     assert isinstance(base.robots, Team)

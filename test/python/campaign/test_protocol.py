@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,12 +25,13 @@ from robotteamsim.scenario import load
 from robotteamsim.world.random_victims import with_random_victims
 
 SMALL = SearchProtocol(("greedy", "random_walk"), ("garage",), (20.0, 30.0), (1, 3), trials=2)
+ONE_R5 = Path(__file__).parents[2] / "data" / "scenarios" / "one_r5.yaml"
 THREE = Path(__file__).parents[2] / "data" / "patrol" / "three.graph"
 
 
 def test_printed_rdpso_has_the_switches_of_the_published_scenario():
-    assert control_of("rdpso_published") == load("garage_sar_published").control
-    assert control_of("rdpso_adapted").adaptation == "fuzzy"
+    assert control_of("rdpso_published", {}) == load("garage_sar_published").control
+    assert control_of("rdpso_adapted", {}).adaptation == "fuzzy"
 
 
 def test_search_is_the_reference_as_soon_as_it_is_registered():
@@ -68,6 +70,14 @@ def test_full_protocol_has_room_for_sixteen_robots_in_each_building():
     assert {cell.values[0] for cell in design.cells} == set(BUILDINGS)
     assert max(cell.scenario.num_robots for cell in design.cells) == 16
     assert all(cell.scenario.mission.areas and cell.scenario.mission.base is None for cell in design.cells)
+
+
+def test_lattice_of_sebs_is_finer_in_a_small_building():
+    design = search_design(replace(SMALL, controllers=("sebs",), buildings=("garage", str(ONE_R5)), noises_db=(20.0,)))
+    spacings_m = {cell.values[0]: cell.scenario.control.patrol.spacing_m for cell in design.cells}
+    assert spacings_m["garage"] == 6.0
+    # 12 x 12.5 m: a sixth of the side of a square of that area.
+    assert spacings_m[str(ONE_R5)] == pytest.approx(math.sqrt(12.0 * 12.45) / 6.0, abs=0.01)
 
 
 def test_patrol_has_a_graph_and_neither_areas_nor_victims():
