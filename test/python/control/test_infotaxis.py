@@ -16,6 +16,7 @@ from robotteamsim.control.baselines.infotaxis import (
     parse_listening,
 )
 from robotteamsim.interface import Task
+from robotteamsim.network.messages import Message
 from robotteamsim.propagation import VoiceField, VoiceSource
 from robotteamsim.scenario.floor_plan import Wall
 from robotteamsim.scenario.sections import Control, Voice
@@ -54,6 +55,26 @@ def test_silence_is_kept_when_voices_are_forgotten_and_counts_once_for_each_plac
     assert belief.distribution == pytest.approx([1.0 / 3.0, 2.0 / 3.0])
 
 
+def test_voices_that_silence_contradicts_are_forgotten():
+    belief = Belief(2)
+    belief.add(0, True, np.array([1.0, 0.0]))
+    assert belief.distribution == pytest.approx([1.0, 0.0])
+    belief.add(1, False, np.array([0.98, 0.0]))
+    assert belief.distribution == pytest.approx([0.02 / 1.02, 1.0 / 1.02])
+
+
+def test_voice_of_an_earlier_epoch_is_ignored(team, hall_scenario):
+    scenario = hall_scenario(control=Control(algorithm="infotaxis"), voice=Voice(noise_db=40.0))
+    chosen = []
+    for epoch in (0, 1):
+        hall = team(scenario)
+        hall.hear_messages = [Message(7, -1, Listening(7, epoch, 20, True, 20).to_json())]
+        hall.step()
+        chosen.append(hall.controllers[0]._belief.distribution.max())
+    # Only a voice of this epoch concentrates the belief.
+    assert chosen[0] < 0.5 * chosen[1]
+
+
 def test_belief_starts_again_when_the_whole_floor_is_silent():
     belief = Belief(2)
     belief.add(0, False, np.array([0.9999, 0.9999]))
@@ -82,7 +103,7 @@ def test_probability_of_hearing_is_that_of_the_voice_model(hall_scenario):
 
 
 def test_message_survives_the_network_and_nonsense_does_not():
-    assert parse_listening(Listening(1, 7, True, 9).to_json()) == Listening(1, 7, True, 9)
+    assert parse_listening(Listening(1, 2, 7, True, 9).to_json()) == Listening(1, 2, 7, True, 9)
     assert all(parse_listening(text) is None for text in ("", "{}", '{"type": "infotaxis"}', "3"))
 
 

@@ -18,12 +18,18 @@ _LONGEST_EDGE = 1.5
 """Longest path between linked places of the lattice, in spacings."""
 _LEAST_SHARE = 1e-3
 """When the mean probability that is left falls below this, the floor has been searched: the robot starts again."""
+_LEAST_AGREEMENT = 0.03
+"""Probability of the silence, given the voices, below which the voices are forgotten; more than that of one miss."""
 
 
 class Listening(Update, frozen=True, gc=False, tag="infotaxis"):
-    """The message of a robot to its team: where it is on the lattice, whether it hears a voice, where it goes next."""
+    """The message of a robot to its team: where it is on the lattice, whether it hears a voice, where it goes next.
+
+    epoch: of the task; a voice of another epoch may be that of a victim who has been saved since.
+    """
 
     robot_id: Index
+    epoch: Index
     place: Index
     heard: bool
     intends: Index
@@ -61,6 +67,8 @@ class Belief:
             if self._silent.mean() < _LEAST_SHARE:
                 self._silent[:] = 1.0
                 self._silent_at.clear()
+        if (self._silent * self._heard).sum() < _LEAST_AGREEMENT * self._heard.sum():
+            self.forget_voices()  # Wherever the voices could come from, it was silent nearby.
 
     def forget_voices(self) -> None:
         """Forget the voices, but not the silence."""
@@ -135,14 +143,15 @@ class InfotaxisController(SearchController):
             heard = parse_listening(message.payload)
             if heard is None or max(heard.place, heard.intends) >= len(self._graph.places):
                 continue
-            self._belief.add(heard.place, heard.heard, self._heard_from(heard.place))
+            if not heard.heard or heard.epoch == self._epoch:
+                self._belief.add(heard.place, heard.heard, self._heard_from(heard.place))
             self._intended[heard.robot_id] = heard.intends
 
     def _look(self, position: Vector) -> tuple[Message, ...]:
         self._at = self._graph.nearest(position)
         heard = self.observation.voice.heard
         self._belief.add(self._at, heard, self._heard_from(self._at))
-        update = Listening(self.robot_id, self._at, heard, self._intends)
+        update = Listening(self.robot_id, self._epoch, self._at, heard, self._intends)
         return (Message(self.robot_id, EVERYBODY, update.to_json()),)
 
     def _next_place(self, position: Vector, is_done: bool) -> Vector:
