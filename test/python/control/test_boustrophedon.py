@@ -79,6 +79,18 @@ def test_robots_sweep_different_lines_and_follow_a_voice(team, hall_scenario):
     assert all(decision.goal_m == victim for decision in hall.step())
 
 
+def test_voice_that_does_not_become_louder_is_given_up_there_until_the_voices_change(team, hall_scenario):
+    hall = team(hall_scenario(control=Control(algorithm="boustrophedon")))
+    outside = (10.0, 9.95)  # In the wall: no robot ever stands next to it.
+    hall.hear = lambda position: VoiceReading(50.0, True, outside, 60.0)
+    assert all(decision.goal_m == outside for decision in hall.step())
+    hall.run(12.0)
+    assert all(decision.goal_m != outside for decision in hall.step())
+    hall.new_epoch()
+    hall.run(1.1)
+    assert all(decision.goal_m == outside for decision in hall.step())
+
+
 def test_plan_in_which_no_path_can_begin_is_refused(hall_scenario, closet):
     robots = (PlacedRobot(start_pose=(0.28, 0.28, 0.0), radius_m=0.15),)
     scenario = hall_scenario(plan=closet, robots=robots, control=Control(algorithm="boustrophedon"))

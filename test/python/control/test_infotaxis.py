@@ -55,6 +55,14 @@ def test_silence_is_kept_when_voices_are_forgotten_and_counts_once_for_each_plac
     assert belief.distribution == pytest.approx([1.0 / 3.0, 2.0 / 3.0])
 
 
+def test_place_that_was_visited_has_no_victim_until_all_are_visited():
+    belief = Belief(2)
+    belief.visit(0, np.array([True, False]))
+    assert belief.distribution == pytest.approx([0.0, 1.0], abs=1e-3)
+    belief.visit(1, np.array([False, True]))
+    assert belief.distribution == pytest.approx([0.5, 0.5])
+
+
 def test_voices_that_silence_contradicts_are_forgotten():
     belief = Belief(2)
     belief.add(0, True, np.array([1.0, 0.0]))
@@ -68,7 +76,7 @@ def test_voice_of_an_earlier_epoch_is_ignored(team, hall_scenario):
     chosen = []
     for epoch in (0, 1):
         hall = team(scenario)
-        hall.hear_messages = [Message(7, -1, Listening(7, epoch, 20, True, 20).to_json())]
+        hall.hear_messages = [Message(7, -1, Listening(7, epoch, 20, False, True, 20).to_json())]
         hall.step()
         chosen.append(hall.controllers[0]._belief.distribution.max())
     # Only a voice of this epoch concentrates the belief.
@@ -103,7 +111,7 @@ def test_probability_of_hearing_is_that_of_the_voice_model(hall_scenario):
 
 
 def test_message_survives_the_network_and_nonsense_does_not():
-    assert parse_listening(Listening(1, 2, 7, True, 9).to_json()) == Listening(1, 2, 7, True, 9)
+    assert parse_listening(Listening(1, 2, 7, False, True, 9).to_json()) == Listening(1, 2, 7, False, True, 9)
     assert all(parse_listening(text) is None for text in ("", "{}", '{"type": "infotaxis"}', "3"))
 
 

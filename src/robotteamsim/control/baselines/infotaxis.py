@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from robotteamsim.control.baselines.hearing import hearing
-from robotteamsim.control.baselines.patrol_graph import Graph, lattice
+from robotteamsim.control.baselines.patrol_graph import Graph, reachable_lattice
 from robotteamsim.control.baselines.searching import SearchController
 from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.errors import ScenarioError
@@ -18,6 +20,8 @@ _LONGEST_EDGE = 1.5
 """Longest path between linked places of the lattice, in spacings."""
 _LEAST_SHARE = 1e-3
 """When the mean probability that is left falls below this, the floor has been searched: the robot starts again."""
+_LEFT_AT_VISITED = 1e-4
+"""Factor for places where a robot has been; below _LEAST_SHARE."""
 _LEAST_AGREEMENT = 0.03
 """Probability of the silence, given the voices, below which the voices are forgotten; more than that of one miss."""
 
@@ -25,12 +29,14 @@ _LEAST_AGREEMENT = 0.03
 class Listening(Update, frozen=True, gc=False, tag="infotaxis"):
     """The message of a robot to its team: where it is on the lattice, whether it hears a voice, where it goes next.
 
-    epoch: of the task; a voice of another epoch may be that of a victim who has been saved since.
+    epoch:   of the task; a voice of another epoch may be that of a victim who has been saved since.
+    reached: whether it is at `place`, and not only nearest to it.
     """
 
     robot_id: Index
     epoch: Index
     place: Index
+    reached: bool
     heard: bool
     intends: Index
 
@@ -51,6 +57,7 @@ class Belief:
         self._heard = np.ones(num_places)
         self._silent_at: set[int] = set()
         self._heard_at: set[int] = set()
+        self._visited: set[int] = set()
 
     def add(self, place: int, heard: bool, probabilities: np.ndarray) -> None:
         """Add a reading. Args: probabilities: of hearing a victim at each place from `place`."""
@@ -64,16 +71,27 @@ class Belief:
                 self._heard = probabilities.copy()
         else:
             self._silent *= 1.0 - probabilities
-            if self._silent.mean() < _LEAST_SHARE:
-                self._silent[:] = 1.0
-                self._silent_at.clear()
+            self._start_again_if_searched()
         if (self._silent * self._heard).sum() < _LEAST_AGREEMENT * self._heard.sum():
             self.forget_voices()  # Wherever the voices could come from, it was silent nearby.
+
+    def visit(self, place: int, found: np.ndarray) -> None:
+        """A robot was at a place: there is no victim where it would have found one, bool; kept as silence is."""
+        if place not in self._visited:
+            self._visited.add(place)
+            self._silent[found] *= _LEFT_AT_VISITED
+            self._start_again_if_searched()
 
     def forget_voices(self) -> None:
         """Forget the voices, but not the silence."""
         self._heard[:] = 1.0
         self._heard_at.clear()
+
+    def _start_again_if_searched(self) -> None:
+        if self._silent.mean() < _LEAST_SHARE:
+            self._silent[:] = 1.0
+            self._silent_at.clear()
+            self._visited.clear()
 
     @property
     def distribution(self) -> np.ndarray:
@@ -121,7 +139,7 @@ class InfotaxisController(SearchController):
         super().__init__(robot_id, scenario, tuning)
         self._infotaxis = tuning
         reach_m = body_of(robot_id, scenario).reach_m
-        self._graph: Graph = lattice(scenario.plan, reach_m, tuning.spacing_m, _LONGEST_EDGE)
+        self._graph: Graph = reachable_lattice(scenario, reach_m, tuning.spacing_m, _LONGEST_EDGE)
         if not self._graph.places:
             raise ScenarioError(
                 f"{scenario.name}: control.infotaxis.spacing_m: {tuning.spacing_m:g} m leaves no two places linked"
@@ -134,15 +152,20 @@ class InfotaxisController(SearchController):
         """The place that each teammate goes to, by robot id."""
         self._at = 0
         self._intends = 0
+        self._given_up: set[int] = set()
+        """Places that took too long to reach since the voice map last changed."""
 
     def _forget_voices(self) -> None:
         self._belief.forget_voices()
+        self._given_up.clear()
 
     def _listen(self) -> None:
         for message in self.inbox:
             heard = parse_listening(message.payload)
             if heard is None or max(heard.place, heard.intends) >= len(self._graph.places):
                 continue
+            if heard.reached:
+                self._belief.visit(heard.place, self._is_near(heard.place))
             if not heard.heard or heard.epoch == self._epoch:
                 self._belief.add(heard.place, heard.heard, self._heard_from(heard.place))
             self._intended[heard.robot_id] = heard.intends
@@ -150,14 +173,19 @@ class InfotaxisController(SearchController):
     def _look(self, position: Vector) -> tuple[Message, ...]:
         self._at = self._graph.nearest(position)
         heard = self.observation.voice.heard
+        reached = math.dist(position, self._graph.places[self._at]) < self._infotaxis.arrived_m
+        if reached:
+            self._belief.visit(self._at, self._is_near(self._at))
         self._belief.add(self._at, heard, self._heard_from(self._at))
-        update = Listening(self.robot_id, self._epoch, self._at, heard, self._intends)
+        update = Listening(self.robot_id, self._epoch, self._at, reached, heard, self._intends)
         return (Message(self.robot_id, EVERYBODY, update.to_json()),)
 
     def _next_place(self, position: Vector, is_done: bool) -> Vector:
         at = self._graph.nearest(position)
+        if is_done and math.dist(position, self._graph.places[self._intends]) >= self._infotaxis.arrived_m:
+            self._given_up.add(self._intends)
         belief = self._without_teammates(self._belief.distribution)
-        options = [other for other, _ in self._graph.edges[at]]
+        options = [other for other, _ in self._graph.edges[at] if other not in self._given_up]
         gains = [expected_gain_nats(belief, self._heard_from(other), self._is_near(other)) for other in options]
         if options and max(gains) >= self._infotaxis.least_gain_nats:
             self._intends = options[gains.index(max(gains))]
@@ -178,7 +206,7 @@ class InfotaxisController(SearchController):
         # Paths are the same in both directions: one map of lengths, from the place where the robot is.
         lengths_m = np.array([self.map.distance_m(self._graph.places[at], place) for place in self._graph.places])
         worth = belief / (lengths_m + self._infotaxis.spacing_m)
-        worth[at] = -1.0
+        worth[[at, *self._given_up]] = -1.0
         return int(np.argmax(worth))
 
     def _heard_from(self, place: int) -> np.ndarray:

@@ -10,7 +10,7 @@ from robotteamsim.control.rdpso.ruled_out import RuledOut
 from robotteamsim.interface import Decision
 from robotteamsim.network.messages import Message
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.search_tuning import InfotaxisTuning, SweepTuning
+from robotteamsim.scenario.search_tuning import SearchTuning
 from robotteamsim.swarm import Vector
 
 LONGEST_TIMED_M = 1000.0
@@ -20,10 +20,11 @@ LONGEST_TIMED_M = 1000.0
 class SearchController(PathController, abc.ABC):
     """Drives to the loudest cell of a voice, unless no victim can be there, and otherwise along its own route.
 
-    The voice is judged once per iteration, as `greedy` does. Areas have no influence.
+    The voice is judged once per iteration, as `greedy` does. A voice that does not become louder for a while, because
+    its loudest cell cannot be reached, is ignored there until the voice map changes. Areas have no influence.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario, tuning: SweepTuning | InfotaxisTuning) -> None:
+    def __init__(self, robot_id: int, scenario: Scenario, tuning: SearchTuning) -> None:
         super().__init__(robot_id, scenario)
         self._tuning = tuning
         self._ruled_out = RuledOut(scenario)
@@ -31,6 +32,10 @@ class SearchController(PathController, abc.ABC):
         self._iteration = self._epoch = -1
         self._voice_m: Vector | None = None
         """The loudest cell, if a victim can be there."""
+        self._level_db, self._louder_s = -math.inf, 0.0
+        """The loudest level so far of the voice that it follows [dB], and since when."""
+        self._ignored: list[Vector] = []
+        """Where voices are ignored."""
         self._place: Vector | None = None
         self._until_s = 0.0
 
@@ -45,6 +50,7 @@ class SearchController(PathController, abc.ABC):
         if self.task.epoch != self._epoch:
             self._epoch = self.task.epoch
             self._ruled_out.clear()
+            self._ignored.clear()
             self._forget_voices()
         self._listen()
         if iteration != self._iteration:
@@ -77,7 +83,19 @@ class SearchController(PathController, abc.ABC):
         voice = self.observation.voice
         loudest = voice.local_best_m if voice.heard else None
         self._ruled_out.add(position, loudest)
-        self._voice_m = loudest if loudest is not None and not self._ruled_out.covers(loudest) else None
+        if loudest is None or self._ruled_out.covers(loudest) or self._is_ignored(loudest):
+            self._voice_m = None
+            return
+        if self._voice_m is None or voice.local_best_level_db > self._level_db:
+            self._level_db, self._louder_s = voice.local_best_level_db, self.time_s
+        self._voice_m = loudest
+        if self.time_s - self._louder_s > self._tuning.voice_timeout_s:
+            self._ignored.append(loudest)
+            self._voice_m = None
+
+    def _is_ignored(self, place: Vector) -> bool:
+        radius_m = self.scenario.voice.local_best_radius_m
+        return any(math.dist(place, ignored) <= radius_m for ignored in self._ignored)
 
     def _is_done(self, position: Vector) -> bool:
         assert self._place is not None
