@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import dataclasses
+import importlib
 import json
 import shlex
 import shutil
@@ -116,7 +117,6 @@ def run_search(options: argparse.Namespace) -> int:
     command = _search_command(protocol)
 
     def report(outcomes: tuple[Outcome, ...]) -> BenchmarkReport:
-        # Imported late, because Matplotlib and statsmodels take longer to load than a short mission takes to run.
         from robotteamsim.analysis.benchmark.report import make_search_report
 
         with _bounds(options, design, outcomes) as bounds:
@@ -163,6 +163,9 @@ def _run(
     report: Callable[[tuple[Outcome, ...]], BenchmarkReport],
 ) -> int:
     check_folder(options.out, design)
+    # Imported late, because Matplotlib and statsmodels are slow to load, but before the first mission, in case one is
+    # missing.
+    importlib.import_module("robotteamsim.analysis.benchmark.report")
     warn_of_open_scheduler(options.scheduler)
     with contextlib.ExitStack() as stack:
         # Connect first, so that a scheduler that does not answer leaves no store behind.
