@@ -22,6 +22,7 @@ from robotteamsim.campaign.protocol import (
 from robotteamsim.control import ALGORITHMS
 from robotteamsim.errors import CampaignError, RobotTeamSimError
 from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
 from robotteamsim.world.random_victims import with_random_victims
 
 SMALL = SearchProtocol(("greedy", "random_walk"), ("garage",), (20.0, 30.0), (1, 3), trials=2)
@@ -125,3 +126,11 @@ def test_mistake_in_a_patrol_is_one_line_with_the_option(changes, line):
     with pytest.raises(CampaignError) as raised:
         patrol_design(replace(protocol, **changes))
     assert str(raised.value).startswith(line)
+
+
+@pytest.mark.parametrize("controller", ["greedy", "boustrophedon", "infotaxis", "sebs"])
+def test_search_in_noise_above_every_voice_ends_at_the_time_limit(controller):
+    (cell,) = search_design(replace(SMALL, controllers=(controller,), noises_db=(80.0,), robots=(2,))).cells
+    mission = cell.scenario.mission.model_copy(update={"areas": (), "time_limit_s": 20.0})
+    result = Simulation(cell.scenario.model_copy(update={"mission": mission})).run()
+    assert (result.end, result.time_s) == ("time_limit", 20.0)

@@ -161,17 +161,10 @@ def _notes(design: Design, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
 
 
 def _search_notes(samples: Sequence[SearchSample]) -> tuple[str, ...]:
-    notes = []
-    lost = {(s.place.building, number) for s in samples for number in s.numbers[np.isinf(s.bound_s)].tolist()}
-    if lost:
-        places = ", ".join(sorted({building for building, _ in lost}))
-        notes.append(
-            f"In {counted(len(lost), 'mission')} ({places}) no robot can reach one of the victims: nobody can save all."
-        )
-    shortest = [s for s in samples if (s.bound_s > s.limit_s).any()]
-    if shortest and not lost:
-        notes.append("In some missions the bound is above the time limit: no team can save all victims in time.")
-    return tuple(notes)
+    hopeless = sum(int((sample.bound_s > sample.limit_s).sum()) for sample in samples)
+    if not hopeless:
+        return ()
+    return (f"In {counted(hopeless, 'mission')} the bound is above the time limit: no team can save all in time.",)
 
 
 def _report(
