@@ -9,6 +9,7 @@ setup(
         package_dir={"": "src"},
         package_data={
             "robotteamsim.campaign": ["data/*"],
+            "robotteamsim.analysis.benchmark": ["page.html"],
             "robotteamsim.analysis.report": ["page.html"],
             "robotteamsim.view": ["page/*"],
         },

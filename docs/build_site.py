@@ -26,7 +26,7 @@ ROOT = DOCS.parent
 
 SECTIONS = {
     "Tutorials": ("README", "tutorial", "notebook", "tutorial_controller", "classroom", "exercises"),
-    "How-to guides": ("own_building", "viewer", "experiments", "stage", "gazebo"),
+    "How-to guides": ("own_building", "viewer", "experiments", "benchmark", "stage", "gazebo"),
     "Reference": ("scenario_keys", "python_api", "ros_api", "CHANGELOG"),
     "Explanation": (
         "world",

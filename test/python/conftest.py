@@ -41,6 +41,21 @@ def _hall() -> FloorPlan:
     )
 
 
+@pytest.fixture
+def closet() -> FloorPlan:
+    """A room of 0.36 m, in which a robot of 0.15 m radius has room but too little clearance for a path."""
+    return FloorPlan(
+        name="closet",
+        bounds=Bounds(max=(0.56, 0.56)),
+        walls=(
+            Wall(name="south", start=(0.0, 0.05), end=(0.56, 0.05), thickness_m=0.1),
+            Wall(name="north", start=(0.0, 0.51), end=(0.56, 0.51), thickness_m=0.1),
+            Wall(name="west", start=(0.05, 0.1), end=(0.05, 0.46), thickness_m=0.1),
+            Wall(name="east", start=(0.51, 0.1), end=(0.51, 0.46), thickness_m=0.1),
+        ),
+    )
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _no_plan_cache() -> Iterator[None]:
     """Import every image again, and leave the user's cache folder alone."""

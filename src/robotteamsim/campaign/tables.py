@@ -89,7 +89,7 @@ def summary_table(design: Design, summaries: Sequence[CellSummary], width: int =
         count = f"{summary.trials}" + (f" + {summary.failed} failed" if summary.failed else "")
         spreads = [summary.statistics.get(name) for name in columns.values()]
         lines.append([*values, count, *(_spread(spread) for spread in spreads)])
-    text = "Mean, standard deviation, 95 % interval of the mean\n\n" + _aligned(lines, len(design.keys) + 1, width)
+    text = "Mean, standard deviation, 95 % interval of the mean\n\n" + aligned(lines, len(design.keys) + 1, width)
     timed_out = sum(summary.timed_out for summary in summaries)
     return text + (f"\n\n{timed_out} missions ended at the time limit, which counts as their time" if timed_out else "")
 
@@ -160,8 +160,8 @@ def _row(cells: Sequence[str], widths: Sequence[int]) -> str:
     return "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True))
 
 
-def _aligned(lines: Sequence[Sequence[str]], num_first: int, total_width: int) -> str:
-    """Return the lines with aligned columns, the first ones in every group of columns that fits into the width."""
+def aligned(lines: Sequence[Sequence[str]], num_first: int, total_width: int) -> str:
+    """Return lines of equal length as aligned columns; groups of columns that fit the width repeat the first ones."""
     widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
     first_width = sum(widths[:num_first]) + 2 * (num_first - 1)
     blocks = []

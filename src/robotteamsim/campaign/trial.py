@@ -6,6 +6,7 @@ import json
 import time
 import traceback
 from dataclasses import dataclass, field
+from typing import Any
 
 import msgspec
 
@@ -13,6 +14,7 @@ import robotteamsim
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.paths import PathLog
 from robotteamsim.errors import CampaignError
+from robotteamsim.recording.idleness import IdlenessLog, patrols
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
 
@@ -32,7 +34,8 @@ class Outcome:
 
     discoveries_delivered, mean_delivery_delay_s, max_delivery_delay_s: as in `Result`; None without a base.
     details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null if that
-             never happened) and `robots` (distance_m, contact_s, excluded_s, longest_stay_s of each).
+             never happened) and `robots` (distance_m, contact_s, excluded_s, longest_stay_s of each); for a patrol also
+             `idleness`, as `recording.idleness.Idleness`.
     paths:   of the robots, for `decode_paths`.
     wall_s:  computing time, the only value that differs between equal trials.
     """
@@ -88,9 +91,9 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
         raise CampaignError(f"a worker has robotteamsim {robotteamsim.__version__}, expected {version}")
     start_s = time.perf_counter()
     seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": trial.seed})})
-    times, paths = _EventTimes(), PathLog()
+    times, paths, idleness = _EventTimes(), PathLog(), IdlenessLog()
     try:
-        result = Simulation(seeded).run([times, paths])
+        result = Simulation(seeded).run([times, paths, *([idleness] if patrols(seeded) else [])])
     except Exception as error:  # The other trials continue.
         wall_s = time.perf_counter() - start_s
         line = " ".join(f"{type(error).__name__}: {error}".split())
@@ -104,7 +107,7 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
         **{name: values[name] for name in _OF_RESULT},
         distance_m=sum(robot.distance_m for robot in result.robots),
         contact_s=sum(robot.contact_s for robot in result.robots),
-        details=times.details(result),
+        details=times.details(result, idleness.values()),
         paths=paths.encoded(),
         wall_s=time.perf_counter() - start_s,
     )
@@ -137,7 +140,8 @@ class _EventTimes:
     def abandon(self) -> None:
         """Do nothing."""
 
-    def details(self, result: Result) -> str:
-        """Return the `details` of an outcome."""
+    def details(self, result: Result, further: dict[str, Any]) -> str:
+        """Return the `details` of an outcome, with further ones."""
         robots = [msgspec.structs.asdict(robot) for robot in result.robots]
-        return json.dumps({"areas": self._areas, "victims": self._victims, "robots": robots}, ensure_ascii=False)
+        own = {"areas": self._areas, "victims": self._victims, "robots": robots}
+        return json.dumps(own | further, ensure_ascii=False)

@@ -7,7 +7,9 @@ import shlex
 import shutil
 import sys
 import textwrap
+from collections.abc import Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -72,6 +74,14 @@ def add_to(commands: Any) -> None:
     )
     add_set_option(parser)
     add_code_option(parser)
+    add_worker_options(parser)
+    parser.add_argument("--json", action="store_true", help="print a summary as one JSON object instead of tables")
+    parser.add_argument("--quiet", action="store_true", help="no progress, no tables")
+    parser.set_defaults(command=run)
+
+
+def add_worker_options(parser: argparse.ArgumentParser) -> None:
+    """Add --workers and --scheduler."""
     places = parser.add_mutually_exclusive_group()
     places.add_argument(
         "--workers", type=positive_whole_number, metavar="N", help="number of processes; default one per core"
@@ -79,22 +89,18 @@ def add_to(commands: Any) -> None:
     places.add_argument(
         "--scheduler", type=address, metavar="ADDRESS", help="scheduler of a Dask cluster, such as tcp://10.0.0.1:8786"
     )
-    parser.add_argument("--json", action="store_true", help="print a summary as one JSON object instead of tables")
-    parser.add_argument("--quiet", action="store_true", help="no progress, no tables")
-    parser.set_defaults(command=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the campaign. Returns: 0, or 1 if trials failed or were given up."""
     design = _design(options)
     check_folder(options.out, design)
-    if options.scheduler and not _is_protected(options.scheduler):
-        _warn(f"warning: {options.scheduler}: without TLS, whoever reaches it can run code; see docs/experiments.md")
+    warn_of_open_scheduler(options.scheduler)
     with contextlib.ExitStack() as stack:
         # Connect first, so that a scheduler that does not answer leaves no store behind.
         client = stack.enter_context(scheduler_at(options.scheduler)) if options.scheduler else None
         store = stack.enter_context(open_store(options.out, design, _command(options, design)))
-        given_up = _run_missing(options, design, store, client)
+        given_up = run_missing(options, design, store, client, design.scenario.name)
         outcomes, csv_path = store.outcomes(), store.export()
     failed = [outcome for outcome in outcomes if outcome.failed]
     if options.json:
@@ -112,13 +118,7 @@ def run(options: argparse.Namespace) -> int:
     elif not options.quiet:
         _print_tables(design, outcomes)
         print(f"\nwritten {csv_path}")
-    for outcome in failed[:_MAX_LISTED_FAILURES]:
-        error = textwrap.shorten(outcome.error, 200, placeholder=" ...")
-        _warn(f"trial {outcome.number} of cell {outcome.cell} (seed {outcome.seed}) failed: {error}")
-    if len(failed) > _MAX_LISTED_FAILURES:
-        _warn(f"{len(failed) - _MAX_LISTED_FAILURES} more trials failed; {csv_path} lists them")
-    for trial in given_up:
-        _warn(f"trial {trial.number} of cell {trial.cell} (seed {trial.seed}) killed its workers; not stored")
+    warn_of_failures(failed, given_up, csv_path)
     return EXIT_INCOMPLETE if failed or given_up else 0
 
 
@@ -144,6 +144,17 @@ def _design(options: argparse.Namespace) -> Design:
     )
 
 
+def warn_of_failures(failed: Sequence[Outcome], given_up: Sequence[Trial], csv_path: Path) -> None:
+    """Print one line for each trial that failed or was given up, up to a limit."""
+    for outcome in failed[:_MAX_LISTED_FAILURES]:
+        error = textwrap.shorten(outcome.error, 200, placeholder=" ...")
+        _warn(f"trial {outcome.number} of cell {outcome.cell} (seed {outcome.seed}) failed: {error}")
+    if len(failed) > _MAX_LISTED_FAILURES:
+        _warn(f"{len(failed) - _MAX_LISTED_FAILURES} more trials failed; {csv_path} lists them")
+    for trial in given_up:
+        _warn(f"trial {trial.number} of cell {trial.cell} (seed {trial.seed}) killed its workers; not stored")
+
+
 def _command(options: argparse.Namespace, design: Design) -> str:
     """Return the command line that runs this campaign in a folder DIR."""
     words = ["robotteamsim", "campaign", options.scenario]
@@ -158,8 +169,11 @@ def _command(options: argparse.Namespace, design: Design) -> str:
     return shlex.join([*words, "--out", "DIR"])
 
 
-def _run_missing(options: argparse.Namespace, design: Design, store: Store, client: Any) -> tuple[Trial, ...]:
-    """Run the missing trials and show progress. Returns: trials that were given up."""
+def run_missing(options: argparse.Namespace, design: Design, store: Store, client: Any, name: str) -> tuple[Trial, ...]:
+    """Run the missing trials and show progress under a name. Returns: trials that were given up.
+
+    Args: options: with out, quiet, scheduler and workers.  client: of a scheduler; None: of workers on this machine.
+    """
     missing = store.missing()
     if not missing:
         return ()
@@ -167,7 +181,7 @@ def _run_missing(options: argparse.Namespace, design: Design, store: Store, clie
     console = Console(stderr=True, quiet=options.quiet)
     try:
         with contextlib.ExitStack() as stack:
-            progress = CampaignProgress(console, design.scenario.name, total, total - len(missing))
+            progress = CampaignProgress(console, name, total, total - len(missing))
             stack.enter_context(progress)
             if client and not client.ncores():
                 progress.print_line(f"{options.scheduler} has no workers yet; missions start when workers connect")
@@ -201,6 +215,12 @@ def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
 
 def _first(*values: int | None) -> int:
     return next(value for value in values if value is not None)
+
+
+def warn_of_open_scheduler(scheduler: str | None) -> None:
+    """Warn of a scheduler on another machine without encryption."""
+    if scheduler and not _is_protected(scheduler):
+        _warn(f"warning: {scheduler}: without TLS, whoever reaches it can run code; see docs/experiments.md")
 
 
 def _is_protected(scheduler: str) -> bool:

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import robotteamsim
 from robotteamsim.cli import (
     analyse_command,
+    benchmark_command,
     campaign_command,
     completion_command,
     field_command,
@@ -43,6 +44,7 @@ examples:
   robotteamsim run my.yaml --set control.alpha=0.5 --json
   robotteamsim campaign garage_sar --noise 10 --noise 20 --trials 30 --out DIR
   robotteamsim report DIR                            figures, tests and verdicts of a campaign on one page
+  robotteamsim benchmark search --out DIR            controllers compared in searches for random victims
   robotteamsim analyse mission.bag                   summary of any bag: headless, ROS or real robots
   robotteamsim scenario show garage_sar              every key and its value
   robotteamsim field voice garage_sar --png voice.png
@@ -127,6 +129,7 @@ def make_parser() -> argparse.ArgumentParser:
         view_command,
         campaign_command,
         report_command,
+        benchmark_command,
         analyse_command,
         scenario_command,
         plan_command,

@@ -15,6 +15,7 @@ from robotteamsim.cli.progress import ProgressBar
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording import BagWriter, McapWriter, ResultWriter, TumWriter, result_summary
+from robotteamsim.recording.idleness import IdlenessLog, patrols
 from robotteamsim.recording.results import FILE_NAME, EventList
 from robotteamsim.recording.table import print_result
 from robotteamsim.simulation import Observer, Simulation
@@ -101,7 +102,8 @@ def run(options: argparse.Namespace) -> None:
     simulation = Simulation(loaded)
     _check_controllers(simulation)
     events = EventList()
-    observers: list[Observer] = [events, *_recorders(options)]
+    idleness = IdlenessLog()
+    observers: list[Observer] = [events, *([idleness] if patrols(loaded) else []), *_recorders(options)]
     if options.html:
         observers.append(PageWriter(options.html, simulation))
     if not options.quiet:
@@ -109,9 +111,10 @@ def run(options: argparse.Namespace) -> None:
     observers.append(InterruptBetweenSteps())
     result = simulation.run(observers)
     if options.json:
-        print(json.dumps(result_summary(result)))
+        print(json.dumps(result_summary(result) | idleness.values()))
     elif not options.quiet:
-        print_result(Console(), result, events.events, [options.out, options.bag, options.mcap, options.html])
+        written = [options.out, options.bag, options.mcap, options.html]
+        print_result(Console(), result, events.events, written, idleness.idleness)
 
 
 def _check_files(options: argparse.Namespace) -> None:

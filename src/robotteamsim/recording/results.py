@@ -11,6 +11,7 @@ import msgspec
 import robotteamsim
 from robotteamsim.mission.status import Event
 from robotteamsim.recording.files import prepare_folder, remove_empty, write_atomically
+from robotteamsim.recording.idleness import IdlenessLog, patrols
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, StepRecord
 
@@ -47,16 +48,27 @@ class ResultWriter(EventList):
         super().__init__()
         self._folder = folder
         self._created: list[Path] = []
+        self._idleness = IdlenessLog()
 
     def begin(self, scenario: Scenario) -> None:
         """Raises: RecordingError: the folder cannot be written."""
         super().begin(scenario)
-        self._scenario = scenario
+        self._scenario, self._patrols = scenario, patrols(scenario)
+        if self._patrols:
+            self._idleness.begin(scenario)
         self._created = prepare_folder(self._folder)
+
+    def step(self, record: StepRecord) -> None:
+        """Keep the events of one step, and the visits of a patrol."""
+        super().step(record)
+        if self._patrols:
+            self._idleness.step(record)
 
     def end(self, result: Result) -> None:
         """Write the file. Raises: RecordingError."""
-        document = mission_document(self._scenario, result, self.events)
+        if self._patrols:
+            self._idleness.end(result)
+        document = mission_document(self._scenario, result, self.events) | self._idleness.values()
         write_atomically(self._folder / FILE_NAME, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
 
     def abandon(self) -> None:

@@ -9,6 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from robotteamsim.mission.status import END_TEXTS, Event
+from robotteamsim.recording.idleness import Idleness
 from robotteamsim.simulation import Result
 from robotteamsim.wording import counted, printable
 
@@ -30,15 +31,23 @@ _STYLES = {
 }
 
 
-def print_result(console: Console, result: Result, events: Sequence[Event], written: Sequence[Path | None]) -> None:
-    """Print the events in order and the totals of a mission."""
+def print_result(
+    console: Console,
+    result: Result,
+    events: Sequence[Event],
+    written: Sequence[Path | None],
+    idleness: Idleness | None = None,
+) -> None:
+    """Print the events in order and the totals of a mission; idleness: of a patrol."""
     console.print(event_table(_title(result), events))
-    print_totals(console, result, written)
+    print_totals(console, result, written, idleness)
 
 
-def print_totals(console: Console, result: Result, written: Sequence[Path | None]) -> None:
+def print_totals(
+    console: Console, result: Result, written: Sequence[Path | None], idleness: Idleness | None = None
+) -> None:
     """Print the totals of a mission, its hash and the written files."""
-    console.print(totals_table(_totals(result)))
+    console.print(totals_table([*_totals(result), *_idleness_rows(idleness)]))
     console.print(Text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)
     for path in filter(None, written):
         console.print(Text(f"  written      {path}"), soft_wrap=True)
@@ -66,6 +75,13 @@ def delivery_rows(delivered: int | None, mean_s: float | None, max_s: float | No
     delay = "" if mean_s is None else f", after {mean_s:.1f} s on average, {max_s:.1f} s at most"
     discoveries = "1 discovery" if delivered == 1 else f"{delivered} discoveries"
     return [("reached base", f"{discoveries}{delay}")]
+
+
+def _idleness_rows(idleness: Idleness | None) -> list[tuple[str, str]]:
+    if idleness is None:
+        return []
+    over = f"{len(idleness.vertices)} vertices"
+    return [("idleness", f"{idleness.mean_s:.1f} s on average, {idleness.max_s:.1f} s at most, of {over}")]
 
 
 def totals_table(rows: Iterable[tuple[str, str]]) -> Table:

@@ -29,6 +29,7 @@ from robotteamsim.scenario.radio_presets import with_preset
 from robotteamsim.scenario.search_tuning import SearchTuning
 from robotteamsim.scenario.sensors import Camera, Gps, HeatSensor, Mount, MountedLaser, Sonar, check_names
 from robotteamsim.scenario.sensors import Laser as Laser
+from robotteamsim.scenario.sweep_tuning import InfotaxisTuning, SweepTuning
 from robotteamsim.scenario.victims import Victim as Victim
 
 
@@ -272,7 +273,10 @@ class Swarms(Model):
         return self
 
 
-_WITHOUT_ADAPTATION = ("pso", "rpso", "dpso", "greedy", "random_walk", "sebs", "cover", "search")
+_WITHOUT_ADAPTATION = (
+    *("pso", "rpso", "dpso", "greedy", "random_walk", "cover", "search"),
+    *("sebs", "conscientious_reactive", "boustrophedon", "infotaxis"),
+)
 
 
 class Control(Model):
@@ -358,6 +362,8 @@ class Control(Model):
     patrol: Patrol = Patrol()
     cover: CoverTuning = CoverTuning()
     search: SearchTuning = SearchTuning()
+    sweep: SweepTuning = SweepTuning()
+    infotaxis: InfotaxisTuning = InfotaxisTuning()
     navigator: NavigatorTuning = NavigatorTuning()
     wander: WanderTuning = WanderTuning()
     communication: LinkTuning = LinkTuning()
@@ -392,6 +398,13 @@ class Mission(Model):
 
     areas: Many[Area] = Field(default=(), description="explored in this order")
     victims: Many[Victim] = Field(default=(), description="victims")
+    random_victims: int = Field(
+        default=0,
+        ge=0,
+        le=1000,
+        description="number of further victims, random_1, random_2, ..., at places that `run.seed` draws uniformly "
+        "from the floor that robots can reach",
+    )
     walk_update_s: float = Field(
         default=1.0, ge=0.05, le=60.0, description="victims who walk, and their voices, move at this interval [s]"
     )
@@ -413,6 +426,10 @@ class Mission(Model):
             repeated = first_repeated([item.name for item in items])
             if repeated:
                 raise wrong(f"{key}.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
+        random = {f"random_{number}" for number in range(1, self.random_victims + 1)}
+        for index, victim in enumerate(self.victims):
+            if victim.name in random:
+                raise wrong(f"victims.{index}.name", f"'{victim.name}' is the name of a victim of random_victims")
         return self
 
 

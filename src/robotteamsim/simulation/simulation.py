@@ -27,6 +27,7 @@ from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.tally import Tally
 from robotteamsim.world.making import make_world
 from robotteamsim.world.placement import check_places, placed_robots
+from robotteamsim.world.random_victims import with_random_victims
 
 _TWIST, _OUTBOX = attrgetter("twist"), attrgetter("outbox")
 
@@ -42,7 +43,8 @@ class Simulation:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        """Build all stages. Raises: PlacementError: there is no room for a robot, object, area or victim."""
+        """Build all stages. Raises: PlacementError, ScenarioError: no room for a robot, object, area or victim."""
+        scenario = with_random_victims(scenario)
         check_places(scenario)
         robots, seed = placed_robots(scenario), scenario.run.seed
         self.scenario = scenario

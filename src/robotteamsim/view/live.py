@@ -185,6 +185,7 @@ class LiveMission:
     def _begin(self, seed: int | None) -> None:
         scenario = self._load(seed)
         simulation = Simulation(scenario)
+        scenario = simulation.scenario  # with the places of random victims
         simulation.mission.start()
         self._simulation, self._coverage = simulation, RadioCoverage(scenario)
         recording = Recording(scene_of(scenario), f"{scenario.name}, seed {scenario.run.seed}")

@@ -60,6 +60,7 @@ def test_command_needs_no_extra(folder: Path, words: tuple[str, ...]) -> None:
     ("words", "extra"),
     [
         (("campaign", "garage_sar", "--trials", "1", "--out", "campaign"), "campaign"),
+        (("benchmark", "search", "--out", "benchmark"), "report"),
         (("field", "voice", "garage_sar", "--png", "field.png"), "report"),
         (("analyse", "mission.bag", "--png", "mission.png"), "report"),
         (("analyse", "mission.bag", "--gif", "mission.gif"), "report"),

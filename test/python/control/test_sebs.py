@@ -113,6 +113,14 @@ def test_no_edge_of_a_plan_leads_through_a_wall(hall_scenario):
     assert all(start[1] > 6.0 or end[1] > 6.0 for start, end in crossing)
 
 
+def test_graph_of_a_plan_has_only_places_that_robots_can_reach(hall_scenario):
+    hall = hall_scenario().plan
+    wall = Wall(name="middle", start=(8.0, 0.0), end=(8.0, 10.0))
+    scenario = hall_scenario(plan=hall.model_copy(update={"walls": (*hall.walls, wall)}))
+    # The robots start in the smaller part.
+    assert max(x for x, _ in patrol_graph(scenario, 0.2).places) < 8.0
+
+
 def test_plan_without_room_for_two_places_is_refused(hall_scenario):
     closet = FloorPlan(name="closet", bounds=Bounds(max=(2.0, 2.0)))
     robots = (PlacedRobot(start_pose=(1.0, 1.0, 0.0)),)

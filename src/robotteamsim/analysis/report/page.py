@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import io
 import json
 import math
 from collections import Counter
@@ -16,8 +14,6 @@ from typing import get_args
 import jinja2
 import numpy as np
 from markupsafe import Markup
-from matplotlib.figure import Figure
-from PIL import Image
 
 from robotteamsim import palette
 from robotteamsim.analysis.fields.maps import VoiceRange
@@ -27,6 +23,7 @@ from robotteamsim.analysis.report.comparison import MARGIN, SD_FACTOR, VICTIMS_M
 from robotteamsim.analysis.report.contrasts import contrasts, overall
 from robotteamsim.analysis.report.criteria import Verdict
 from robotteamsim.analysis.report.opening import DISSERTATION, calibration, compared_settings
+from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.rank_tests import PERMUTATIONS
 from robotteamsim.analysis.report.samples import Campaign, Cell, pooled, read_campaign
 from robotteamsim.analysis.report.statistics import RESAMPLES, TABLES
@@ -39,9 +36,6 @@ from robotteamsim.world.placement import placed_robots
 
 PAGE_NAME = "report.html"
 _FIGURES, _TABLES = "figures", "tables"
-
-_FEW, _COLOURS = 2_000, 256
-"""Pictures with fewer than _FEW colours are stored with 256, at a third of the size; maps would show bands."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,20 +62,6 @@ class Report:
             with atomically(folder / name) as part:
                 part.write_bytes(data)
         return folder / PAGE_NAME
-
-
-@dataclass(frozen=True, slots=True)
-class _Picture:
-    name: str
-    title: str
-    caption: str
-    png: bytes
-    inches: float
-    """Width; text of about 11 points is legible at 61 px per inch."""
-
-    @property
-    def source(self) -> str:
-        return "data:image/png;base64," + base64.b64encode(self.png).decode()
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +95,7 @@ def make_report(
     notes = (*_notes(campaign), *([missions.note] if missions and missions.note else []))
     first = calibration(claims) if claims else compared_settings(between)
     page = _page(campaign, claims, [*first, *notes], pictures, tables, missions)
-    files = {f"{_FIGURES}/{picture.name}.png": picture.png for picture in pictures}
+    files = {f"{_FIGURES}/{drawn.name}.png": drawn.png for drawn in pictures}
     for table in tables:
         files[f"{_TABLES}/{table.name}.csv"] = table.csv().encode()
         files[f"{_TABLES}/{table.name}.tex"] = table.latex().encode()
@@ -148,7 +128,7 @@ def _notes(campaign: Campaign) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _pictures(campaign: Campaign, comparisons: Sequence[Comparison]) -> Iterator[_Picture]:
+def _pictures(campaign: Campaign, comparisons: Sequence[Comparison]) -> Iterator[Picture]:
     cells = campaign.cells
     diss = "" if not campaign.compared else "; orange: the dissertation's 30 missions"
     yield from _map_pictures(campaign)
@@ -158,55 +138,55 @@ def _pictures(campaign: Campaign, comparisons: Sequence[Comparison]) -> Iterator
             cells, lambda sample: sample.victims_saved, "victims saved", max(num_victims | {4} if diss else num_victims)
         )
         caption = f"Share of missions by number of victims saved{diss}. Bars end in exact (Clopper-Pearson) intervals."
-        yield _picture("fig19_victims", f"Victims saved{_number(campaign, 19)}", caption, drawn)
+        yield picture("fig19_victims", f"Victims saved{_number(campaign, 19)}", caption, drawn)
     caption = (
         f"Every mission, the density, the quartiles, and the mean with its bootstrap interval{diss}. A mission that "
         "was cut short counts as the time limit."
     )
-    yield _picture("fig20_times", f"Mission durations{_number(campaign, 20)}", caption, figures.draw_times(cells))
+    yield picture("fig20_times", f"Mission durations{_number(campaign, 20)}", caption, figures.draw_times(cells))
     yield from _ratio_pictures(comparisons)
     caption = (
         f"Share of missions still exploring at each time (Kaplan-Meier){diss}. Missions that were cut short are "
         "censored at the limit."
     )
-    yield _picture("survival", "Missions still running", caption, figures.draw_survival(cells))
+    yield picture("survival", "Missions still running", caption, figures.draw_survival(cells))
     num_areas = {cell.ours.num_areas for cell in cells}
     if max(num_areas) > 0:
         drawn = figures.draw_counts(
             cells, lambda sample: sample.areas_explored, "areas explored", max(num_areas | {5} if diss else num_areas)
         )
         caption = f"Share of missions by number of areas explored{diss}."
-        yield _picture("fig21_areas", f"Areas explored{_number(campaign, 21)}", caption, drawn)
+        yield picture("fig21_areas", f"Areas explored{_number(campaign, 21)}", caption, drawn)
     drawn = figures.draw_counts(cells, lambda sample: sample.endangered, "times a link was endangered", None)
     threshold = f"{campaign.scenario.network.endangered_below_dbm:g} dBm".replace("-", "\N{MINUS SIGN}")
     caption = f"Share of missions by how often a link fell below {threshold}{diss}, in which none did."
     if not diss:
         caption = f"Share of missions by how often a link fell below {threshold}."
-    yield _picture("fig22_endangered", f"Endangered connections{_number(campaign, 22)}", caption, drawn)
+    yield picture("fig22_endangered", f"Endangered connections{_number(campaign, 22)}", caption, drawn)
     yield from _path_pictures(cells)
 
 
-def _ratio_pictures(comparisons: Sequence[Comparison]) -> Iterator[_Picture]:
+def _ratio_pictures(comparisons: Sequence[Comparison]) -> Iterator[Picture]:
     if any(math.isfinite(comparison.mean.interval.high) for comparison in comparisons):
         caption = (
             "Mean duration, ours over the dissertation's, with its 90 % bootstrap interval. If the whole interval is "
             f"within the green band of {100.0 * MARGIN:g} %, the means are equivalent (two one-sided tests)."
         )
-        yield _picture(
+        yield picture(
             "equivalence", "Durations compared with the dissertation", caption, figures.draw_ratios(comparisons)
         )
 
 
-def _path_pictures(cells: Sequence[Cell]) -> Iterator[_Picture]:
+def _path_pictures(cells: Sequence[Cell]) -> Iterator[Picture]:
     if heated := maps.drawable(cells):
         caption = (
             "Mean time that robots spent at each place in a mission. Red: the path of one robot in the mission of "
             "median duration. Circles are the areas in their order, crosses the victims."
         )
-        yield _picture("paths", "Paths of the robots", caption, maps.draw_heat(heated))
+        yield picture("paths", "Paths of the robots", caption, maps.draw_heat(heated))
 
 
-def _map_pictures(campaign: Campaign) -> Iterator[_Picture]:
+def _map_pictures(campaign: Campaign) -> Iterator[Picture]:
     """Yield the voice and radio maps of this scenario, which need no mission."""
     scenario, noises_db = campaign.scenario, maps.noises_db(campaign)
     if scenario.mission.victims and noises_db:
@@ -224,7 +204,7 @@ def _map_pictures(campaign: Campaign) -> Iterator[_Picture]:
                 caption += " The dissertation prints this figure without numbers, on a floor plan that is lost."
             drawn = maps.draw_voices(scenario, noises_db, voice_range)
             title = f"{voice_range.capitalize()} voice detection range{_number(campaign, number)}"
-            yield _picture(f"fig{number}_voice_{voice_range}", title, caption, drawn)
+            yield picture(f"fig{number}_voice_{voice_range}", title, caption, drawn)
     widest_m = maps.widest_moment_m(campaign)
     if widest_m is None:
         places_m = np.array([robot.start_pose[:2] for robot in placed_robots(scenario)])
@@ -233,7 +213,7 @@ def _map_pictures(campaign: Campaign) -> Iterator[_Picture]:
         places_m, when = widest_m, "at the time in all missions when a robot was farthest from its nearest neighbour"
     caption = f"Strongest signal at each place, {when}. Lines are connection thresholds."
     drawn = maps.draw_network(scenario, places_m[: maps.MAX_TEAM])
-    yield _picture("fig18_network", f"Range of the team's network{_number(campaign, 18)}", caption, drawn)
+    yield picture("fig18_network", f"Range of the team's network{_number(campaign, 18)}", caption, drawn)
 
 
 def _number(campaign: Campaign, number: int) -> str:
@@ -241,22 +221,11 @@ def _number(campaign: Campaign, number: int) -> str:
     return f" (Figure {number})" if campaign.compared else ""
 
 
-def _picture(name: str, title: str, caption: str, figure: Figure) -> _Picture:
-    raw = io.BytesIO()
-    figure.savefig(raw, format="png", metadata={"Software": None}, bbox_inches="tight", pad_inches=0.08)
-    image = Image.open(raw).convert("RGB")
-    if image.getcolors(_FEW) is not None:
-        image = image.quantize(_COLOURS, dither=Image.Dither.NONE)
-    packed = io.BytesIO()
-    image.save(packed, format="PNG", optimize=True)
-    return _Picture(name, title, caption, packed.getvalue(), image.width / figure.dpi)
-
-
 def _page(
     campaign: Campaign,
     claims: Sequence[Claim],
     first: Sequence[str],
-    pictures: Sequence[_Picture],
+    pictures: Sequence[Picture],
     tables: Sequence[Table],
     missions: ShownMissions | None,
 ) -> str:

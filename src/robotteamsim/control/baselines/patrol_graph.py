@@ -11,6 +11,7 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.swarm import Vector
+from robotteamsim.world.placement import placed_robots
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +33,7 @@ def patrol_graph(scenario: Scenario, robot_radius_m: float) -> Graph:
         vertices = patrol.graph.vertices
         edges = tuple(tuple(zip(vertex.neighbours, vertex.lengths_m, strict=True)) for vertex in vertices)
         return Graph(tuple(vertex.position for vertex in vertices), edges)
-    graph = _lattice(scenario.plan, robot_radius_m, patrol.spacing_m, patrol.longest_edge)
+    graph = reachable_lattice(scenario, robot_radius_m, patrol.spacing_m, patrol.longest_edge)
     if not graph.places:
         raise ScenarioError(
             f"{scenario.name}: control.patrol.spacing_m: {patrol.spacing_m:g} m leaves no two places of the plan linked"
@@ -40,14 +41,29 @@ def patrol_graph(scenario: Scenario, robot_radius_m: float) -> Graph:
     return graph
 
 
-@functools.lru_cache(maxsize=8)
-def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float, longest_edge: float) -> Graph:
+def reachable_lattice(scenario: Scenario, robot_radius_m: float, spacing_m: float, longest_edge: float) -> Graph:
     """Return the free places next to the points of a square lattice, linked to their four neighbours by free paths.
 
-    Only the largest connected part is kept.
+    Only places that can be reached from the start of robot 0 count, and of these the largest connected part is kept.
+
+    Args: longest_edge: the longest path of an edge, in spacings.
     """
+    start = placed_robots(scenario)[0].start_pose[:2]
+    return _lattice(scenario.plan, robot_radius_m, spacing_m, longest_edge, start)
+
+
+@functools.lru_cache(maxsize=8)
+def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float, longest_edge: float, start: Vector) -> Graph:
     known = known_map(plan, robot_radius_m)
-    places = _places(plan, known, spacing_m)
+    near = known.grid.nearest_free(start, 1.0)
+    if near is None:
+        return Graph((), ())
+    lengths_m = known.grid.distance_map(near)
+    places = {
+        node: place
+        for node, place in _places(plan, known, spacing_m).items()
+        if math.isfinite(known.grid.value_at(lengths_m, place))
+    }
     ways: dict[tuple[int, int], list[tuple[tuple[int, int], float]]] = {node: [] for node in places}
     for column, row in places:
         for other in ((column + 1, row), (column, row + 1)):

@@ -5,19 +5,12 @@ from typing import Annotated
 
 import msgspec
 
-from robotteamsim.control.baselines.patrol_graph import patrol_graph
-from robotteamsim.control.driving.localisation import body_of
-from robotteamsim.control.driving.path_controller import PathController
+from robotteamsim.control.baselines.patrolling import PatrolController
 from robotteamsim.control.runtime.streams import robot_stream
-from robotteamsim.interface import Decision
 from robotteamsim.interface.payload import Index, Update, update_reader
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.swarm import Vector
-
-LONGEST_TIMED_M = 1000.0
-"""Limit of the length in the timeout [m]: places without a free path have a huge length, but must time out as well."""
 
 
 class Visit(Update, frozen=True, gc=False, tag="sebs"):
@@ -52,7 +45,7 @@ def visit_probability(gain_s_per_m: float, num_intending: int, team_size: int, p
     return probability * 2.0**-num_intending / (1.0 - 2.0**-team_size)
 
 
-class SebsController(PathController):
+class SebsController(PatrolController):
     """Goes from vertex to vertex, each time to the neighbour with the highest posterior, and announces each visit.
 
     It computes idleness and intentions from its own visits and those that it received. It ignores voices and areas, and
@@ -61,38 +54,13 @@ class SebsController(PathController):
 
     def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
         super().__init__(robot_id, scenario, arrival)
-        self._patrol = scenario.control.patrol
-        self._graph = patrol_graph(scenario, body_of(robot_id, scenario).reach_m)
         self._team_size = scenario.num_robots
         self._rng = robot_stream(scenario, "sebs", robot_id, arrival)
-        self._visited_s = [0.0] * len(self._graph.places)
         self._intentions: dict[int, int] = {}
         """The vertex that each teammate announced as its next one, by robot id."""
-        self._at = -1
-        self._goal = -1
-        self._until_s = 0.0
 
-    def decide(self) -> Decision:
-        """Return the command towards the chosen vertex, and the visit if one is reached."""
-        if not self.is_running:
-            return Decision()
-        self._listen()
-        pose = self.pose()
-        position = (pose.x_m, pose.y_m)
-        if self._goal < 0:
-            vertex = self._graph.nearest(position)
-        elif math.dist(position, self._graph.places[self._goal]) < self._patrol.arrived_m:
-            self._visited_s[self._goal] = self.time_s
-            self._at = self._goal
-            vertex = self._next_vertex(self._at)
-        elif self.time_s > self._until_s:
-            # The path is blocked: choose the next vertex as if this one had been reached.
-            vertex = self._next_vertex(self._goal)
-        else:
-            return self.drive(pose, self._graph.places[self._goal])
-        self._go_to(vertex, position)
-        visit = Message(self.robot_id, EVERYBODY, Visit(self.robot_id, self._at, vertex).to_json())
-        return self.drive(pose, self._graph.places[vertex], (visit,))
+    def _announced(self, vertex: int) -> tuple[Message, ...]:
+        return (Message(self.robot_id, EVERYBODY, Visit(self.robot_id, self._at, vertex).to_json()),)
 
     def _listen(self) -> None:
         last = len(self._visited_s) - 1
@@ -121,9 +89,3 @@ class SebsController(PathController):
         ]
         best = [other for (other, _), value in zip(edges, worth, strict=True) if value == max(worth)]
         return best[int(self._rng.integers(len(best)))]
-
-    def _go_to(self, vertex: int, position: Vector) -> None:
-        self._goal = vertex
-        distance_m = self.map.distance_m(self._graph.places[vertex], position)
-        travel_s = self._patrol.timeout_factor * min(distance_m, LONGEST_TIMED_M) / self.speed_mps
-        self._until_s = self.time_s + self._patrol.timeout_s + travel_s

@@ -5,7 +5,10 @@ import inspect
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
 
+from robotteamsim.control.baselines.boustrophedon import BoustrophedonController
+from robotteamsim.control.baselines.conscientious import ConscientiousReactiveController
 from robotteamsim.control.baselines.greedy import GreedyController
+from robotteamsim.control.baselines.infotaxis import InfotaxisController
 from robotteamsim.control.baselines.pso import DpsoController, PsoController, RpsoController
 from robotteamsim.control.baselines.random_walk import RandomWalkController
 from robotteamsim.control.baselines.sebs import SebsController
@@ -31,6 +34,9 @@ ALGORITHMS: dict[str, MakeController] = {
     "dpso": DpsoController,
     "rpso": RpsoController,
     "sebs": SebsController,
+    "conscientious_reactive": ConscientiousReactiveController,
+    "boustrophedon": BoustrophedonController,
+    "infotaxis": InfotaxisController,
     "cover": CoverController,
     "search": SearchController,
 }

@@ -146,7 +146,7 @@ class EnvironmentNode:
         return [*poses, *sent, *doors, PRESENCE, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
 
     def _build(self) -> None:
-        self._environment = Environment(self._settings.scenario)
+        self._environment = Environment(self._settings.placed)
         self._encoder = LinksEncoder()
         self._saved: tuple[str, ...] = ()
         self._published_changes = -1

@@ -178,7 +178,7 @@ class MissionNode:
         if self._folder is not None:
             # mission.json is written last: if it exists, the rest is complete.
             recorders = [TumWriter(self._folder / "trajectories"), ResultWriter(self._folder)]
-        return Trial(self._settings.scenario, recorders)
+        return Trial(self._settings.placed, recorders)
 
     def _step(self, step: Step) -> None:
         present = self._presence.present

@@ -65,7 +65,7 @@ def main() -> None:
 
 
 def _serve() -> None:
-    scenario = read_settings().scenario
+    scenario = read_settings().placed
     scene = Scene(scenario, parameter("~wall_height_m", wall_height(scenario.plan.bounds)))
     while is_running():
         started_s = time.monotonic()

@@ -11,6 +11,7 @@ from robotteamsim.ros.transport.node import ParameterError, node_name, parameter
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.sections import Run, Team
+from robotteamsim.world.random_victims import with_random_victims
 
 PARAMETERS = "/robotteamsim"
 """Namespace of the parameters that all nodes read."""
@@ -54,6 +55,11 @@ class Settings:
         """Return the same settings with another seed. Raises: ParameterError."""
         run = checked(Run, self.scenario.run.model_dump() | {"seed": seed}, ParameterError)
         return replace(self, scenario=self.scenario.model_copy(update={"run": run}))
+
+    @property
+    def placed(self) -> Scenario:
+        """The scenario with the victims of `mission.random_victims` at their places."""
+        return with_random_victims(self.scenario)
 
     def drives(self, robot_id: int) -> bool:
         """Whether the robot is driven by its own controller and not by hand."""

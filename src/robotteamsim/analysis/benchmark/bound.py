@@ -1,0 +1,166 @@
+"""A lower bound on the time in which any team can save all victims, even one that knows where they are.
+
+docs/benchmark.md has the proof. In short: no robot drives faster than its drive allows or through walls, so the time is
+at least the longest route over the top speed; lengths of routes are bounded from below on a grid of optimistic cells.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from scipy import sparse
+from scipy.sparse import csgraph
+
+from robotteamsim.analysis.benchmark.routes import longest_route
+from robotteamsim.errors import CampaignError
+from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.plan import obstacles
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.world.placement import placed_robots
+from robotteamsim.world.random_victims import with_random_victims
+
+OCTILE = math.cos(math.pi / 8.0)
+"""The length of a straight line is at least this share of the shortest path of straight and diagonal steps."""
+
+CONTACT_M = 0.02
+"""Bodies in contact may overlap walls by less than this in the physics [m]."""
+
+_VERTICES = 120_000
+"""Size of the grid; finer grids give slightly higher bounds and take longer."""
+_FINEST_M, _COARSEST_M = 0.05, 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """A lower bound on the time at which the last victim is saved [s]; infinity if one of them cannot be reached.
+
+    unreachable: names of the victims that no robot can reach.
+    """
+
+    time_s: float
+    unreachable: tuple[str, ...]
+
+
+def search_bound(scenario: Scenario) -> Bound:
+    """Return the bound of one mission. Raises: CampaignError: its schedule would change what the bound assumes."""
+    if scenario.schedule:
+        raise CampaignError(f"{scenario.name}: schedule: not allowed: the bound assumes that nothing is changed")
+    if any(victim.walks for victim in scenario.mission.victims):
+        raise CampaignError(f"{scenario.name}: mission.victims: the bound assumes that nobody walks")
+    mission = with_random_victims(scenario).mission
+    robots = [robot for robot in placed_robots(scenario) if robot.present]
+    floor = optimistic_floor(scenario.plan, min(map(_narrowest_m, robots)) - CONTACT_M)
+    starts_m = [robot.start_pose[:2] for robot in robots]
+    victims_m = [victim.position for victim in mission.victims]
+    from_starts, legs = floor.lengths_m(starts_m, victims_m, mission.save_distance_m)
+    speed_mps = max(robot.drive.max_speed_mps for robot in robots)
+    names = [victim.name for victim in mission.victims]
+    lost = [name for name, column in zip(names, from_starts.T, strict=True) if not np.isfinite(column).any()]
+    return Bound(longest_route(from_starts, legs) / speed_mps, tuple(lost))
+
+
+class OptimisticFloor:
+    """A grid on which paths are never longer than they must be.
+
+    Cells are solid only if every point in them is too close to an obstacle for a robot's centre. The vertices of all
+    other cells are linked to their eight neighbours. Paths of real robots have at least OCTILE times the length of the
+    shortest path between vertices, minus the distances from the path's ends to them.
+    """
+
+    def __init__(self, plan: FloorPlan, clearance_m: float) -> None:
+        (x_low, y_low), (x_high, y_high) = plan.bounds.min, plan.bounds.max
+        width_m, height_m = x_high - x_low, y_high - y_low
+        self.cell_m = min(max(math.sqrt(width_m * height_m / _VERTICES), _FINEST_M), _COARSEST_M)
+        self._half_diagonal_m = self.cell_m * math.sqrt(0.5)
+        # A ring of free cells around the plan, because a robot may leave a plan that is not closed.
+        columns, rows = math.ceil(width_m / self.cell_m) + 2, math.ceil(height_m / self.cell_m) + 2
+        low_m = np.array([x_low - self.cell_m, y_low - self.cell_m])
+        x, y = np.meshgrid(
+            low_m[0] + (np.arange(columns) + 0.5) * self.cell_m, low_m[1] + (np.arange(rows) + 0.5) * self.cell_m
+        )
+        nearer_m = clearance_m - self._half_diagonal_m
+        solid = np.zeros((rows, columns), dtype=bool)
+        if nearer_m > 0.0:
+            inner = np.s_[1:-1, 1:-1]
+            solid[inner] = shapely.dwithin(obstacles(plan), shapely.points(x[inner], y[inner]), nearer_m)
+        self._shape = rows + 1, columns + 1
+        self._free = np.zeros(self._shape, dtype=bool)
+        for row, column in ((0, 0), (0, 1), (1, 0), (1, 1)):
+            self._free[row : row + rows, column : column + columns] |= ~solid
+        self._graph = self._linked()
+        column_of, row_of = np.meshgrid(np.arange(columns + 1), np.arange(rows + 1))
+        self._places_m = np.stack([column_of, row_of], axis=-1).reshape(-1, 2) * self.cell_m + low_m
+
+    def lengths_m(self, starts_m: list[Point], goals_m: list[Point], reach_m: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return lower bounds on the lengths of paths from starts to discs around goals, and between these discs.
+
+        Returns: shapes (starts, goals) and (goals, goals); infinity where no path exists.
+        """
+        near_starts = [self._within(start_m, self._half_diagonal_m) for start_m in starts_m]
+        near_goals = [self._within(goal_m, reach_m + self._half_diagonal_m) for goal_m in goals_m]
+        from_starts = np.full((len(starts_m), len(goals_m)), math.inf)
+        legs = np.full((len(goals_m), len(goals_m)), math.inf)
+        for goal, vertices in enumerate(near_goals):
+            if not len(vertices):
+                continue
+            away_m = csgraph.dijkstra(self._graph, indices=vertices, min_only=True)
+            for start, others in enumerate(near_starts):
+                from_starts[start, goal] = self._bound_m(away_m, others)
+            for other, others in enumerate(near_goals):
+                legs[goal, other] = self._bound_m(away_m, others)
+        straight_m = np.hypot(*(np.array(starts_m).reshape(-1, 1, 2) - np.array(goals_m).reshape(1, -1, 2)).T).T
+        between_m = np.hypot(*(np.array(goals_m).reshape(-1, 1, 2) - np.array(goals_m).reshape(1, -1, 2)).T).T
+        return np.maximum(from_starts, straight_m - reach_m), np.maximum(legs, between_m - 2.0 * reach_m)
+
+    def _bound_m(self, away_m: np.ndarray, vertices: np.ndarray) -> float:
+        shortest_m = float(away_m[vertices].min()) if len(vertices) else math.inf
+        return max(OCTILE * shortest_m - 2.0 * self._half_diagonal_m, 0.0)
+
+    def _within(self, place_m: Point, radius_m: float) -> np.ndarray:
+        """Return the indices of free vertices within a distance of a place."""
+        away_m = np.hypot(*(self._places_m - place_m).T)
+        return np.flatnonzero((away_m <= radius_m + 1e-9) & self._free.ravel())
+
+    def _linked(self) -> sparse.csr_matrix:
+        """Return the lengths of steps between free vertices; each once, because the graph is symmetric."""
+        index = np.arange(self._free.size).reshape(self._shape)
+        begins, ends, lengths = [], [], []
+        for d_row, d_column in ((0, 1), (1, 0), (1, 1), (1, -1)):
+            first, second = _shifted(index, d_row, d_column)
+            linked = self._free.ravel()[first] & self._free.ravel()[second]
+            begins += [first[linked], second[linked]]
+            ends += [second[linked], first[linked]]
+            lengths += [np.full(2 * int(linked.sum()), self.cell_m * math.hypot(d_row, d_column))]
+        size = self._free.size
+        return sparse.csr_matrix(
+            (np.concatenate(lengths), (np.concatenate(begins), np.concatenate(ends))), (size, size)
+        )
+
+
+# Cached, because all missions in a building share it.
+@functools.lru_cache(maxsize=8)
+def optimistic_floor(plan: FloorPlan, clearance_m: float) -> OptimisticFloor:
+    """Return the optimistic floor of a plan for robots whose centres keep a distance from walls [m]."""
+    return OptimisticFloor(plan, clearance_m)
+
+
+def _shifted(index: np.ndarray, d_row: int, d_column: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the pairs of elements that are one step apart, as two flat arrays."""
+    rows, columns = index.shape
+    first = index[: rows - d_row, max(0, -d_column) : columns - max(0, d_column)]
+    second = index[d_row:, max(0, d_column) : columns - max(0, -d_column)]
+    return first.ravel(), second.ravel()
+
+
+def _narrowest_m(robot: PlacedRobot) -> float:
+    """Return how close the robot's centre can come to a wall [m]: the distance from it to the nearest side."""
+    if not robot.footprint_m:
+        return robot.radius_m
+    body, centre = shapely.Polygon(robot.footprint_m), shapely.Point(0.0, 0.0)
+    return float(body.exterior.distance(centre)) if body.contains(centre) else 0.0

@@ -1,0 +1,88 @@
+"""Figures of benchmarks: performance profiles and idleness."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from robotteamsim import palette
+from robotteamsim.analysis.benchmark.measures import PatrolSample
+from robotteamsim.analysis.benchmark.profile import Profile
+from robotteamsim.analysis.report.comparison import generator
+from robotteamsim.analysis.report.figures import styled
+from robotteamsim.analysis.report.statistics import bootstrap_mean
+
+CLAIRVOYANT = "clairvoyant"
+"""The name of the lower bound among the solvers."""
+
+_COLUMNS = 3
+_DPI = 160
+_WIDEST = 64.0
+"""Largest factor shown."""
+
+
+@styled
+def draw_profiles(by_building: Mapping[str, Mapping[str, Profile]]) -> Figure:
+    """Draw the performance profiles of all controllers, a panel for each building."""
+    columns = min(_COLUMNS, len(by_building))
+    rows = math.ceil(len(by_building) / columns)
+    size = (10.0 * max(columns, 1.6) / _COLUMNS, 1.3 + 2.9 * rows)
+    figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
+    colours = _colours([name for profiles in by_building.values() for name in profiles])
+    for index, (building, profiles) in enumerate(by_building.items()):
+        axes = figure.add_subplot(rows, columns, index + 1)
+        for name, profile in profiles.items():
+            _draw_profile(axes, profile, colours[name], name)
+        axes.set_title(building)
+        axes.set_xscale("log", base=2)
+        axes.set(xlim=(1.0, _WIDEST), ylim=(-0.02, 1.04), xlabel="time over the best time")
+        axes.set_xticks([1, 2, 4, 8, 16, 32, 64], ["1", "2", "4", "8", "16", "32", "64"])
+        axes.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "", "50 %", "", "100 %"])
+        axes.grid(color=palette.GRID, linewidth=0.7)
+        if index % columns == 0:
+            axes.set_ylabel("missions that save all")
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize=9)
+    return figure
+
+
+@styled
+def draw_idleness(samples: Sequence[PatrolSample]) -> Figure:
+    """Draw mean and greatest idleness by the number of robots, with 95 % bootstrap intervals."""
+    figure = Figure(figsize=(10.0, 3.8), dpi=_DPI, layout="constrained")
+    names = list(dict.fromkeys(sample.controller for sample in samples))
+    colours = _colours(names)
+    for place, (key, title) in enumerate((("mean_s", "mean idleness"), ("max_s", "greatest idleness"))):
+        axes = figure.add_subplot(1, 2, place + 1)
+        for name in names:
+            own = [sample for sample in samples if sample.controller == name]
+            means = [bootstrap_mean(getattr(s, key), generator(key, name, s.robots)) for s in own]
+            robots = [sample.robots for sample in own]
+            axes.plot(robots, [mean.value for mean in means], "o-", color=colours[name], label=name)
+            axes.fill_between(
+                robots, [m.low for m in means], [m.high for m in means], color=colours[name], alpha=0.2, linewidth=0
+            )
+        axes.set_title(title)
+        axes.set(xlabel="robots", ylabel="[s]" if place == 0 else "")
+        axes.set_xticks(sorted({sample.robots for sample in samples}))
+        axes.set_ylim(bottom=0.0)
+        axes.grid(color=palette.GRID, linewidth=0.7)
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize=9)
+    return figure
+
+
+def _draw_profile(axes: Axes, profile: Profile, colour: str, name: str) -> None:
+    ratios = np.append(profile.ratios, max(_WIDEST, float(profile.ratios[-1])))
+    shares = np.append(profile.shares, profile.shares[-1])
+    dashes = "--" if name == CLAIRVOYANT else "-"
+    axes.step(ratios, shares, where="post", color=colour, linewidth=1.8, linestyle=dashes, label=name)
+
+
+def _colours(names: Sequence[str]) -> dict[str, str]:
+    solvers = [name for name in dict.fromkeys(names) if name != CLAIRVOYANT]
+    return {name: palette.robot_colour(index) for index, name in enumerate(solvers)} | {CLAIRVOYANT: palette.INK}

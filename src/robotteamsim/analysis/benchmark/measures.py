@@ -1,0 +1,157 @@
+"""What is measured in a benchmark's missions: arrays by cell, from stored outcomes."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robotteamsim.analysis.benchmark.bound import Bound, search_bound
+from robotteamsim.campaign import Design, Outcome
+from robotteamsim.scenario.scenario import Scenario
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """What all controllers of a comparison share: the building, the noise and the number of robots."""
+
+    building: str
+    noise_db: float
+    robots: int
+
+    @property
+    def name(self) -> str:
+        """A short text."""
+        return f"{self.building}, {self.noise_db:g} dB, {self.robots} robot{'s' if self.robots > 1 else ''}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchSample:
+    """The missions of one controller in one place; arrays have shape (missions,).
+
+    numbers:    of the trials; those of equal number have the same victims.
+    saved:      number of victims saved.    areas: number of areas explored.
+    last_s:     when the last victim was saved; infinity if not all were.
+    end_s:      when the mission ended.     bound_s: before which no team can save all victims.
+    """
+
+    place: Place
+    controller: str
+    numbers: np.ndarray
+    saved: np.ndarray
+    areas: np.ndarray
+    last_s: np.ndarray
+    end_s: np.ndarray
+    bound_s: np.ndarray
+    num_victims: int
+    num_areas: int
+    limit_s: float
+    step_s: float
+
+    @property
+    def restricted_s(self) -> np.ndarray:
+        """Times until all victims are saved; a mission that does not save all counts as the limit."""
+        return np.asarray(np.minimum(self.last_s, self.limit_s))
+
+
+class Bounds:
+    """The lower bounds of missions, each computed once; they do not depend on the controller or on the noise."""
+
+    def __init__(self, note: Callable[[int], None] | None = None) -> None:
+        """Args: note: receives the number of bounds computed so far."""
+        self._known: dict[tuple[str, int, int], Bound] = {}
+        self._note = note
+
+    def of(self, place: Place, seed: int, scenario: Scenario) -> Bound:
+        """Return the bound of a mission with a seed."""
+        key = place.building, place.robots, seed
+        if key not in self._known:
+            seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": seed})})
+            self._known[key] = search_bound(seeded)
+            if self._note:
+                self._note(len(self._known))
+        return self._known[key]
+
+
+def search_samples(design: Design, outcomes: Sequence[Outcome], bounds: Bounds) -> tuple[SearchSample, ...]:
+    """Return the sample of each cell that has a finished mission, in the design's order. Args: design: a search."""
+    samples = []
+    for index, cell in enumerate(design.cells):
+        own = [outcome for outcome in outcomes if outcome.cell == index and not outcome.failed]
+        if not own:
+            continue
+        building, noise_db, robots, controller = cell.values
+        place, scenario = Place(building, noise_db, robots), cell.scenario
+        samples.append(
+            SearchSample(
+                place=place,
+                controller=controller,
+                numbers=np.array([outcome.number for outcome in own]),
+                saved=np.array([outcome.victims_saved for outcome in own]),
+                areas=np.array([outcome.areas_explored for outcome in own]),
+                last_s=np.array([last_saved_s(outcome) for outcome in own]),
+                end_s=np.array([outcome.time_s for outcome in own]),
+                bound_s=np.array([bounds.of(place, outcome.seed, scenario).time_s for outcome in own]),
+                num_victims=scenario.mission.random_victims + len(scenario.mission.victims),
+                num_areas=len(scenario.mission.areas),
+                limit_s=scenario.mission.time_limit_s,
+                step_s=scenario.run.step_s,
+            )
+        )
+    return tuple(samples)
+
+
+def last_saved_s(outcome: Outcome) -> float:
+    """Return when the last victim was saved [s]; infinity if not all were."""
+    victims = json.loads(outcome.details or "{}").get("victims", {})
+    times_s = [victim["saved_s"] for victim in victims.values()]
+    return math.inf if None in times_s or not times_s else max(times_s)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PatrolSample:
+    """The patrols of one controller with one number of robots.
+
+    mean_s, max_s: idleness of the graph, shape (missions,).
+    vertices_s:    mean idleness of each vertex, shape (missions, vertices).
+    vertex_max_s, visits: of each vertex, same shape.
+    """
+
+    robots: int
+    controller: str
+    numbers: np.ndarray
+    mean_s: np.ndarray
+    max_s: np.ndarray
+    vertices_s: np.ndarray
+    vertex_max_s: np.ndarray
+    visits: np.ndarray
+
+
+def patrol_samples(design: Design, outcomes: Sequence[Outcome]) -> tuple[PatrolSample, ...]:
+    """Return the sample of each cell that has a finished mission, in the design's order. Args: design: a patrol."""
+    samples = []
+    for index, cell in enumerate(design.cells):
+        own = [outcome for outcome in outcomes if outcome.cell == index and not outcome.failed]
+        if not own:
+            continue
+        found = [json.loads(outcome.details or "{}")["idleness"] for outcome in own]
+
+        def table(key: str, found: list[dict[str, list[dict[str, float]]]] = found) -> np.ndarray:
+            return np.array([[vertex[key] for vertex in one["vertices"]] for one in found], dtype=float)
+
+        samples.append(
+            PatrolSample(
+                robots=cell.values[0],
+                controller=cell.values[1],
+                numbers=np.array([outcome.number for outcome in own]),
+                mean_s=np.array([one["mean_s"] for one in found]),
+                max_s=np.array([one["max_s"] for one in found]),
+                vertices_s=table("mean_s"),
+                vertex_max_s=table("max_s"),
+                visits=table("visits"),
+            )
+        )
+    return tuple(samples)

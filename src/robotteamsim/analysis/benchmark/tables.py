@@ -1,0 +1,136 @@
+"""Tables of benchmarks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from robotteamsim.analysis.benchmark.comparisons import Difference
+from robotteamsim.analysis.benchmark.figures import CLAIRVOYANT
+from robotteamsim.analysis.benchmark.measures import PatrolSample, SearchSample
+from robotteamsim.analysis.benchmark.profile import Profile
+from robotteamsim.analysis.report.comparison import generator
+from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson
+from robotteamsim.analysis.report.tables import Table
+from robotteamsim.analysis.report.wording import interval_text, p_text, percents, share_text
+
+FACTORS = (1.5, 2.0, 4.0, 8.0, 16.0)
+"""Factors of the best time in the table of profiles."""
+
+
+def mission_table(samples: Sequence[SearchSample]) -> Table:
+    """Return the results of each controller in each place, after the bound of that place."""
+    rows = []
+    for index, sample in enumerate(samples):
+        if index == 0 or sample.place != samples[index - 1].place:
+            rows.append(_bound_row(sample))
+        name = sample.place.name, sample.controller
+        saved_all = int(np.isfinite(sample.last_s).sum())
+        rows.append(
+            (
+                *name,
+                str(len(sample.numbers)),
+                interval_text(bootstrap_mean(sample.saved.astype(float), generator("saved", *name)), 2),
+                share_text(clopper_pearson(saved_all, len(sample.numbers))),
+                interval_text(bootstrap_mean(sample.restricted_s, generator("last", *name)), 1),
+                _median_ratio(sample),
+                interval_text(bootstrap_mean(sample.areas.astype(float), generator("areas", *name)), 2),
+                f"{np.mean(sample.end_s):.1f}",
+            )
+        )
+    head = ("place", "controller", "missions", "victims saved", "all saved", "time to save all [s]", "over the bound")
+    title = "Search: means with 95 % bootstrap intervals; shares with exact intervals"
+    return Table("search", title, (*head, "areas", "end [s]"), tuple(rows), 2)
+
+
+def profile_table(by_building: Mapping[str, Mapping[str, Profile]]) -> Table:
+    """Return the performance profiles at some factors."""
+    rows = tuple(
+        (building, name, *percents(*(profile.at(factor) for factor in FACTORS)))
+        for building, profiles in by_building.items()
+        for name, profile in profiles.items()
+    )
+    head = ("building", "controller", *(f"within {factor:g}" for factor in FACTORS))
+    return Table(
+        "profiles", "Missions that save all victims within a factor of the best time of all controllers", head, rows, 2
+    )
+
+
+def difference_table(found: Sequence[Difference], decimals: Mapping[str, int]) -> Table:
+    """Return the comparisons with the reference. Args: decimals: shown of each quantity."""
+    rows = []
+    for each in found:
+        digits = decimals[each.quantity]
+        rows.append(
+            (
+                f"{each.names[1]} ({each.where})",
+                each.quantity,
+                str(each.pairs),
+                f"{each.values[0]:.{digits}f}",
+                f"{each.values[1]:.{digits}f}",
+                interval_text(each.difference, digits),
+                f"{each.superiority:.2f}",
+                p_text(each.p),
+            )
+        )
+    reference = found[0].names[0] if found else "the reference"
+    title = f"Difference from {reference}, with 95 % t interval; Wilcoxon's test of pairs of equal seed, p after Holm"
+    head = ("controller", "", "pairs", reference, "controller", "difference", "P(controller larger)", "p")
+    return Table("differences", title, head, tuple(rows), 2)
+
+
+def idleness_table(samples: Sequence[PatrolSample]) -> Table:
+    """Return mean and greatest idleness of each controller and number of robots."""
+    rows = []
+    for sample in samples:
+        name = sample.controller, sample.robots
+        worst = int(np.argmax(sample.vertices_s.mean(axis=0)))
+        rows.append(
+            (
+                sample.controller,
+                str(sample.robots),
+                str(len(sample.numbers)),
+                interval_text(bootstrap_mean(sample.mean_s, generator("mean_s", *name)), 1),
+                interval_text(bootstrap_mean(sample.max_s, generator("max_s", *name)), 1),
+                f"{sample.vertices_s.mean(axis=0).std():.1f}",
+                f"{worst}",
+                f"{sample.vertices_s[:, worst].mean():.1f}",
+            )
+        )
+    head = ("controller", "robots", "missions", "mean idleness [s]", "greatest idleness [s]", "SD of vertices [s]")
+    title = "Idleness: means with 95 % bootstrap intervals; the vertex with the highest mean"
+    return Table("idleness", title, (*head, "worst vertex", "its mean [s]"), tuple(rows), 2)
+
+
+def vertex_table(samples: Sequence[PatrolSample]) -> Table:
+    """Return the idleness of every vertex."""
+    rows = tuple(
+        (
+            sample.controller,
+            str(sample.robots),
+            str(vertex),
+            f"{sample.vertices_s[:, vertex].mean():.1f}",
+            f"{sample.vertex_max_s[:, vertex].max():.1f}",
+            f"{sample.visits[:, vertex].mean():.1f}",
+        )
+        for sample in samples
+        for vertex in range(sample.vertices_s.shape[1])
+    )
+    head = ("controller", "robots", "vertex", "mean idleness [s]", "greatest idleness [s]", "visits per mission")
+    return Table("vertices", "Idleness of each vertex over all missions", head, rows, 2)
+
+
+def _bound_row(sample: SearchSample) -> tuple[str, ...]:
+    mean = interval_text(bootstrap_mean(sample.bound_s, generator("bound", sample.place.name)), 1)
+    rest = (f"{sample.num_victims:d}", "-", mean, "1.00", "-", "-")
+    return (sample.place.name, f"{CLAIRVOYANT} (lower bound)", str(len(sample.numbers)), *rest)
+
+
+def _median_ratio(sample: SearchSample) -> str:
+    """Return the median of the time over the bound, of the missions that save all victims."""
+    solved = np.isfinite(sample.last_s)
+    if not solved.any():
+        return "-"
+    least = np.maximum(sample.bound_s[solved], sample.step_s)
+    return f"{np.median(np.maximum(sample.last_s[solved], sample.step_s) / least):.2f}"

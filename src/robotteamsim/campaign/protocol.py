@@ -1,0 +1,253 @@
+"""The protocols of the benchmarks: which controllers run in which buildings, with which noise and teams.
+
+docs/benchmark.md describes them.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from robotteamsim import scenario
+from robotteamsim.campaign.design import Cell, Design
+from robotteamsim.control import ALGORITHMS, make_controller
+from robotteamsim.errors import CampaignError, PlacementError, RobotTeamSimError, ScenarioError
+from robotteamsim.recording.idleness import PATROLLING
+from robotteamsim.scenario.patrol import Patrol
+from robotteamsim.scenario.problems import checked
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Control, Mission, Team, Voice
+from robotteamsim.world.placement import check_places
+from robotteamsim.world.random_victims import with_random_victims
+
+_PUBLISHED: Mapping[str, Any] = {
+    "communication": {"gated": False},
+    "rule_out_places": False,
+    "navigation": "straight",
+    "memory_of": "commands",
+}
+"""The switches of the scenario garage_sar_published."""
+
+VARIANTS: Mapping[str, Mapping[str, Any]] = {
+    "rdpso_published": {"algorithm": "rdpso", **_PUBLISHED},
+    "rdpso_adapted": {"algorithm": "rdpso", "adaptation": "fuzzy"},
+}
+"""Controllers that differ from a registered one by keys of `control`."""
+
+_BASELINES = (
+    *("rdpso_published", "rdpso_adapted", "pso", "greedy", "random_walk", "cover", "sebs", "infotaxis"),
+    "boustrophedon",
+)
+
+_LEAST_LATTICE = 6.0
+"""Number of places along the side of a square building, at least, in the lattice that is patrolled."""
+
+_OFFICE_AREAS = (
+    "mission.areas=[{name: area_1, center: [18, 15]}, {name: area_2, center: [42, 14]}, "
+    "{name: area_3, center: [56, 31]}, {name: area_4, center: [12, 21]}]"
+)
+
+BUILDINGS: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "garage": ("garage_sar", ()),
+    "office": ("office_manet", ("mission.base=null", "mission.time_limit_s=600", _OFFICE_AREAS)),
+    "warehouse": ("warehouse_push", ("robots={count: 3, start: [2.0, 7.0, 0.0]}", "objects=[]")),
+}
+"""By name, the shipped scenario and its changes: the warehouse has a team of equal robots and nothing to push."""
+
+
+@dataclass(frozen=True, slots=True)
+class SearchProtocol:
+    """A benchmark of search.
+
+    controllers: names in VARIANTS, registered algorithms, or module:Class; the first is the reference of comparisons.
+    buildings:   names in BUILDINGS, shipped scenarios, or files.
+    victims:     number of victims at random places, which replace the scenario's own.
+    """
+
+    controllers: tuple[str, ...]
+    buildings: tuple[str, ...]
+    noises_db: tuple[float, ...]
+    robots: tuple[int, ...]
+    trials: int
+    victims: int = 4
+    seed: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class PatrolProtocol:
+    """A benchmark of patrol in one building.
+
+    controllers: names of controllers that patrol a graph; the first is the reference of comparisons.
+    graph:       a .graph file of patrolling_sim; None: a lattice of places.
+    """
+
+    controllers: tuple[str, ...]
+    building: str
+    graph: str | None
+    robots: tuple[int, ...]
+    trials: int
+    duration_s: float
+    seed: int = 1
+
+
+def default_controllers() -> tuple[str, ...]:
+    """Return the controllers of the search protocol: `search` first, as soon as it is registered."""
+    return (*(("search",) if "search" in ALGORITHMS else ()), *_BASELINES)
+
+
+def quick_search() -> SearchProtocol:
+    """Return a small search protocol, which runs within a minute on two cores."""
+    return SearchProtocol(default_controllers(), ("garage", "warehouse"), (20.0,), (3,), trials=2)
+
+
+def full_search() -> SearchProtocol:
+    """Return the full search protocol with the shipped buildings."""
+    noises_db, robots = (10.0, 20.0, 30.0, 40.0), (1, 2, 4, 8, 16)
+    return SearchProtocol(default_controllers(), tuple(BUILDINGS), noises_db, robots, trials=100)
+
+
+def quick_patrol(building: str = "garage", graph: str | None = None) -> PatrolProtocol:
+    """Return a small patrol protocol."""
+    return PatrolProtocol(PATROLLING, building, graph, (2, 4), trials=3, duration_s=600.0)
+
+
+def full_patrol(building: str = "garage", graph: str | None = None) -> PatrolProtocol:
+    """Return the full patrol protocol."""
+    return PatrolProtocol(PATROLLING, building, graph, (1, 2, 4, 8, 12), trials=30, duration_s=3600.0)
+
+
+def search_design(protocol: SearchProtocol) -> Design:
+    """Return the design of a search protocol; trials of equal number have the same victims in all cells of a building.
+
+    Raises: CampaignError, ScenarioError: one line with option, value and what was expected.
+    """
+    _check_lists(protocol.controllers, protocol.buildings, protocol.noises_db, protocol.robots)
+    if protocol.victims < 1:
+        raise CampaignError(f"--victims: {protocol.victims} is not above 0: a search needs someone to find")
+    cells = []
+    for building in protocol.buildings:
+        base = load_building(building)
+        mission = _section(Mission, base.mission, "--victims: ", victims=(), random_victims=protocol.victims, base=None)
+        base = base.model_copy(update={"mission": mission})
+        for noise_db in protocol.noises_db:
+            voice = _section(Voice, base.voice, "--noise: ", noise_db=noise_db)
+            noisy = base.model_copy(update={"voice": voice})
+            lattice = {"patrol": Patrol(spacing_m=_spacing_m(base))}
+            for robots, controller, cell in _teams(noisy, protocol.robots, protocol.controllers, lattice):
+                cells.append(Cell((building, noise_db, robots, controller), cell))
+    keys = ("building", "noise_db", "robots", "controller")
+    return _design(cells, keys, protocol.trials, protocol.seed)
+
+
+def patrol_design(protocol: PatrolProtocol) -> Design:
+    """Return the design of a patrol protocol, without areas and victims. Raises: CampaignError, ScenarioError."""
+    _check_lists(protocol.controllers, (protocol.building,), (0.0,), protocol.robots)
+    for controller in protocol.controllers:
+        if controller not in PATROLLING:
+            expected = ", ".join(PATROLLING)
+            raise CampaignError(f"--controller: '{controller}' does not patrol a graph; expected one of {expected}")
+    overrides = [] if protocol.graph is None else [f"control.patrol.graph={json.dumps(protocol.graph)}"]
+    try:
+        base = load_building(protocol.building, overrides)
+    except ScenarioError as error:
+        raise CampaignError(str(error).replace("--set: control.patrol.graph", "--graph", 1)) from None
+    mission = _section(
+        Mission, base.mission, "--duration: ", areas=(), victims=(), base=None, time_limit_s=protocol.duration_s
+    )
+    base = base.model_copy(update={"mission": mission})
+    patrol = {"patrol": base.control.patrol if protocol.graph else Patrol(spacing_m=_spacing_m(base))}
+    cells = [
+        Cell((robots, controller), cell)
+        for robots, controller, cell in _teams(base, protocol.robots, protocol.controllers, patrol)
+    ]
+    return _design(cells, ("robots", "controller"), protocol.trials, protocol.seed)
+
+
+def load_building(name: str, overrides: Sequence[str] = ()) -> Scenario:
+    """Return the scenario of a building. Raises: ScenarioError, CampaignError: it has no team, or a schedule."""
+    of, changes = BUILDINGS.get(name, (name, ()))
+    loaded = scenario.load(of, [*changes, *overrides])
+    if not isinstance(loaded.robots, Team):
+        raise CampaignError(f"{name}: robots: a list; expected a team, whose number of robots the benchmark varies")
+    if loaded.schedule:
+        raise CampaignError(f"{name}: schedule: {len(loaded.schedule)} events; expected none in a benchmark")
+    return loaded
+
+
+def control_of(controller: str, further: Mapping[str, Any]) -> Control:
+    """Return `control` with its defaults, except what makes a controller, and further keys.
+
+    Raises: CampaignError: it is not valid.
+    """
+    keys = VARIANTS.get(controller, {"algorithm": controller})
+    return checked(Control, {**keys, **further}, CampaignError, f"--controller: {controller}: ")
+
+
+def _spacing_m(of: Scenario) -> float:
+    """Return the spacing of the lattice that is patrolled: the default, or less in a small building."""
+    (x_low, y_low), (x_high, y_high) = of.plan.bounds.min, of.plan.bounds.max
+    side_m = math.sqrt((x_high - x_low) * (y_high - y_low))
+    return min(Patrol().spacing_m, max(side_m / _LEAST_LATTICE, 1.0))
+
+
+def _teams(
+    base: Scenario, robots: Sequence[int], controllers: Sequence[str], further: Mapping[str, Any]
+) -> Iterator[tuple[int, str, Scenario]]:
+    """Yield each number of robots with each controller and its scenario, after checks."""
+    assert isinstance(base.robots, Team)
+    for count in robots:
+        team = _section(Team, base.robots, "--robots: ", count=count, reserve=0)
+        sized = base.model_copy(update={"robots": team})
+        _check_room(sized)
+        for controller in controllers:
+            cell = sized.model_copy(update={"control": control_of(controller, further)})
+            try:
+                made = make_controller(0, cell)
+            except RobotTeamSimError as error:
+                message = str(error).removeprefix(f"{cell.name}: ").removeprefix("control.algorithm: ")
+                raise CampaignError(f"--controller: {message}") from None
+            assert made is not None
+            yield count, controller, cell
+
+
+def _check_room(of: Scenario) -> None:
+    """Check that robots and victims have room, for one seed. Raises: CampaignError, ScenarioError."""
+    try:
+        check_places(with_random_victims(of))
+    except PlacementError as error:
+        if error.key.partition(".")[0] != "robots":
+            raise
+        raise CampaignError(f"--robots: {of.name}: {str(error).partition(f'{error.key}: ')[2]}") from None
+
+
+def _section(model: Any, section: Any, place: str, **changes: Any) -> Any:
+    """Return a section with some keys changed, which are checked. Raises: CampaignError, after `place`."""
+    return checked(model, section.model_dump(mode="json", by_alias=True) | changes, CampaignError, place)
+
+
+def _check_lists(
+    controllers: Sequence[str], buildings: Sequence[str], noises_db: Sequence[float], robots: Sequence[int]
+) -> None:
+    """Raises: CampaignError: a list is empty or has a value twice."""
+    for option, values in (
+        ("--controller", controllers),
+        ("--building", buildings),
+        ("--noise", noises_db),
+        ("--robots", robots),
+    ):
+        if not values:
+            raise CampaignError(f"{option}: no values")
+        for index, value in enumerate(values):
+            if value in values[:index]:
+                raise CampaignError(f"{option}: {value} is given twice")
+
+
+def _design(cells: Sequence[Cell], keys: tuple[str, ...], trials: int, seed: int) -> Design:
+    if trials < 1:
+        raise CampaignError(f"--trials: {trials} is below 1")
+    if not 0 <= seed < 2**53:
+        raise CampaignError(f"--seed: {seed} is not between 0 and 2^53")
+    return Design(cells[0].scenario, seed, trials, keys, tuple(cells), paired=True)

@@ -1,0 +1,239 @@
+"""`robotteamsim benchmark`: compare controllers under one protocol, and report them with a lower bound."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import dataclasses
+import importlib
+import json
+import shlex
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from robotteamsim.campaign import Design, Outcome, check_folder, open_store, tables
+from robotteamsim.campaign import protocol as protocols
+from robotteamsim.campaign.protocol import PatrolProtocol, SearchProtocol
+from robotteamsim.campaign.runner import scheduler_at
+from robotteamsim.cli.campaign_command import (
+    EXIT_INCOMPLETE,
+    add_worker_options,
+    run_missing,
+    warn_of_failures,
+    warn_of_open_scheduler,
+)
+from robotteamsim.cli.parser import SCENARIO_HELP, number, path_of, positive_number, positive_whole_number, whole_number
+
+if TYPE_CHECKING:
+    from robotteamsim.analysis.benchmark.measures import Bounds
+    from robotteamsim.analysis.benchmark.report import BenchmarkReport
+
+_SEARCH = """\
+Compare controllers in searches for victims at random places: all controllers have the
+same victims, voices and sensor noise. The report has intervals, tests with Holm's
+correction, performance profiles, and a lower bound: the time of a team that knows where
+the victims are. Without options, a small protocol (--quick) runs within a minute on two
+cores. docs/benchmark.md describes the protocols, the bound and its proof."""
+
+_SEARCH_EPILOG = """\
+A controller is rdpso_published, rdpso_adapted, a name of control.algorithm, or
+module:Class. The first one is the reference of all comparisons. The same command
+resumes a benchmark that was stopped.
+
+examples:
+  robotteamsim benchmark search --out DIR
+  robotteamsim benchmark search --full --out DIR --scheduler tcp://head:8786
+  robotteamsim benchmark search --controller greedy --controller my_package:Mine \\
+      --building garage --building my.yaml --noise 30 --robots 4 --trials 20 --out DIR"""
+
+_PATROL = """\
+Compare controllers that patrol a graph by its idleness: mean, greatest, and of each
+vertex, with intervals and tests with Holm's correction."""
+
+_PATROL_EPILOG = """\
+--graph reads the format of patrolling_sim. The same command resumes a benchmark that
+was stopped.
+
+examples:
+  robotteamsim benchmark patrol --out DIR
+  robotteamsim benchmark patrol --building cumberland.yaml --graph cumberland.graph --full --out DIR"""
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser("benchmark", help="compare controllers under one protocol", description=__doc__)
+    kinds = parser.add_subparsers(title="benchmarks", metavar="search|patrol", required=True)
+    search = kinds.add_parser("search", help="searches for random victims", description=_SEARCH, epilog=_SEARCH_EPILOG)
+    names = ", ".join(protocols.BUILDINGS)
+    search.add_argument("--building", action="append", metavar="NAME", help=f"{names}; or {SCENARIO_HELP}; repeatable")
+    search.add_argument("--noise", type=number, action="append", metavar="DB", help="background noise [dB]; repeatable")
+    search.add_argument("--victims", type=whole_number, metavar="N", help="victims in each mission; default 4")
+    search.set_defaults(command=run_search)
+    patrol = kinds.add_parser("patrol", help="patrols of a graph", description=_PATROL, epilog=_PATROL_EPILOG)
+    patrol.add_argument("--building", default="garage", metavar="NAME", help=f"{names}; or {SCENARIO_HELP}")
+    patrol.add_argument(
+        "--graph", type=path_of, metavar="FILE", help="a .graph file of patrolling_sim; default a lattice of places"
+    )
+    patrol.add_argument("--duration", type=positive_number, metavar="S", help="length of each mission [s]")
+    patrol.set_defaults(command=run_patrol)
+    for kind in (search, patrol):
+        kind.add_argument("--out", type=path_of, required=True, metavar="DIR", help="folder of missions and report")
+        size = kind.add_mutually_exclusive_group()
+        size.add_argument("--quick", action="store_true", help="the small protocol, which is the default")
+        size.add_argument("--full", action="store_true", help="the full protocol; see docs/benchmark.md for its time")
+        kind.add_argument(
+            "--controller", action="append", metavar="NAME", help="a controller instead of the protocol's; repeatable"
+        )
+        kind.add_argument(
+            "--robots", type=positive_whole_number, action="append", metavar="N", help="number of robots; repeatable"
+        )
+        kind.add_argument("--trials", type=whole_number, metavar="N", help="missions of each cell")
+        kind.add_argument("--seed", type=whole_number, metavar="N", help="seed of the benchmark; default 1")
+        add_worker_options(kind)
+        kind.add_argument("--json", action="store_true", help="print the tables as one JSON object")
+        kind.add_argument("--quiet", action="store_true", help="no progress, no tables")
+
+
+def run_search(options: argparse.Namespace) -> int:
+    """Run a search benchmark. Returns: 0, or 1 if missions failed or were given up."""
+    base = protocols.full_search() if options.full else protocols.quick_search()
+    protocol = dataclasses.replace(
+        base,
+        **_given(
+            controllers=options.controller,
+            buildings=options.building,
+            noises_db=options.noise,
+            robots=options.robots,
+            trials=options.trials,
+            victims=options.victims,
+            seed=options.seed,
+        ),
+    )
+    design = protocols.search_design(protocol)
+    command = _search_command(protocol)
+
+    def report(outcomes: tuple[Outcome, ...]) -> BenchmarkReport:
+        from robotteamsim.analysis.benchmark.report import make_search_report
+
+        with _bounds(options, design, outcomes) as bounds:
+            return make_search_report(design, outcomes, command, bounds)
+
+    return _run(options, design, command, "benchmark search", report)
+
+
+def run_patrol(options: argparse.Namespace) -> int:
+    """Run a patrol benchmark. Returns: 0, or 1 if missions failed or were given up."""
+    graph = None if options.graph is None else str(options.graph.absolute())
+    make = protocols.full_patrol if options.full else protocols.quick_patrol
+    given = _given(
+        controllers=options.controller,
+        robots=options.robots,
+        trials=options.trials,
+        duration_s=options.duration,
+        seed=options.seed,
+    )
+    protocol = dataclasses.replace(make(options.building, graph), **given)
+    design = protocols.patrol_design(protocol)
+    command = _patrol_command(protocol)
+
+    def report(outcomes: tuple[Outcome, ...]) -> BenchmarkReport:
+        from robotteamsim.analysis.benchmark.report import make_patrol_report
+
+        return make_patrol_report(design, outcomes, command)
+
+    return _run(options, design, command, "benchmark patrol", report)
+
+
+def _given(**values: Any) -> dict[str, Any]:
+    """Return the options that were given; lists as tuples."""
+    return {
+        name: tuple(value) if isinstance(value, list) else value for name, value in values.items() if value is not None
+    }
+
+
+def _run(
+    options: argparse.Namespace,
+    design: Design,
+    command: str,
+    name: str,
+    report: Callable[[tuple[Outcome, ...]], BenchmarkReport],
+) -> int:
+    check_folder(options.out, design)
+    # Imported late, because Matplotlib and statsmodels are slow to load, but before the first mission, in case one is
+    # missing.
+    importlib.import_module("robotteamsim.analysis.benchmark.report")
+    warn_of_open_scheduler(options.scheduler)
+    with contextlib.ExitStack() as stack:
+        # Connect first, so that a scheduler that does not answer leaves no store behind.
+        client = stack.enter_context(scheduler_at(options.scheduler)) if options.scheduler else None
+        store = stack.enter_context(open_store(options.out, design, command))
+        given_up = run_missing(options, design, store, client, name)
+        outcomes, csv_path = store.outcomes(), store.export()
+    failed = [outcome for outcome in outcomes if outcome.failed]
+    warn_of_failures(failed, given_up, csv_path)
+    made = report(outcomes)
+    path = made.report.write(options.out)
+    if options.json:
+        rows = {t.name: [dict(zip(t.head, row, strict=True)) for row in t.rows] for t in made.tables}
+        print(json.dumps({"report": str(path), "notes": made.report.notes, "tables": rows}, ensure_ascii=False))
+    elif not options.quiet:
+        _print_report(made)
+        print(f"\nwritten {path}")
+    return EXIT_INCOMPLETE if failed or given_up else 0
+
+
+def _print_report(made: BenchmarkReport) -> None:
+    """Print the notes and the first table."""
+    for note in made.report.notes:
+        print(note)
+    first = made.tables[0]
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else tables.UNLIMITED
+    print(f"{first.title}\n\n{tables.aligned([first.head, *first.rows], first.left, width)}")
+
+
+@contextlib.contextmanager
+def _bounds(options: argparse.Namespace, design: Design, outcomes: tuple[Outcome, ...]) -> Iterator[Bounds]:
+    """Yield the lower bounds, whose computation a bar on a terminal shows."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from robotteamsim.analysis.benchmark.measures import Bounds
+
+    places = [design.cells[outcome.cell].values for outcome in outcomes if not outcome.failed]
+    seeds = [outcome.seed for outcome in outcomes if not outcome.failed]
+    total = len({(values[0], values[2], seed) for values, seed in zip(places, seeds, strict=True)})
+    console = Console(stderr=True, quiet=options.quiet)
+    columns = (TextColumn("lower bounds"), BarColumn(), MofNCompleteColumn(), TextColumn("left"), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task("", total=total)
+        yield Bounds(lambda count: progress.update(task, completed=count))
+
+
+def _search_command(protocol: SearchProtocol) -> str:
+    """Return the command line that runs a protocol in a folder DIR."""
+    words = ["robotteamsim", "benchmark", "search"]
+    for option, values in (
+        ("--controller", protocol.controllers),
+        ("--building", protocol.buildings),
+        ("--noise", tuple(f"{noise_db:g}" for noise_db in protocol.noises_db)),
+        ("--robots", tuple(map(str, protocol.robots))),
+    ):
+        for value in values:
+            words += [option, value]
+    words += ["--trials", str(protocol.trials), "--victims", str(protocol.victims), "--seed", str(protocol.seed)]
+    return shlex.join([*words, "--out", "DIR"])
+
+
+def _patrol_command(protocol: PatrolProtocol) -> str:
+    """Return the command line that runs a protocol in a folder DIR."""
+    words = ["robotteamsim", "benchmark", "patrol", "--building", protocol.building]
+    if protocol.graph is not None:
+        words += ["--graph", protocol.graph]
+    for option, values in (("--controller", protocol.controllers), ("--robots", tuple(map(str, protocol.robots)))):
+        for value in values:
+            words += [option, value]
+    words += ["--trials", str(protocol.trials), "--duration", f"{protocol.duration_s:g}", "--seed", str(protocol.seed)]
+    return shlex.join([*words, "--out", "DIR"])

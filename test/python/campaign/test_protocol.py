@@ -1,0 +1,136 @@
+"""The protocols of the benchmarks."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from robotteamsim.campaign.protocol import (
+    BUILDINGS,
+    PatrolProtocol,
+    SearchProtocol,
+    control_of,
+    default_controllers,
+    full_search,
+    patrol_design,
+    quick_search,
+    search_design,
+)
+from robotteamsim.control import ALGORITHMS
+from robotteamsim.errors import CampaignError, RobotTeamSimError
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
+from robotteamsim.world.random_victims import with_random_victims
+
+SMALL = SearchProtocol(("greedy", "random_walk"), ("garage",), (20.0, 30.0), (1, 3), trials=2)
+ONE_R5 = Path(__file__).parents[2] / "data" / "scenarios" / "one_r5.yaml"
+THREE = Path(__file__).parents[2] / "data" / "patrol" / "three.graph"
+
+
+def test_printed_rdpso_has_the_switches_of_the_published_scenario():
+    assert control_of("rdpso_published", {}) == load("garage_sar_published").control
+    assert control_of("rdpso_adapted", {}).adaptation == "fuzzy"
+
+
+def test_search_is_the_reference_as_soon_as_it_is_registered():
+    names = default_controllers()
+    assert ("search" in names) == ("search" in ALGORITHMS)
+    assert names[0] == ("search" if "search" in ALGORITHMS else "rdpso_published")
+    assert {"rdpso_adapted", "pso", "greedy", "random_walk", "cover", "sebs", "infotaxis", "boustrophedon"} < set(names)
+
+
+def test_cells_are_all_combinations_with_random_victims_in_place_of_the_scenarios_own():
+    design = search_design(SMALL)
+    assert design.keys == ("building", "noise_db", "robots", "controller")
+    assert len(design.cells) == 2 * 2 * 2
+    for cell in design.cells:
+        building, noise_db, robots, controller = cell.values
+        assert building == "garage"
+        assert (cell.scenario.voice.noise_db, cell.scenario.num_robots) == (noise_db, robots)
+        assert cell.scenario.control.algorithm == controller
+        assert (cell.scenario.mission.victims, cell.scenario.mission.random_victims) == ((), 4)
+        assert len(cell.scenario.mission.areas) == 5
+
+
+def test_all_cells_of_a_building_have_the_same_victims():
+    design = search_design(SMALL)
+    seeds = {trial.seed for trial in design.all_trials() if trial.number == 1}
+    assert len(seeds) == 1
+    placed = set()
+    for cell in design.cells:
+        run = cell.scenario.run.model_copy(update={"seed": min(seeds)})
+        placed.add(with_random_victims(cell.scenario.model_copy(update={"run": run})).mission.victims)
+    assert len(placed) == 1
+
+
+def test_full_protocol_has_room_for_sixteen_robots_in_each_building():
+    design = search_design(replace(full_search(), controllers=("greedy",)))
+    assert {cell.values[0] for cell in design.cells} == set(BUILDINGS)
+    assert max(cell.scenario.num_robots for cell in design.cells) == 16
+    assert all(cell.scenario.mission.areas and cell.scenario.mission.base is None for cell in design.cells)
+
+
+def test_lattice_of_sebs_is_finer_in_a_small_building():
+    design = search_design(replace(SMALL, controllers=("sebs",), buildings=("garage", str(ONE_R5)), noises_db=(20.0,)))
+    spacings_m = {cell.values[0]: cell.scenario.control.patrol.spacing_m for cell in design.cells}
+    assert spacings_m["garage"] == 6.0
+    # 12 x 12.5 m: a sixth of the side of a square of that area.
+    assert spacings_m[str(ONE_R5)] == pytest.approx(math.sqrt(12.0 * 12.45) / 6.0, abs=0.01)
+
+
+def test_patrol_has_a_graph_and_neither_areas_nor_victims():
+    design = patrol_design(PatrolProtocol(("sebs",), "garage", str(THREE), (2,), trials=1, duration_s=60.0))
+    (cell,) = design.cells
+    assert len(cell.scenario.control.patrol.graph.vertices) == 3
+    assert (cell.scenario.mission.areas, cell.scenario.mission.victims) == ((), ())
+    assert cell.scenario.mission.time_limit_s == 60.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"controllers": ("gredy",)}, "--controller: 'gredy' is not known; expected one of: rdpso, "),
+        ({"controllers": ()}, "--controller: no values"),
+        ({"controllers": ("greedy", "greedy")}, "--controller: greedy is given twice"),
+        ({"noises_db": (90.0,)}, "--noise: noise_db: 90.0 is above 80"),
+        ({"robots": (0,)}, "--robots: count: 0 is below 1"),
+        ({"robots": (2900,)}, "--robots: warehouse_push: 2900 robots 0.8 m apart do not fit around [2, 7]"),
+        ({"victims": 0}, "--victims: 0 is not above 0: a search needs someone to find"),
+        ({"victims": 1001}, "--victims: random_victims: 1001 is above 1000"),
+        ({"trials": 0}, "--trials: 0 is below 1"),
+        ({"seed": -1}, "--seed: -1 is not between 0 and 2^53"),
+        ({"buildings": ("gargage",)}, "gargage: no shipped scenario of this name"),
+        ({"buildings": ("warehouse_push",)}, "warehouse_push: robots: a list; expected a team"),
+    ],
+)
+def test_mistake_in_a_protocol_is_one_line_with_the_option(changes, line):
+    with pytest.raises(RobotTeamSimError) as raised:
+        search_design(replace(quick_search(), **({"controllers": ("greedy",), "buildings": ("warehouse",)} | changes)))
+    assert line in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"controllers": ("greedy",)}, "--controller: 'greedy' does not patrol a graph; expected one of sebs, consc"),
+        ({"graph": "no.graph"}, "--graph: there is no file"),
+        ({"duration_s": 2e6}, "--duration: time_limit_s: "),
+    ],
+)
+def test_mistake_in_a_patrol_is_one_line_with_the_option(changes, line):
+    protocol = PatrolProtocol(("sebs",), "garage", None, (2,), trials=1, duration_s=60.0)
+    with pytest.raises(CampaignError) as raised:
+        patrol_design(replace(protocol, **changes))
+    assert str(raised.value).startswith(line)
+
+
+@pytest.mark.parametrize("controller", ["greedy", "boustrophedon", "infotaxis", "sebs"])
+def test_search_in_noise_above_every_voice_ends_at_the_time_limit(controller):
+    (cell,) = search_design(replace(SMALL, controllers=(controller,), noises_db=(80.0,), robots=(2,))).cells
+    mission = cell.scenario.mission.model_copy(update={"areas": (), "time_limit_s": 20.0})
+    result = Simulation(cell.scenario.model_copy(update={"mission": mission})).run()
+    assert (result.end, result.time_s) == ("time_limit", 20.0)
