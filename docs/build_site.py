@@ -30,6 +30,7 @@ SECTIONS = {
     "Reference": ("scenario_keys", "python_api", "ros_api", "CHANGELOG"),
     "Explanation": (
         "world",
+        "rescue",
         "fire",
         "propagation",
         "network",

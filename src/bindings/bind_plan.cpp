@@ -70,6 +70,11 @@ void BindPlan(nb::module_& m) {
             return grid.ValueAt(distances.data(), distances.size(), point);
           },
           "distances_m"_a, "point_m"_a)
+      .def(
+          "descend",
+          [](const plan::PlanningGrid& grid, const DistanceMap& distances, const base::Point& start,
+             double look_ahead_m) { return grid.Descend(distances.data(), distances.size(), start, look_ahead_m); },
+          "distances_m"_a, "start_m"_a, "look_ahead_m"_a)
       .def("shortest_path", &plan::PlanningGrid::ShortestPath, "start_m"_a, "goal_m"_a, "max_length_m"_a)
       .def(
           "waypoints",

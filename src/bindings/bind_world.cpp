@@ -12,6 +12,7 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "geometry.hpp"
+#include "robotteamsim/world/crowd.hpp"
 #include "robotteamsim/world/world.hpp"
 
 namespace nb = nanobind;
@@ -124,11 +125,40 @@ void BindParts(nb::module_& m) {
           nb::kw_only(), "radius_m"_a, "mass_kg"_a, "friction"_a, "start"_a, "corners_m"_a);
 }
 
+// Rows: x, y, target x, target y [m], speed [m/s], radius [m]; of bystanders x, y, radius [m].
+Array<double, -1, 2> StepCrowd(const world::Crowd& crowd, const Array<const double, -1, 6>& walkers,
+                               const Triples& others, const std::vector<bool>& closed, double time_s) {
+  static_assert(sizeof(world::Walker) == 6 * sizeof(double) && sizeof(world::Bystander) == 3 * sizeof(double));
+  const auto* const first = reinterpret_cast<const world::Walker*>(walkers.data());
+  const auto* const bystanders = reinterpret_cast<const world::Bystander*>(others.data());
+  const std::vector<world::Walker> all(first, first + walkers.shape(0));
+  const std::vector<world::Bystander> standing(bystanders, bystanders + others.shape(0));
+  return RowsOf<2>(crowd.Step(all, standing, closed, time_s));
+}
+
+void BindCrowd(nb::module_& m) {
+  nb::class_<world::CrowdParameters>(m, "CrowdParameters")
+      .def(
+          "__init__",
+          [](world::CrowdParameters* self, double time_gap, double neighbour_strength, double neighbour_range,
+             double wall_strength, double wall_range, double longest_substep) {
+            new (self) world::CrowdParameters{time_gap,      neighbour_strength, neighbour_range,
+                                              wall_strength, wall_range,         longest_substep};
+          },
+          nb::kw_only(), "time_gap_s"_a, "neighbour_strength"_a, "neighbour_range_m"_a, "wall_strength"_a,
+          "wall_range_m"_a, "longest_substep_s"_a);
+  nb::class_<world::Crowd>(m, "Crowd")
+      .def(nb::init<std::vector<world::Solid>, std::vector<world::Door>, world::CrowdParameters>(), "solids"_a,
+           "doors"_a, "parameters"_a)
+      .def("step", &StepCrowd, "walkers"_a, "others"_a, "closed"_a, "time_s"_a);
+}
+
 }  // namespace
 
 void BindWorld(nb::module_& m) {
   BindParts(m);
   m.def("reached_speeds", &ReachedSpeeds, "drives"_a, "speeds"_a, "twists"_a, "dt_s"_a);
+  BindCrowd(m);
   nb::class_<world::World>(m, "World")
       .def(nb::init<std::vector<world::Solid>, std::vector<world::Door>, std::vector<world::Robot>, double, int,
                     std::vector<world::MovableObject>>(),

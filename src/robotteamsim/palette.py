@@ -19,6 +19,17 @@ VICTIMS = {"waiting": WAITING, "heard": HEARD, "saved": SAVED}
 CASUALTY = "#6b6f76"
 """Victims who have collapsed or died."""
 FLAME, SMOKE, CHAR = "#ff5a1f", "#7d8087", "#26211d"
+RESCUED = {
+    "waiting": WAITING,
+    "heard": HEARD,
+    "located": ORANGE,
+    "reported": SKY_BLUE,
+    "reached": PURPLE,
+    "carried": PURPLE,
+    "safe": SAVED,
+}
+"""Victims whom firefighters save."""
+VICTIM_STATES = VICTIMS | RESCUED | {"collapsed": CASUALTY, "dead": CASUALTY}
 SKIN = "#f1d3b8"
 OPEN_AREA, TARGET_AREA, EXPLORED_AREA = "#c3ccd6", WHITE, GREEN
 COLLISION = VERMILLION

@@ -136,6 +136,7 @@ def _plan() -> Iterator[Call]:
         ("first_stretch", _FROM, _TO, 20.0),
         ("along_path", _FROM, _TO, 20.0),
         ("least_reachable", _MAP, _FROM, 2.0),
+        ("descend", _MAP, _FROM, 2.0),
         ("nearest_reachable", _FROM, _TO, 2.0),
         ("reachable_towards", _FROM, _TO),
         ("nearest_in_disc", _SOLID, _TO, 3.0),
@@ -319,6 +320,17 @@ _BOX = new(
     start=Pose(0.0, 2.0, 0.0),
     corners_m=_box(-0.2, -0.2, 0.4),
 )
+_MANNERS = new(
+    "world.CrowdParameters",
+    time_gap_s=1.0,
+    neighbour_strength=8.0,
+    neighbour_range_m=0.1,
+    wall_strength=5.0,
+    wall_range_m=0.05,
+    longest_substep_s=0.05,
+)
+_CROWD = new("world.Crowd", [_WALL], [_INSTANT, _DOOR], _MANNERS)
+_WALKERS = np.array([[0.0, 0.0, 5.0, 0.0, 1.2, 0.15], [0.5, 0.1, 5.0, 1.0, 1.0, 0.15]])
 _WORLD = new("world.World", [_WALL], [_INSTANT, _DOOR], [_ROUND, _SQUARE], 0.1, 2, [_BOX])
 _TWISTS = np.array([[0.5, 0.0, 0.2], [0.7, 0.0, 0.1]])
 _STATE = ("poses", "twists", "motions", "object_poses", "in_contact", "contact_angles", "present", "arrivals")
@@ -329,6 +341,7 @@ def _world() -> Iterator[Call]:
     door = new("world.World", [_WALL], [_DOOR], [_ROUND], 0.1, 2, []).of
     yield door(("set_door", 0, False), ("step", _TWISTS[:1]), ("step", _TWISTS[:1]), ("door_states",), *state)
     yield _WORLD.of(("set_door", 0, False), ("step", _TWISTS), ("step", _TWISTS), *state, ("reset",), *state)
+    yield _CROWD.of(("step", _WALKERS, np.array([[3.0, 0.0, 0.2]]), [True, False], 0.1))
     yield _WORLD.of(("set_pose", 0, Pose(1.0, 1.0, 0.1)), ("step", _TWISTS), *state)
     yield _WORLD.of(("remove_robot", 1), ("spawn_robot", 1, Pose(0.5, -2.0, 1.0)), ("step", _TWISTS), *state)
     yield _WORLD.of(("add_object", _BOX), ("step", _TWISTS), ("remove_object", 0), ("object_poses",))

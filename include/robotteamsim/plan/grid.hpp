@@ -53,6 +53,11 @@ class PlanningGrid {
   /// Returns the value of `distances` (a DistanceMap of `size` cells) in the cell of a point; infinity beyond the grid.
   double ValueAt(const float* distances, std::size_t size, const base::Point& point) const;
 
+  /// Returns the place up to `look_ahead` [m] down the steepest descent of `distances` (a DistanceMap) to which the
+  /// straight line from `from` is free: where to walk next on the shortest path. Nothing if there is no path.
+  std::optional<base::Point> Descend(const float* distances, std::size_t size, const base::Point& from,
+                                     double look_ahead) const;
+
   /// Returns the cell centres of a shortest path, the cells of `from` and `to` included (A*). Empty if an end is
   /// blocked or no path of at most `max_length` [m] exists.
   std::vector<base::Point> ShortestPath(const base::Point& from, const base::Point& to, double max_length) const;

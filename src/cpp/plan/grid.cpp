@@ -241,6 +241,32 @@ double PlanningGrid::ValueAt(const float* distances, std::size_t size, const bas
   return row >= 0 && col >= 0 ? static_cast<double>(distances[row * shape_.cols + col]) : kInfinity;
 }
 
+std::optional<base::Point> PlanningGrid::Descend(const float* distances, std::size_t size, const base::Point& from,
+                                                 double look_ahead) const {
+  if (size != blocked_.size()) throw std::invalid_argument("the distance map must have one value per cell");
+  base::Check(from, "start");
+  base::CheckNotNegative(look_ahead, "look_ahead");
+  const std::optional<base::Point> start = NearestFree(from, kNearby);
+  if (!start) return std::nullopt;
+  int cell = FreeCellOf(*start);
+  if (!std::isfinite(distances[cell])) return std::nullopt;
+  base::Point place = *start;
+  for (double length = 0.0; length < look_ahead;) {
+    int next = cell;
+    double step_length = 0.0;
+    for (std::size_t s = 0; s < steps_.size(); ++s) {
+      if ((exits_[cell] >> s & 1U) == 0 || !(distances[cell + steps_[s].offset] < distances[next])) continue;
+      next = cell + steps_[s].offset;
+      step_length = steps_[s].length;
+    }
+    if (next == cell || !IsLineFree(*start, Center(next))) break;
+    cell = next;
+    place = Center(cell);
+    length += step_length;
+  }
+  return place;
+}
+
 std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, const base::Point& to,
                                                     double max_length) const {
   base::CheckNotNegative(max_length, "max_length");

@@ -17,7 +17,7 @@ from robotteamsim.scenario.plan import bay_lines
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.world.placement import placed_robots
 
-VICTIM_SHAPES = {"waiting": "X", "heard": "^", "saved": "s"}
+VICTIM_SHAPES = {"waiting": "X", "heard": "^", "saved": "s", "safe": "s", "dead": "P"}
 """Markers by state; colour alone does not suffice for everybody."""
 
 _PLAN_INCHES = 11.0

@@ -81,7 +81,7 @@ def summary_table(design: Design, summaries: Sequence[CellSummary], width: int =
     """
     columns = {"victims saved": "victims_saved", "time [s]": "time_s", "areas": "areas_explored"}
     columns |= {"endangered": "endangered_links", "driven [m]": "distance_m"}
-    if design.scenario.mission.base is not None:
+    if design.scenario.base is not None:
         columns |= dict(zip(("delivered", "mean delay [s]", "max delay [s]"), DELIVERY_QUANTITIES, strict=True))
     lines = [[*design.keys, "trials", *columns]]
     for summary in summaries:

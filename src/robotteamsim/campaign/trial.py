@@ -6,7 +6,7 @@ import json
 import time
 import traceback
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, get_args
 
 import msgspec
 
@@ -14,6 +14,7 @@ import robotteamsim
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.paths import PathLog
 from robotteamsim.errors import CampaignError
+from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.idleness import IdlenessLog, patrols
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
@@ -27,6 +28,8 @@ _OF_RESULT = (
 )
 """Values of a `Result` that are stored as they are."""
 
+_VICTIM_EVENTS = frozenset(f"victim_{state}" for state in get_args(VictimState) if state != "waiting")
+
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
@@ -34,7 +37,8 @@ class Outcome:
 
     discoveries_delivered, mean_delivery_delay_s, max_delivery_delay_s: as in `Result`; None without a base.
     details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null if that
-             never happened) and `robots` (distance_m, contact_s, excluded_s, longest_stay_s of each); for a patrol also
+             never happened; with firefighters also located_s, reported_s, reached_s, carried_s, safe_s, dead_s if it
+             did) and `robots` (distance_m, contact_s, excluded_s, longest_stay_s of each); for a patrol also
              `idleness`, as `recording.idleness.Idleness`.
     paths:   of the robots, for `decode_paths`.
     wall_s:  computing time, the only value that differs between equal trials.
@@ -114,7 +118,7 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
 
 
 class _EventTimes:
-    """Records when each area was explored, each victim heard and saved."""
+    """Records when each area was explored, and each victim reached each state after waiting."""
 
     def begin(self, scenario: Scenario) -> None:
         self._areas: dict[str, float | None] = {area.name: None for area in scenario.mission.areas}
@@ -128,10 +132,10 @@ class _EventTimes:
                 self._areas[event.subject] = event.time_s
             elif event.kind == "victim":
                 self._victims.setdefault(event.subject, {"heard_s": None, "saved_s": None})
-            elif event.kind in ("victim_heard", "victim_saved"):
+            elif event.kind in _VICTIM_EVENTS:
                 times = self._victims[event.subject]
                 key = event.kind.removeprefix("victim_") + "_s"
-                if times[key] is None:
+                if times.get(key) is None:
                     times[key] = event.time_s
 
     def end(self, result: Result) -> None:

@@ -4,12 +4,13 @@ from robotteamsim.interface.controller import Controller
 from robotteamsim.interface.decision import OUTSIDE, Decision, SwarmContext
 from robotteamsim.interface.discovery import Discovery
 from robotteamsim.interface.observation import Observation
-from robotteamsim.interface.task import Task
+from robotteamsim.interface.task import Assistance, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 
 __all__ = [
     "EVERYBODY",
     "OUTSIDE",
+    "Assistance",
     "Controller",
     "Decision",
     "Discovery",

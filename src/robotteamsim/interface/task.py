@@ -3,6 +3,15 @@
 import msgspec
 
 from robotteamsim.interface.discovery import Discovery
+from robotteamsim.interface.payload import Index
+
+
+class Assistance(msgspec.Struct, frozen=True, gc=False):
+    """A firefighter who helps a victim. moving: whether both are on their way; before, the victim is picked up."""
+
+    robot_id: Index
+    victim: str
+    moving: bool
 
 
 class Task(msgspec.Struct, frozen=True, gc=False):
@@ -13,8 +22,9 @@ class Task(msgspec.Struct, frozen=True, gc=False):
                    a victim who walks do not increase it.
     area_center_m: the area to explore, in `map` [m]; None if no area is left.
     area_radius_m: its radius [m].
-    undelivered:   discoveries that have not been delivered to the base, `mission.base`; empty without a base. A robot
+    undelivered:   discoveries that have not been delivered to the base or command centre; empty without one. A robot
                    learns of its own discoveries here, and of deliveries from the base's messages.
+    assistance:    the firefighters who help somebody; each learns of their own victim here.
     """
 
     running: bool = False
@@ -22,3 +32,4 @@ class Task(msgspec.Struct, frozen=True, gc=False):
     area_center_m: tuple[float, float] | None = None
     area_radius_m: float = 0.0
     undelivered: tuple[Discovery, ...] = ()
+    assistance: tuple[Assistance, ...] = ()

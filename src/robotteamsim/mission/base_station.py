@@ -12,7 +12,7 @@ class BaseStation:
     """Stores discoveries until a message that announces them reaches the base; does nothing without a base."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self.base = scenario.mission.base
+        self.base = scenario.base
         self.undelivered: tuple[Discovery, ...] = ()
         """The discoveries not delivered to the base, in the order of discovery."""
         self.delivered = None if self.base is None else DeliveredDiscoveries()

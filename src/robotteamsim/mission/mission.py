@@ -14,9 +14,11 @@ from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Decision, Discovery, Task
 from robotteamsim.mission.base_station import BaseStation
 from robotteamsim.mission.casualties import Casualties
+from robotteamsim.mission.rescue import NOBODY, Rescue, VictimNews
 from robotteamsim.mission.status import (
     END_TEXTS,
     OUT_OF_DANGER,
+    SAVED,
     SILENT,
     Event,
     MissionEnd,
@@ -34,10 +36,8 @@ from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.wording import counted
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates, LeafMotion
+from robotteamsim.world.people import PersonState
 from robotteamsim.world.walking import Walkers
-
-NOBODY = -1
-"""robot_id of an event that no robot caused."""
 
 _MISHAPS: dict[Mishap, str] = {"tipped_over": "tips over", "left_world": "leaves the world"}
 _MOTION: dict[LeafMotion, str] = {"still": "stops", "opens": "opens", "closes": "closes", "held": "is blocked"}
@@ -48,8 +48,9 @@ class Mission:
 
     The mission's clock counts the steps while the mission is running, not those before the start, while paused or after
     the end. When a robot hears a voice, the unsaved victim nearest to the loudest place that the robot perceives counts
-    as heard. If there is a base, `scenario.mission.base`, a mission whose areas are all explored continues until all
-    discoveries have been delivered to the base.
+    as heard. If there is a base, `scenario.base`, a mission whose areas are all explored continues until all
+    discoveries have been delivered to the base. If firefighters save the victims, `Rescue` judges them, and the mission
+    ends when all of them are safe or dead.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -69,6 +70,10 @@ class Mission:
         self._casualties = Casualties(scenario)
         self.failed: frozenset[int] = frozenset()
         """Ids of the absent robots that have failed by heat, as of the step to be judged."""
+        self._member = scenario.name_of
+        self._rescue = Rescue(scenario) if scenario.mission.saved_by == "firefighter" else None
+        """None if robots save the victims."""
+        self._people: tuple[PersonState, ...] = ()
 
         self._state: MissionState = "waiting"
         self._end: MissionEnd = ""
@@ -77,14 +82,15 @@ class Mission:
         self._team_was_running = False
         self._num_explored = 0
         self._victim_states: list[VictimState] = ["waiting"] * len(self.victims)
-        self._note_who_is_saved()
+        self._note_who_calls()
         self._places = self._all_places()
         self._heard_places_m: set[tuple[float, float]] = set()
         """Loudest places that have been processed since the victims last changed."""
         self._epoch = 0
         self._endangered_links = 0
         self._network: NetworkState | None = None
-        self._team = TeamMonitor(scenario.mission.base)
+        base = () if scenario.base is None else (scenario.base,)
+        self._team = TeamMonitor({*base, *scenario.firefighter_ids})
         present = np.array(scenario.present_at_start, dtype=bool)
         self._num_robots = len(present)
         self._present = None if present.all() else present
@@ -93,6 +99,8 @@ class Mission:
         self._refusals: set[Refusal] = set()
         self._mishaps: Mapping[int, Mishap] = {}
         self._events: list[Event] = []
+        self._is_task_new = False
+        """Whether the task has changed in this step without an event."""
         self.task = Task()
         """The current task of the team."""
         self.status = self._make_status()
@@ -145,6 +153,18 @@ class Mission:
                 detail = f"door {name} {_MOTION[now.motion]}, {now.opening:.0%} open"
                 self._add_event("door_moves", name, NOBODY, detail)
         self._doors = doors
+        if self._rescue is not None:
+            self._rescue.follow_doors(doors)
+
+    def follow_people(self, people: tuple[PersonState, ...]) -> None:
+        """Record where the people of the world are; the same tuple as before means that nobody has moved."""
+        if people is self._people:
+            return
+        self._people = people
+        self._move_victims({person.name: person.position_m for person in people})
+        if self._rescue is not None:
+            for name in self._rescue.follow_people(people):
+                self._add_event("person_enclosed", name, NOBODY, f"{name} waits, because no path to an exit is open")
 
     def follow_mishaps(self, mishaps: Mapping[int, Mishap]) -> None:
         """Record which robots cannot go on, by id, and why."""
@@ -159,6 +179,8 @@ class Mission:
         Args: field: None if fire and smoke have not advanced in this step.
         """
         self._casualties.follow(field)
+        if self._rescue is not None and field is not None:
+            self._rescue.follow_smoke(field)
         self.failed = failed
 
     def set_noise_db(self, noise_db: float) -> None:
@@ -176,7 +198,9 @@ class Mission:
         index = names.index(name) if name in names else len(names)
         self.victims = (*self.victims[:index], victim, *self.victims[index + 1 :])
         self._victim_states[index : index + 1] = ["waiting"]
-        self._note_who_is_saved()
+        if self._rescue is not None:
+            self._rescue.forget(index)
+        self._note_who_calls()
         self._places = self._all_places()
         self._heard_places_m.clear()
         self._add_event("victim", name, NOBODY, f"victim {name} calls at ({position_m[0]:.1f}, {position_m[1]:.1f})")
@@ -213,6 +237,8 @@ class Mission:
         if self._state == "running":
             self._judge_voices(voices)
             self._judge_places(positions_m)
+            if self._rescue is not None:
+                self._judge_rescue(self._rescue, positions_m, voices, present)
             self._judge_harm()
             if self._base.undelivered:
                 self._judge_deliveries(base_inbox)
@@ -223,9 +249,10 @@ class Mission:
                 self._add_event(change.kind, change.subject, change.robot_id, change.detail)
             self._judge_end()
         self._team_was_running = self._state == "running"
-        if not self._events:  # nothing but the time has changed
+        if not (self._events or self._is_task_new):  # nothing but the time has changed
             self.status = msgspec.structs.replace(self.status, time_s=self._elapsed_ns / 1e9)
             return ()
+        self._is_task_new = False
         self.status = self._make_status()
         events, self._events = tuple(self._events), []
         return events
@@ -239,31 +266,41 @@ class Mission:
                 self.set_victim(event.victim, event.position)
 
     def _walk(self, sim_time_ns: int) -> None:
-        """Move the unsaved victims who walk. The task's epoch does not change: bests must outlive a step of theirs."""
         due = self._walkers.positions_due(sim_time_ns)
-        if not due:
-            return
+        if due:
+            self._move_victims(due)
+
+    def _move_victims(self, places: Mapping[str, tuple[float, float]]) -> None:
+        """Move the unsaved victims who walk. The task's epoch does not change: bests must outlive a step of theirs."""
         moved = tuple(
             victim
-            if state in SILENT or due.get(victim.name, victim.position) == victim.position
-            else victim.model_copy(update={"position": due[victim.name]})
+            if state in OUT_OF_DANGER or places.get(victim.name, victim.position) == victim.position
+            else victim.model_copy(update={"position": places[victim.name]})
             for victim, state in zip(self.victims, self._victim_states, strict=True)
         )
         if moved != self.victims:
             self.victims = moved
-            self._note_who_is_saved()
+            self._note_who_calls()
             self._places = self._all_places()
             self._heard_places_m.clear()
 
     def _judge_harm(self) -> None:
         for index, state, dose in self._casualties.judge(self.victims, self._victim_states):
             name = self.victims[index].name
-            self._victim_states[index] = state
-            self._note_who_is_saved()
+            self._harm(index, state)
+            self._note_who_calls()
             self._heard_places_m.clear()
             self._epoch += 1  # the voice leaves the map
             does = "dies" if state == "dead" else "collapses"
             self._add_event(f"victim_{state}", name, NOBODY, f"{name} {does}: {dose}")
+
+    def _harm(self, index: int, state: VictimState) -> None:
+        """Let a victim collapse or die; those whom a firefighter has reached stay in their care until they die."""
+        if self._rescue is not None:
+            self._rescue.harm(index, self.victims[index].name, state)
+            if state == "collapsed" and self._victim_states[index] in ("reached", "carried"):
+                return
+        self._victim_states[index] = state
 
     def _judge_voices(self, voices: Sequence[VoiceReading]) -> None:
         if "waiting" not in self._victim_states:
@@ -274,7 +311,7 @@ class Mission:
                 self._hear(robot_id, voice.local_best_m, voice.local_best_level_db)
 
     def _judge_places(self, positions_m: np.ndarray) -> None:
-        num_victims = len(self.victims)
+        num_victims = len(self._saved_on_reach)
         area = num_victims + self._num_explored
         for place, robot_id in self._places.reached(positions_m):
             if place == area:
@@ -285,21 +322,22 @@ class Mission:
     def _save(self, index: int, robot_id: int) -> None:
         victim = self.victims[index]
         self._victim_states[index] = "saved"
-        self._note_who_is_saved()
+        self._note_who_calls()
         self._heard_places_m.clear()
         self._epoch += 1  # the voice leaves the map
-        count = f"{len(self.saved_victims)} of {len(self.victims)}"
+        count = f"{self._victim_states.count('saved')} of {len(self.victims)}"
         self._add_event("victim_saved", victim.name, robot_id, f"robot {robot_id} saves {victim.name} ({count})")
         self._base.add(Discovery("victim", victim.name, robot_id, victim.position, self._elapsed_ns / 1e9))
 
-    def _note_who_is_saved(self) -> None:
-        is_saved = [state == "saved" for state in self._victim_states]
-        self.saved_victims = tuple([victim.name for victim, saved in zip(self.victims, is_saved, strict=True) if saved])
-        """Names of the saved victims; the same object until another victim is saved."""
-        is_silent = [state in SILENT for state in self._victim_states]
-        self.silent_victims = tuple([v.name for v, silent in zip(self.victims, is_silent, strict=True) if silent])
-        """Names of the victims who do not call any more; the same object until there is another one."""
-        self._unsaved = [i for i, silent in enumerate(is_silent) if not silent and self.victims[i].calling]
+    def _note_who_calls(self) -> None:
+        silent = [state in SILENT for state in self._victim_states]
+        names = [victim.name for victim in self.victims]
+        self.silent_victims = tuple([name for name, is_silent in zip(names, silent, strict=True) if is_silent])
+        """Names of the victims who call no more; the same object until another victim falls silent."""
+        states = zip(names, self._victim_states, strict=True)
+        self.saved_victims = tuple([name for name, state in states if state in SAVED])
+        """Names of the saved victims."""
+        self._unsaved = [i for i, is_silent in enumerate(silent) if not is_silent and self.victims[i].calling]
         """Indices of the victims who may be heard."""
         self._unsaved_m = [self.victims[index].position for index in self._unsaved]
 
@@ -311,7 +349,9 @@ class Mission:
         if self._victim_states[index] == "waiting":
             self._victim_states[index] = "heard"
             name = self.victims[index].name
-            self._add_event("victim_heard", name, robot_id, f"robot {robot_id} hears {name} at {level_db:.1f} dB")
+            self._add_event(
+                "victim_heard", name, robot_id, f"{self._member(robot_id)} hears {name} at {level_db:.1f} dB"
+            )
 
     def _explore(self, robot_id: int) -> None:
         area = self._areas[self._num_explored]
@@ -321,6 +361,29 @@ class Mission:
         self._add_event("area_explored", area.name, robot_id, f"robot {robot_id} explores {area.name} ({count})")
         self._base.add(Discovery("area", area.name, robot_id, area.center, self._elapsed_ns / 1e9))
 
+    def _judge_rescue(
+        self, rescue: Rescue, positions_m: np.ndarray, voices: Sequence[VoiceReading], present: np.ndarray | None
+    ) -> None:
+        time_s = self._elapsed_ns / 1e9
+        for news in rescue.judge(time_s, positions_m, present, voices, self.victims, self._victim_states):
+            self._note_victim(news)
+
+    def _note_victim(self, news: VictimNews) -> None:
+        """Record what has happened to a victim."""
+        victim, time_s = self.victims[news.index], self._elapsed_ns / 1e9
+        if news.detail:
+            self._add_event(news.kind, victim.name, news.robot_id, news.detail)
+        if news.position_m is not None:
+            self._base.add(Discovery("victim", victim.name, news.robot_id, news.position_m, time_s))
+            self._is_task_new = True
+        if news.state is not None:
+            was_silent = self._victim_states[news.index] in SILENT
+            self._victim_states[news.index] = news.state
+            if was_silent != (news.state in SILENT):
+                self._note_who_calls()
+                self._heard_places_m.clear()
+                self._epoch += 1  # the voice map changes
+
     def _judge_deliveries(self, base_inbox: Sequence[Message]) -> None:
         time_s = self._elapsed_ns / 1e9
         for found in self._base.deliver(base_inbox, time_s):
@@ -328,6 +391,16 @@ class Mission:
             self._add_event(
                 "discovery_delivered", found.name, found.robot_id, f"{found.name} is delivered to the base, {delay}"
             )
+            self._note_report(found)
+
+    def _note_report(self, found: Discovery) -> None:
+        """Record that the command centre knows where a victim is."""
+        names = [victim.name for victim in self.victims]
+        index = names.index(found.name) if found.kind == "victim" and found.name in names else NOBODY
+        if self._rescue is not None and index != NOBODY and self._victim_states[index] == "located":
+            self._victim_states[index] = "reported"
+            detail = f"the command centre knows where {found.name} is"
+            self._add_event("victim_reported", found.name, found.robot_id, detail)
 
     def _judge_links(self, network: NetworkState) -> None:
         before, self._network = self._network, network
@@ -356,16 +429,21 @@ class Mission:
         then = np.ones(self._num_robots, dtype=bool) if before is None else before
         for robot_id in np.flatnonzero(then & ~now).tolist():
             if robot_id in self.failed:
-                self._add_event("robot_failed_by_heat", "", robot_id, f"robot {robot_id} fails by heat")
+                self._add_event("robot_failed_by_heat", "", robot_id, f"{self._member(robot_id)} fails by heat")
             else:
-                self._add_event("robot_removed", "", robot_id, f"robot {robot_id} is removed")
+                self._add_event("robot_removed", "", robot_id, f"{self._member(robot_id)} is removed")
         for robot_id in np.flatnonzero(now & ~then).tolist():
-            self._add_event("robot_spawned", "", robot_id, f"robot {robot_id} is spawned")
+            self._add_event("robot_spawned", "", robot_id, f"{self._member(robot_id)} is spawned")
 
     def _judge_end(self) -> None:
-        if self._areas and self._num_explored == len(self._areas) and not self._base.undelivered:
+        if self._rescue is not None:
+            if self.victims and all(state in OUT_OF_DANGER for state in self._victim_states):
+                self._finish("victims_safe")
+        elif self._areas and self._num_explored == len(self._areas) and not self._base.undelivered:
             self._finish("areas_explored")
-        elif self._elapsed_ns >= self._time_limit_ns:
+        if self._state == "ended":
+            return
+        if self._elapsed_ns >= self._time_limit_ns:
             self._finish("time_limit")
         elif self._present is not None and not self._present.any():
             self._finish("none_left")
@@ -376,15 +454,20 @@ class Mission:
 
     def _finish(self, end: MissionEnd, why: str = "") -> None:
         self._state, self._end = "ended", end
-        saved = self._victim_states.count("saved")
+        saved = sum(state in SAVED for state in self._victim_states)
         count = f"{self._num_explored}/{len(self._areas)} areas, {saved}/{len(self.victims)} victims"
         self._add_event("end", "", NOBODY, f"mission ends: {END_TEXTS[end]}{why}; {count}")
 
     def _all_places(self) -> _core.base.Places:
-        """Return the positions of victims, then of areas, with the radius of each."""
-        places = [victim.position for victim in self.victims] + [area.center for area in self._areas]
-        reaches = [self._save_distance_m] * len(self.victims) + [area.radius_m for area in self._areas]
+        """Return the positions of victims whom robots save, then of areas, with the radius of each."""
+        places = [victim.position for victim in self._saved_on_reach] + [area.center for area in self._areas]
+        reaches = [self._save_distance_m] * len(self._saved_on_reach) + [area.radius_m for area in self._areas]
         return _core.base.Places(places, reaches)
+
+    @property
+    def _saved_on_reach(self) -> tuple[Victim, ...]:
+        """The victims whom a robot saves by reaching them."""
+        return self.victims if self._rescue is None else ()
 
     def _change_task(self) -> None:
         self._epoch += 1
@@ -416,5 +499,6 @@ class Mission:
             area_center_m=area.center if area else None,
             area_radius_m=area.radius_m if area else 0.0,
             undelivered=self._base.undelivered,
+            assistance=() if self._rescue is None else self._rescue.assistance,
         )
         return self.task

@@ -3,22 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Literal, get_args
 
 import msgspec
 
 from robotteamsim.interface import Task
 
 MissionState = Literal["waiting", "running", "paused", "ended"]
-MissionEnd = Literal["", "areas_explored", "time_limit", "all_excluded", "none_left", "search_over", "aborted"]
-VictimState = Literal["waiting", "heard", "collapsed", "saved", "dead"]
-SILENT: frozenset[VictimState] = frozenset(("collapsed", "saved", "dead"))
-"""States of victims who do not call."""
-OUT_OF_DANGER: frozenset[VictimState] = frozenset(("saved", "dead"))
+MissionEnd = Literal[
+    "", "areas_explored", "victims_safe", "time_limit", "all_excluded", "none_left", "search_over", "aborted"
+]
+VictimState = Literal[
+    "waiting", "heard", "saved", "located", "reported", "reached", "carried", "safe", "collapsed", "dead"
+]
+"""waiting, heard, saved if robots save; with firefighters, heard is followed by located to safe."""
+
+CALLING: frozenset[VictimState] = frozenset(("waiting", "heard"))
+SILENT: frozenset[VictimState] = frozenset(get_args(VictimState)) - CALLING
+"""States of victims who do not call: they cannot, or somebody has told them that help is on its way."""
+SAVED: frozenset[VictimState] = frozenset(("saved", "safe"))
+OUT_OF_DANGER: frozenset[VictimState] = SAVED | {"dead"}
 """States that do not change any more."""
 
 END_TEXTS: Mapping[str, str] = {
     "areas_explored": "all areas are explored",
+    "victims_safe": "all victims are safe or dead",
     "time_limit": "time limit reached",
     "all_excluded": "all robots are excluded",
     "none_left": "no robots left",
@@ -31,7 +40,9 @@ END_TEXTS: Mapping[str, str] = {
 class Event(msgspec.Struct, frozen=True, gc=False):
     """An event of a mission.
 
-    kind:     start, pause, resume, end, area_explored, victim_heard, victim_saved, link_endangered, robot_excluded,
+    kind:     start, pause, resume, end, area_explored, victim_heard, victim_saved, victim_located,
+              victim_reported, victim_reached, victim_carried, victim_safe, victim_left (by a firefighter
+              who left the team), person_enclosed, link_endangered, robot_excluded,
               robot_included, robot_removed, robot_spawned, robot_tipped_over, robot_left_world,
               swarm_founded, swarm_dissolved, controller_failed,
               message_too_large,
@@ -94,5 +105,5 @@ class MissionStatus(msgspec.Struct, frozen=True, gc=False):
 
     @property
     def victims_saved(self) -> int:
-        """Number of saved victims."""
-        return sum(state == "saved" for state in self.victims)
+        """Number of victims who are saved or safe."""
+        return sum(state in SAVED for state in self.victims)

@@ -1,6 +1,6 @@
 """Events of the team's swarms and controllers, derived from the robots' decisions."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from operator import attrgetter
 
 import msgspec
@@ -28,12 +28,12 @@ class TeamMonitor:
     """Compares the decisions of each step with those of the previous one.
 
     A swarm consists of the robots whose decisions name it. Each robot decides for itself, so robots that leave, join or
-    found a swarm together may do so in different steps. The base and absent robots belong to no swarm.
+    found a swarm together may do so in different steps. Outsiders and absent robots belong to no swarm.
     """
 
-    def __init__(self, base: int | None = None) -> None:
-        """Args: base: id of the base; None if there is none."""
-        self._base = base
+    def __init__(self, outsiders: Collection[int] = ()) -> None:
+        """Args: outsiders: ids of the base and of the firefighters."""
+        self._outsiders = outsiders
         self._statuses: list[tuple[bool, int, str, str]] = []
         """Excluded, swarm, fault and done of each robot in the last step."""
         self._present: np.ndarray | None = None
@@ -56,29 +56,29 @@ class TeamMonitor:
         swarms = [OUTSIDE if excluded else swarm for excluded, swarm, *_ in statuses]
         faults = [fault for *_, fault, _ in statuses]
         self.done = self._done(statuses, present)
-        if self._base is not None:
-            swarms[self._base] = OUTSIDE
+        for outsider in self._outsiders:
+            swarms[outsider] = OUTSIDE
         if present is not None:
             swarms = [swarm if there else _ABSENT for swarm, there in zip(swarms, present.tolist(), strict=True)]
         before = self._swarms or self._at_first(swarms)
         found = [*_changes_of_swarms(before, swarms), *_new_faults(self._faults or [""] * len(faults), faults)]
         self._swarms, self._faults = swarms, faults
-        self.all_excluded = all(swarm in (OUTSIDE, _ABSENT) for swarm in swarms)
+        self.all_excluded = len(swarms) > len(self._outsiders) and all(s in (OUTSIDE, _ABSENT) for s in swarms)
         return found
 
     def _done(self, statuses: list[tuple[bool, int, str, str]], present: np.ndarray | None) -> str:
-        """Return the reason of the first robot if all are done; absent and stopped robots and the base do not count."""
+        """Return the reason of the first robot if all are done; absent and stopped robots and outsiders do not count."""
         counts = [True] * len(statuses) if present is None else present.tolist()
         reasons = [
             done
             for robot_id, (_, _, fault, done) in enumerate(statuses)
-            if counts[robot_id] and robot_id != self._base and not fault
+            if counts[robot_id] and robot_id not in self._outsiders and not fault
         ]
         return reasons[0] if all(reasons) and reasons else ""
 
     def _at_first(self, swarms: list[int]) -> list[int]:
         """Return the swarms before the first step; a robot that is excluded in it was in swarm 0."""
-        return [0 if swarm == OUTSIDE and i != self._base else swarm for i, swarm in enumerate(swarms)]
+        return [0 if swarm == OUTSIDE and i not in self._outsiders else swarm for i, swarm in enumerate(swarms)]
 
 
 def _changes_of_swarms(before: list[int], now: list[int]) -> Iterator[Change]:

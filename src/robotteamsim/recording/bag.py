@@ -38,6 +38,7 @@ TEAM_TOPICS = (
     Topic("/mission/areas", "robotteamsim/Areas", latched=True),
     Topic("/world/doors", "robotteamsim/Doors", latched=True),
     Topic("/world/robots", "robotteamsim/Robots", latched=True),
+    Topic("/world/people", "robotteamsim/People", latched=True),
 )
 
 FIRE_TOPICS = (
@@ -81,8 +82,9 @@ class BagMessages:
 
     def topics(self) -> Iterator[Topic]:
         """Yield all topics of the team and of each robot."""
-        with_matrices = self._scenario.network.publish_matrices
-        yield from (topic for topic in TEAM_TOPICS if with_matrices or topic.name != "/network/state")
+        left_out = set() if self._scenario.network.publish_matrices else {"/network/state"}
+        left_out |= set() if self._scenario.moves_people else {"/world/people"}
+        yield from (topic for topic in TEAM_TOPICS if topic.name not in left_out)
         if self._scenario.fire is not None:
             yield from FIRE_TOPICS
         for robot_id, sensors in enumerate(self._sensors):
@@ -123,6 +125,8 @@ class BagMessages:
             )
         if record.hazards is not None:
             yield from hazard_messages(make, time_ns, record.hazards)
+        if record.people and (last is None or record.people is not last.people):
+            yield "/world/people", ros_messages.people(make, time_ns, record.people)
         if record.voice_map is not None:
             yield "/voice_map", ros_messages.field_map_picture(make, time_ns, record.voice_map)
             yield "/voice_map/values", ros_messages.field_map(make, time_ns, record.voice_map, "voice_level", "dB")

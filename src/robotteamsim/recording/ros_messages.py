@@ -23,6 +23,7 @@ from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
+from robotteamsim.world.people import PersonState
 
 MAP_FRAME = "map"
 
@@ -345,6 +346,9 @@ def mission_status(make: Make, time_ns: int, scenario_name: str, status: Mission
         mean_delivery_delay_s=delivered.mean_delay_s,
         max_delivery_delay_s=delivered.max_delay_s,
         undelivered=[_discovery(make, discovery) for discovery in task.undelivered],
+        assistance=[
+            make("robotteamsim/Assistance", **msgspec.structs.asdict(assistance)) for assistance in task.assistance
+        ],
     )
 
 
@@ -376,6 +380,18 @@ def victims(make: Make, time_ns: int, all_victims: Sequence[Victim], states: Seq
         victims=[
             make("robotteamsim/Victim", name=victim.name, position=point(make, victim.position), state=state)
             for victim, state in zip(all_victims, states, strict=True)
+        ],
+    )
+
+
+def people(make: Make, time_ns: int, states: Sequence[PersonState]) -> Any:
+    """robotteamsim/People."""
+    return make(
+        "robotteamsim/People",
+        header=header(make, time_ns, MAP_FRAME),
+        people=[
+            make("robotteamsim/Person", name=one.name, position=point(make, one.position_m), motion=one.motion)
+            for one in states
         ],
     )
 

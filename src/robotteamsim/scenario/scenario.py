@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from robotteamsim.scenario.base import Many, Model, Name, first_repeated, wrong
 from robotteamsim.scenario.fire import Fire
+from robotteamsim.scenario.firefighters import Firefighters
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.origin import Origin
 from robotteamsim.scenario.radio_presets import with_preset
+from robotteamsim.scenario.rescue import CommandCentre, PeopleTuning
 from robotteamsim.scenario.schedule import ScheduledEvent, problem_of
 from robotteamsim.scenario.sections import Control, Mission, Network, PlacedRobot, Radio, Run, Team, Voice
 
 MAX_ROBOTS = 3000
 MAX_OBJECTS = 1000
 MAX_EVENTS = 1000
+
+Role = Literal["robot", "firefighter", "command_centre"]
 
 
 def _robots_form(value: Any) -> str | None:
@@ -40,6 +44,13 @@ class Scenario(Model):
     name: Name = Field(description="shown in tables and results")
     plan: FloorPlan = Field(description="floor plan file, or map_server yaml, relative to this file")
     robots: Robots = Field(description="a team of equal robots, or a list")
+    command_centre: CommandCentre | None = Field(
+        default=None, description="id of a robot that stands still, or [x, y]: receives reports and sends orders"
+    )
+    firefighters: Firefighters | None = Field(
+        default=None, description="people who bring victims to the command centre or to exits"
+    )
+    people: PeopleTuning = PeopleTuning()
     radio: Radio = Radio()
     voice: Voice = Voice()
     network: Network = Network()
@@ -84,7 +95,10 @@ class Scenario(Model):
         if self.run.world != "mujoco" and any(robot.cameras for robot in robots):
             raise wrong("robots.cameras", f"need run.world mujoco, not {self.run.world}")
         num_robots = self.num_robots
-        if self.control.swarms.initial > num_robots:
+        problem = self._problem_of_roles()
+        if problem:
+            raise wrong(*problem)
+        if num_robots and self.control.swarms.initial > num_robots:
             raise wrong(
                 "control.swarms.initial",
                 f"{self.control.swarms.initial} swarms need at least as many robots, not {num_robots}",
@@ -121,17 +135,76 @@ class Scenario(Model):
             return "fire.update_s", f"{self.fire.update_s:g} is below run.step_s, {self.run.step_s:g}"
         return None
 
+    def _problem_of_roles(self) -> tuple[str, str] | None:
+        """Return a key and its mistake if robots, firefighters, command centre and victims do not fit together."""
+        robots, mission, centre = self.num_robots, self.mission, self.command_centre
+        if robots == 0 and self.firefighters is None:
+            return "robots.count", "0 is below 1"
+        if isinstance(centre, int) and centre >= robots:
+            return "command_centre", f"there is no robot {centre}; expected 0 to {robots - 1}, or [x, y]"
+        if centre is not None and mission.base is not None:
+            return "mission.base", "not allowed together with command_centre"
+        if self.firefighters is not None and centre is None:
+            return "command_centre", "missing; firefighters need the id of a robot, or [x, y]"
+        if (self.firefighters is not None) != (mission.saved_by == "firefighter"):
+            need = "firefighters" if self.firefighters is None else "saved_by: firefighter"
+            return "mission.saved_by", f"'{mission.saved_by}' does not fit to the scenario; expected {need} as well"
+        if self.control.relays > robots:
+            return "control.relays", f"{self.control.relays} is above the number of robots, {robots}"
+        fleeing = [index for index, victim in enumerate(mission.victims) if victim.flees]
+        if fleeing and not mission.exits:
+            return f"mission.victims.{fleeing[0]}.flees", "there is no exit; expected at least one in mission.exits"
+        return None
+
     @property
     def num_robots(self) -> int:
         """Number of robots, present at the start or not."""
         return self.robots.count if isinstance(self.robots, Team) else len(self.robots)
 
     @property
+    def num_firefighters(self) -> int:
+        """Number of firefighters, present at the start or not."""
+        return 0 if self.firefighters is None else self.firefighters.count
+
+    @property
+    def team_size(self) -> int:
+        """Number of robots, firefighters and, unless it is a robot, the command centre; their ids are in this order."""
+        return self.num_robots + self.num_firefighters + isinstance(self.command_centre, tuple)
+
+    @property
+    def firefighter_ids(self) -> range:
+        """The ids of the firefighters."""
+        return range(self.num_robots, self.num_robots + self.num_firefighters)
+
+    @property
+    def base(self) -> int | None:
+        """Id of the command centre or base, which discoveries are delivered to; None if there is none."""
+        if self.command_centre is None:
+            return self.mission.base
+        return self.command_centre if isinstance(self.command_centre, int) else self.team_size - 1
+
+    def role_of(self, robot_id: int) -> Role:
+        """Return the role of a member of the team. A base, which gives no orders, is a robot."""
+        if robot_id in self.firefighter_ids:
+            return "firefighter"
+        return "command_centre" if self.command_centre is not None and robot_id == self.base else "robot"
+
+    def name_of(self, robot_id: int) -> str:
+        """Return the name of a member of the team for texts, such as "robot 2"."""
+        role = self.role_of(robot_id)
+        return "the command centre" if role == "command_centre" else f"{role} {robot_id}"
+
+    @property
+    def moves_people(self) -> bool:
+        """Whether the world moves people; otherwise victims only walk as their `path` or `wander` says."""
+        return self.mission.saved_by == "firefighter" or any(victim.flees for victim in self.mission.victims)
+
+    @property
     def present_at_start(self) -> tuple[bool, ...]:
-        """Whether each robot is present at the start, in id order."""
-        if not isinstance(self.robots, Team):
-            return tuple(robot.present for robot in self.robots)
-        return tuple(robot_id < self.robots.count - self.robots.reserve for robot_id in range(self.robots.count))
+        """Whether each member of the team is present at the start, in id order."""
+        robots = _present(self.robots) if isinstance(self.robots, Team) else [robot.present for robot in self.robots]
+        firefighters = [] if self.firefighters is None else _present(self.firefighters)
+        return (*robots, *firefighters, *([True] if isinstance(self.command_centre, tuple) else []))
 
     @property
     def plan_file(self) -> str | None:
@@ -149,3 +222,7 @@ class Scenario(Model):
         scenario._origin = origin
         scenario._plan_file = None if plan_file is None else (self.plan, plan_file)
         return scenario
+
+
+def _present(team: Team) -> list[bool]:
+    return [index < team.count - team.reserve for index in range(team.count)]

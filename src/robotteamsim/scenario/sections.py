@@ -26,6 +26,7 @@ from robotteamsim.scenario.mujoco import Mujoco, Wheels
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.radio_presets import with_preset
+from robotteamsim.scenario.rescue import Dispatch, Exit, Rescue
 from robotteamsim.scenario.search_tuning import SearchTuning
 from robotteamsim.scenario.sensors import Camera, Gps, HeatSensor, Mount, MountedLaser, Sonar, check_names
 from robotteamsim.scenario.sensors import Laser as Laser
@@ -166,7 +167,7 @@ class PlacedRobot(Robot):
 class Team(Robot):
     """A team of equal robots: `count` of them from a formation around `start`, or from `start_poses`."""
 
-    count: int = Field(default=3, ge=1, le=3000, description="number of robots")
+    count: int = Field(default=3, ge=0, le=3000, description="number of robots; 0 only with firefighters")
     reserve: int = Field(
         default=0,
         ge=0,
@@ -185,7 +186,7 @@ class Team(Robot):
     def _check(self) -> Team:
         if self.start is None and not self.start_poses:
             raise wrong("start", "missing; expected [x, y, yaw], or start_poses instead")
-        if self.reserve >= self.count:
+        if self.reserve and self.reserve >= self.count:
             raise wrong("reserve", f"{self.reserve} leaves none of {self.count} robots at the start")
         if self.spacing_m < 2.0 * self.reach_m:
             raise wrong("spacing_m", f"{self.spacing_m:g} is below two radii, {2.0 * self.reach_m:g}")
@@ -274,7 +275,7 @@ class Swarms(Model):
 
 
 _WITHOUT_ADAPTATION = (
-    *("pso", "rpso", "dpso", "greedy", "random_walk", "cover", "search"),
+    *("pso", "rpso", "dpso", "greedy", "random_walk", "cover", "search", "relay"),
     *("sebs", "conscientious_reactive", "boustrophedon", "infotaxis"),
 )
 
@@ -357,6 +358,13 @@ class Control(Model):
         le=60.0,
         description="with localisation tf, a robot without a new transform for this time stops [s]",
     )
+    relays: int = Field(
+        default=0,
+        ge=0,
+        le=3000,
+        description="number of robots, the last ones, that connect the command centre, firefighters and searchers",
+    )
+    dispatch: Dispatch = Dispatch()
     exclusion: SocialExclusion = SocialExclusion()
     swarms: Swarms = Swarms()
     patrol: Patrol = Patrol()
@@ -406,11 +414,17 @@ class Mission(Model):
         "from the floor that robots can reach",
     )
     walk_update_s: float = Field(
-        default=1.0, ge=0.05, le=60.0, description="victims who walk, and their voices, move at this interval [s]"
+        default=1.0, ge=0.05, le=60.0, description="victims who move, and their voices, do so at this interval [s]"
     )
     save_distance_m: float = Field(
-        default=1.0, gt=0.0, le=20.0, description="a robot within this distance saves a victim [m]"
+        default=1.0, gt=0.0, le=20.0, description="a robot, or firefighter, within this distance reaches a victim [m]"
     )
+    saved_by: Literal["robot", "firefighter"] = Field(
+        default="robot",
+        description="robot: whoever is reached is saved; firefighter: who is brought to the command centre or an exit",
+    )
+    rescue: Rescue = Rescue()
+    exits: Many[Exit] = Field(default=(), description="places where people are safe")
     time_limit_s: float = Field(default=600.0, gt=0.0, le=1e6, description="the mission ends after this time [s]")
     base: int | None = Field(
         default=None,
@@ -422,7 +436,7 @@ class Mission(Model):
 
     @model_validator(mode="after")
     def _check(self) -> Mission:
-        for key, items in (("areas", self.areas), ("victims", self.victims)):
+        for key, items in (("areas", self.areas), ("victims", self.victims), ("exits", self.exits)):
             repeated = first_repeated([item.name for item in items])
             if repeated:
                 raise wrong(f"{key}.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")

@@ -65,12 +65,17 @@ class Victim(Model):
     loop: bool = Field(default=False, description="after the last place of path, walk to its first one again")
     wander: Wander | None = Field(default=None, description="region with random places to walk to")
     speed_mps: float = Field(default=0.5, ge=0.001, le=10.0, description="walking speed [m/s]")
+    flees: bool = Field(default=False, description="walks to the nearest exit that can be reached")
+    flees_after_s: float = Field(default=0.0, ge=0.0, le=1e6, description="until then, this person stays [s]")
+    can_walk: bool = Field(default=False, description="follows a firefighter, who otherwise carries this person")
     calling: bool = Field(default=True, description="calls for help; a silent victim is only found by coming near")
 
     @model_validator(mode="after")
     def _check(self) -> Victim:
         if self.path and self.wander is not None:
             raise wrong("wander", "not allowed together with path")
+        if self.flees and self.walks:
+            raise wrong("flees", "not allowed together with path or wander")
         if self.loop:
             if not self.path:
                 raise wrong("loop", "only allowed with path")

@@ -14,6 +14,7 @@ from robotteamsim.scenario.schedule import Upcoming
 from robotteamsim.sensing.readings import NOTHING_HEARD, VoiceReading
 from robotteamsim.sensing.voice import VoiceSensor
 from robotteamsim.world.doors import DoorStates
+from robotteamsim.world.people import PersonState
 from robotteamsim.world.walking import Walkers
 
 
@@ -24,12 +25,13 @@ class Environment:
         self._radio = RadioField(scenario.plan, scenario.radio)
         self.voice = VoiceSensor(scenario.plan, scenario.voice, scenario.mission.victims, scenario.run.seed)
         """The sensor of voices."""
-        num_robots, run = scenario.num_robots, scenario.run
+        num_robots, run = scenario.team_size, scenario.run
         self._network = Network(self._radio, scenario.network, num_robots, seed=run.seed, step_ns=run.step_ns)
         self._doors = DoorStates.at_start(scenario.plan)
         self._step_ns = run.step_ns
         self._upcoming = Upcoming(scenario.schedule, ("noise_db", "victim"))
         self._walkers = Walkers(scenario)
+        self._people: tuple[PersonState, ...] = ()
 
     def voice_map(self) -> FieldMap:
         """Return the voice level over the floor [dB]; 0 where no voice is above the noise."""
@@ -49,6 +51,16 @@ class Environment:
         for name, position_m in self._walkers.positions_due(sim_time_ns).items():
             self.voice.move_victim(name, position_m)
 
+    def follow_people(self, people: tuple[PersonState, ...]) -> None:
+        """Move the voices of the people of the world; the same tuple as before means that nobody has moved."""
+        if people is self._people:
+            return
+        self._people = people
+        known = set(self.voice.victim_names())
+        for person in people:
+            if person.name in known:
+                self.voice.move_victim(person.name, person.position_m)
+
     def victim_names(self) -> tuple[str, ...]:
         """Return the names of the victims in the order in which they were added, as in the mission."""
         return self.voice.victim_names()
@@ -65,7 +77,7 @@ class Environment:
         Args:
             positions_m: true positions in `map`, shape (n, 2) [m].
             outboxes:    messages sent in the last step, one sequence per robot in id order.
-            saved:       names of the victims saved up to the last step; they are silent.
+            saved:       names of the victims who are silent as of the last step.
             present:     whether each robot is present, bool, shape (n,); None: all are. Absent robots hear nothing.
         Returns: voice readings in id order, the network, and the inbox of each robot in id order.
         """

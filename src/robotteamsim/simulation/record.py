@@ -19,6 +19,7 @@ from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
+from robotteamsim.world.people import PersonState
 
 
 class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
@@ -36,6 +37,7 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
     hazards:    fire, smoke and temperature, in the steps in which they advance, else None.
     failed:     ids of the absent robots that have failed by heat.
+    people:     that the world moves; the same object until their positions are updated.
     """
 
     step_index: int
@@ -56,6 +58,7 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     mishaps: Mapping[int, Mishap] = MappingProxyType({})
     hazards: HazardField | None = None
     failed: frozenset[int] = frozenset()
+    people: tuple[PersonState, ...] = ()
 
     def is_there(self, robot_id: int) -> bool:
         """Whether a robot is present."""
@@ -106,6 +109,7 @@ class Result(msgspec.Struct, frozen=True, gc=False):
     discoveries_delivered: int | None = None
     mean_delivery_delay_s: float | None = None
     max_delivery_delay_s: float | None = None
+    victims_dead: int = 0
 
     @property
     def speed(self) -> float:

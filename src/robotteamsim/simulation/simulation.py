@@ -23,6 +23,7 @@ from robotteamsim.sensing.readings import RobotReading, VoiceReading, reading_ro
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation.environment import Environment
 from robotteamsim.simulation.hazard_stage import HazardStage
+from robotteamsim.simulation.people_stage import PeopleStage
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.tally import Tally
 from robotteamsim.world.making import make_world
@@ -52,12 +53,14 @@ class Simulation:
         self.fire = None if scenario.fire is None else HazardStage(scenario, self.world)
         """Fire and smoke; None if nothing can burn."""
         self.sensors = RobotSensors(self.world, robots, seed, None if self.fire is None else self.fire.hazards)
+        self.people = PeopleStage(scenario) if scenario.moves_people else None
+        """The people who move; None if victims only walk along their paths."""
         self.environment = Environment(scenario)
         self._arrivals = self.world.arrivals
         self._mishaps = self.world.mishaps
         self.controllers = [self._controller(robot_id, 1) for robot_id in range(len(robots))]
         self.mission = Mission(scenario)
-        self._base = scenario.mission.base
+        self._base = scenario.base
         self._decisions: tuple[Decision, ...] = tuple(Decision() for _ in robots)
         self._task = Task()
         self._saved: tuple[str, ...] = ()
@@ -93,6 +96,7 @@ class Simulation:
             mishaps=world.mishaps,
             hazards=self._hazard_field,
             failed=mission.failed,
+            people=() if self.people is None else self.people.states,
         )
 
     def _move_world(self) -> None:
@@ -106,6 +110,12 @@ class Simulation:
             self._doors_version = doors.version
             self.environment.follow_doors(doors)
             self.mission.follow_doors(doors)
+        if self.people is not None:
+            victims, assistance = self.mission.status.victims, self._task.assistance
+            field = None if self.fire is None else self.fire.field
+            self.people.step(self.world.sim_time_ns, self.world.positions_m(), doors, victims, assistance, field)
+            self.environment.follow_people(self.people.states)
+            self.mission.follow_people(self.people.states)
         self.environment.advance_to(self.world.sim_time_ns)
 
     def _deliver(
@@ -212,6 +222,8 @@ class Simulation:
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
         """Add a victim, or move the one of that name [m, map]; they call from there and no longer walk."""
+        if self.people is not None:
+            self.people.place(name, position_m)
         self.environment.set_victim(name, position_m)
         self.mission.set_victim(name, position_m)
 

@@ -39,7 +39,7 @@ class Tally:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._hash = TrajectoryHash()
-        self._totals = TeamTotals(scenario.num_robots, scenario.run.step_s)
+        self._totals = TeamTotals(scenario.team_size, scenario.run.step_s)
         self._wall_start_s = time.perf_counter()
         self._last: StepRecord | None = None
         self._pending: list[_Step] = []
@@ -83,6 +83,7 @@ class Tally:
             wall_s=time.perf_counter() - self._wall_start_s,
             discoveries_delivered=delivered.count if delivered else None,
             mean_delivery_delay_s=delivered.mean_delay_s if delivered and delivered.count else None,
+            victims_dead=status.victims.count("dead"),
             max_delivery_delay_s=delivered.max_delay_s if delivered and delivered.count else None,
         )
 

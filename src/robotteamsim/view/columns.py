@@ -49,7 +49,7 @@ def header(recording: Recording) -> dict[str, Any]:
 def colours() -> dict[str, Any]:
     """Return the colours of the viewer by meaning, from the palette of all pictures."""
     return {
-        "victims": palette.VICTIMS,
+        "victims": palette.VICTIM_STATES,
         "areas": {"open": palette.OPEN_AREA, "target": palette.TARGET_AREA, "explored": palette.EXPLORED_AREA},
         "links": {
             "strong": palette.STRONG_LINK,

@@ -57,7 +57,7 @@ def _victim(victim: VictimShape, pixel_m: float) -> str:
     x_m, y_m = victim.position_m
     size_m = 7 * pixel_m
     corners = ((x_m - size_m, y_m), (x_m, y_m - size_m), (x_m + size_m, y_m), (x_m, y_m + size_m))
-    colour = palette.VICTIMS.get(victim.state, palette.WAITING)
+    colour = palette.VICTIM_STATES.get(victim.state, palette.WAITING)
     edge = f'stroke="{palette.INK}" stroke-width="{pixel_m:.3f}"'
     name = html.escape(f"{victim.name}: {victim.state}")
     return f'<polygon points="{_points(corners)}" fill="{colour}" {edge}><title>{name}</title></polygon>'

@@ -103,7 +103,10 @@ def scene_of(scenario: Scenario) -> Scene:
         doors=_doors(plan),
         bays=bay_lines(plan),
         areas=tuple(AreaShape(area.name, area.center, area.radius_m) for area in scenario.mission.areas),
-        robots=tuple(_robot(index, robot) for index, robot in enumerate(placed_robots(scenario))),
+        robots=tuple(
+            _robot(scenario.name_of(i).removeprefix("the ").replace(" ", "_"), i, robot)
+            for i, robot in enumerate(placed_robots(scenario))
+        ),
         objects=tuple(
             ObjectShape(
                 obj.name,
@@ -169,10 +172,10 @@ def _doors(plan: FloorPlan) -> tuple[DoorShape, ...]:
     )
 
 
-def _robot(index: int, robot: PlacedRobot) -> RobotShape:
+def _robot(name: str, index: int, robot: PlacedRobot) -> RobotShape:
     laser = robot.laser
     return RobotShape(
-        name=f"robot_{index}",
+        name=name,
         colour=palette.robot_colour(index),
         radius_m=robot.reach_m,
         outline=robot.corners_m,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import shapely
@@ -24,7 +24,14 @@ _MAX_REACH_CELLS = 2000
 """Largest number of cells along a side; the cells of larger plans are larger."""
 
 
-def formation(plan: FloorPlan, team: Team, taken: list[PlanarPose]) -> list[PlanarPose]:
+def formation(
+    plan: FloorPlan,
+    team: Team,
+    taken: list[PlanarPose],
+    *,
+    others: Sequence[PlanarPose] = (),
+    section: str = "robots",
+) -> list[PlanarPose]:
     """Return poses for the robots of a team that have none, all with the heading of the start.
 
     A square grid of `spacing_m` in the frame of `start` (without one: the first start pose), centred on it; or, with
@@ -32,11 +39,13 @@ def formation(plan: FloorPlan, team: Team, taken: list[PlanarPose]) -> list[Plan
     be reached from the start are skipped, and the next nearest places are used. The front row comes first.
 
     Args:   taken: poses of the team's other robots.
+            others: poses of other teams, which must not touch it.
+            section: key of the team, for errors.
     Raises: PlacementError: the start itself is not free, or there is not enough room.
     """
     start = team.start or team.start_poses[0]
     wanted = team.count - len(taken)
-    room = _Room(plan, start, team, taken)
+    room = _Room(plan, start, team, [*taken, *others], section)
     return (_spiral if team.formation == "spiral" else _square)(plan, team, room, start, wanted)
 
 
@@ -54,7 +63,7 @@ def _square(plan: FloorPlan, team: Team, room: _Room, start: PlanarPose, wanted:
             return [(float(x), float(y), start[2]) for x, y in points[np.sort(nearest)]]
         free = max(free, len(places))
         side = max(side + 1, side * 9 // 8)
-    raise _no_room(team, start, free + team.count - wanted)
+    raise _no_room(room.section, team, start, free + team.count - wanted)
 
 
 def _spiral(plan: FloorPlan, team: Team, room: _Room, start: PlanarPose, wanted: int) -> list[PlanarPose]:
@@ -74,13 +83,13 @@ def _spiral(plan: FloorPlan, team: Team, room: _Room, start: PlanarPose, wanted:
         poses = [(float(x), float(y), start[2]) for x, y in points[room.has_place(points)]]
         count *= 4
     if len(poses) < wanted:
-        raise _no_room(team, start, len(poses) + team.count - wanted)
+        raise _no_room(room.section, team, start, len(poses) + team.count - wanted)
     return poses[:wanted]
 
 
-def _no_room(team: Team, start: PlanarPose, found: int) -> PlacementError:
-    key = "robots.count"
-    text = f"{team.count} robots {team.spacing_m:g} m apart do not fit around {point_text(start[:2])}"
+def _no_room(section: str, team: Team, start: PlanarPose, found: int) -> PlacementError:
+    key = f"{section}.count"
+    text = f"{team.count} {section} {team.spacing_m:g} m apart do not fit around {point_text(start[:2])}"
     return PlacementError(f"{key}: {text}; there is room for {found}", key)
 
 
@@ -93,8 +102,11 @@ def _in_map_frame(start: PlanarPose, ahead_m: np.ndarray, left_m: np.ndarray) ->
 class _Room:
     """The places where a robot of the team fits and that it can reach from the start."""
 
-    def __init__(self, plan: FloorPlan, start: PlanarPose, team: Team, taken: list[PlanarPose]) -> None:
-        key = "robots.start" if team.start else "robots.start_poses.0"
+    def __init__(
+        self, plan: FloorPlan, start: PlanarPose, team: Team, taken: Sequence[PlanarPose], section: str
+    ) -> None:
+        self.section = section
+        key = f"{section}.start" if team.start else f"{section}.start_poses.0"
         check_inside(plan, key, start[:2])
         hit = Solids(plan).under_robot(team, start)
         if hit:

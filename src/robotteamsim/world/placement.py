@@ -1,12 +1,16 @@
 """Start poses of robots, and checks that robots, objects, areas and victims have room in the plan."""
 
+from __future__ import annotations
+
 import functools
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import NamedTuple
 
 from robotteamsim.errors import PlacementError
-from robotteamsim.scenario.base import PlanarPose
+from robotteamsim.scenario.base import PlanarPose, Point
+from robotteamsim.scenario.firefighters import Firefighters, centre_body
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.scenario import Scenario
@@ -18,8 +22,21 @@ from robotteamsim.world.formation import formation
 Robots = Team | tuple[PlacedRobot, ...]
 
 
+class _Members(NamedTuple):
+    """The parts of a scenario that have a body: robots, firefighters, and a command centre at a place."""
+
+    robots: Robots
+    firefighters: Firefighters | None
+    centre: Point | None
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> _Members:
+        centre = scenario.command_centre
+        return cls(scenario.robots, scenario.firefighters, centre if isinstance(centre, tuple) else None)
+
+
 def placed_robots(scenario: Scenario) -> tuple[PlacedRobot, ...]:
-    """Return every robot with its start pose, in id order.
+    """Return every member of the team with its start pose, in id order: robots, firefighters, command centre.
 
     A team takes its `start_poses` first; the others are in its formation, see `formation`.
 
@@ -27,7 +44,7 @@ def placed_robots(scenario: Scenario) -> tuple[PlacedRobot, ...]:
             room; one line with file or --set, key and value.
     """
     with _blamed(scenario):
-        return _placed(scenario.plan, scenario.robots)
+        return _placed(scenario.plan, _Members.of(scenario))
 
 
 def check_places(scenario: Scenario) -> None:
@@ -36,7 +53,7 @@ def check_places(scenario: Scenario) -> None:
     Raises: PlacementError: one line with file or --set, key, value and the obstacle.
     """
     with _blamed(scenario):
-        _check(scenario.plan, scenario.robots, scenario.mission, scenario.objects, scenario.schedule)
+        _check(scenario.plan, _Members.of(scenario), scenario.mission, scenario.objects, scenario.schedule)
 
 
 def check_mission(plan: FloorPlan, mission: Mission) -> None:
@@ -47,6 +64,7 @@ def check_mission(plan: FloorPlan, mission: Mission) -> None:
     still = Solids(plan)
     spots = [(f"mission.areas.{i}.center", area.center) for i, area in enumerate(mission.areas)]
     spots += [(f"mission.victims.{i}.position", victim.position) for i, victim in enumerate(mission.victims)]
+    spots += [(f"mission.exits.{i}.center", leaves.center) for i, leaves in enumerate(mission.exits)]
     for key, point in spots:
         _check_spot(plan, still, key, point)
     for i, victim in enumerate(mission.victims):
@@ -107,17 +125,34 @@ def _blamed(scenario: Scenario) -> Iterator[None]:
 
 # Cached, because all trials of a cell need the same formation, which takes 40 ms in the garage.
 @functools.lru_cache(maxsize=16)
-def _placed(plan: FloorPlan, robots: Robots) -> tuple[PlacedRobot, ...]:
-    if isinstance(robots, tuple):
-        poses = [robot.start_pose for robot in robots]
-        _check_poses(plan, poses, robots, [f"robots.{i}.start_pose" for i in range(len(poses))])
-        return robots
-    poses = list(robots.start_poses[: robots.count])
-    _check_poses(plan, poses, [robots] * len(poses), [f"robots.start_poses.{i}" for i in range(len(poses))])
-    if len(poses) < robots.count:
-        poses += formation(plan, robots, taken=poses)
-    shared = {key: getattr(robots, key) for key in Robot.model_fields}
-    at_start = robots.count - robots.reserve
+def _placed(plan: FloorPlan, members: _Members) -> tuple[PlacedRobot, ...]:
+    robots, firefighters, centre = members
+    placed = _placed_team(plan, robots, "robots") if isinstance(robots, Team) else _checked_list(plan, robots)
+    if firefighters is not None:
+        others = [robot.start_pose for robot in placed]
+        placed += _placed_team(plan, firefighters, "firefighters", others)
+    if centre is not None:
+        body = centre_body(centre)
+        _check_poses(plan, [body.start_pose], [body], ["command_centre"], "the command centre")
+        placed += (body,)
+    return placed
+
+
+def _checked_list(plan: FloorPlan, robots: tuple[PlacedRobot, ...]) -> tuple[PlacedRobot, ...]:
+    poses = [robot.start_pose for robot in robots]
+    _check_poses(plan, poses, robots, [f"robots.{i}.start_pose" for i in range(len(poses))])
+    return robots
+
+
+def _placed_team(
+    plan: FloorPlan, team: Team, section: str, others: Sequence[PlanarPose] = ()
+) -> tuple[PlacedRobot, ...]:
+    poses = list(team.start_poses[: team.count])
+    _check_poses(plan, poses, [team] * len(poses), [f"{section}.start_poses.{i}" for i in range(len(poses))])
+    if len(poses) < team.count:
+        poses += formation(plan, team, taken=poses, others=others, section=section)
+    shared = {key: getattr(team, key) for key in Robot.model_fields}
+    at_start = team.count - team.reserve
     return tuple(PlacedRobot(**shared, start_pose=pose, present=i < at_start) for i, pose in enumerate(poses))
 
 
@@ -125,13 +160,13 @@ def _placed(plan: FloorPlan, robots: Robots) -> tuple[PlacedRobot, ...]:
 @functools.lru_cache(maxsize=16)
 def _check(
     plan: FloorPlan,
-    robots: Robots,
+    members: _Members,
     mission: Mission,
     objects: tuple[MovableObject, ...],
     schedule: tuple[ScheduledEvent, ...],
 ) -> None:
     check_mission(plan, mission)
-    placed = _placed(plan, robots)
+    placed = _placed(plan, members)
     check_objects(plan, objects, placed)
     _check_schedule(plan, schedule, placed)
 
@@ -152,7 +187,9 @@ def _check_schedule(plan: FloorPlan, schedule: Sequence[ScheduledEvent], robots:
             raise PlacementError(f"{place} {overlaps(hit)}", key)
 
 
-def _check_poses(plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robot], keys: list[str]) -> None:
+def _check_poses(
+    plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robot], keys: list[str], what: str = "robot {}"
+) -> None:
     still = Solids(plan)
     reaches_m = [robot.reach_m for robot in robots]
     present = [not isinstance(robot, PlacedRobot) or robot.present for robot in robots]
@@ -162,7 +199,7 @@ def _check_poses(plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robo
         hit = still.under_robot(robot, pose)
         if hit:
             radius = "" if robot.footprint_m else f"of radius {robot.radius_m:g} m "
-            raise PlacementError(f"{key}: {point_text(point)}: robot {i} {radius}{overlaps(hit)}", key)
+            raise PlacementError(f"{key}: {point_text(point)}: {what.format(i)} {radius}{overlaps(hit)}", key)
         for j in range(i):
             is_near = math.dist(point, poses[j][:2]) < reaches_m[i] + reaches_m[j]
             if is_near and present[i] and present[j] and _overlap(robot, pose, robots[j], poses[j]):

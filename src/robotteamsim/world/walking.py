@@ -53,13 +53,17 @@ class Walk:
 
 
 class Walkers:
-    """The victims of a trial who walk. Environment and mission follow one each, and compute the same positions."""
+    """The victims of a trial who walk. Environment and mission follow one each, and compute the same positions.
+
+    Nobody, if the world moves the people; see `people.People`.
+    """
 
     def __init__(self, scenario: Scenario) -> None:
         plan, mission, seed = scenario.plan, scenario.mission, scenario.run.seed
         self._update_ns = round(mission.walk_update_s * 1e9)
         self._updates = 0
-        self._walks = {victim.name: Walk(plan, victim, seed) for victim in mission.victims if victim.walks}
+        walking = [] if scenario.moves_people else [victim for victim in mission.victims if victim.walks]
+        self._walks = {victim.name: Walk(plan, victim, seed) for victim in walking}
 
     def positions_due(self, sim_time_ns: int) -> dict[str, Point]:
         """Return the positions by name [m] in the first step whose stamp reaches an update, else nothing.

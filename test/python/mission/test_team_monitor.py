@@ -65,7 +65,7 @@ def test_fault_is_one_event_in_any_step(monitor):
 
 
 def test_base_belongs_to_no_swarm():
-    monitor = TeamMonitor(base=0)
+    monitor = TeamMonitor({0})
     assert monitor.changes(in_swarms(0, 0, 0)) == []
     changes = monitor.changes(in_swarms(0, OUTSIDE, OUTSIDE))
     assert [change.kind for change in changes] == ["robot_excluded", "robot_excluded", "swarm_dissolved"]

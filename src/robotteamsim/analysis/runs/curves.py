@@ -72,8 +72,8 @@ def draw_column(figure: Figure, place: Any, shown: Sequence[Curve], run: Recorde
 def draw_progress(axes: Axes, run: RecordedRun) -> None:
     """Areas explored, victims heard and saved."""
     times_s = run.time_s(np.array([status.stamp_ns for status in run.statuses]))
-    saved = np.array([status.victims.count("saved") for status in run.statuses])
-    heard = saved + [status.victims.count("heard") for status in run.statuses]
+    saved = [status.num_saved for status in run.statuses]
+    heard = [status.num_heard for status in run.statuses]
     explored = [sum(status.explored) for status in run.statuses]
     # Lines that coincide stay visible, because each lies within the one before.
     dashed: dict[str, Any] = {"color": palette.INK, "linewidth": 1.3, "linestyle": (0, (4, 2))}

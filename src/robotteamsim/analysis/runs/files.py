@@ -119,8 +119,7 @@ def _context_rows(run: RecordedRun) -> Iterator[Row]:
 
 def _progress_rows(run: RecordedRun) -> Iterator[Row]:
     for status in run.statuses:
-        saved = status.victims.count("saved")
-        heard = saved + status.victims.count("heard")
+        saved, heard = status.num_saved, status.num_heard
         times_s = (status.stamp_ns - run.start_ns) / 1e9, status.time_s
         yield run.name, *times_s, status.state, sum(status.explored), heard, saved, status.endangered_links
 

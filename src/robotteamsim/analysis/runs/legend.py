@@ -20,7 +20,9 @@ def robot_entries(run: RecordedRun) -> list[Line2D]:
 def victim_entries(states: set[str]) -> list[Line2D]:
     """Return one mark for each state of victims, in the order of a mission."""
     return [
-        Line2D([], [], label=f"victim {state}", **victim_style(state)) for state in palette.VICTIMS if state in states
+        Line2D([], [], label=f"victim {state}", **victim_style(state))
+        for state in palette.VICTIM_STATES
+        if state in states
     ]
 
 

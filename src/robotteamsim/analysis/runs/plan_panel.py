@@ -130,7 +130,7 @@ def draw_areas(axes: Axes, areas: tuple[RecordedArea, ...], explored: tuple[bool
 
 def victim_style(state: str) -> dict[str, Any]:
     """Return Matplotlib's properties of the marker of a victim."""
-    colour, shape = palette.VICTIMS.get(state, palette.INK), VICTIM_SHAPES.get(state, "o")
+    colour, shape = palette.VICTIM_STATES.get(state, palette.INK), VICTIM_SHAPES.get(state, "o")
     return {"color": colour, "marker": shape, "markersize": 10, "linestyle": "", "markeredgecolor": palette.INK}
 
 

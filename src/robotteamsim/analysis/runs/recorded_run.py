@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robotteamsim.analysis.runs.tracks import Track
-from robotteamsim.mission.status import DeliveredDiscoveries, Event
+from robotteamsim.mission.status import SAVED, DeliveredDiscoveries, Event
 from robotteamsim.scenario.plan import OccupancyGrid
 
 
@@ -83,10 +83,20 @@ class RecordedStatus:
     delivered: DeliveredDiscoveries | None = None
     target_area: int = -1
 
+    @property
+    def num_saved(self) -> int:
+        """Number of victims who are saved or safe."""
+        return sum(state in SAVED for state in self.victims)
+
+    @property
+    def num_heard(self) -> int:
+        """Number of victims who have been heard or found."""
+        return sum(state != "waiting" for state in self.victims)
+
 
 @dataclass(frozen=True, slots=True)
 class RecordedVictim:
-    """A victim, in `map` [m]; state: waiting, heard or saved."""
+    """A victim, in `map` [m]; state: see `mission.status.VictimState`."""
 
     name: str
     position_m: tuple[float, float]

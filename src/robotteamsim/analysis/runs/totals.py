@@ -178,7 +178,7 @@ def _mission(run: RecordedRun) -> MissionTotals | None:
         time_s=last.time_s,
         areas_explored=sum(last.explored),
         num_areas=len(last.explored),
-        victims_saved=last.victims.count("saved"),
+        victims_saved=last.num_saved,
         num_victims=len(last.victims),
         endangered_links=last.endangered_links,
         discoveries_delivered=delivered.count if delivered else None,

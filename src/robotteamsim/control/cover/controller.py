@@ -39,7 +39,7 @@ class CoverController:
         control, body = scenario.control, body_of(robot_id, scenario)
         start = placed_robots(scenario)[robot_id].start_pose
         self._robot_id = robot_id
-        self._is_base = robot_id == scenario.mission.base
+        self._is_base = robot_id == scenario.base
         self._control, self._tuning = control, control.cover
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._found_within_m = scenario.mission.save_distance_m + scenario.voice.map_resolution_m

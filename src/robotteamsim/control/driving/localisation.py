@@ -2,6 +2,7 @@
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Pose
+from robotteamsim.scenario.firefighters import centre_body
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Robot, Team
 from robotteamsim.sensing.readings import RobotReading
@@ -35,7 +36,9 @@ def check_headless(scenario: Scenario) -> None:
 
 
 def body_of(robot_id: int, scenario: Scenario) -> Robot:
-    """Return one robot of the scenario. Raises: ScenarioError: no such robot."""
-    if not 0 <= robot_id < scenario.num_robots:
-        raise ScenarioError(f"{scenario.name}: there is no robot {robot_id}, only 0 to {scenario.num_robots - 1}")
-    return scenario.robots if isinstance(scenario.robots, Team) else scenario.robots[robot_id]
+    """Return one member of the team. Raises: ScenarioError: no such robot."""
+    if not 0 <= robot_id < scenario.team_size:
+        raise ScenarioError(f"{scenario.name}: there is no robot {robot_id}, only 0 to {scenario.team_size - 1}")
+    if robot_id < scenario.num_robots:
+        return scenario.robots if isinstance(scenario.robots, Team) else scenario.robots[robot_id]
+    return scenario.firefighters if scenario.firefighters and robot_id in scenario.firefighter_ids else centre_body()

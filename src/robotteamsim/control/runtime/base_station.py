@@ -1,4 +1,4 @@
-"""Delivery of discoveries to the base, `mission.base`, for all controllers."""
+"""Delivery of discoveries to the base or command centre, for all controllers."""
 
 from collections.abc import Sequence
 
@@ -13,12 +13,16 @@ def with_base(controller: Controller, robot_id: int, scenario: Scenario) -> Cont
     """Return the controller of a robot in a scenario that has a base.
 
     A class with a true `announces_victims` controls the base and announces victims itself; only areas are announced
-    for it. With all other classes the base stands still, and areas and victims are announced for the robots.
+    for it. With all other classes the base stands still, and areas and victims are announced for the robots. With
+    firefighters, the base is the command centre, whose controller sends orders, and all victims are announced.
     """
-    announces_victims = bool(getattr(controller, "announces_victims", False))
+    has_firefighters = scenario.firefighters is not None
+    if has_firefighters and robot_id == scenario.base:
+        return Acknowledger(controller, robot_id)
+    announces_victims = bool(getattr(controller, "announces_victims", False)) and not has_firefighters
     if announces_victims and not scenario.mission.areas:
         return controller
-    if robot_id == scenario.mission.base:
+    if robot_id == scenario.base:
         return Acknowledger(controller if announces_victims else StandingBase(), robot_id)
     return Announcer(controller, robot_id, scenario, ("area",) if announces_victims else ("area", "victim"))
 
@@ -70,9 +74,9 @@ class Announcer:
 
     def __init__(self, controller: Controller, robot_id: int, scenario: Scenario, kinds: Sequence[Kind]) -> None:
         """Args: kinds: of the discoveries to announce."""
-        assert scenario.mission.base is not None, "announcements need a receiver"
+        assert scenario.base is not None, "announcements need a receiver"
         self.controller = controller
-        self._robot_id, self._base, self._kinds = robot_id, scenario.mission.base, kinds
+        self._robot_id, self._base, self._kinds = robot_id, scenario.base, kinds
         self._period_ns = round(scenario.control.iteration_s * 1e9)
         self._undelivered: tuple[Discovery, ...] = ()
         self._due_ns: dict[Discovery, int] = {}

@@ -13,6 +13,9 @@ from robotteamsim.control.baselines.pso import DpsoController, PsoController, Rp
 from robotteamsim.control.baselines.random_walk import RandomWalkController
 from robotteamsim.control.baselines.sebs import SebsController
 from robotteamsim.control.cover.controller import CoverController
+from robotteamsim.control.people.dispatch import DispatchController
+from robotteamsim.control.people.firefighter import FirefighterController
+from robotteamsim.control.people.relay import RelayController
 from robotteamsim.control.rdpso.controller import RdpsoController
 from robotteamsim.control.runtime.base_station import with_base
 from robotteamsim.control.search.controller import SearchController
@@ -39,15 +42,19 @@ ALGORITHMS: dict[str, MakeController] = {
     "infotaxis": InfotaxisController,
     "cover": CoverController,
     "search": SearchController,
+    "relay": RelayController,
 }
 """The controllers of this package."""
+
+_OF_ROLE: dict[str, MakeController] = {"firefighter": FirefighterController, "command_centre": DispatchController}
+"""The controllers of people, with firefighters."""
 
 ENTRY_POINTS = "robotteamsim.controllers"
 """The group of entry points with which other packages register controllers."""
 
 
 def make_controller(robot_id: int, scenario: Scenario, arrival: int = 1) -> Controller:
-    """Return the controller of one robot for `control.algorithm`.
+    """Return the controller of one robot for `control.algorithm`, of a relay, or of people for their role.
 
     The name is one of ALGORITHMS, or of an entry point in the group `robotteamsim.controllers`, or `module:Class`.
     If the scenario has a base, discoveries are announced to it, see `base_station.with_base`.
@@ -57,7 +64,7 @@ def make_controller(robot_id: int, scenario: Scenario, arrival: int = 1) -> Cont
     """
     name = scenario.control.algorithm
     try:
-        make = _find(name)
+        make = _make_for(robot_id, scenario)
     except _NotFoundError as error:
         raise ScenarioError(f"{scenario.name}: control.algorithm: {error}") from None
     made = make(robot_id, scenario, **({"arrival": arrival} if _takes_arrival(make) else {}))
@@ -67,7 +74,14 @@ def make_controller(robot_id: int, scenario: Scenario, arrival: int = 1) -> Cont
             f"{scenario.name}: control.algorithm: '{name}' makes a {type(made).__name__}, which has no "
             f"{' and no '.join(missing)}"
         )
-    return made if scenario.mission.base is None else with_base(made, robot_id, scenario)
+    return made if scenario.base is None else with_base(made, robot_id, scenario)
+
+
+def _make_for(robot_id: int, scenario: Scenario) -> MakeController:
+    if scenario.firefighters is not None and (role := scenario.role_of(robot_id)) != "robot":
+        return _OF_ROLE[role]
+    is_relay = scenario.num_robots - scenario.control.relays <= robot_id < scenario.num_robots
+    return RelayController if is_relay else _find(scenario.control.algorithm)
 
 
 def algorithm_names() -> list[str]:

@@ -11,7 +11,7 @@ from nav_msgs.msg import OccupancyGrid
 
 from robotteamsim import srv
 from robotteamsim.mission.status import SILENT
-from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkLinks, NetworkMessages, NetworkState, Voice
+from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkLinks, NetworkMessages, NetworkState, People, Voice
 from robotteamsim.network.compact import LinksEncoder
 from robotteamsim.network.messages import NetworkState as Network
 from robotteamsim.propagation import FieldMap
@@ -34,6 +34,7 @@ logger = logging.getLogger(__name__)
 
 STATUS = "/mission/status"
 DOORS = "/world/doors"
+PEOPLE = "/world/people"
 RADIO_MAP_RESOLUTION_M = 0.25
 FINEST_M, COARSEST_M = 0.05, 10.0
 """Range of the resolution of requested maps; a finer map would be a message of many megabytes."""
@@ -143,12 +144,14 @@ class EnvironmentNode:
             if robot_id in controlled or not self._settings.lockstep
         ]
         doors = [Input(Channel(DOORS), Doors)] if self._settings.scenario.plan.doors else []
-        return [*poses, *sent, *doors, PRESENCE, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
+        people = [Input(Channel(PEOPLE), People)] if self._settings.scenario.moves_people else []
+        return [*poses, *sent, *doors, *people, PRESENCE, Input(Channel(STATUS, of_last_step=True), MissionStatus)]
 
     def _build(self) -> None:
         self._environment = Environment(self._settings.placed)
         self._encoder = LinksEncoder()
-        self._saved: tuple[str, ...] = ()
+        self._silent: tuple[str, ...] = ()
+        self._people = conversion.PeopleReader()
         self._published_changes = -1
         self._last_step = None
         for radio_maps in self._radio_maps:
@@ -169,10 +172,13 @@ class EnvironmentNode:
             status = step.latest(STATUS)
             if status is not None:
                 states = zip(self._environment.victim_names(), status.victims, strict=False)
-                self._saved = tuple(name for name, state in states if state in SILENT)
+                self._silent = tuple(name for name, state in states if state in SILENT)
+            people = step.latest(PEOPLE)
+            if people is not None:
+                self._environment.follow_people(self._people.of(people))
             self._environment.advance_to(step.stamp_ns)
             voices, network, inboxes = self._environment.step(
-                positions_m, outboxes, self._saved, self._presence.present
+                positions_m, outboxes, self._silent, self._presence.present
             )
         make, time_ns = self._make, step.stamp_ns
         for robot_id, (output, voice) in enumerate(zip(self._voices, voices, strict=True)):
@@ -259,6 +265,8 @@ class EnvironmentNode:
         check_victim(self._settings.scenario, request.name, position_m)
         with self._environment_lock:
             self._environment.set_victim(request.name, position_m)
+        if self._settings.scenario.moves_people:
+            _passed_on("/world/set_victim", srv.SetVictim, request)
         _passed_on("/mission/set_victim", srv.SetVictim, request)
 
 

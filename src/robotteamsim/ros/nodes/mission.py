@@ -43,6 +43,7 @@ LAST_WORDS = (
 )
 LINKS = "/network/links"
 DOORS = "/world/doors"
+PEOPLE = "/world/people"
 
 _NO_RANGES = np.zeros(0, dtype=np.float32)
 
@@ -110,11 +111,12 @@ class MissionNode:
         self._robots = [
             RobotInputs(robot_id, self._poses, settings.lockstep) for robot_id in range(settings.num_robots)
         ]
-        base = settings.scenario.mission.base
+        base = settings.scenario.base
         self._base = base
         self._base_received = "" if base is None else f"/{ros_messages.robot_name(base)}/network/rx"
         self._presence = Presence()
         self._hazards = HazardInputs(settings)
+        self._people = conversion.PeopleReader()
         self._trial_lock = threading.Lock()
         self._trial = self._begin_trial()
         inputs = self._inputs()
@@ -160,6 +162,8 @@ class MissionNode:
         inputs = [an_input for i, topics in enumerate(self._robots) for an_input in topics.inputs(i in controlled)]
         if self._settings.scenario.plan.doors:
             inputs.append(Input(Channel(DOORS), msg.Doors))
+        if self._settings.scenario.moves_people:
+            inputs.append(Input(Channel(PEOPLE), msg.People))
         if self._base_received:
             inputs.append(Input(Channel(self._base_received, robot_id=self._base), msg.NetworkMessages))
         return [*inputs, *self._hazards.inputs, PRESENCE, self._links_input()]
@@ -192,6 +196,8 @@ class MissionNode:
         network = step.latest(LINKS)
         message = step.latest(DOORS)
         doors = None if message is None else conversion.door_states(message)
+        message = step.latest(PEOPLE)
+        people = () if message is None else self._people.of(message)
         base_inbox = conversion.network_messages(step.messages.get(self._base_received, ()))
         with self._trial_lock:
             self._trial.mission.follow_mishaps(self._presence.mishaps)
@@ -206,6 +212,7 @@ class MissionNode:
                 present,
                 self._hazards.field(step),
                 self._presence.failed,
+                people,
             )
         self._publish(step.stamp_ns, events)
 

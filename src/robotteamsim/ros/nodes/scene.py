@@ -222,7 +222,7 @@ class Scene:
         for robot_id in found.keys() - self._robots.keys():
             robot = self._placed[robot_id] if robot_id < len(self._placed) else Robot()
             poses = self._pose_feed(robot_id, found[robot_id], robot_id in with_truth)
-            several_swarms, base = self._scenario.control.swarms.max > 1, self._scenario.mission.base == robot_id
+            several_swarms, base = self._scenario.control.swarms.max > 1, self._scenario.base == robot_id
             self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot, poses, several_swarms, base)
         self._robots = dict(sorted(self._robots.items()))
 

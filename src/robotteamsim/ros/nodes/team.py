@@ -3,6 +3,7 @@
 import logging
 import time
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from geometry_msgs.msg import Twist as TwistMessage
 from geometry_msgs.msg import TwistStamped
@@ -13,6 +14,7 @@ from robotteamsim.recording.ros_messages import robot_name
 from robotteamsim.ros.nodes.commands import STOP, Answers, Commands
 from robotteamsim.ros.nodes.stage import robot_topic
 from robotteamsim.ros.transport import msg_conversion as conversion
+from robotteamsim.ros.transport.checks import reader
 from robotteamsim.ros.transport.serialization import message_type
 from robotteamsim.ros.transport.settings import Settings
 from robotteamsim.ros.transport.synchronizer import Channel, LockstepSynchronizer
@@ -43,6 +45,8 @@ class _Team:
         self._driven = driven
         self._present: tuple[bool, ...] = (True,) * len(robots)
         self._warning_due_s = 0.0
+        self.mission_status: Any = None
+        """The last status of the mission; None if there is none yet."""
         self._queue = message_queue()
         twist = message_type(TwistMessage)
         for robot_id in driven:
@@ -62,7 +66,7 @@ class _Team:
             if index < len(self._driven):
                 self._take_command(self._driven[index], sim_time_ns, data)
             else:
-                self._take_answer(index - len(self._driven), stamp_ns)
+                self._take_answer(index - len(self._driven), stamp_ns, data)
 
     def _take_command(self, robot_id: int, sim_time_ns: int, data: bytes) -> None:
         try:
@@ -72,7 +76,7 @@ class _Team:
         else:
             self._put(robot_id, sim_time_ns, twist)
 
-    def _take_answer(self, index: int, stamp_ns: int) -> None:
+    def _take_answer(self, index: int, stamp_ns: int, data: bytes) -> None:
         """Process a message of a topic subscribed to after the commands."""
 
     def _put(self, robot_id: int, sim_time_ns: int, twist: Twist) -> None:
@@ -121,6 +125,7 @@ class LockstepTeam(_Team):
         step = self._steps.take()
         if step is None:
             return None
+        self.mission_status = step.latest("/mission/status")
         self._receive(sim_time_ns, 0.0)
         twists = []
         for robot_id in self._ids:
@@ -137,6 +142,7 @@ class LockstepTeam(_Team):
         """Restart with the first step; all have answered the last one."""
         self._synchronizer.restart()
         self._commands.clear()
+        self.mission_status = None
 
 
 class FreeTeam(_Team):
@@ -145,6 +151,8 @@ class FreeTeam(_Team):
     def __init__(self, settings: Settings, robots: Sequence[PlacedRobot], *, follow: Callable[[], bool]) -> None:
         super().__init__(settings, robots, range(len(robots)))
         self._follow = follow
+        self._reads_status = settings.scenario.moves_people
+        self._read_status = reader(MissionStatus, settings)
         self._controllers = {robot_id: f"/{robot_name(robot_id)}/controller" for robot_id in settings.controlled}
         self._answering: list[str] = []
         """Node by the index of its topic."""
@@ -183,13 +191,19 @@ class FreeTeam(_Team):
         self._wait_for(self._answers, sim_time_ns, RESTART_TIMEOUT_S)
         self._answers.clear()
         self._commands.clear()
+        self.mission_status = None
 
     def _subscribe_answers(self, node: str, topic: str, message_class: type) -> None:
         self._answering.append(node)
         self._queue.subscribe(topic, message_type(message_class))
 
-    def _take_answer(self, index: int, stamp_ns: int) -> None:
+    def _take_answer(self, index: int, stamp_ns: int, data: bytes) -> None:
         node = self._answering[index]
+        if node == "/mission" and self._reads_status:
+            try:
+                self.mission_status = self._read_status(data)
+            except ValueError as error:
+                self._warn(f"/mission/status: ignoring a message that cannot be read: {error}")
         (self._environment if node == "/environment" else self._answers).put(node, stamp_ns)
 
     def _wait_for(self, answers: Answers, stamp_ns: int, timeout_s: float) -> list[str]:

@@ -13,6 +13,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
 from robotteamsim.simulation import Observer, Result, StepRecord, Tally, true_positions_m
 from robotteamsim.world.doors import DoorStates
+from robotteamsim.world.people import PersonState
 
 
 class Trial:
@@ -42,16 +43,20 @@ class Trial:
         present: np.ndarray | None = None,
         hazards: HazardField | None = None,
         failed: frozenset[int] = frozenset(),
+        people: tuple[PersonState, ...] = (),
     ) -> tuple[Event, ...]:
         """Judge one step and return its events; totals do not change after the end.
 
         Args: doors: after the step; None if unknown.  base_inbox: messages that the base receives in it.
               present: whether each robot is present, bool, shape (n,); None if all are.
               hazards: in steps in which fire and smoke advance.  failed: absent robots that have failed by heat.
+              people: that the world moves.
         """
+        self.mission.follow_hazards(hazards, failed)
         if doors is not None:
             self.mission.follow_doors(doors)
-        self.mission.follow_hazards(hazards, failed)
+        if people:
+            self.mission.follow_people(people)
         positions_m = true_positions_m(readings)
         events = self.mission.step(sim_time_ns, positions_m, voices, network, decisions, base_inbox, present)
         if self.result is None:
@@ -74,6 +79,7 @@ class Trial:
                 present=present,
                 hazards=hazards,
                 failed=failed,
+                people=people,
             )
             self._tally.add(record)
             for recorder in self._recorders:

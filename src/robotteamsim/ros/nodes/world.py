@@ -13,13 +13,14 @@ from std_srvs.srv import Empty, EmptyResponse, Trigger
 
 from robotteamsim import srv
 from robotteamsim.geometry import Pose
-from robotteamsim.msg import Doors, Robots
+from robotteamsim.msg import Doors, People, Robots
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.commands import STOP
 from robotteamsim.ros.nodes.gate import Gate, Pacer
 from robotteamsim.ros.nodes.hazards import HazardOutputs
 from robotteamsim.ros.nodes.motion import StepMotion
 from robotteamsim.ros.nodes.objects import ObjectsOutput, set_object
+from robotteamsim.ros.nodes.requests import check_victim
 from robotteamsim.ros.nodes.stage import StageRequests
 from robotteamsim.ros.nodes.team import FreeTeam, LockstepTeam
 from robotteamsim.ros.nodes.team_outputs import TeamOutputs
@@ -33,6 +34,7 @@ from robotteamsim.scenario.published_map import published_map
 from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation.hazard_stage import HazardStage
+from robotteamsim.simulation.people_stage import PeopleStage
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.making import make_world
@@ -90,6 +92,7 @@ class WorldNode:
         self._doors = Output("/world/doors", Doors, latched=True)
         self._presence = Output(ROBOTS, Robots, latched=True)
         self._hazards = HazardOutputs(self._make) if scenario.fire is not None else None
+        self._people_output = Output("/world/people", People, latched=True) if scenario.moves_people else None
         # In lockstep a late subscriber must still get the step that all nodes wait for.
         self._outputs = TeamOutputs(
             self._robots,
@@ -128,6 +131,7 @@ class WorldNode:
                 burns = self._fire is not None and self._fire.step()
                 readings, doors = self._sensors.read(), self._world.door_states()
                 present, arrivals, mishaps = self._world.present, self._world.arrivals, self._world.mishaps
+                self._move_people(doors)
             if self._motion is not None:
                 # The step is made when it begins, so its motion is known at each tick.
                 self._motion.add(readings.odometry, arrivals)
@@ -144,12 +148,23 @@ class WorldNode:
             connected = now_connected
             self._gate.sleep(QUIET_S)
 
+    def _move_people(self, doors: DoorStates) -> None:
+        if self._people is None:
+            return
+        status = self._team.mission_status
+        victims = () if status is None else status.victims
+        assistance = () if status is None else conversion.task(status).assistance
+        field = None if self._fire is None else self._fire.field
+        time_ns, positions_m = self._world.sim_time_ns, self._world.positions_m()
+        self._people.step(time_ns, positions_m, doors, victims, assistance, field)
+
     def _build(self) -> None:
         self._world = make_world(self._scenario, self._robots)
         self._arrived: set[int] = set()
         self._fire = None if self._scenario.fire is None else HazardStage(self._scenario, self._world)
         hazards = None if self._fire is None else self._fire.hazards
         self._sensors = RobotSensors(self._world, self._robots, self._scenario.run.seed, hazards)
+        self._people = PeopleStage(self._scenario) if self._scenario.moves_people else None
 
     def _reset(self) -> None:
         self._team.restart(self._world.sim_time_ns)
@@ -192,6 +207,8 @@ class WorldNode:
         self._presence.publish(ros_messages.robots(self._make, time_ns, present, arrivals, mishaps, failed))
         if self._scenario.plan.doors:
             self._doors.publish(ros_messages.doors(self._make, time_ns, doors))
+        if self._people is not None and self._people_output is not None:
+            self._people_output.publish(ros_messages.people(self._make, time_ns, self._people.states))
         self._show_objects()
         self._outputs.publish(time_ns, readings, present)
         self._publish_clock(time_ns)
@@ -226,6 +243,7 @@ class WorldNode:
             locked("/set_object", srv.SetObject, self._set_object),
             locked("/remove_object", srv.RemoveObject, self._remove_object),
             locked("/ignite", srv.Ignite, self._ignite),
+            locked("/world/set_victim", srv.SetVictim, self._set_victim),
             locked("/world/set_door", srv.SetDoor, lambda request: self._world.set_door(request.name, request.closed)),
         )
 
@@ -270,6 +288,12 @@ class WorldNode:
     def _set_object(self, request: srv.SetObjectRequest) -> None:
         set_object(self._world, request)
         self._objects.show(self._world)  # a paused world makes no step, which would publish it
+
+    def _set_victim(self, request: srv.SetVictimRequest) -> None:
+        position_m = (request.position.x, request.position.y)
+        check_victim(self._scenario, request.name, position_m)
+        if self._people is not None:
+            self._people.place(request.name, position_m)
 
     def _remove_object(self, request: srv.RemoveObjectRequest) -> None:
         self._world.remove_object(request.name)

@@ -41,8 +41,9 @@ def entries(scenario: Scenario) -> list[Entry]:
     """Return what the scene of a scenario can show."""
     found = []
     if scenario.mission.victims:
-        shapes: dict[str, Shape] = {"waiting": "dashed ring", "heard": "ring", "saved": "disc"}
-        found += [Entry(shapes[state], code, f"victim {state}") for state, code in palette.VICTIMS.items()]
+        shapes: dict[str, Shape] = {"waiting": "dashed ring", "saved": "disc", "safe": "disc"}
+        states = palette.VICTIMS if scenario.mission.saved_by == "robot" else palette.RESCUED
+        found += [Entry(shapes.get(state, "ring"), code, f"victim {state}") for state, code in states.items()]
     if scenario.mission.areas:
         found.append(Entry("ring", palette.TARGET_AREA, "target area"))
         found.append(Entry("disc", palette.EXPLORED_AREA, "explored"))
@@ -51,7 +52,7 @@ def entries(scenario: Scenario) -> list[Entry]:
         found.append(Entry("line", palette.WEAK_LINK, "weak"))
         found.append(Entry("line", palette.ENDANGERED_LINK, "endangered"))
         found.append(Entry("dashed line", palette.RELAYED, "relayed"))
-    if scenario.mission.base is not None:
+    if scenario.base is not None:
         found.append(Entry("square", palette.WHITE, "base"))
     return found
 

@@ -11,6 +11,7 @@ from scipy import ndimage
 from visualization_msgs.msg import Marker
 
 from robotteamsim import msg, palette
+from robotteamsim.mission.status import SAVED
 from robotteamsim.ros.scene.lettering import Lettering, Name, Written
 from robotteamsim.ros.scene.plan import AREA_Z_M, VOICE_Z_M
 from robotteamsim.ros.scene.shapes import (
@@ -29,8 +30,8 @@ from robotteamsim.ros.scene.shapes import (
 )
 from robotteamsim.scenario.floor_plan import Bounds
 
-VICTIM_COLOURS = {state: colour(code) for state, code in palette.VICTIMS.items()}
 CASUALTY = colour(palette.CASUALTY)
+VICTIM_COLOURS = {state: colour(code) for state, code in palette.VICTIM_STATES.items()}
 VICTIM_GROUND = colour(palette.ROBOT_BODY, 0.6)
 SKIN = colour(palette.SKIN)
 
@@ -114,7 +115,7 @@ def _victim_parts(
         skin = SKIN if part == "head" else tint
         yield marker("victims", 10 * index + k, Marker.SPHERE, skin, position=at, yaw_rad=yaw_rad, scale=size)
     ring, inner_m = Mesh(), save_distance_m - 0.1
-    ground = faded(tint, 0.55) if victim.state == "saved" else VICTIM_GROUND
+    ground = faded(tint, 0.55) if victim.state in SAVED else VICTIM_GROUND
     ring.ring((x, y), 0.0, inner_m, AREA_Z_M + 0.01, ground)
     dashes = DASHES if victim.state == "waiting" else 0
     ring.ring((x, y), inner_m, save_distance_m, AREA_Z_M + 0.01, tint, dashes)
@@ -222,7 +223,7 @@ def headline_words(status: msg.MissionStatus, num_endangered: int) -> str:
     if status.explored:
         parts.append(f"areas {sum(map(bool, status.explored))}/{len(status.explored)}")
     if status.victims:
-        parts.append(f"victims {status.victims.count('saved')}/{len(status.victims)}")
+        parts.append(f"victims {sum(state in SAVED for state in status.victims)}/{len(status.victims)}")
     parts.append(f"noise {status.noise_db:g} dB")
     if num_endangered:
         parts.append(f"links in danger {num_endangered}")

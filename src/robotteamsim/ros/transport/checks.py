@@ -16,6 +16,7 @@ from robotteamsim.network.compact import row_bytes
 from robotteamsim.recording.ros_messages import MISHAPS
 from robotteamsim.ros.transport.serialization import deserialized
 from robotteamsim.ros.transport.settings import Settings
+from robotteamsim.world.people import Motion
 
 FARTHEST_M = 1e6
 """Limit of coordinates, as in the propagation models."""
@@ -146,12 +147,15 @@ def _check_voice(message: Any, _: Settings | None) -> None:
     check_place("local_best", message.local_best.x, message.local_best.y)
 
 
-def _check_mission(message: Any, _: Settings | None) -> None:
+def _check_mission(message: Any, settings: Settings | None) -> None:
     check_finite("time_s", message.time_s)
     check_place("area_center", message.area_center.x, message.area_center.y)
     check_finite("area_radius_m", message.area_radius_m)
     for discovery in message.undelivered:
         check_place("undelivered", discovery.position.x, discovery.position.y)
+    for assistance in message.assistance:
+        if assistance.robot_id < 0 or (settings and assistance.robot_id >= settings.num_robots):
+            raise ValueError(f"assistance: robot {assistance.robot_id}; expected the id of a firefighter")
 
 
 def _check_controller(message: Any, _: Settings | None) -> None:
@@ -213,6 +217,14 @@ def _check_victims(message: Any, _: Settings | None) -> None:
             raise ValueError(f"state: expected one of {', '.join(get_args(VictimState))}")
 
 
+def _check_people(message: Any, _: Settings | None) -> None:
+    _check_names("people", message.people)
+    for person in message.people:
+        check_place("position", person.position.x, person.position.y)
+        if person.motion not in get_args(Motion):
+            raise ValueError(f"motion: expected one of {', '.join(get_args(Motion))}")
+
+
 _CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
     "robotteamsim/Robots": _check_robots,
     "robotteamsim/NetworkState": _check_network,
@@ -227,6 +239,7 @@ _CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
     "robotteamsim/Heat": _check_heat,
     "robotteamsim/Areas": _check_areas,
     "robotteamsim/Victims": _check_victims,
+    "robotteamsim/People": _check_people,
     "nav_msgs/Odometry": _check_odometry,
     "sensor_msgs/LaserScan": _check_scan,
     "sensor_msgs/NavSatFix": _check_fix,

@@ -17,7 +17,7 @@ import robotteamsim.msg
 from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.hazards import BURNING, BURNT_OUT, NOT_BURNING, HazardField
-from robotteamsim.interface import Decision, Discovery, SwarmContext, Task
+from robotteamsim.interface import Assistance, Decision, Discovery, SwarmContext, Task
 from robotteamsim.network.compact import CompactLinks, row_bytes
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.recording.hazard_messages import BURNING_VALUE, BURNT_OUT_VALUE
@@ -25,6 +25,7 @@ from robotteamsim.ros.transport.checks import check_finite, check_place
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.sensing.readings import Fix, HeatReading, OdometryReading, VoiceReading
 from robotteamsim.world.doors import DoorState, DoorStates
+from robotteamsim.world.people import PersonState
 
 _PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_msgs, robotteamsim)
 
@@ -229,7 +230,22 @@ def task(message: robotteamsim.msg.MissionStatus) -> Task:
             Discovery(find.kind, find.name, find.robot_id, _point(find.position), find.time_s)
             for find in message.undelivered
         ),
+        assistance=tuple(Assistance(one.robot_id, one.victim, one.moving) for one in message.assistance),
     )
+
+
+class PeopleReader:
+    """Reads the people that the world moves; while nobody has moved, the tuple is the same object."""
+
+    def __init__(self) -> None:
+        self._last: tuple[PersonState, ...] = ()
+
+    def of(self, message: robotteamsim.msg.People) -> tuple[PersonState, ...]:
+        """Return the people of a message."""
+        people = tuple(PersonState(one.name, _point(one.position), one.motion) for one in message.people)
+        if people != self._last:
+            self._last = people
+        return self._last
 
 
 def _point(message: geometry_msgs.msg.Point) -> tuple[float, float]:

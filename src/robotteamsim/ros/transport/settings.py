@@ -72,8 +72,8 @@ class Settings:
 
     @property
     def num_robots(self) -> int:
-        """Number of robots."""
-        return self.scenario.num_robots
+        """Number of robots, firefighters and command centres, each with topics of its own."""
+        return self.scenario.team_size
 
 
 def read_settings() -> Settings:
@@ -128,9 +128,9 @@ def _read_settings() -> Settings:
         raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False without a mission")
     if scenario.control.localisation == "tf":
         _check_tf(settings)
-    if num_robots not in (NOT_SET, settings.num_robots):
+    if num_robots not in (NOT_SET, scenario.num_robots):
         raise ParameterError(
-            f"{PARAMETERS}/robots: {num_robots}; expected {settings.num_robots}, the length of the robots' list in"
+            f"{PARAMETERS}/robots: {num_robots}; expected {scenario.num_robots}, the length of the robots' list in"
             f" {name}"
         )
     if settings.teleop not in range(NOT_SET, settings.num_robots):

@@ -2,7 +2,7 @@
 
 import { Vector3 } from "three";
 
-const MARK = { waiting: "!", heard: "?", saved: "✓" };
+const MARK = { waiting: "!", heard: "?", saved: "✓", safe: "✓", dead: "✝" };
 const GAP_PX = 2, NEAR_PX = 9;
 
 export class Labels {

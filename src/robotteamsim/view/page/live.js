@@ -1,6 +1,6 @@
 // A live mission: frames arrive from the server as they are computed; commands go back.
 
-import { lastIndex } from "viewer/recording";
+import { isSaved, lastIndex } from "viewer/recording";
 
 export class LiveMission {
   isLive = true;
@@ -78,7 +78,7 @@ export class LiveMission {
     const curve = (value) => ({ times, values: chosen.map(value) });
     return {
       areas: curve((frame) => frame.explored.filter(Boolean).length),
-      saved: curve((frame) => frame.victims.filter((victim) => victim.state === "saved").length),
+      saved: curve((frame) => frame.victims.filter((victim) => isSaved(victim)).length),
       links: curve((frame) => frame.links.length),
       fiedler: curve((frame) => frame.fiedler),
     };

@@ -1,6 +1,7 @@
 // Time: play, pause, seek, speed; it draws all views of the page at the same time.
 
 import { Panel } from "viewer/panel";
+import { isSaved } from "viewer/recording";
 
 const SPEEDS = [0.5, 1, 2, 5, 10, 20, 50];
 const element = (id) => document.getElementById(id);
@@ -163,7 +164,7 @@ function statusText(frame) {
   const parts = [];
   if (explored.length) parts.push(`${explored.filter(Boolean).length} of ${explored.length} areas`);
   if (victims.length) {
-    parts.push(`${victims.filter((victim) => victim.state === "saved").length} of ${victims.length} victims saved`);
+    parts.push(`${victims.filter((victim) => isSaved(victim)).length} of ${victims.length} victims saved`);
   }
   if (frame.noise_db !== undefined && frame.state) parts.push(`${frame.noise_db} dB noise`, frame.state);
   return parts.join(", ");

@@ -17,6 +17,11 @@ function cumulated(deltas, scale, Numbers = Float32Array) {
   return values;
 }
 
+/** Whether a victim is out of danger. */
+export function isSaved(victim) {
+  return victim.state === "saved" || victim.state === "safe";
+}
+
 /** Index of the last value that is at most `wanted` in an ascending array, or 0. `key` returns the value of an entry. */
 export function lastIndex(entries, wanted, key = (entry) => entry) {
   let low = 0, high = entries.length;
@@ -124,7 +129,7 @@ export class Recording {
     }
     return {
       areas: counted(explored, (flags) => flags.filter(Boolean).length),
-      saved: counted(victims, (list) => list.filter((victim) => victim.state === "saved").length),
+      saved: counted(victims, (list) => list.filter((victim) => isSaved(victim)).length),
       links: { times, values: links },
       fiedler: counted(fiedler, (value) => value),
     };

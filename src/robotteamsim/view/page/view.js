@@ -7,6 +7,7 @@ import {
 import { Building } from "viewer/building";
 import { Labels } from "viewer/labels";
 import { Layers, scale } from "viewer/layers";
+import { isSaved } from "viewer/recording";
 import { Team } from "viewer/team";
 
 const CLICK_PX = 5;
@@ -173,7 +174,7 @@ export class View {
 
   /** Numbers of what is drawn, as attributes, for tests and screen readers. */
   _report(frame) {
-    const saved = (frame.victims ?? []).filter((victim) => victim.state === "saved").length;
+    const saved = (frame.victims ?? []).filter((victim) => isSaved(victim)).length;
     Object.assign(this.container.dataset, {
       time: frame.time.toFixed(1), robots: frame.poses.filter(Boolean).length, links: frame.links.length,
       victims: (frame.victims ?? []).length, saved,

@@ -1,0 +1,79 @@
+"""Do robots help firefighters? Prints the table of docs/rescue.md from a campaign of bench/rescue_design.yaml.
+
+Usage: python bench/rescue_arms.py DIR
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from scipy.stats import bootstrap
+
+from robotteamsim.campaign.store import read_store
+from robotteamsim.campaign.trial import Outcome
+
+ARMS = ("firefighters alone", "and robots that search", "and robots that search and keep the network")
+
+
+def number_with(outcome: Outcome, event: str) -> float:
+    """Return how many victims of a mission reached a state."""
+    victims = json.loads(outcome.details or "{}")["victims"].values()
+    return float(sum(times.get(event) is not None for times in victims))
+
+
+def mean_time_s(outcome: Outcome, event: str) -> float:
+    """Return when victims reached a state on average [s]; those who never did count with the end of the mission."""
+    victims = json.loads(outcome.details or "{}")["victims"].values()
+    times = [times.get(event) for times in victims]
+    return float(np.mean([outcome.time_s if time_s is None else time_s for time_s in times]))
+
+
+COLUMNS: dict[str, Callable[[Outcome], float]] = {
+    "victims safe": lambda outcome: float(outcome.victims_saved or 0),
+    "victims dead": lambda outcome: number_with(outcome, "dead_s"),
+    "all safe or dead after [s]": lambda outcome: float(outcome.time_s or 0.0),
+    "victim located after [s]": lambda outcome: mean_time_s(outcome, "located_s"),
+    "victim reported after [s]": lambda outcome: mean_time_s(outcome, "reported_s"),
+    "victim safe after [s]": lambda outcome: mean_time_s(outcome, "safe_s"),
+}
+
+
+def interval(sample: np.ndarray) -> tuple[float, float]:
+    """Return the 95 % bootstrap interval of a mean."""
+    if len(sample) < 2 or np.ptp(sample) == 0.0:
+        return float(sample[0]), float(sample[0])
+    result = bootstrap((sample,), np.mean, method="percentile", rng=np.random.default_rng(1))
+    return float(result.confidence_interval.low), float(result.confidence_interval.high)
+
+
+def main() -> None:
+    """Print a row per quantity: mean and interval of each arm, and the paired differences to the first."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    stored = read_store(parser.parse_args().folder)
+    by_arm: list[dict[int, Outcome]] = [{} for _ in ARMS]
+    for outcome in stored.outcomes:
+        if not outcome.failed:
+            by_arm[outcome.cell][outcome.number] = outcome
+    numbers = sorted(set.intersection(*(set(arm) for arm in by_arm)))
+    print(f"{len(numbers)} missions per arm; mean [95 % bootstrap interval]; below, differences to the first\n")
+    print("| | " + " | ".join(ARMS) + " |")
+    print("|---" * (len(ARMS) + 1) + "|")
+    for name, value_of in COLUMNS.items():
+        samples = [np.array([value_of(arm[number]) for number in numbers]) for arm in by_arm]
+        print(f"| {name} | " + " | ".join(cell(sample) for sample in samples) + " |")
+        print("| | | " + " | ".join(cell(sample - samples[0], sign="+") for sample in samples[1:]) + " |")
+
+
+def cell(sample: np.ndarray, sign: str = "") -> str:
+    """Return mean and interval as text."""
+    low, high = interval(sample)
+    return f"{sample.mean():{sign}.2f} [{low:{sign}.2f}, {high:{sign}.2f}]"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""The command centre, firefighters, and the robots that connect them."""

@@ -1,0 +1,157 @@
+"""The command centre: it gathers what is reported, and sends firefighters to victims."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robotteamsim.control.cover.update import parse_cover_update
+from robotteamsim.control.driving.hot_places import HotPlaces
+from robotteamsim.control.driving.known_map import UNREACHABLE_M, known_map
+from robotteamsim.control.people.assignment import METHODS
+from robotteamsim.control.people.floor_search import FloorSearch
+from robotteamsim.control.people.messages import FirefighterUpdate, Order, Orders, parse_firefighter_update
+from robotteamsim.errors import ScenarioError
+from robotteamsim.interface import EVERYBODY, Decision, Message, Observation, Task
+from robotteamsim.interface.discovery import announced_in
+from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.world.placement import placed_robots
+
+
+@dataclass(frozen=True, slots=True)
+class _News:
+    """Where a victim was, and when [s of the mission]."""
+
+    position: Point
+    time_s: float
+
+
+class DispatchController:
+    """The controller of the command centre, which stands still.
+
+    In each iteration, and as soon as news arrives, it assigns the firefighters who are free to the victims who wait, by
+    the shortest total of paths on the map that it knows, and sends all orders to everybody. A victim to whom no path is
+    open waits for better news. A firefighter out of contact keeps the last order, until they are given up.
+    """
+
+    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+        """Raises: ScenarioError: the method needs a package that is not installed."""
+        self._robot_id = robot_id
+        self._section = scenario.control.dispatch
+        self._assign = METHODS[self._section.method]
+        try:
+            self._assign(np.zeros((1, 1)))
+        except ScenarioError as error:
+            raise ScenarioError(scenario.origin.line(str(error), "control.dispatch.method")) from None
+        self._iteration_ns = round(scenario.control.iteration_s * 1e9)
+        self._iteration = -1
+        x, y, _ = placed_robots(scenario)[robot_id].start_pose
+        self._position = (x, y)
+        self._search = FloorSearch(robot_id, scenario)
+        """Which floor has been searched, passed on to those who have not heard it from each other."""
+        assert scenario.firefighters is not None
+        self._plan, self._reach_m = scenario.plan, scenario.firefighters.reach_m
+        self._map = known_map(self._plan, self._reach_m)
+        self._hot = HotPlaces(scenario.plan)
+        self._news: dict[str, _News] = {}
+        """Of the victims who wait, by name."""
+        self._closed_s: dict[str, float] = {}
+        """Victims who are safe (for good) or were not found, and until when news of them does not count [s]."""
+        self._reports: dict[int, tuple[float, FirefighterUpdate]] = {}
+        """The last report of each firefighter, and when it arrived [s]."""
+        self._orders: dict[int, Order] = {}
+        self._time_s = 0.0
+        self._has_news = self._is_due = False
+        self._task = Task()
+
+    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        """Note the discoveries and reports that have arrived, and what the centre itself has discovered."""
+        self._time_s, self._task = observation.sim_time_ns * 1e-9, task
+        for own in task.undelivered:
+            if own.robot_id == self._robot_id and own.kind == "victim":
+                self._hear_of(own.name, own.position_m, own.time_s)
+        for message in inbox:
+            for found in announced_in(message.payload):
+                if found.kind == "victim" and found.name and found.position_m is not None:
+                    self._hear_of(found.name, found.position_m, found.time_s or 0.0)
+            update = parse_cover_update(message.payload)
+            if update is not None:
+                self._search.hear(update)
+                self._hot.hear(update.hot or ())
+            report = parse_firefighter_update(message.payload)
+            if report is not None and report.robot_id == message.sender:
+                self._note(report)
+        if self._hot.update(observation.sim_time_ns):
+            self._map = known_map(self._plan, self._reach_m, (), self._hot.blocked)
+            self._has_news = True
+        iteration = observation.sim_time_ns // self._iteration_ns
+        self._is_due = self._has_news or iteration != self._iteration
+        self._iteration = iteration
+
+    def decide(self) -> Decision:
+        """Return the orders, if they are due."""
+        if not (self._task.running and self._is_due):
+            return Decision()
+        self._has_news = False
+        self._assign_all()
+        orders = Orders(self._robot_id, self._position, tuple(order for _, order in sorted(self._orders.items())))
+        updates = orders.to_json(), self._search.update(self._position).to_json()
+        return Decision(outbox=tuple(Message(self._robot_id, EVERYBODY, payload) for payload in updates))
+
+    def _hear_of(self, name: str, position: Point, time_s: float) -> None:
+        known = self._news.get(name)
+        if (known is None or time_s > known.time_s) and time_s > self._closed_s.get(name, -1.0):
+            self._news[name] = _News(position, time_s)
+            self._has_news = True
+
+    def _note(self, report: FirefighterUpdate) -> None:
+        before = self._reports.get(report.robot_id)
+        self._reports[report.robot_id] = self._time_s, report
+        for name in report.safe:
+            self._close(name, math.inf)
+        for name, time_s in report.missing:
+            if name in self._news and self._news[name].time_s <= time_s:
+                self._close(name, time_s)
+        self._has_news |= before is None or before[1].helping != report.helping
+
+    def _close(self, name: str, until_s: float) -> None:
+        self._closed_s[name] = until_s
+        self._has_news |= self._news.pop(name, None) is not None
+
+    def _assign_all(self) -> None:
+        """Choose the orders from now on."""
+        ages_s = {i: self._time_s - heard_s for i, (heard_s, _) in self._reports.items()}
+        in_contact = [i for i, age_s in sorted(ages_s.items()) if age_s <= self._section.contact_timeout_s]
+        kept = {
+            i: order
+            for i, order in self._orders.items()
+            if i not in in_contact and ages_s[i] <= self._section.given_up_s and order.victim in self._news
+        }
+        reports = {i: self._reports[i][1] for i in ages_s if ages_s[i] <= self._section.given_up_s}
+        helped = {report.victim for report in reports.values() if report.helping}
+        taken = helped | {order.victim for order in kept.values()}
+        free = [i for i in in_contact if not reports[i].helping]
+        waiting = [name for name in sorted(self._news) if name not in taken]
+        self._orders = kept | self._best(free, waiting)
+
+    def _best(self, free: Sequence[int], waiting: Sequence[str]) -> dict[int, Order]:
+        """Return the orders of free firefighters, to those of the waiting victims whom they can reach."""
+        lengths = np.array(
+            [[self._map.distance_m(self._news[name].position, self._place(i)) for name in waiting] for i in free]
+        ).reshape(len(free), len(waiting))
+        reached: np.ndarray = np.any(lengths < UNREACHABLE_M, axis=0)
+        lengths, names = lengths[:, reached], [name for name, can in zip(waiting, reached.tolist(), strict=True) if can]
+        costs = lengths.copy()
+        for row, firefighter in enumerate(free):
+            order = self._orders.get(firefighter)
+            if order is not None and order.victim in names:
+                costs[row, names.index(order.victim)] -= self._section.keep_m
+        pairs = [(free[r], names[c]) for r, c in self._assign(costs) if lengths[r, c] < UNREACHABLE_M]
+        return {i: Order(i, name, self._news[name].position, self._news[name].time_s) for i, name in pairs}
+
+    def _place(self, firefighter: int) -> Point:
+        return self._reports[firefighter][1].position

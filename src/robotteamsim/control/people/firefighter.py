@@ -1,0 +1,161 @@
+"""A firefighter: searches, follows the orders of the command centre, and brings victims to safety."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from robotteamsim.control.cover.update import parse_cover_update
+from robotteamsim.control.driving.path_controller import PathController
+from robotteamsim.control.people.floor_search import FloorSearch
+from robotteamsim.control.people.messages import FirefighterUpdate, Order, parse_orders
+from robotteamsim.interface import EVERYBODY, Assistance, Decision, Message, Observation, Task
+from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.world.placement import placed_robots
+
+_ARRIVED_M = 0.3
+"""At this distance from the place of an order, a firefighter looks around."""
+
+
+class FirefighterController(PathController):
+    """The controller of a firefighter.
+
+    A firefighter with a victim goes to the nearest safe place. One with an order goes to its victim, to the position of
+    the order or, if they have seen the victim themselves, where they saw them. Without contact to the command centre, a
+    firefighter finishes the last order, returns to where contact was lost, and then to the centre. Everybody else
+    searches the floor.
+    """
+
+    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+        super().__init__(robot_id, scenario)
+        assert scenario.firefighters is not None
+        assert scenario.base is not None
+        self._section, self._dispatch = scenario.firefighters, scenario.control.dispatch
+        self._walking_mps = scenario.firefighters.drive.max_speed_mps
+        self._iteration_ns = round(scenario.control.iteration_s * 1e9)
+        self._iteration = -1
+        x, y, _ = placed_robots(scenario)[scenario.base].start_pose
+        self._centre_id, self._centre = scenario.base, (x, y)
+        self._safe_places = [self._centre, *(way_out.center for way_out in scenario.mission.exits)]
+        self._search = FloorSearch(robot_id, scenario)
+        self._order: Order | None = None
+        self._looking_since_s: float | None = None
+        """Since when the firefighter has looked around at the place of the order; None: not there yet."""
+        self._assistance: Assistance | None = None
+        self._seen: dict[str, Point] = {}
+        """Where the firefighter has located victims who may still wait, by name."""
+        self._safe: tuple[str, ...] = ()
+        self._missing: tuple[tuple[str, float], ...] = ()
+        self._contact_s = 0.0
+        self._contact_place: Point | None = None
+        self._returns = False
+        """Whether the firefighter is on the way back to where contact was lost."""
+
+    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        """Note own discoveries, the victim in their care, orders, and what others have searched."""
+        super().observe(observation, inbox, task)
+        for found in task.undelivered:
+            if found.robot_id == self.robot_id and found.kind == "victim":
+                self._seen[found.name] = found.position_m
+        own = [assistance for assistance in task.assistance if assistance.robot_id == self.robot_id]
+        if self._assistance is not None and not own:
+            self._finish(self._assistance.victim)
+        self._assistance = own[0] if own else None
+        for message in inbox:
+            update = parse_cover_update(message.payload)
+            if update is not None and update.robot_id == message.sender:
+                self._search.hear(update)
+                self._hot.hear(update.hot or ())
+            orders = parse_orders(message.payload) if message.sender == self._centre_id else None
+            if orders is not None:
+                self._follow({order.firefighter: order for order in orders.orders}.get(self.robot_id))
+
+    def decide(self) -> Decision:
+        """Return the command and, once per iteration, the messages of this step."""
+        if not self.is_running:
+            return Decision()
+        pose = self.pose()
+        position = (pose.x_m, pose.y_m)
+        goal = self._goal(position)
+        outbox = self._messages(position)
+        if goal is None or math.dist(position, goal) < self.scenario.control.navigator.arrived_m:
+            return Decision(outbox=outbox)
+        return self.drive(pose, goal, outbox)
+
+    def _follow(self, order: Order | None) -> None:
+        """Take an order, or none, which has just arrived."""
+        self._contact_s, self._returns = self.time_s, False
+        pose = self.pose()
+        self._contact_place = (pose.x_m, pose.y_m)
+        if order is not None and (order.victim in self._safe or (order.victim, order.time_s) in self._missing):
+            order = None  # the centre has not heard yet
+        if order != self._order:
+            self._order, self._looking_since_s = order, None
+
+    def _finish(self, victim: str) -> None:
+        """Note that a victim is in no need of help any more."""
+        self._safe = (*self._safe, victim)
+        self._seen.pop(victim, None)
+        if self._order is not None and self._order.victim == victim:
+            self._order = None
+        self._returns = not self._is_in_contact
+
+    @property
+    def _is_in_contact(self) -> bool:
+        return self.time_s - self._contact_s <= self._dispatch.contact_timeout_s
+
+    def _goal(self, position: Point) -> Point | None:
+        """Return where to go in this step; None: stay."""
+        self.speed_mps = self._walking_mps
+        if self._assistance is not None:
+            self._search.pause()
+            self.speed_mps = self._section.escort_speed_mps
+            return self._nearest_safe_place(position) if self._assistance.moving else None
+        target = self._target(position)
+        if target is not None:
+            self._search.pause()
+            return target
+        if self.time_s - self._contact_s > self._dispatch.alone_s:
+            self._returns = True
+        if self._returns and self._contact_place is not None:
+            self._search.pause()
+            if math.dist(position, self._contact_place) <= _ARRIVED_M:
+                self._contact_place = self._centre
+            return self._contact_place
+        return self._search.choose(position, self.time_s) if self._section.searches else None
+
+    def _target(self, position: Point) -> Point | None:
+        """Return the place of the victim to go to: that of the order or, without contact, the nearest one seen."""
+        if self._order is None and self._seen and not self._is_in_contact:
+            lengths = [(self.map.distance_m(place, position), name) for name, place in self._seen.items()]
+            name = min(lengths)[1]
+            self._order = Order(self.robot_id, name, self._seen[name], 0.0)
+        order = self._order
+        if order is None:
+            return None
+        place = self._seen.get(order.victim, order.position)
+        if self._looking_since_s is None and math.dist(position, place) <= _ARRIVED_M:
+            self._looking_since_s = self.time_s
+        if self._looking_since_s is not None and self.time_s - self._looking_since_s > self._dispatch.look_around_s:
+            self._missing = (*self._missing, (order.victim, order.time_s))
+            self._seen.pop(order.victim, None)
+            self._order = self._looking_since_s = None
+            return None
+        return place
+
+    def _nearest_safe_place(self, position: Point) -> Point:
+        return min(self._safe_places, key=lambda place: self.map.distance_m(place, position))
+
+    def _messages(self, position: Point) -> tuple[Message, ...]:
+        """Return the report to the command centre and the update for those who search, once per iteration."""
+        iteration = self.observation.sim_time_ns // self._iteration_ns
+        if iteration == self._iteration:
+            return ()
+        self._iteration = iteration
+        self._search.look(position)
+        helped = "" if self._assistance is None else self._assistance.victim
+        victim = helped or ("" if self._order is None else self._order.victim)
+        report = FirefighterUpdate(self.robot_id, position, victim, helped != "", self._safe, self._missing)
+        updates = report.to_json(), self._search.update(position, self._hot.in_sight).to_json()
+        return tuple(Message(self.robot_id, EVERYBODY, payload) for payload in updates)

@@ -1,0 +1,70 @@
+"""The messages between the command centre and firefighters, and where teammates are."""
+
+from typing import Annotated
+
+import msgspec
+
+from robotteamsim.interface.payload import Index, Point, Update, read_payload, update_reader
+
+Time = Annotated[float, msgspec.Meta(ge=0.0, le=1e9)]
+"""Time of the mission [s]."""
+
+
+class Order(msgspec.Struct, frozen=True, gc=False):
+    """A firefighter shall bring a victim to safety, who is at a place in `map` [m] by news of a time."""
+
+    firefighter: Index
+    victim: str
+    position: Point
+    time_s: Time
+
+
+class Orders(Update, frozen=True, gc=False, tag="orders"):
+    """All orders of the command centre, which it sends again and again; who is not in it has none."""
+
+    robot_id: Index
+    position: Point
+    orders: tuple[Order, ...]
+
+
+class FirefighterUpdate(Update, frozen=True, gc=False, tag="firefighter"):
+    """What a firefighter does.
+
+    victim:  whom they go to or help; "" for nobody.
+    helping: whether they have reached the victim.
+    safe:    names of the victims whom they have brought to safety.
+    missing: name and time of the news of victims whom they did not find.
+    """
+
+    robot_id: Index
+    position: Point
+    victim: str
+    helping: bool
+    safe: tuple[str, ...] = ()
+    missing: tuple[tuple[str, Time], ...] = ()
+
+
+class RelayUpdate(Update, frozen=True, gc=False, tag="relay"):
+    """Where a relay is."""
+
+    robot_id: Index
+    position: Point
+
+
+class _Whereabouts(msgspec.Struct, frozen=True, gc=False):
+    robot_id: Index
+    position: Point
+
+
+parse_orders = update_reader(Orders, kept=64)
+parse_firefighter_update = update_reader(FirefighterUpdate, kept=256)
+parse_relay = update_reader(RelayUpdate, kept=256)
+_whereabouts = msgspec.json.Decoder(_Whereabouts)
+
+
+def whereabouts_in(payload: str) -> tuple[int, Point] | None:
+    """Return robot and position of a message that has them, such as the updates of controllers; else None."""
+    if '"position"' not in payload:
+        return None
+    found = read_payload(_whereabouts, payload)
+    return (found.robot_id, found.position) if found else None

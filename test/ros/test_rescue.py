@@ -1,0 +1,40 @@
+"""Firefighters, their command centre and people who move: the same mission in ROS as without it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from rosbags.rosbag1 import Reader
+from running import ROSLAUNCH, running
+
+from robotteamsim.mission.status import Event
+from robotteamsim.recording import BagWriter
+from robotteamsim.recording.results import EventList
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
+
+
+def shown(events: list[Event]) -> list[tuple[float, str, str, int, str]]:
+    return [(e.time_s, e.kind, e.subject, e.robot_id, e.detail) for e in events]
+
+
+@pytest.mark.parametrize(("name", "time_s"), [("garage_rescue", 50), ("office_fire", 50)])
+def test_rescue_in_lockstep_has_the_bits_events_and_topics_of_the_headless_mission(name, time_s, tmp_path: Path):
+    settings = (f"mission.time_limit_s={time_s}", "network.publish_matrices=false")
+    command = (*ROSLAUNCH, "robotteamsim", f"{name}.launch", "rviz:=false", "lockstep:=true", "speed:=0")
+    files = ("out:=results", "record:=true", "bag:=run.bag")
+    with running((*command, f"set:={' '.join(settings)}", *files), tmp_path) as program:
+        assert program.wait() == 0, program.output
+    found = json.loads((tmp_path / "results" / "mission.json").read_text())
+    events = EventList()
+    headless = Simulation(load(name, list(settings))).run([events, BagWriter(tmp_path / "headless.bag")])
+    assert found["result"]["trajectory_hash"] == headless.trajectory_hash
+    assert [tuple(event.values()) for event in found["events"]] == shown(events.events)
+    assert any(event.kind == "victim_reported" for event in events.events)
+    with Reader(tmp_path / "run.bag") as recorded, Reader(tmp_path / "headless.bag") as written:
+        # Headless bags have every topic; record.launch lacks thermal cameras, and no message is sent without doors.
+        expected = {c.topic for c in written.connections if c.msgcount and not c.topic.endswith("/heat")}
+        assert {c.topic for c in recorded.connections} - {"/tf_static"} == expected
+        assert "/world/people" in expected
