@@ -67,7 +67,7 @@ class TeamMonitor:
         return found
 
     def _done(self, statuses: list[tuple[bool, int, str, str]], present: np.ndarray | None) -> str:
-        """Return the reason of the first robot if all are done; absent and stopped robots and outsiders do not count."""
+        """Return the reason of the first robot if all are done; absent, stopped robots and outsiders do not count."""
         counts = [True] * len(statuses) if present is None else present.tolist()
         reasons = [
             done

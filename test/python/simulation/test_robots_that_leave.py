@@ -149,4 +149,5 @@ def test_every_controller_goes_on_without_a_teammate_and_with_a_new_one(algorith
     records = steps(garage(f"control.algorithm={algorithm}", schedule), 120)
     assert not any(decision.fault for decision in records[-1].decisions)
     assert records[-1].present is None
-    assert records[-1].readings[1].ground_truth != records[61].readings[1].ground_truth
+    if algorithm != "relay":  # a team of relays alone has nobody to connect, and stands still
+        assert records[-1].readings[1].ground_truth != records[61].readings[1].ground_truth
