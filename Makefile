@@ -22,7 +22,7 @@ PIP_INSTALL = $(PYTHON) -m pip install --disable-pip-version-check --require-has
 ENV := source $(BUILD)/devel/setup.bash &&
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help announce setup build build_tests compile garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage wheel pictures docs notebook man lock clean
+.PHONY: help announce setup build build_tests compile garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage gazebo wheel pictures docs notebook man lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -164,6 +164,15 @@ faults: build ## kill each node of running missions at random moments; ARGS="--m
 
 garbage: build ## send a million garbage messages to the nodes of running missions; ARGS="--messages 20000 world" fewer
 	@$(ENV) PYTHONPATH=test/ros:test/fuzz:$$PYTHONPATH $(PYTHON) test/faults/garbage.py $(ARGS)
+
+# A Debian 11 with Gazebo 11 in a chroot, because newer Debians have none; empty: Gazebo is on this machine.
+GAZEBO_CHROOT ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/robotteamsim/gazebo-bullseye
+GAZEBO_RUN := $(if $(GAZEBO_CHROOT),setup/gazebo-chroot.sh run $(GAZEBO_CHROOT))
+
+gazebo: build_tests ## run the garage mission in Gazebo, in a Debian 11 that is created once (10 minutes, 2.1 GB), and check it
+	@$(if $(GAZEBO_CHROOT),setup/gazebo-chroot.sh create $(GAZEBO_CHROOT))
+	$(call step,building the plugins of Gazebo,build_gazebo) $(GAZEBO_RUN) gazebo/build.sh $(BUILD)/gazebo $(JOBS)
+	@$(ENV) GAZEBO_CHROOT=$(GAZEBO_CHROOT) $(PYTHON) -m pytest test/gazebo -s $(ARGS)
 
 wheel: $(DEBIAN)-build $(VENV)/.ready ## build dist/*.whl, which includes Box2D and needs no compiler
 	@rm -rf dist && mkdir -p dist/raw

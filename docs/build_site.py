@@ -25,8 +25,8 @@ DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 
 SECTIONS = {
-    "Tutorials": ("README", "tutorial", "notebook", "tutorial_controller", "classroom", "exercises"),
-    "How-to guides": ("own_building", "viewer", "experiments", "benchmark", "stage", "gazebo"),
+    "Tutorials": ("README", "tutorial", "notebook", "tutorial_controller", "tutorial_gazebo", "classroom", "exercises"),
+    "How-to guides": ("own_building", "viewer", "experiments", "benchmark", "stage", "gazebo", "gazebo_missions"),
     "Reference": ("scenario_keys", "python_api", "ros_api", "CHANGELOG"),
     "Explanation": (
         "world",

@@ -16,6 +16,7 @@ from robotteamsim.geometry import Pose
 from robotteamsim.msg import Doors, People, Robots
 from robotteamsim.recording import ros_messages
 from robotteamsim.ros.nodes.commands import STOP
+from robotteamsim.ros.nodes.elsewhere import RobotsElsewhere
 from robotteamsim.ros.nodes.gate import Gate, Pacer
 from robotteamsim.ros.nodes.hazards import HazardOutputs
 from robotteamsim.ros.nodes.motion import StepMotion
@@ -77,6 +78,7 @@ class WorldNode:
         if localization not in ("none", "ground_truth"):
             raise ParameterError(f"~localization: {localization!r}; expected none or ground_truth")
         self._motion = _motion(settings)
+        self._elsewhere = RobotsElsewhere(settings)
         self._world_lock = threading.Lock()
         self._build()
         on_shutdown(self._gate.close)
@@ -127,6 +129,7 @@ class WorldNode:
                 for robot_id in self._arrived:
                     twists[robot_id] = STOP  # its controller's last decision before the robot left
                 self._arrived.clear()
+                self._elsewhere.follow(self._world, twists)
                 self._world.step(twists)
                 burns = self._fire is not None and self._fire.step()
                 readings, doors = self._sensors.read(), self._world.door_states()
@@ -210,7 +213,7 @@ class WorldNode:
         if self._people is not None and self._people_output is not None:
             self._people_output.publish(ros_messages.people(self._make, time_ns, self._people.states))
         self._show_objects()
-        self._outputs.publish(time_ns, readings, present)
+        self._outputs.publish(time_ns, readings, self._elsewhere.published(present))
         self._publish_clock(time_ns)
         self._pace.mark()
 

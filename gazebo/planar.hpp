@@ -1,0 +1,39 @@
+// Poses and velocities in the plane of the floor.
+#pragma once
+
+#include <cmath>
+
+namespace robotteamsim::gazebo_plugins {
+
+struct PlanarPose {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double yaw_rad = 0.0;
+};
+
+struct PlanarTwist {
+  double forward_mps = 0.0;
+  double left_mps = 0.0;
+  double turn_radps = 0.0;
+};
+
+// a_T_c = a_T_b * b_T_c.
+inline PlanarPose operator*(const PlanarPose& a, const PlanarPose& b) {
+  const double cos = std::cos(a.yaw_rad);
+  const double sin = std::sin(a.yaw_rad);
+  return {a.x_m + cos * b.x_m - sin * b.y_m, a.y_m + sin * b.x_m + cos * b.y_m,
+          std::remainder(a.yaw_rad + b.yaw_rad, 2.0 * M_PI)};
+}
+
+inline PlanarPose Inverse(const PlanarPose& pose) {
+  const double cos = std::cos(pose.yaw_rad);
+  const double sin = std::sin(pose.yaw_rad);
+  return {-cos * pose.x_m - sin * pose.y_m, sin * pose.x_m - cos * pose.y_m, -pose.yaw_rad};
+}
+
+// The velocity of a small motion, such as that of one physics step.
+inline PlanarTwist Velocity(const PlanarPose& motion, double duration_s) {
+  return {motion.x_m / duration_s, motion.y_m / duration_s, motion.yaw_rad / duration_s};
+}
+
+}  // namespace robotteamsim::gazebo_plugins

@@ -1,0 +1,95 @@
+"""The node `gazebo`: writes the scenario as a world of Gazebo and becomes gzserver, whose plugins are the world."""
+
+import os
+import shlex
+import shutil
+import time
+from pathlib import Path
+from typing import get_args
+
+import rospkg
+
+from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.gazebo import export_world
+from robotteamsim.gazebo.robots import DriveKind
+from robotteamsim.recording.ros_messages import robot_name
+from robotteamsim.ros.transport.node import ParameterError, logger, parameter, published_topics, run, wait_for_shutdown
+from robotteamsim.ros.transport.settings import Settings, read_settings
+
+START_TIMEOUT_S = 60.0
+"""Gazebo starts without controllers that have not started after this time [s, wall]."""
+CHECK_PERIOD_S = 0.2
+"""Interval of checks for controllers [s, wall]."""
+
+PLUGINS = ("librobotteamsim_gazebo.so", "librobotteamsim_gazebo_world.so")
+
+
+class GazeboError(RobotTeamSimError):
+    """Gazebo or its plugins are not installed."""
+
+
+def main() -> None:
+    """Run the node; the process then is gzserver."""
+    commands: list[list[str]] = []
+    run("gazebo", lambda: commands.append(_prepare()))
+    for command in commands:
+        os.execvp(command[0], command)
+
+
+def _prepare() -> list[str]:
+    """Write the world, wait for the controllers, and return the command that runs the world."""
+    settings = read_settings()
+    drive = parameter("~drive", "velocity")
+    if drive not in get_args(DriveKind):
+        raise ParameterError(f"~drive: {drive!r}; expected {' or '.join(get_args(DriveKind))}")
+    program = shlex.split(parameter("~gzserver", "gzserver"))
+    if not program or shutil.which(program[0]) is None:
+        raise GazeboError(
+            f"~gzserver: {' '.join(program)!r} is not installed; install Gazebo 11 (Debian 11: gazebo, Ubuntu 20.04:"
+            " gazebo11), or see docs/gazebo_missions.md for other systems"
+        )
+    _find_plugins(parameter("~plugins", ""))
+    # Inherited by gzserver. Otherwise it looks for models on the internet.
+    os.environ.setdefault("GAZEBO_MODEL_DATABASE_URI", "")
+    world = _write_world(settings, drive)
+    _wait_for_controllers(settings)
+    return [*program, "--verbose", str(world)]
+
+
+def _find_plugins(folder: str) -> None:
+    """Add the folder of the plugins to gzserver's path, or find them there. Raises: GazeboError."""
+    path = os.environ.get("GAZEBO_PLUGIN_PATH", "")
+    built = [f"{prefix}/lib" for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(":")]
+    folders = [folder] if folder else [*path.split(":"), *built]
+    for candidate in folders:
+        if all((Path(candidate) / plugin).is_file() for plugin in PLUGINS):
+            os.environ["GAZEBO_PLUGIN_PATH"] = f"{candidate}:{path}"
+            return
+    raise GazeboError(
+        f"{PLUGINS[0]} is not in {', '.join(filter(None, folders))}; build this package where libgazebo-dev is"
+        " installed, or set plugins:= to the folder of the plugins"
+    )
+
+
+def _write_world(settings: Settings, drive: DriveKind) -> Path:
+    export = export_world(settings.scenario, drive)
+    for note in export.notes:
+        logger.warning("%s", note)
+    folder = Path(rospkg.get_ros_home())
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"robotteamsim_{settings.scenario.name}.world"
+    path.write_text(export.world, encoding="utf-8")
+    logger.info("Gazebo's world is %s", path)
+    return path
+
+
+def _wait_for_controllers(settings: Settings) -> None:
+    """Wait until every controller has started: simulated time begins when Gazebo starts."""
+    deadline_s = time.monotonic() + START_TIMEOUT_S
+    wanted = {f"/{robot_name(robot_id)}/cmd_vel_stamped" for robot_id in settings.controlled}
+    while missing := wanted - set(published_topics()):
+        if time.monotonic() > deadline_s:
+            logger.warning("starting without %s", ", ".join(sorted(missing)))
+            return
+        if wait_for_shutdown(CHECK_PERIOD_S):
+            return
