@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
-from robotteamsim.cli import gazebo_commands, stage_commands
+from robotteamsim.cli import gazebo_commands, mujoco_commands, stage_commands
 from robotteamsim.cli.parser import PLAN_HELP, UsageError, path_of
 from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.recording.files import atomically
@@ -32,6 +32,7 @@ def add_to(commands: Any) -> None:
 
     stage_commands.add_to(actions)
     gazebo_commands.add_to(actions)
+    mujoco_commands.add_to(actions)
 
     render_parser = actions.add_parser("render", help="draw a floor plan")
     render_parser.add_argument("plan", metavar="PLAN", help=PLAN_HELP)

@@ -65,6 +65,7 @@ def test_command_needs_no_extra(folder: Path, words: tuple[str, ...]) -> None:
         (("analyse", "mission.bag", "--png", "mission.png"), "report"),
         (("analyse", "mission.bag", "--gif", "mission.gif"), "report"),
         (("run", "garage_sar", "--set", "run.world=mujoco"), "mujoco"),
+        (("plan", "export-mujoco", "garage_sar", "--out", "mujoco"), "mujoco"),
         (("plan", "import", str(ROOT / "maps" / "garage" / "map.yaml"), "--out", "plan.yaml"), "images"),
     ],
 )

@@ -1,0 +1,71 @@
+"""`plan export-mujoco`."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from robotteamsim.cli import main
+from robotteamsim.scenario import load
+from robotteamsim.world.placement import placed_robots
+
+ODD_NAME = 'objects=[{name: "<&\'>", kind: barrel, radius_m: 0.3, pose: [20, 7, 0]}]'
+
+
+@pytest.fixture(autouse=True)
+def _in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def _exported(name: str, *overrides: str) -> mujoco.MjModel:
+    settings = [word for override in overrides for word in ("--set", override)]
+    assert main(["plan", "export-mujoco", name, "--out", "out", *settings]) == 0
+    return mujoco.MjModel.from_xml_path(f"out/{name}.xml")
+
+
+def test_mujoco_reads_the_exported_garage(capsys):
+    model = _exported("garage_sar", ODD_NAME, "robots.reserve=1")
+    assert capsys.readouterr().out == "out/garage_sar.xml: 2 robots, 1 object\n"
+    names = [model.body(i).name for i in range(model.nbody)]
+    assert [name for name in names if "/" not in name] == [
+        "world",
+        "door stair_door",  # the other door is open, so it has no leaf
+        "robot_0",
+        "robot_1",
+        "barrel <&'>",
+    ]
+    scenario = load("garage_sar")
+    south = model.geom("wall south")
+    np.testing.assert_allclose(south.size, [30.0, 0.15, 1.3])
+    np.testing.assert_allclose(model.geom("floor").size[:2], [30.0, 20.0])
+    for i, robot in enumerate(placed_robots(scenario)[:2]):
+        np.testing.assert_allclose(model.body(f"robot_{i}").pos[:2], robot.start_pose[:2])
+
+
+def test_open_leaf_that_swings_is_at_its_open_place():
+    door = "{name: gate, from: [4, 0], to: [5, 0], motion: swing}"
+    walls = "{name: left, from: [0, 0], to: [4, 0]}, {name: right, from: [5, 0], to: [9, 0]}"
+    plan = f"plan={{name: hall, bounds: {{min: [-1, -3], max: [9, 9]}}, walls: [{walls}], doors: [{door}]}}"
+    model = _exported("tutorial_arena", plan, "mission.areas=[]", "mission.victims=[]")
+    leaf = model.body("door gate")
+    np.testing.assert_allclose(leaf.pos, [4.0, 0.0, 0.0])
+    np.testing.assert_allclose(leaf.quat, [math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)], atol=1e-6)
+
+
+def test_exported_robots_rest_on_the_floor():
+    model = _exported("warehouse_push")
+    data = mujoco.MjData(model)
+    for _ in range(200):
+        mujoco.mj_step(model, data)
+    heights = [data.body(f"robot_{i}").xpos[2] for i in range(3)]
+    np.testing.assert_allclose(heights, 0.0, atol=0.01)
+
+
+def test_scenario_without_room_is_refused_and_leaves_nothing_behind(refusal):
+    message = refusal("plan", "export-mujoco", "garage_sar", "--out", "out", "--set", "robots.start=[0, 0, 0]")
+    assert message.startswith("--set: robots.start: ")
+    assert list(Path().iterdir()) == []
