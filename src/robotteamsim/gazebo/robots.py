@@ -39,9 +39,10 @@ def robot_model(name: str, robot: PlacedRobot, drive: DriveKind, step_s: float, 
     Args: step_s: between two scans.
     """
     height_m = max(robot.height_m, robot.laser.height_m + _ABOVE_LASER_M)
-    wheel_m = min(0.05, 0.2 * height_m) if has_wheels(robot, drive) else 0.0
+    wheel_m = (robot.wheels.radius_m or min(0.05, 0.2 * height_m)) if has_wheels(robot, drive) else 0.0
+    bottom_m = min(wheel_m, 0.5 * height_m) or min(_CLEARANCE_M, 0.1 * height_m)
     corners = robot.corners_m
-    body = Solid(wheel_m or min(_CLEARANCE_M, 0.1 * height_m), height_m, corners, 0.0 if corners else robot.radius_m)
+    body = Solid(bottom_m, height_m, corners, 0.0 if corners else robot.radius_m)
     mass_kg = robot.mass_kg * (1.0 - _WHEEL_SHARE) if wheel_m else robot.mass_kg
     base = element(
         "link",
@@ -52,9 +53,9 @@ def robot_model(name: str, robot: PlacedRobot, drive: DriveKind, step_s: float, 
     )
     parts = [base]
     if wheel_m:
-        base.extend(_casters(robot, wheel_m))
+        base.extend(_casters(robot, 0.5 * bottom_m))
         for side, sign in (("left", 1.0), ("right", -1.0)):
-            parts += _wheel(side, sign * _wheel_offset_m(robot, wheel_m), wheel_m, robot.mass_kg)
+            parts += _wheel(robot, side, sign * _wheel_offset_m(robot, wheel_m), wheel_m)
     base.append(_ray_sensor(robot.laser, step_s))
     plugin = _plugin(robot, "wheels" if wheel_m else "velocity", step_s)
     x, y, yaw = robot.start_pose
@@ -72,7 +73,7 @@ def _wheel_offset_m(robot: PlacedRobot, wheel_m: float) -> float:
     return max(side_m - 0.5 * wheel_m, 0.5 * side_m)
 
 
-def _wheel(side: str, y_m: float, radius_m: float, mass_kg: float) -> list[Element]:
+def _wheel(robot: PlacedRobot, side: str, y_m: float, radius_m: float) -> list[Element]:
     """Return a wheel and its joint."""
     half_m = 0.2 * radius_m
     disc = Solid(-half_m, half_m, radius_m=radius_m)
@@ -80,8 +81,8 @@ def _wheel(side: str, y_m: float, radius_m: float, mass_kg: float) -> list[Eleme
     link = element(
         "link",
         values("pose", 0.0, y_m, radius_m, -0.5 * math.pi, 0.0, 0.0),
-        disc.inertial(0.5 * _WHEEL_SHARE * mass_kg),
-        disc.collision("collision", surface(mu=1.0)),
+        disc.inertial(0.5 * _WHEEL_SHARE * robot.mass_kg),
+        disc.collision("collision", surface(mu=robot.wheels.friction)),
         disc.visual("visual", INK),
         name=f"{side}_wheel",
     )
@@ -90,10 +91,9 @@ def _wheel(side: str, y_m: float, radius_m: float, mass_kg: float) -> list[Eleme
     return [link, element("joint", *parts, axis, name=f"{side}_wheel_joint", type="revolute")]
 
 
-def _casters(robot: PlacedRobot, wheel_m: float) -> list[Element]:
+def _casters(robot: PlacedRobot, radius_m: float) -> list[Element]:
     """Return two balls without friction below the front and the back of the body."""
     ahead = [x for x, _ in robot.corners_m] or [-robot.radius_m, robot.radius_m]
-    radius_m = 0.5 * wheel_m
     made = []
     for name, x in (("front", max(ahead)), ("back", min(ahead))):
         place = pose(_CASTER_PLACE * x, 0.0, radius_m)

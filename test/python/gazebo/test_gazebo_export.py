@@ -56,6 +56,14 @@ def test_wheels_are_as_far_apart_as_the_body_allows_and_touch_the_floor():
     assert sum(masses) == pytest.approx(5.0)
 
 
+def test_wheels_have_the_radius_and_friction_of_the_scenario():
+    scenario = load("garage_sar", ["robots.wheels={radius_m: 0.08, friction: 0.6}"])
+    robot = _model(_world(export_world(scenario, "wheels").world), "robot_0")
+    wheel = next(link for link in robot.findall("link") if link.get("name") == "left_wheel")
+    assert _numbers(wheel, "collision/geometry/cylinder/radius") == [0.08]
+    assert _numbers(wheel, "collision/surface/friction/ode/mu") == [0.6]
+
+
 def test_only_differential_drives_have_wheels():
     export = export_world(load("garage_sar", ["robots.drive={kind: omni}"]), "wheels")
     assert _model(_world(export.world), "robot_0").findtext("plugin/drive") == "velocity"
