@@ -199,6 +199,8 @@ def _teams(
     """Yield each number of robots with each controller and its scenario, after checks."""
     assert isinstance(base.robots, Team)
     for count in robots:
+        if count < 1:  # A scenario without robots is one with firefighters.
+            raise CampaignError(f"--robots: count: {count} is below 1")
         team = _section(Team, base.robots, "--robots: ", count=count, reserve=0)
         sized = base.model_copy(update={"robots": team})
         _check_room(sized)

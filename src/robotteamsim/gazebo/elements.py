@@ -52,7 +52,7 @@ def static_model(name: str, *children: Element) -> Element:
 
 
 def material(colour: str) -> Element:
-    """Return a material of one colour, given as a code such as "#56b4e9"."""
+    """Return a material of one colour, given as a code of `palette`."""
     rgb = palette.rgb(colour)
     return element("material", values("ambient", *rgb, 1.0), values("diffuse", *rgb, 1.0))
 

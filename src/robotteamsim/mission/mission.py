@@ -14,6 +14,7 @@ from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Decision, Discovery, Task
 from robotteamsim.mission.base_station import BaseStation
 from robotteamsim.mission.casualties import Casualties
+from robotteamsim.mission.link_monitor import LinkMonitor
 from robotteamsim.mission.rescue import NOBODY, Rescue, VictimNews
 from robotteamsim.mission.status import (
     END_TEXTS,
@@ -27,7 +28,6 @@ from robotteamsim.mission.status import (
     VictimState,
 )
 from robotteamsim.mission.team_monitor import TeamMonitor
-from robotteamsim.network.graph import newly_endangered
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import Upcoming
@@ -87,8 +87,7 @@ class Mission:
         self._heard_places_m: set[tuple[float, float]] = set()
         """Loudest places that have been processed since the victims last changed."""
         self._epoch = 0
-        self._endangered_links = 0
-        self._network: NetworkState | None = None
+        self._links = LinkMonitor()
         base = () if scenario.base is None else (scenario.base,)
         self._team = TeamMonitor({*base, *scenario.firefighter_ids})
         present = np.array(scenario.present_at_start, dtype=bool)
@@ -403,18 +402,8 @@ class Mission:
             self._add_event("victim_reported", found.name, found.robot_id, detail)
 
     def _judge_links(self, network: NetworkState) -> None:
-        before, self._network = self._network, network
-        if before and network.endangered is before.endangered and network.adjacency is before.adjacency:
-            return
-        states = [before, network] if before else [network]
-        adjacency = np.stack([state.adjacency for state in states])
-        endangered = np.stack([state.endangered for state in states])
-        hops = np.stack([state.hop_count for state in states])
-        for i, j in np.argwhere(np.triu(newly_endangered(adjacency, endangered, hops)[-1], 1)).tolist():
-            self._endangered_links += 1
-            what, rssi_dbm = "endangered" if network.adjacency[i, j] else "lost", network.rssi_dbm[i, j]
-            at = "" if math.isnan(rssi_dbm) else f" at {rssi_dbm:.1f} dBm"
-            self._add_event("link_endangered", f"{i}-{j}", NOBODY, f"link {i}-{j} is {what}{at}")
+        for link, detail in self._links.news(network):
+            self._add_event("link_endangered", link, NOBODY, detail)
 
     def _judge_messages(self, traffic: Traffic) -> None:
         for refusal in traffic.refused:
@@ -485,7 +474,7 @@ class Mission:
             explored=(True,) * self._num_explored + (False,) * num_left,
             victims=tuple(self._victim_states),
             target_area=self._num_explored if num_left else -1,
-            endangered_links=self._endangered_links,
+            endangered_links=self._links.num_endangered,
             task=self._make_task(),
             delivered=self._base.delivered,
         )

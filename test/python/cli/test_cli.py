@@ -286,7 +286,7 @@ def test_scenario_check_reports_controllers_that_cannot_be_made(capsys, algorith
 
 def test_scenario_check_reports_every_mistake_of_every_file(capsys, tmp_path):
     first, second = tmp_path / "first.yaml", tmp_path / "second.yaml"
-    first.write_text("name: a\nplan: garage\nrobots: {count: 0, start: [4, 5, 0]}\nvoice: {noise_db: 99}\n")
+    first.write_text("name: a\nplan: garage\nrobots: {count: -1, start: [4, 5, 0]}\nvoice: {noise_db: 99}\n")
     second.write_text("nonsense\n")
     assert main(["scenario", "check", "garage_sar", str(first), str(second)]) == 2
     captured = capsys.readouterr()
@@ -294,7 +294,7 @@ def test_scenario_check_reports_every_mistake_of_every_file(capsys, tmp_path):
     lines = captured.err.splitlines()
     assert len(lines) == 3
     assert all(line.startswith("robotteamsim: ") for line in lines)
-    assert "first.yaml: robots.count: 0 is below 1" in captured.err
+    assert "first.yaml: robots.count: -1 is below 0" in captured.err
     assert "first.yaml: voice.noise_db: 99 is above 80" in captured.err
     assert "second.yaml: " in lines[2]
 

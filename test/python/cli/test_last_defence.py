@@ -169,7 +169,7 @@ def test_controller_that_cannot_be_constructed_is_an_error(tmp_path, monkeypatch
         (("run", "garage_sar", "--sed", "7"), "no such option '--sed'; did you mean '--seed'?"),
         (("campaign", "garage_sar", "--out", "d", "--worker=2"), "no such option '--worker'; did you mean '--workers'"),
         (("run", "garage_sar", "twice"), "'twice' is one argument too many"),
-        (("run", "garage"), "garage: this is a floor plan, not a scenario; scenarios: garage_sar, "),
+        (("run", "garage"), "garage: this is a floor plan, not a scenario; scenarios: garage_fire, "),
         (("run", Path("maps/garage/plan.yaml")), "maps/garage/plan.yaml: this is a floor plan, not a scenario"),
         (("run", Path("maps/garage/map.yaml")), "maps/garage/map.yaml: this is a floor plan, not a scenario"),
         (

@@ -105,7 +105,10 @@ def test_message_that_fits_the_scenario_is_read(message):
         (Areas(areas=[Area(radius_m=-1.0)]), "radius_m: -1; expected 0 to 1e+06"),
         (Areas(areas=[Area(), Area()]), "areas: expected unique names"),
         (Victims(victims=[Victim(state="saved")] * 2), "victims: expected unique names"),
-        (Victims(victims=[Victim(state="lost")]), "state: expected one of waiting, heard, collapsed, saved, dead"),
+        (
+            Victims(victims=[Victim(state="lost")]),
+            "state: expected one of waiting, heard, saved, located, reported, reached, carried, safe, collapsed, dead",
+        ),
     ],
 )
 def test_message_that_does_not_fit_the_scenario_is_refused(message, line):

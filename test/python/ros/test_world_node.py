@@ -10,7 +10,7 @@ from sensor_msgs.msg import Range
 from tf2_msgs.msg import TFMessage
 
 from robotteamsim.geometry import Twist
-from robotteamsim.ros.nodes import objects, team_outputs
+from robotteamsim.ros.nodes import elsewhere, objects, team_outputs
 from robotteamsim.ros.nodes import world as world_node
 from robotteamsim.ros.nodes.gate import Gate, Pacer
 from robotteamsim.ros.transport import msg_conversion as conversion
@@ -123,6 +123,8 @@ def serve(monkeypatch, hall_scenario) -> Callable[..., None]:
     monkeypatch.setattr(objects, "Output", FakeOutput)
     monkeypatch.setattr(world_node, "FreeTeam", FakeTeam)
     monkeypatch.setattr(world_node, "parameter", lambda name, default: parameters[name])
+    monkeypatch.setattr(elsewhere, "parameter", lambda name, default: default)
+    monkeypatch.setattr(elsewhere, "message_queue", lambda: None)
     monkeypatch.setattr(world_node, "QUIET_S", 0.0)
     monkeypatch.setattr(world_node, "Service", lambda *_: None)
     monkeypatch.setattr(world_node, "command", lambda *_, **__: None)

@@ -88,5 +88,5 @@ def add_disc(body: Any, name: str, radius_m: float, bottom_m: float, top_m: floa
 
 
 def rgba(colour: str) -> list[float]:
-    """Return a colour such as "#56b4e9" as four shares."""
+    """Return a colour, a code of `palette`, as four shares."""
     return [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)] + [1.0]
