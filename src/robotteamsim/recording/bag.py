@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from robotteamsim.network.compact import LinksEncoder
-from robotteamsim.recording import ros_messages
+from robotteamsim.recording import network_messages, ros_messages
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.hazard_messages import FIRE_GRID, SMOKE_GRID, SOOT, TEMPERATURE, hazard_messages
 from robotteamsim.recording.sensor_messages import sensor_topics
@@ -130,9 +130,9 @@ class BagMessages:
         if record.voice_map is not None:
             yield "/voice_map", ros_messages.field_map_picture(make, time_ns, record.voice_map)
             yield "/voice_map/values", ros_messages.field_map(make, time_ns, record.voice_map, "voice_level", "dB")
-        yield "/network/links", ros_messages.network_links(make, time_ns, self._encoder.encode(record.network))
+        yield "/network/links", network_messages.network_links(make, time_ns, self._encoder.encode(record.network))
         if self._scenario.network.publish_matrices:
-            yield "/network/state", ros_messages.network_state(make, time_ns, record.network)
+            yield "/network/state", network_messages.network_state(make, time_ns, record.network)
         yield (
             "/mission/status",
             ros_messages.mission_status(make, time_ns, self._scenario.name, status, record.noise_db),
@@ -157,8 +157,8 @@ class BagMessages:
             if message is not None:
                 yield topic.name, message
         yield "voice", ros_messages.voice(make, time_ns, record.voices[robot_id])
-        yield "network/rx", ros_messages.network_messages(make, time_ns, record.inboxes[robot_id])
-        yield "network/tx", ros_messages.network_messages(make, time_ns, decision.outbox)
+        yield "network/rx", network_messages.network_messages(make, time_ns, record.inboxes[robot_id])
+        yield "network/tx", network_messages.network_messages(make, time_ns, decision.outbox)
         yield "cmd_vel", ros_messages.twist(make, decision.twist)
         yield "controller/status", ros_messages.controller_status(make, time_ns, robot_id, decision)
         if decision.belief is not None:

@@ -19,7 +19,7 @@ from robotteamsim.mission.status import DeliveredDiscoveries, Event, MissionStat
 from robotteamsim.network.compact import CompactLinks, LinksEncoder
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.propagation import FieldMap
-from robotteamsim.recording import ros_messages
+from robotteamsim.recording import network_messages, ros_messages
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.serialization import deserialized, serialized
 from robotteamsim.scenario.plan import OccupancyGrid
@@ -173,8 +173,10 @@ def test_voice_and_contact_that_are_not_finite_are_refused(odd):
 
 def test_messages_keep_order_and_text(make):
     messages = (Message(0, -1, '{"a": 0.1}'), Message(2, 1, "ü"), Message(1, 0, ""))
-    assert conversion.network_messages([sent(ros_messages.network_messages(make, TIME_NS, messages))]) == list(messages)
-    assert conversion.network_messages([sent(ros_messages.network_messages(make, TIME_NS, ()))]) == []
+    assert conversion.network_messages([sent(network_messages.network_messages(make, TIME_NS, messages))]) == list(
+        messages
+    )
+    assert conversion.network_messages([sent(network_messages.network_messages(make, TIME_NS, ()))]) == []
 
 
 def test_network_keeps_its_matrices(make):
@@ -183,7 +185,7 @@ def test_network_keeps_its_matrices(make):
     hops = np.array([[0, 1, 2], [1, 0, 1], [2, 1, 0]], dtype=np.int32)
     traffic = Traffic(5, 2, 1, 0.3, (Refusal(0, 70_000, 65_507), Refusal(2, 65_508, 65_507)))
     network = NetworkState(levels, levels, linked, hops, np.zeros((3, 3)), 1.0, linked & (levels < -80.0), traffic)
-    message = sent(ros_messages.network_state(make, TIME_NS, network))
+    message = sent(network_messages.network_state(make, TIME_NS, network))
     back = conversion.network_state(message)
     for name in ("rssi_dbm", "link", "adjacency", "hop_count", "break_matrix", "endangered"):
         expected, got = getattr(network, name), getattr(back, name)
@@ -192,7 +194,7 @@ def test_network_keeps_its_matrices(make):
     assert (back.fiedler_value, message.num_endangered) == (1.0, 1)
     assert back.traffic == traffic
     quiet = conversion.network_state(
-        sent(ros_messages.network_state(make, TIME_NS, msgspec.structs.replace(network, traffic=Traffic())))
+        sent(network_messages.network_state(make, TIME_NS, msgspec.structs.replace(network, traffic=Traffic())))
     )
     assert quiet.traffic == Traffic()
 
@@ -206,7 +208,7 @@ def test_compact_links_keep_their_bits(make):
     hops = np.where(levels == -math.inf, -1, linked).astype(np.int32)
     network = NetworkState(levels, levels, linked, hops, np.zeros((10, 10)), 9.0, linked, traffic)
     links = LinksEncoder().encode(network)
-    message = sent(ros_messages.network_links(make, TIME_NS, links))
+    message = sent(network_messages.network_links(make, TIME_NS, links))
     back = conversion.network_links(message)
     for name in CompactLinks.__struct_fields__:
         np.testing.assert_array_equal(getattr(back, name), getattr(links, name), err_msg=name)

@@ -18,7 +18,7 @@ from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.msg import Contact, ControllerStatus, MissionStatus, NetworkMessages, Voice
-from robotteamsim.recording import ros_messages
+from robotteamsim.recording import network_messages, ros_messages
 from robotteamsim.recording.ros_messages import robot_name
 from robotteamsim.ros.nodes.further_inputs import FurtherInputs
 from robotteamsim.ros.transport import msg_conversion as conversion
@@ -163,7 +163,7 @@ class ControllerSlot:
         make = self._make
         self._answer.enqueue(ros_messages.twist_stamped(make, time_ns, self._robot_id, decision.twist))
         if self._messages.wanted:
-            self._messages.enqueue(ros_messages.network_messages(make, time_ns, decision.outbox))
+            self._messages.enqueue(network_messages.network_messages(make, time_ns, decision.outbox))
         if self._status.wanted:
             self._status.enqueue(ros_messages.controller_status(make, time_ns, self._robot_id, decision))
         if decision.belief is not None:

@@ -15,7 +15,7 @@ from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkLinks, Netwo
 from robotteamsim.network.compact import LinksEncoder
 from robotteamsim.network.messages import NetworkState as Network
 from robotteamsim.propagation import FieldMap
-from robotteamsim.recording import ros_messages
+from robotteamsim.recording import network_messages, ros_messages
 from robotteamsim.ros.nodes.requests import check_noise, check_victim
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.checks import outbox_reader
@@ -186,7 +186,7 @@ class EnvironmentNode:
                 output.enqueue(ros_messages.voice(make, time_ns, voice))
         for robot_id, (output, inbox) in enumerate(zip(self._received, inboxes, strict=True)):
             if is_present(robot_id) and output.wanted:
-                output.enqueue(ros_messages.network_messages(make, time_ns, inbox))
+                output.enqueue(network_messages.network_messages(make, time_ns, inbox))
         self._publish_network(time_ns, network)
         send_enqueued()
         self._publish_voice_map(time_ns)
@@ -201,9 +201,9 @@ class EnvironmentNode:
         if self._links.wanted:
             # Not without a receiver: a message has the pairs that have weakened since the last one.
             links = self._encoder.encode(network)
-            self._links.publish(ros_messages.network_links(self._make, time_ns, links))
+            self._links.publish(network_messages.network_links(self._make, time_ns, links))
         if self._matrices is not None and self._matrices.wanted:
-            self._matrices.publish(ros_messages.network_state(self._make, time_ns, network))
+            self._matrices.publish(network_messages.network_state(self._make, time_ns, network))
 
     def _publish_voice_map(self, time_ns: int) -> None:
         with self._environment_lock:

@@ -60,36 +60,40 @@ class Trial:
         positions_m = true_positions_m(readings)
         events = self.mission.step(sim_time_ns, positions_m, voices, network, decisions, base_inbox, present)
         if self.result is None:
-            # Its wall clock starts here: nodes wait for each other before the first step.
-            self._tally = self._tally or Tally(self._scenario)
             self._steps += 1
-            record = StepRecord(
-                step_index=self._steps,
-                sim_time_ns=sim_time_ns,
-                readings=readings,
-                voices=voices,
-                network=network,
-                inboxes=tuple(() for _ in readings),
-                decisions=decisions,
-                mission=self.mission.status,
-                events=events,
-                victims=self.mission.victims,
-                noise_db=self.mission.noise_db,
-                voice_map=None,
-                present=present,
-                hazards=hazards,
-                failed=failed,
-                people=people,
+            self._record(
+                StepRecord(
+                    step_index=self._steps,
+                    sim_time_ns=sim_time_ns,
+                    readings=readings,
+                    voices=voices,
+                    network=network,
+                    inboxes=tuple(() for _ in readings),
+                    decisions=decisions,
+                    mission=self.mission.status,
+                    events=events,
+                    victims=self.mission.victims,
+                    noise_db=self.mission.noise_db,
+                    voice_map=None,
+                    present=present,
+                    hazards=hazards,
+                    failed=failed,
+                    people=people,
+                )
             )
-            self._tally.add(record)
-            for recorder in self._recorders:
-                recorder.step(record)
-            if record.mission.state == "ended":
-                self.result = self._tally.result()
-                while self._recorders:
-                    self._recorders[0].end(self.result)
-                    del self._recorders[0]
         return events
+
+    def _record(self, record: StepRecord) -> None:
+        # Its wall clock starts here: nodes wait for each other before the first step.
+        self._tally = self._tally or Tally(self._scenario)
+        self._tally.add(record)
+        for recorder in self._recorders:
+            recorder.step(record)
+        if record.mission.state == "ended":
+            self.result = self._tally.result()
+            while self._recorders:
+                self._recorders[0].end(self.result)
+                del self._recorders[0]
 
     def abandon(self) -> None:
         """End the recorders of an interrupted mission, unless it has ended."""
