@@ -106,6 +106,10 @@ def test_mapping_starts_gmapping_in_the_namespace_of_its_robot(tmp_path: Path, m
     assert f'ROS_NAMESPACE="/robot_1" {path} scan:=base_scan __name:=slam_gmapping' in program.output
 
 
+SILENT = {"/world/people", "controller/belief"}
+"""Topics without a message in this mission, which rosbag does not list: nobody flees, and no robot has a belief."""
+
+
 def test_launch_ends_with_the_mission_and_its_totals(run: Run, headless_hash: str) -> None:
     assert run.status == 0
     assert "mission-4] has died!\nprocess has finished cleanly" in run.output
@@ -119,10 +123,10 @@ def test_launch_ends_with_the_mission_and_its_totals(run: Run, headless_hash: st
 
 
 def test_recorded_bag_has_the_topics_and_types_of_a_headless_bag(run: Run) -> None:
-    expected = {topic.name: topic.type_name for topic in TEAM_TOPICS}
+    expected = {topic.name: topic.type_name for topic in TEAM_TOPICS if topic.name not in SILENT}
     for robot_id in range(3):
         name = ros_messages.robot_name(robot_id)
-        expected |= {f"/{name}/{topic.name}": topic.type_name for topic in ROBOT_TOPICS}
+        expected |= {f"/{name}/{topic.name}": topic.type_name for topic in ROBOT_TOPICS if topic.name not in SILENT}
     with Reader(run.bag) as bag:
         assert {name: topic.msgtype.replace("/msg/", "/") for name, topic in bag.topics.items()} == expected
 
