@@ -1,6 +1,6 @@
 #!/bin/bash
 # A Debian 11 in a folder, for Gazebo 11: newer Debians do not have it.
-# usage: gazebo-chroot.sh create FOLDER                create it, if it is missing; MIRROR sets the Debian mirror
+# usage: gazebo-chroot.sh create FOLDER                create it, if it is missing; MIRROR: another than debootstrap's
 #        gazebo-chroot.sh run FOLDER COMMAND...        run a command in it, in the current folder and as the current user
 # Inside, /tmp, the project, the current folder and the folder of ROS are those outside; so are the network and the
 # variables of ROS and Gazebo. Mounts are private to the command: they vanish with it.
@@ -55,7 +55,7 @@ create() {
   "${as_root[@]}" mkdir -p "$chroot"
   "${as_root[@]}" touch "$chroot/.to-have-gazebo"
   "${as_root[@]}" debootstrap --variant=minbase --include=ca-certificates bullseye "$chroot" \
-    "${MIRROR:-http://deb.debian.org/debian}"
+    ${MIRROR:+"$MIRROR"}
   # What this machine needs to reach its mirror, and names of the loopback for ROS.
   apt-config dump Acquire | "${as_root[@]}" tee "$chroot/etc/apt/apt.conf.d/99acquire" > /dev/null
   "${as_root[@]}" cp -L /etc/hosts /etc/resolv.conf "$chroot/etc/"

@@ -34,13 +34,13 @@ def test_entropy_of_a_uniform_belief_is_the_logarithm_of_its_places():
 def test_gain_of_a_reading_that_halves_the_places_is_one_bit():
     belief = np.full(4, 0.25)
     assert expected_gain_nats(belief, np.array([1.0, 1.0, 0.0, 0.0]), NOBODY) == pytest.approx(math.log(2.0))
-    # A reading that is the same for all places says nothing.
+    # A reading that is the same for all places carries no information.
     assert expected_gain_nats(belief, np.full(4, 0.5), NOBODY) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_gain_counts_finding_the_victim_as_complete_knowledge():
     belief, found = np.full(4, 0.25), np.array([True, False, False, False])
-    # 1/4 log 4 for finding them; else the reading says nothing.
+    # 1/4 log 4 for finding them; otherwise the reading carries no information.
     assert expected_gain_nats(belief, np.zeros(4), found) == pytest.approx(0.25 * math.log(4.0))
 
 
