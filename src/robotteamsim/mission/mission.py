@@ -425,17 +425,16 @@ class Mission:
             self._add_event("robot_spawned", "", robot_id, f"{self._member(robot_id)} is spawned")
 
     def _judge_end(self) -> None:
-        if self._rescue is not None:
-            if self.victims and all(state in OUT_OF_DANGER for state in self._victim_states):
-                self._finish("victims_safe")
-        elif self._areas and self._num_explored == len(self._areas) and not self._base.undelivered:
+        if self._rescue is not None and self.victims and all(s in OUT_OF_DANGER for s in self._victim_states):
+            self._finish("victims_safe")
+        elif self._areas and self._num_explored == len(self._areas) and not (self._rescue or self._base.undelivered):
             self._finish("areas_explored")
-        if self._state == "ended":
-            return
-        if self._elapsed_ns >= self._time_limit_ns:
+        elif self._elapsed_ns >= self._time_limit_ns:
             self._finish("time_limit")
         elif self._present is not None and not self._present.any():
             self._finish("none_left")
+        elif self._rescue is not None:
+            return  # firefighters and people go on without robots
         elif self._team.all_excluded:
             self._finish("all_excluded")
         elif self._team.done and not self._base.undelivered:

@@ -110,6 +110,17 @@ def test_firefighter_out_of_contact_finishes_the_last_order_and_returns():
     assert records[-1].mission.victims == ("safe", "safe")
 
 
+def test_firefighters_go_on_when_the_last_robot_has_gone():
+    simulation = Simulation(rescue())
+    simulation.mission.start()
+    simulation.step()
+    simulation.remove_robot(0)
+    records = [simulation.step()]
+    while records[-1].mission.state != "ended":
+        records.append(simulation.step())
+    assert records[-1].mission.end == "victims_safe"
+
+
 def test_people_flee_through_the_open_door_and_wait_behind_a_closed_one():
     fleeing = [
         {"name": f"p{i}", "position": [20.0 + i, 3.0 + i], "flees": True, "speed_mps": 1.2, "calling": False}
