@@ -74,3 +74,4 @@ class PeopleStage:
     def place(self, name: str, position_m: Point) -> None:
         """Add a person, or move the one of that name [m, map], who then stays there."""
         self._people.place(name, position_m)
+        self._collapsed.discard(name)

@@ -172,18 +172,21 @@ class People:
         """Return where a person walks by the model; None: they do not, and have been moved if they move otherwise."""
         victim = person.victim
         person.motion = "stands"
-        if helper_m is not None:
+        if helper_m is None:
+            person.trail.clear()  # the next helper leads from somewhere else
+        else:
             helper = (float(helper_m[0]), float(helper_m[1]))
             if math.isnan(helper[0]):
                 return None
             if victim.can_walk:
                 return self._behind(person, helper, grid)
             person.position = helper
-        elif victim.flees and sim_time_ns >= victim.flees_after_s * 1e9:
+            return None
+        if victim.flees and sim_time_ns >= victim.flees_after_s * 1e9:
             target = grid.towards_exit(self._exits_m, person.position, self._tuning.look_ahead_m)
             person.motion = "enclosed" if target is None else "walks"
             return target
-        elif person.walk is not None:
+        if person.walk is not None:
             person.motion = "walks"
             person.position = person.walk.position_m(sim_time_ns / 1e9)
         return None
