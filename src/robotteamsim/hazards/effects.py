@@ -69,14 +69,24 @@ class Doses:
         return "collapsed" if worst >= self._limits.collapse_dose else "well"
 
     def expose(
-        self, names: Sequence[str], positions_m: Sequence[tuple[float, float]], field: HazardField, seconds: float
+        self,
+        names: Sequence[str],
+        positions_m: Sequence[tuple[float, float]],
+        field: HazardField,
+        seconds: float,
+        *,
+        breathe_smoke: bool = True,
     ) -> dict[str, PersonState]:
-        """Add the doses of some time at these places [s]; return the people whose state has changed, in their order."""
+        """Add the doses of some time at these places [s]; return the people whose state has changed, in their order.
+
+        Args: positions_m: NaN for somebody who is absent.  breathe_smoke: False: breathing apparatus, no dose by gas.
+        """
         if not names:
             return {}
         places = np.array(positions_m, dtype=np.float64)
         minutes = seconds / 60.0
-        co_ppm, temperatures_c = field.co_ppm(places).tolist(), field.temperature_c(places).tolist()
+        co_ppm = field.co_ppm(places).tolist() if breathe_smoke else [0.0] * len(names)
+        temperatures_c = field.temperature_c(places).tolist()
         changed = {}
         for name, ppm, temperature_c in zip(names, co_ppm, temperatures_c, strict=True):
             if ppm == 0.0 and temperature_c <= COMFORTABLE_C:

@@ -69,8 +69,8 @@ class Mission:
         self._walkers = Walkers(scenario)
         self._casualties = Casualties(scenario)
         self.failed: frozenset[int] = frozenset()
-        """Ids of the absent robots that have failed by heat, as of the step to be judged."""
-        self._member = scenario.name_of
+        """Ids of the absent robots that have failed by heat, and of firefighters who have collapsed."""
+        self._member, self._role = scenario.name_of, scenario.role_of
         self._rescue = Rescue(scenario) if scenario.mission.saved_by == "firefighter" else None
         """None if robots save the victims."""
         self._people: tuple[PersonState, ...] = ()
@@ -173,7 +173,7 @@ class Mission:
         self._mishaps = mishaps
 
     def follow_hazards(self, field: HazardField | None, failed: frozenset[int]) -> None:
-        """Record fire and smoke of the step to be judged, and the absent robots that have failed by heat.
+        """Record fire and smoke of the step to be judged, and the absent members who have failed or collapsed.
 
         Args: field: None if fire and smoke have not advanced in this step.
         """
@@ -198,7 +198,7 @@ class Mission:
         self.victims = (*self.victims[:index], victim, *self.victims[index + 1 :])
         self._victim_states[index : index + 1] = ["waiting"]
         if self._rescue is not None:
-            self._rescue.forget(index)
+            self._rescue.forget(index, name)
         self._note_who_calls()
         self._places = self._all_places()
         self._heard_places_m.clear()
@@ -417,12 +417,17 @@ class Mission:
         now = np.ones(self._num_robots, dtype=bool) if present is None else present
         then = np.ones(self._num_robots, dtype=bool) if before is None else before
         for robot_id in np.flatnonzero(then & ~now).tolist():
-            if robot_id in self.failed:
-                self._add_event("robot_failed_by_heat", "", robot_id, f"{self._member(robot_id)} fails by heat")
-            else:
-                self._add_event("robot_removed", "", robot_id, f"{self._member(robot_id)} is removed")
+            kind, does = self._why_gone(robot_id)
+            self._add_event(kind, "", robot_id, f"{self._member(robot_id)} {does}")
         for robot_id in np.flatnonzero(now & ~then).tolist():
             self._add_event("robot_spawned", "", robot_id, f"{self._member(robot_id)} is spawned")
+
+    def _why_gone(self, robot_id: int) -> tuple[str, str]:
+        """Return the kind of event, and the verb, for a member who has left the world."""
+        if robot_id not in self.failed:
+            return "robot_removed", "is removed"
+        is_firefighter = self._role(robot_id) == "firefighter"
+        return ("firefighter_collapsed", "collapses") if is_firefighter else ("robot_failed_by_heat", "fails by heat")
 
     def _judge_end(self) -> None:
         if self._rescue is not None and self.victims and all(s in OUT_OF_DANGER for s in self._victim_states):

@@ -94,9 +94,10 @@ class Rescue:
         if state == "dead":
             self._helps.pop(index, None)
 
-    def forget(self, index: int) -> None:
+    def forget(self, index: int, name: str) -> None:
         """Forget everything about a victim, who is somewhere else now."""
         self._helps.pop(index, None)
+        self._collapsed.discard(name)
         self._last_seen_m = {key: place for key, place in self._last_seen_m.items() if key[1] != index}
 
     def judge(
@@ -170,12 +171,14 @@ class Rescue:
         return VictimNews(index, "located", "victim_located", robot_id, detail, seen_m)
 
     def _given_up(self, there_m: np.ndarray, victims: Sequence[Victim]) -> Iterator[VictimNews]:
-        """Yield the victims whose firefighter has left the team: they call again."""
+        """Yield the victims whose firefighter has left the team: they call again, unless they have collapsed."""
         for index, assistance in list(self._helps.items()):
             if math.isnan(there_m[assistance.robot_id, 0]):
                 del self._helps[index]
-                detail = f"{victims[index].name} is left by {self._member(assistance.robot_id)}"
-                yield VictimNews(index, "waiting", "victim_left", assistance.robot_id, detail)
+                name = victims[index].name
+                state: VictimState = "collapsed" if name in self._collapsed else "waiting"
+                detail = f"{name} is left by {self._member(assistance.robot_id)}"
+                yield VictimNews(index, state, "victim_left", assistance.robot_id, detail)
 
     def _reached(
         self, time_s: float, there_m: np.ndarray, victims: Sequence[Victim], states: Sequence[VictimState]

@@ -46,7 +46,7 @@ class Event(msgspec.Struct, frozen=True, gc=False):
               robot_included, robot_removed, robot_spawned, robot_tipped_over, robot_left_world,
               swarm_founded, swarm_dissolved, controller_failed,
               message_too_large,
-              robot_failed_by_heat, victim_collapsed, victim_dead,
+              robot_failed_by_heat, firefighter_collapsed, victim_collapsed, victim_dead,
               discovery_delivered (the discovery of an area or victim by robot_id was delivered to the base),
               door (opened or closed), door_moves (its leaf starts, is blocked or stops), noise, ...
     subject:  name of the area, victim, door, link ("0-2") or swarm ("swarm 1"); "" for the mission itself.

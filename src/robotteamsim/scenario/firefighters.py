@@ -30,6 +30,9 @@ class Firefighters(Team):
     escort_speed_mps: float = Field(
         default=0.6, gt=0.0, le=10.0, description="speed with a victim, whom they carry or lead [m/s]"
     )
+    breathing_apparatus: bool = Field(
+        default=True, description="whether they breathe clean air from a bottle, so that only heat harms them"
+    )
     searches: bool = Field(default=True, description="whether they search the floor while they have no order")
 
 

@@ -1,11 +1,15 @@
-"""Fire and smoke between the world and the sensors: doors burn through, robots fail."""
+"""Fire and smoke between the world and the sensors: doors burn through, robots and firefighters fail."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from robotteamsim.errors import PlacementError
+from robotteamsim.geometry import Twist
 from robotteamsim.hazards import HazardField, Hazards, HazardSource, HeatStress
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.simulation.firefighters import FirefighterHealth
 from robotteamsim.world.contract import AnyWorld
 
 
@@ -19,13 +23,18 @@ class HazardStage:
         self._update_s = scenario.fire.update_s
         self.hazards = make_hazards(scenario)
         self._stress = HeatStress(scenario.fire, world.num_robots)
+        self._firefighters = FirefighterHealth(scenario)
         self.failed: frozenset[int] = frozenset()
-        """The absent robots that have failed by heat, by id; the same object until that changes."""
+        """The absent robots and firefighters that have failed or collapsed; the same object until that changes."""
 
     @property
     def field(self) -> HazardField:
         """Fire, smoke and temperature as of the last update."""
         return self.hazards.field
+
+    def slowed(self, twists: Sequence[Twist]) -> Sequence[Twist]:
+        """Return the commands of a step as firefighters can follow them in the smoke of the last update."""
+        return self._firefighters.slowed(twists)
 
     def step(self) -> bool:
         """Advance to the world's current step, just made; return whether this was an update of fire and smoke."""
@@ -39,7 +48,9 @@ class HazardStage:
         for name in self.hazards.burnt_doors():
             if self._world.door_states()[name].closed:
                 self._world.set_door(name, closed=False)
-        failing = self._stress.expose(self._world.positions_m(), self.field, self._update_s)
+        positions_m = self._world.positions_m()
+        failing = self._firefighters.expose(positions_m, self.field, self._update_s)
+        failing += self._stress.expose(self._firefighters.without(positions_m), self.field, self._update_s)
         for robot_id in failing:
             self._world.remove_robot(robot_id)
         if failing:

@@ -101,7 +101,8 @@ class Simulation:
 
     def _move_world(self) -> None:
         """Move the world by the last decisions; voice, radio and mission follow its doors and its time."""
-        self.world.step(list(map(_TWIST, self._decisions)))
+        twists = list(map(_TWIST, self._decisions))
+        self.world.step(twists if self.fire is None else self.fire.slowed(twists))
         if self.fire is not None:
             self._hazard_field = self.fire.field if self.fire.step() else None
             self.mission.follow_hazards(self._hazard_field, self.fire.failed)

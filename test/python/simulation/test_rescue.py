@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 
 from robotteamsim.errors import PlacementError, ScenarioError
+from robotteamsim.hazards import walking_speed_share
 from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.simulation import Simulation, StepRecord
 
@@ -179,6 +181,82 @@ def test_removed_firefighter_leaves_the_victim_to_another():
     states = [simulation.step().mission.victims[0] for _ in range(2000)]
     assert states[0] == "waiting"
     assert states[-1] == "safe"
+
+
+PILE = {
+    "fuel": [{"name": "pile", "center": [14.0, 5.0], "radius_m": 1.0, "growth": "ultra_fast", "load_mj_m2": 2000.0}],
+    "ignitions": [{"position": [14.0, 5.0]}],
+}
+WATCHED = {"victims": [{"name": "ann", "position": [28.0, 9.0], "calling": False}], "autostart": False}
+
+
+def near_the_pile(**changes: Any) -> Simulation:
+    """A firefighter 5 m from a fire, without an order."""
+    firefighters = {"count": 1, "start": [10.0, 8.0, 0.0], "searches": False, **changes.pop("firefighters", {})}
+    return Simulation(rescue(firefighters=firefighters, mission=WATCHED, **changes))
+
+
+def until_collapse(simulation: Simulation) -> StepRecord | None:
+    simulation.mission.start()
+    for _ in range(2500):
+        record = simulation.step()
+        if events([record], "firefighter_collapsed"):
+            return record
+    return None
+
+
+def test_smoke_harms_only_firefighters_without_breathing_apparatus():
+    fire = {**PILE, "casualties": {"collapse_dose": 0.005}, "heat": {"flame_c": 100.0, "convective_share": 0.0}}
+    alone = {"fire": fire, "robots": {"count": 0}}
+    assert until_collapse(near_the_pile(**alone)) is None
+    record = until_collapse(near_the_pile(**alone, firefighters={"breathing_apparatus": False}))
+    assert record is not None
+    assert [event.detail for event in record.events] == ["firefighter 0 collapses"]
+    assert record.failed == {0}
+    # By hand: 2.764e-5 c^1.036 per minute, in steps of a second.
+    place, dose, replay = np.array([[10.0, 8.0]]), 0.0, near_the_pile(**alone)
+    for _ in range(record.step_index):
+        hazards = replay.step().hazards
+        if hazards is not None:
+            dose += 2.764e-5 * float(hazards.co_ppm(place)[0]) ** 1.036 / 60.0
+    assert 0.005 <= dose < 0.0052
+
+
+def test_heat_makes_firefighters_collapse_in_spite_of_their_apparatus():
+    fire = {**PILE, "casualties": {"collapse_dose": 0.005}, "heat": {"robot_endures_s": 0.0, "robot_limit_c": 21.0}}
+    record = until_collapse(near_the_pile(fire=fire, robots={"count": 0}))
+    assert record is not None
+    assert record.sim_time_s > 60.0  # the limit of robots does not count for people
+
+
+def test_smoke_slows_firefighters():
+    soot = {"yield_g_g": 0.3}
+    simulation = near_the_pile(fire={**PILE, "soot": soot}, robots={"count": 0}, firefighters={"searches": True})
+    for _ in range(900):
+        field = simulation.step().hazards or simulation.fire.field
+    simulation.mission.start()
+    fastest, share = 0.0, walking_speed_share(field.extinction_per_m(np.array([[10.0, 8.0]])))[0]
+    for _ in range(5):
+        pose = simulation.world.poses()[0]
+        simulation.step()
+        moved = simulation.world.poses()[0]
+        fastest = max(fastest, math.hypot(moved.x_m - pose.x_m, moved.y_m - pose.y_m) / 0.1)
+    assert 0.1 < share < 0.8
+    assert 0.5 * 1.3 * share < fastest <= 1.3 * share + 1e-6
+
+
+def test_collapsed_victim_whom_a_firefighter_leaves_stays_silent():
+    fire = {**PILE, "casualties": {"collapse_dose": 1e-9}}
+    simulation = Simulation(rescue(fire=fire, mission={"victims": [{"name": "ann", "position": [12.0, 2.0]}]}))
+    simulation.mission.start()
+    records = [simulation.step()]
+    while not (records[-1].mission.victims == ("carried",) and events(records, "victim_collapsed")):
+        records.append(simulation.step())
+    simulation.remove_robot(records[-1].mission.task.assistance[0].robot_id)
+    record = simulation.step()
+    assert events([record], "victim_left") == [("victim_left", "ann")]
+    assert record.mission.victims == ("collapsed",)
+    assert simulation.mission.silent_victims == ("ann",)
 
 
 @pytest.mark.parametrize(

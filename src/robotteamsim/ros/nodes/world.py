@@ -130,7 +130,7 @@ class WorldNode:
                     twists[robot_id] = STOP  # its controller's last decision before the robot left
                 self._arrived.clear()
                 self._elsewhere.follow(self._world, twists)
-                self._world.step(twists)
+                self._world.step(twists if self._fire is None else self._fire.slowed(twists))
                 burns = self._fire is not None and self._fire.step()
                 readings, doors = self._sensors.read(), self._world.door_states()
                 present, arrivals, mishaps = self._world.present, self._world.arrivals, self._world.mishaps
