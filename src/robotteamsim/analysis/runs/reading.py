@@ -49,7 +49,7 @@ _ROBOT_TYPES = {
 }
 _TF_TYPES = {"/tf": "tf2_msgs/TFMessage", "/tf_static": "tf2_msgs/TFMessage"}
 
-_LEAVES_OR_COMES = ("robot_removed", "robot_spawned")
+_LEAVES_OR_COMES = ("robot_removed", "robot_failed_by_heat", "firefighter_collapsed", "robot_spawned")
 _TIMELESS = ("/map", "/mission/areas")
 
 _MAX_DISORDER_NS = 10**9
