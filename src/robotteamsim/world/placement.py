@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -54,6 +55,7 @@ def check_places(scenario: Scenario) -> None:
     """
     with _blamed(scenario):
         _check(scenario.plan, _Members.of(scenario), scenario.mission, scenario.objects, scenario.schedule)
+        _check_walkers(scenario.mission, scenario.people.radius_m)
 
 
 def check_mission(plan: FloorPlan, mission: Mission) -> None:
@@ -69,6 +71,16 @@ def check_mission(plan: FloorPlan, mission: Mission) -> None:
         _check_spot(plan, still, key, point)
     for i, victim in enumerate(mission.victims):
         _check_walk(plan, f"mission.victims.{i}", victim)
+
+
+def _check_walkers(mission: Mission, radius_m: float) -> None:
+    """Check that people who flee or follow, and so have a body, do not start within each other."""
+    walkers = [(i, victim) for i, victim in enumerate(mission.victims) if victim.flees or victim.can_walk]
+    for (_, first), (i, second) in itertools.combinations(walkers, 2):
+        if math.dist(first.position, second.position) < 2.0 * radius_m:
+            key = f"mission.victims.{i}.position"
+            place = f"{point_text(second.position)}: '{second.name}' of radius {radius_m:g} m"
+            raise PlacementError(f"{key}: {place} overlaps '{first.name}'", key)
 
 
 def _check_walk(plan: FloorPlan, key: str, victim: Victim) -> None:

@@ -273,6 +273,10 @@ def test_collapsed_victim_whom_a_firefighter_leaves_stays_silent():
         ({"control": {"relays": 2}}, "control.relays: 2 is above the number of robots, 1"),
         ({"mission": {"victims": [{"name": "ann", "position": [12, 2], "flees": True}]}}, "there is no exit"),
         (
+            {"mission": {"victims": [{"name": n, "position": [12, 2], "can_walk": True} for n in ("ann", "bob")]}},
+            "mission.victims.1.position: [12, 2]: 'bob' of radius 0.15 m overlaps 'ann'",
+        ),
+        (
             {"firefighters": {"count": 90, "start": [3, 5, 0], "spacing_m": 3.0}},
             "firefighters.count: 90 firefighters 3 m",
         ),
