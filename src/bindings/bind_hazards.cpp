@@ -57,9 +57,10 @@ template <typename To, typename Function>
 Array<To, -1, -1> CellsOf(const hazards::Links& links, const Function& value_of) {
   const int rows = links.rows(), cols = links.cols();
   auto cells = NewArray<To, -1, -1>({static_cast<std::size_t>(rows), static_cast<std::size_t>(cols)});
-  To* to = cells.data();
-  for (int row = 1; row <= rows; ++row) {
-    for (int col = 1; col <= cols; ++col) *to++ = value_of(row * links.stride() + col);
+  To* __restrict to = cells.data();
+  for (int row = 1; row <= rows; ++row, to += cols) {
+    const int begin = row * links.stride() + 1;
+    for (int col = 0; col < cols; ++col) to[col] = value_of(begin + col);
   }
   return cells;
 }

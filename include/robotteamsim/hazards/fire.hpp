@@ -74,8 +74,10 @@ class Fire {
   std::vector<Burning> states_;  ///< with a border
   std::vector<Cell> burning_;
   std::vector<Release> releases_;
-  int first_row_;  ///< with the border, that a fire has reached
+  int first_row_;  ///< with the border, of the rectangle that a fire has reached
   int last_row_ = 0;
+  int first_col_;
+  int last_col_ = 0;
 };
 
 }  // namespace robotteamsim::hazards

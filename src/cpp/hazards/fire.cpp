@@ -109,7 +109,8 @@ Fire::Fire(const Links& links, std::vector<Fuel> fuels, const std::vector<int>& 
       exposures_(links.PaddedSize(), 0.0),
       burning_near_(links.PaddedSize(), 0),
       states_(links.PaddedSize(), Burning::kNot),
-      first_row_(links.rows() + 1) {
+      first_row_(links.rows() + 1),
+      first_col_(links.cols() + 1) {
   const std::size_t size = static_cast<std::size_t>(links.rows()) * links.cols();
   if (fuel_of_cell.size() != size || thresholds.size() != size) {
     throw std::invalid_argument("each cell must have a fuel and a threshold");
@@ -141,12 +142,14 @@ void Fire::Advance(const Links& links, double seconds) {
   releases_.clear();
   if (burning_.empty()) return;
   std::vector<int> ignited;
-  for (int padded = first_row_ * links.stride(); padded < (last_row_ + 1) * links.stride(); ++padded) {
-    if (burning_near_[padded] == 0 || states_[padded] != Burning::kNot || fuel_of_[padded] < 0) continue;
-    const Fuel& fuel = fuels_[fuel_of_[padded]];
-    const double nearest2 = Nearest2(burning_near_[padded]);
-    exposures_[padded] += kPace * seconds / (nearest2 * nearest2 * TimeToPeak(fuel));
-    if (exposures_[padded] >= thresholds_[padded]) ignited.push_back(padded);
+  for (int row = first_row_; row <= last_row_; ++row) {
+    for (int padded = row * links.stride() + first_col_; padded <= row * links.stride() + last_col_; ++padded) {
+      if (burning_near_[padded] == 0 || states_[padded] != Burning::kNot || fuel_of_[padded] < 0) continue;
+      const Fuel& fuel = fuels_[fuel_of_[padded]];
+      const double nearest2 = Nearest2(burning_near_[padded]);
+      exposures_[padded] += kPace * seconds / (nearest2 * nearest2 * TimeToPeak(fuel));
+      if (exposures_[padded] >= thresholds_[padded]) ignited.push_back(padded);
+    }
   }
   std::vector<Cell> still;
   still.reserve(burning_.size() + ignited.size());
@@ -193,6 +196,8 @@ void Fire::Count(const Links& links, int padded, bool burns) {
   const int stride = links.stride(), row = padded / stride, col = padded % stride;
   first_row_ = std::min(first_row_, std::max(1, row - kReach));
   last_row_ = std::max(last_row_, std::min(links.rows(), row + kReach));
+  first_col_ = std::min(first_col_, std::max(1, col - kReach));
+  last_col_ = std::max(last_col_, std::min(links.cols(), col + kReach));
   for (const Offset& offset : Offsets()) {
     const int to_row = row + offset.dy, to_col = col + offset.dx;
     if (to_row < 1 || to_row > links.rows() || to_col < 1 || to_col > links.cols()) continue;
