@@ -43,6 +43,8 @@ class Air {
   std::vector<float> excess_;  ///< single precision, because heat is lost anyway
   std::vector<double> soot_after_;
   std::vector<float> excess_after_;
+  std::vector<double> soot_from_south_;  ///< of one row, in the order in which rows are computed
+  std::vector<float> excess_from_south_;
   int first_;  ///< rows, with the border, that have soot or heat
   int last_;
 };

@@ -11,7 +11,8 @@ namespace robotteamsim::hazards {
 namespace {
 
 constexpr double kStefanBoltzmann = 5.670374419e-11;  // [kW/(m^2 K^4)]
-constexpr double kLargestShare = 0.2;    // of the difference between two cells that flows in one pass; 1/4 is the limit
+constexpr double kLargestShare =
+    1.0 / 3.0;                           // of the difference between two cells that flows in a pass; 1/2 is the limit
 constexpr double kLongestCooling = 1.0;  // [s]
 constexpr float kNothing = 1e-9F;        // [K]
 constexpr double kSmallest = 1e-3;
@@ -32,24 +33,33 @@ AirModel Checked(const AirModel& model) {
   return model;
 }
 
-/// What flows into a cell from its four neighbours: each flow leaves one cell and enters the next, so the sum over all
-/// cells is conserved.
-template <typename Value>
-ROBOTTEAMSIM_INLINE Value Inflow(Value east, Value west, Value north, Value south, int stride, const Value* here) {
-  const Value along = east * (here[1] - here[0]) - west * (here[0] - here[-1]);
-  const Value across = north * (here[stride] - here[0]) - south * (here[0] - here[-stride]);
-  return along + across;
-}
-
-/// One row of soot and heat, which share the links.
-ROBOTTEAMSIM_INLINE void SpreadOneRow(const float* __restrict east, const float* __restrict north, int stride, int cols,
-                                      double share, const double* __restrict soot, double* __restrict soot_after,
-                                      const float* __restrict heat, float* __restrict heat_after) {
+/// One row of soot and heat, which share the links, after exchange with the cells to the east and to the west. Each
+/// flow leaves one cell and enters the next, so the sum over all cells is conserved.
+ROBOTTEAMSIM_INLINE void SpreadAlongRow(const float* __restrict east, int cols, double share,
+                                        const double* __restrict soot, double* __restrict soot_after,
+                                        const float* __restrict heat, float* __restrict heat_after) {
   const auto heat_share = static_cast<float>(share);
   for (int i = 1; i <= cols; ++i) {
-    const float e = east[i], w = east[i - 1], n = north[i], s = north[i - stride];
-    soot_after[i] = soot[i] + share * Inflow<double>(e, w, n, s, stride, soot + i);
-    heat_after[i] = heat[i] + heat_share * Inflow<float>(e, w, n, s, stride, heat + i);
+    const float e = east[i], w = east[i - 1];
+    soot_after[i] = soot[i] + share * (e * (soot[i + 1] - soot[i]) - w * (soot[i] - soot[i - 1]));
+    heat_after[i] = heat[i] + heat_share * (e * (heat[i + 1] - heat[i]) - w * (heat[i] - heat[i - 1]));
+  }
+}
+
+/// The same with the rows to the north and to the south. `from_south` is what flows in from the southern row, and
+/// becomes what flows from this row to the next.
+ROBOTTEAMSIM_INLINE void SpreadAcrossRow(const float* __restrict north, int stride, int cols, double share,
+                                         const double* __restrict soot, double* __restrict soot_after,
+                                         double* __restrict soot_from_south, const float* __restrict heat,
+                                         float* __restrict heat_after, float* __restrict heat_from_south) {
+  const auto heat_share = static_cast<float>(share);
+  for (int i = 1; i <= cols; ++i) {
+    const double soot_flow = north[i] * (soot[i + stride] - soot[i]);
+    const float heat_flow = north[i] * (heat[i + stride] - heat[i]);
+    soot_after[i] = soot[i] + share * (soot_flow - soot_from_south[i]);
+    heat_after[i] = heat[i] + heat_share * (heat_flow - heat_from_south[i]);
+    soot_from_south[i] = soot_flow;
+    heat_from_south[i] = heat_flow;
   }
 }
 
@@ -67,20 +77,27 @@ ROBOTTEAMSIM_INLINE void CoolCells(float convection, float radiation, float ambi
 
 /// The loops for one instruction set.
 struct Loops {
-  void (*spread)(const float* east, const float* north, int stride, int cols, double share, const double* soot,
-                 double* soot_after, const float* heat, float* heat_after);
+  void (*along)(const float* east, int cols, double share, const double* soot, double* soot_after, const float* heat,
+                float* heat_after);
+  void (*across)(const float* north, int stride, int cols, double share, const double* soot, double* soot_after,
+                 double* soot_from_south, const float* heat, float* heat_after, float* heat_from_south);
   void (*cool)(float convection, float radiation, float ambient, int count, float* x);
 };
 
-#define ROBOTTEAMSIM_AIR_LOOPS(Name, attributes)                                                               \
-  attributes void Name##Spread(const float* east, const float* north, int stride, int cols, double share,      \
-                               const double* soot, double* soot_after, const float* heat, float* heat_after) { \
-    SpreadOneRow(east, north, stride, cols, share, soot, soot_after, heat, heat_after);                        \
-  }                                                                                                            \
-  attributes void Name##Cool(float convection, float radiation, float ambient, int count, float* x) {          \
-    CoolCells(convection, radiation, ambient, count, x);                                                       \
-  }                                                                                                            \
-  constexpr Loops k##Name##Loops = {Name##Spread, Name##Cool};
+#define ROBOTTEAMSIM_AIR_LOOPS(Name, attributes)                                                                 \
+  attributes void Name##Along(const float* east, int cols, double share, const double* soot, double* to_soot,    \
+                              const float* heat, float* to_heat) {                                               \
+    SpreadAlongRow(east, cols, share, soot, to_soot, heat, to_heat);                                             \
+  }                                                                                                              \
+  attributes void Name##Across(const float* north, int stride, int cols, double share, const double* soot,       \
+                               double* to_soot, double* soot_from_south, const float* heat, float* to_heat,      \
+                               float* heat_from_south) {                                                         \
+    SpreadAcrossRow(north, stride, cols, share, soot, to_soot, soot_from_south, heat, to_heat, heat_from_south); \
+  }                                                                                                              \
+  attributes void Name##Cool(float convection, float radiation, float ambient, int count, float* x) {            \
+    CoolCells(convection, radiation, ambient, count, x);                                                         \
+  }                                                                                                              \
+  constexpr Loops k##Name##Loops = {Name##Along, Name##Across, Name##Cool};
 ROBOTTEAMSIM_FOR_EACH_SIMD(ROBOTTEAMSIM_AIR_LOOPS)
 
 const Loops& BestLoops() {
@@ -97,6 +114,8 @@ Air::Air(const AirModel& model, const Links& links)
       excess_(links.PaddedSize(), 0.0F),
       soot_after_(links.PaddedSize(), 0.0),
       excess_after_(links.PaddedSize(), 0.0F),
+      soot_from_south_(links.stride()),
+      excess_from_south_(links.stride()),
       first_(links.rows() + 1),
       last_(0) {}
 
@@ -124,21 +143,23 @@ void Air::Spread(const Links& links, double share, int passes) {
   first_ = std::max(1, first_ - passes);
   last_ = std::min(rows_, last_ + passes);
   const int stride = links.stride();
-  // Each pass is one row behind the one before it, so that rows are still in the cache. A pass overwrites a row that
-  // the pass before it has read for the last time.
-  for (int front = first_; front < last_ + passes; ++front) {
-    for (int pass = std::max(0, front - last_); pass < passes && front - pass >= first_; ++pass) {
-      const int begin = (front - pass) * stride;
-      const bool is_even = pass % 2 == 0;
-      std::vector<double>&soot = is_even ? soot_ : soot_after_, &soot_after = is_even ? soot_after_ : soot_;
-      std::vector<float>&excess = is_even ? excess_ : excess_after_, &excess_after = is_even ? excess_after_ : excess_;
-      loops.spread(links.east().data() + begin, links.north().data() + begin, stride, links.cols(), share,
-                   soot.data() + begin, soot_after.data() + begin, excess.data() + begin, excess_after.data() + begin);
+  for (int pass = 0; pass < passes; ++pass) {
+    // Nothing flows into the first row and out of the last: beyond them is the border, or a row that is not reached.
+    std::fill(soot_from_south_.begin(), soot_from_south_.end(), 0.0);
+    std::fill(excess_from_south_.begin(), excess_from_south_.end(), 0.0F);
+    for (int row = first_; row <= last_ + 1; ++row) {
+      const int here = row * stride, south = here - stride;
+      if (row <= last_) {
+        loops.along(links.east().data() + here, links.cols(), share, soot_.data() + here, soot_after_.data() + here,
+                    excess_.data() + here, excess_after_.data() + here);
+      }
+      if (row == first_) continue;
+      // One row behind, so that rows are still in the cache.
+      loops.across(links.north().data() + south, stride, links.cols(), share, soot_after_.data() + south,
+                   soot_.data() + south, soot_from_south_.data(), excess_after_.data() + south, excess_.data() + south,
+                   excess_from_south_.data());
     }
   }
-  if (passes % 2 == 0) return;
-  soot_.swap(soot_after_);
-  excess_.swap(excess_after_);
 }
 
 void Air::Cool(int stride, double seconds) {

@@ -53,7 +53,7 @@ AirModel WithoutLosses() {
 }
 
 TEST(Air, SpreadsAsAStraightforwardComputationDoes) {
-  const auto east = Pattern(5), north = Pattern(4);
+  const auto east = Pattern(5), north = Pattern(4), none = Pattern(1);
   const Links links(kRows, kCols, east, north, {}, 0);
   Air air(WithoutLosses(), links);
   std::vector<double> soot(kRows * kCols, 0.0);
@@ -61,8 +61,8 @@ TEST(Air, SpreadsAsAStraightforwardComputationDoes) {
   air.Add(links.Padded(3 * kCols + 8), 5.0, 0.0);
   for (int second = 0; second < 30; ++second) {
     air.Advance(links, 1.0);
-    // 1 s is five passes of 0.2 s: 0.25 * 0.2 / 0.25 = 0.2 flows.
-    for (int pass = 0; pass < 5; ++pass) soot = Plain(soot, east, north, 0.2);
+    // 1 s is three passes, in each of which a third flows (0.25 / 0.25 = 1): first along rows, then across them.
+    for (int pass = 0; pass < 3; ++pass) soot = Plain(Plain(soot, east, none, 1.0 / 3.0), none, north, 1.0 / 3.0);
   }
   for (int cell = 0; cell < kRows * kCols; ++cell) EXPECT_NEAR(air.soot()[links.Padded(cell)], soot[cell], 1e-12);
 }
