@@ -25,6 +25,18 @@ def number_with(outcome: Outcome, event: str) -> float:
     return float(sum(times.get(event) is not None for times in victims))
 
 
+def casualties(outcome: Outcome, kind: str) -> float:
+    """Return how many robots have failed, or firefighters have collapsed."""
+    return float(sum(one["kind"] == kind for one in json.loads(outcome.details or "{}").get("casualties", [])))
+
+
+def mean_error_m(outcome: Outcome) -> float:
+    """Return how far off the victims were located on average [m]; 0 if none was."""
+    victims = json.loads(outcome.details or "{}")["victims"].values()
+    errors_m = [victim["position_error_m"] for victim in victims if "position_error_m" in victim]
+    return float(np.mean(errors_m)) if errors_m else 0.0
+
+
 def mean_time_s(outcome: Outcome, event: str) -> float:
     """Return when victims reached a state on average [s]; those who never did count with the end of the mission."""
     victims = json.loads(outcome.details or "{}")["victims"].values()
@@ -35,8 +47,11 @@ def mean_time_s(outcome: Outcome, event: str) -> float:
 COLUMNS: dict[str, Callable[[Outcome], float]] = {
     "victims safe": lambda outcome: float(outcome.victims_saved or 0),
     "victims dead": lambda outcome: number_with(outcome, "dead_s"),
+    "firefighters collapsed": lambda outcome: casualties(outcome, "firefighter_collapsed"),
+    "robots failed": lambda outcome: casualties(outcome, "robot_failed_by_heat"),
     "all safe or dead after [s]": lambda outcome: float(outcome.time_s or 0.0),
     "victim located after [s]": lambda outcome: mean_time_s(outcome, "located_s"),
+    "located position off by [m]": mean_error_m,
     "victim reported after [s]": lambda outcome: mean_time_s(outcome, "reported_s"),
     "victim safe after [s]": lambda outcome: mean_time_s(outcome, "safe_s"),
 }

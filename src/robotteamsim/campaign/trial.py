@@ -14,6 +14,7 @@ import robotteamsim
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.paths import PathLog
 from robotteamsim.errors import CampaignError
+from robotteamsim.mission.rescue import located_error_m
 from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.idleness import IdlenessLog, patrols
 from robotteamsim.scenario.scenario import Scenario
@@ -30,6 +31,8 @@ _OF_RESULT = (
 
 _VICTIM_EVENTS = frozenset(f"victim_{state}" for state in get_args(VictimState) if state != "waiting")
 
+_CASUALTIES = ("robot_failed_by_heat", "firefighter_collapsed")
+
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
@@ -38,8 +41,9 @@ class Outcome:
     discoveries_delivered, mean_delivery_delay_s, max_delivery_delay_s: as in `Result`; None without a base.
     details: JSON with `areas` (name: time explored [s] or null), `victims` (name: {heard_s, saved_s}, null if that
              never happened; with firefighters also located_s, reported_s, reached_s, carried_s, safe_s, dead_s if it
-             did) and `robots` (distance_m, contact_s, excluded_s, longest_stay_s of each); for a patrol also
-             `idleness`, as `recording.idleness.Idleness`.
+             did, and located_by and position_error_m of the first location) and `robots` (distance_m, contact_s,
+             excluded_s, longest_stay_s of each); if there are any, `casualties` (id, kind, time_s of robots that
+             failed and firefighters who collapsed); for a patrol also `idleness`, as `recording.idleness.Idleness`.
     paths:   of the robots, for `decode_paths`.
     wall_s:  computing time, the only value that differs between equal trials.
     """
@@ -121,8 +125,9 @@ class _EventTimes:
     """Records when each area was explored, and each victim reached each state after waiting."""
 
     def begin(self, scenario: Scenario) -> None:
+        self._casualties: list[dict[str, Any]] = []
         self._areas: dict[str, float | None] = {area.name: None for area in scenario.mission.areas}
-        self._victims: dict[str, dict[str, float | None]] = {
+        self._victims: dict[str, dict[str, float | int | None]] = {
             victim.name: {"heard_s": None, "saved_s": None} for victim in scenario.mission.victims
         }
 
@@ -137,6 +142,10 @@ class _EventTimes:
                 key = event.kind.removeprefix("victim_") + "_s"
                 if times.get(key) is None:
                     times[key] = event.time_s
+                    if event.kind == "victim_located":
+                        times |= {"located_by": event.robot_id, "position_error_m": located_error_m(event.detail)}
+            elif event.kind in _CASUALTIES:
+                self._casualties.append({"id": event.robot_id, "kind": event.kind, "time_s": event.time_s})
 
     def end(self, result: Result) -> None:
         """Do nothing."""
@@ -147,5 +156,7 @@ class _EventTimes:
     def details(self, result: Result, further: dict[str, Any]) -> str:
         """Return the `details` of an outcome, with further ones."""
         robots = [msgspec.structs.asdict(robot) for robot in result.robots]
-        own = {"areas": self._areas, "victims": self._victims, "robots": robots}
+        own: dict[str, Any] = {"areas": self._areas, "victims": self._victims, "robots": robots}
+        if self._casualties:
+            own["casualties"] = self._casualties
         return json.dumps(own | further, ensure_ascii=False)

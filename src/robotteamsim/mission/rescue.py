@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 
 import msgspec
@@ -25,6 +26,16 @@ _UNKNOWN: tuple[VictimState, ...] = ("waiting", "heard", "collapsed")
 _WAITING: tuple[VictimState, ...] = (*_UNKNOWN, "located", "reported")
 _ROBOTS = -1
 """Replaces the id of a robot: all robots together know where a victim was last seen; each firefighter knows alone."""
+
+
+_OFF = ", {:.2f} m off"
+"""The end of the detail of `victim_located`."""
+
+
+def located_error_m(detail: str) -> float | None:
+    """Return how far off a located position was, by the detail of the event `victim_located` [m]; None: unknown."""
+    found = re.search(r", (\d+\.\d+) m off$", detail)
+    return float(found[1]) if found else None
 
 
 class VictimNews(msgspec.Struct, frozen=True, gc=False):
@@ -167,7 +178,7 @@ class Rescue:
     def _located(self, index: int, robot_id: int, seen_m: Point, by: str, victim: Victim) -> VictimNews:
         self._last_seen_m[self._observer(robot_id), index] = seen_m
         error_m = math.dist(seen_m, victim.position)
-        detail = f"{self._member(robot_id)} locates {victim.name} by {by}, {error_m:.2f} m off"
+        detail = f"{self._member(robot_id)} locates {victim.name} by {by}{_OFF.format(error_m)}"
         return VictimNews(index, "located", "victim_located", robot_id, detail, seen_m)
 
     def _given_up(self, there_m: np.ndarray, victims: Sequence[Victim]) -> Iterator[VictimNews]:

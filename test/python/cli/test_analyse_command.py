@@ -82,7 +82,16 @@ def test_json_is_printed_alone_or_written(capsys, bags, tmp_path):
 
 def test_csv_goes_into_a_folder_that_is_made(capsys, bags, tmp_path):
     assert main(["analyse", *map(str, bags), "--csv", str(tmp_path / "new")]) == 0
-    names = ["bags.csv", "contexts.csv", "events.csv", "network.csv", "paths.csv", "progress.csv", "robots.csv"]
+    names = [
+        "bags.csv",
+        "contexts.csv",
+        "events.csv",
+        "network.csv",
+        "paths.csv",
+        "progress.csv",
+        "robots.csv",
+        "victims.csv",
+    ]
     assert sorted(os.listdir(tmp_path / "new")) == names
     assert len((tmp_path / "new" / "bags.csv").read_text().splitlines()) == 3
 

@@ -4,7 +4,7 @@ import csv
 import dataclasses
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import msgspec
 
@@ -20,10 +20,14 @@ from robotteamsim.analysis.runs.totals import (
     max_hops,
 )
 from robotteamsim.interface import SwarmContext
+from robotteamsim.mission.rescue import located_error_m
+from robotteamsim.mission.status import Event, VictimState
 from robotteamsim.recording.files import atomically, prepare_folder
 from robotteamsim.wording import safe_cell
 
 Row = Sequence[Any]
+
+_VICTIM_STATES = tuple(state for state in get_args(VictimState) if state != "waiting")
 
 _COUNTS = ("areas_explored", "victims_heard", "victims_saved", "endangered_links")
 
@@ -54,6 +58,10 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
         "events": (
             ("bag", "time_s", "kind", "subject", "robot_id", "detail"),
             ((run.name, *msgspec.structs.astuple(event)) for run in runs for _, event in run.events),
+        ),
+        "victims": (
+            ("bag", "victim", "located_by", "position_error_m", *(f"{state}_s" for state in _VICTIM_STATES)),
+            (row for run in runs for row in _victim_rows(run)),
         ),
         "progress": (
             ("bag", "time_s", "mission_time_s", "state", *_COUNTS),
@@ -115,6 +123,21 @@ def _context_rows(run: RecordedRun) -> Iterator[Row]:
         if robot.context is not None:
             for time_s, values in zip(run.time_s(robot.context.stamps_ns), robot.context.values.tolist(), strict=True):
                 yield (run.name, robot.name, time_s, *values)
+
+
+def _victim_rows(run: RecordedRun) -> Iterator[Row]:
+    """Yield when each victim was first in each state, and who first located them how exactly; None: never."""
+    events = [event for _, event in run.events]
+    names = [victim.name for victim in run.victims[-1][1]] if run.victims else []
+    for name in names:
+        first: dict[str, Event] = {}
+        for event in events:
+            if event.subject == name:
+                first.setdefault(event.kind, event)
+        located = first.get("victim_located")
+        by, error_m = (located.robot_id, located_error_m(located.detail)) if located else (None, None)
+        times_s = [first[kind].time_s if (kind := f"victim_{state}") in first else None for state in _VICTIM_STATES]
+        yield run.name, name, by, error_m, *times_s
 
 
 def _progress_rows(run: RecordedRun) -> Iterator[Row]:
