@@ -245,6 +245,25 @@ def test_smoke_slows_firefighters():
     assert 0.5 * 1.3 * share < fastest <= 1.3 * share + 1e-6
 
 
+def test_firefighter_stays_out_of_a_fire_that_fills_the_way_to_the_victim():
+    barrier = {"name": "barrier", "polygon": [[13.0, 0.3], [17.0, 0.3], [17.0, 9.7], [13.0, 9.7]]}
+    fire = {**PILE, "fuel": [{**barrier, "growth": "ultra_fast", "load_mj_m2": 4000.0}]}
+    simulation = Simulation(
+        rescue(
+            fire=fire,
+            robots={"count": 0},
+            firefighters={"count": 1, "start": [4.0, 8.0, 0.0], "heat": {"range_m": 12.0}},
+            mission={"victims": [{"name": "ann", "position": [26.0, 2.0]}], "autostart": False},
+        )
+    )
+    for _ in range(1500):
+        simulation.step()
+    simulation.mission.start()
+    records = [simulation.step() for _ in range(1500)]
+    assert not events(records, "firefighter_collapsed", "victim_reached")
+    assert records[-1].is_there(0)
+
+
 def test_collapsed_victim_whom_a_firefighter_leaves_stays_silent():
     fire = {**PILE, "casualties": {"collapse_dose": 1e-9}}
     simulation = Simulation(rescue(fire=fire, mission={"victims": [{"name": "ann", "position": [12.0, 2.0]}]}))
