@@ -143,7 +143,8 @@ def _check_doors(message: Any, settings: Settings | None) -> None:
 
 
 def _check_voice(message: Any, _: Settings | None) -> None:
-    check_finite("level_db", message.level_db, message.local_best_level_db)
+    _expect_within("level_db", message.level_db, 0.0, LARGEST_VALUE)
+    _expect_within("local_best_level_db", message.local_best_level_db, 0.0, LARGEST_VALUE)
     check_place("local_best", message.local_best.x, message.local_best.y)
 
 
@@ -192,9 +193,22 @@ def _check_scan(message: Any, _: Settings | None) -> None:
 def _check_map(message: Any, _: Settings | None) -> None:
     _expect_within("resolution_m", message.resolution_m, FINEST_CELL_M, FARTHEST_M)
     check_place("origin", message.origin.x, message.origin.y)
-    _expect("data", len(message.data), message.width * message.height)
+    _check_cells(message.data, message.width, message.height)
     for value in message.data:
         _expect_within("data", value, -LARGEST_VALUE, LARGEST_VALUE)
+
+
+def _check_grid(message: Any, _: Settings | None) -> None:
+    info = message.info
+    _expect_within("resolution", info.resolution, FINEST_CELL_M, FARTHEST_M)
+    check_place("origin", info.origin.position.x, info.origin.position.y)
+    _check_cells(message.data, info.width, info.height)
+
+
+def _check_cells(data: Sequence[float], width: int, height: int) -> None:
+    if not data:
+        raise ValueError("data: 0 entries; expected at least one cell")
+    _expect("data", len(data), width * height)
 
 
 def _check_names(name: str, owners: Sequence[Any]) -> None:
@@ -240,6 +254,7 @@ _CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
     "robotteamsim/Areas": _check_areas,
     "robotteamsim/Victims": _check_victims,
     "robotteamsim/People": _check_people,
+    "nav_msgs/OccupancyGrid": _check_grid,
     "nav_msgs/Odometry": _check_odometry,
     "sensor_msgs/LaserScan": _check_scan,
     "sensor_msgs/NavSatFix": _check_fix,
