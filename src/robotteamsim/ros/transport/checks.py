@@ -53,6 +53,12 @@ def check_finite(name: str, *values: float) -> None:
             raise ValueError(f"{name}: {value:g}; expected finite numbers")
 
 
+def check_levels(level_db: float, local_best_level_db: float) -> None:
+    """Raises: ValueError: a voice level [dB] is below 0, which means silence, or far too high."""
+    _expect_within("level_db", level_db, 0.0, LARGEST_VALUE)
+    _expect_within("local_best_level_db", local_best_level_db, 0.0, LARGEST_VALUE)
+
+
 def _read_outbox(robot_id: int, settings: Settings, data: bytes) -> Any:
     message = _read(NetworkMessages, settings, data)
     for one in message.messages:
@@ -143,8 +149,7 @@ def _check_doors(message: Any, settings: Settings | None) -> None:
 
 
 def _check_voice(message: Any, _: Settings | None) -> None:
-    _expect_within("level_db", message.level_db, 0.0, LARGEST_VALUE)
-    _expect_within("local_best_level_db", message.local_best_level_db, 0.0, LARGEST_VALUE)
+    check_levels(message.level_db, message.local_best_level_db)
     check_place("local_best", message.local_best.x, message.local_best.y)
 
 
