@@ -29,6 +29,7 @@ from robotteamsim.msg import (
     Voice,
 )
 from sensor_msgs.msg import LaserScan, NavSatFix, Range
+from visualization_msgs.msg import Marker, MarkerArray
 
 from robotteamsim.ros.nodes.requests import check_door, check_noise, check_victim
 from robotteamsim.ros.transport.checks import outbox_reader, reader
@@ -109,6 +110,10 @@ def test_message_that_fits_the_scenario_is_read(message):
         (OccupancyGrid(info=MapMetaData(width=1, height=1), data=[0]), "resolution: 0; expected 0.01 to 1e+06"),
         (Voice(level_db=-1e300), "level_db: -1e+300; expected 0 to 1e+06"),
         (Voice(local_best_level_db=math.nan), "local_best_level_db: nan; expected 0 to 1e+06"),
+        (
+            MarkerArray(markers=[Marker(points=[Point(x=1.0), Point(z=-1e308)])]),
+            "points: (0, 0, -1e+308); expected finite numbers within 1000 km",
+        ),
         (Areas(areas=[Area(radius_m=-1.0)]), "radius_m: -1; expected 0 to 1e+06"),
         (Areas(areas=[Area(), Area()]), "areas: expected unique names"),
         (Victims(victims=[Victim(state="saved")] * 2), "victims: expected unique names"),

@@ -216,6 +216,13 @@ def _check_cells(data: Sequence[float], width: int, height: int) -> None:
     _expect("data", len(data), width * height)
 
 
+def _check_markers(message: Any, _: Settings | None) -> None:
+    for marker in message.markers:
+        check_place("position", marker.pose.position.x, marker.pose.position.y)
+        for point in marker.points:
+            check_place("points", point.x, point.y, point.z)
+
+
 def _check_names(name: str, owners: Sequence[Any]) -> None:
     if len({owner.name for owner in owners}) < len(owners):
         raise ValueError(f"{name}: expected unique names")
@@ -264,4 +271,5 @@ _CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
     "sensor_msgs/LaserScan": _check_scan,
     "sensor_msgs/NavSatFix": _check_fix,
     "sensor_msgs/Range": _check_range,
+    "visualization_msgs/MarkerArray": _check_markers,
 }
