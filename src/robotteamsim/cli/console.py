@@ -6,7 +6,7 @@ from rich.console import Console
 
 
 class OutputConsole(Console):
-    """Leaves a closed pipe to `main`, which ends with the status of every command in that case; rich would end with 1."""
+    """Leaves a closed pipe to `main`, which has a status for it; rich would end with 1."""
 
     def on_broken_pipe(self) -> NoReturn:
         """Raises: BrokenPipeError."""
