@@ -40,7 +40,20 @@ LAUNCHES = {
         (MISSION, "scenario:=warehouse_push", "robots:=3"),
         (*NODES, *CONTROLLERS, "/robot_2/controller"),
     ),
+    "search": ((MISSION, "set:=control.algorithm=search"), (*NODES, *CONTROLLERS)),
+    "rescue": (
+        (MISSION, "scenario:=garage_rescue", "people:=4"),
+        (*NODES, *(f"/robot_{member}/controller" for member in range(6))),
+    ),
+    "fire, one process": (
+        (MISSION, "scenario:=office_fire", "people:=4", "controllers:=team"),
+        (*NODES, "/controllers"),
+    ),
     "lockstep": ((MISSION, "lockstep:=true"), (*NODES, *CONTROLLERS)),
+    "rescue in lockstep": (
+        (MISSION, "scenario:=garage_rescue", "people:=4", "controllers:=team", "lockstep:=true"),
+        (*NODES, "/controllers"),
+    ),
     "world": (("robotteamsim", "world.launch", "robots:=3", "stage_requests:=true"), ("/world",)),
 }
 STOPPED = re.compile(r"is stopped: .*\.py:\d+\)")

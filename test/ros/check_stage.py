@@ -9,8 +9,10 @@ import time
 import unittest
 from typing import Any
 
+import numpy as np
 import rospy
 import rostest
+import shapely
 import tf2_ros
 from geometry_msgs.msg import Twist, Vector3
 from listening import TIMEOUT_S, Topic, drive, speed_mps
@@ -20,11 +22,26 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
+from robotteamsim.geometry import Pose
+from robotteamsim.ros.transport.msg_conversion import odometry_reading
+from robotteamsim.scenario import load
+from robotteamsim.scenario.plan import obstacles
+
 TICK_NS, STEP_NS = 20_000_000, 100_000_000
+SHIFTS_NS = (-STEP_NS, 0, STEP_NS)
 SCANS = 20
 TIMEOUT = rospy.Duration(60)
 """[simulated]"""
 FORWARD = Twist(linear=Vector3(0.3, 0.0, 0.0))
+
+
+def ranges_m(solid: shapely.Geometry, laser: Pose, scan: LaserScan, turn_rad: float) -> np.ndarray:
+    """Return what a scan would have at a pose of the laser that is turned a little, by exact intersections."""
+    at = np.array([laser.x_m, laser.y_m])
+    angles = laser.yaw_rad + turn_rad + scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+    ends = at + scan.range_max * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    rays = shapely.linestrings(np.stack([np.broadcast_to(at, ends.shape), ends], axis=1))
+    return np.fmin(shapely.distance(shapely.intersection(solid, rays), shapely.Point(at)), scan.range_max)
 
 
 def stamps_ns(messages: Any) -> list[int]:
@@ -45,7 +62,8 @@ class StageTest(unittest.TestCase):
         cls.tf = Topic("/tf", TFMessage)
         cls.odometry = Topic("/odom", Odometry)
         cls.scan = Topic("/base_scan", LaserScan)
-        for topic in (cls.tf, cls.odometry, cls.scan):
+        cls.truth = Topic("/base_pose_ground_truth", Odometry)
+        for topic in (cls.tf, cls.odometry, cls.scan, cls.truth):
             topic.wait_for_count(1)
         cls.driven = drive(cls.command, FORWARD, cls.odometry, 5 * SCANS)
         cls.scans = cls.scan.wait_for_count(SCANS)
@@ -65,6 +83,30 @@ class StageTest(unittest.TestCase):
         for message in common:
             place = self.transforms.lookup_transform("odom", "base_footprint", message.header.stamp, TIMEOUT)
             self.assertEqual(place.transform.translation.x, message.pose.pose.position.x)
+
+    def test_scan_has_the_distances_of_the_walls_at_the_pose_of_its_stamp(self) -> None:
+        solid = obstacles(load("tutorial_arena").plan)
+        truths = {message.header.stamp.to_nsec(): odometry_reading(message) for message in self.truth.messages}
+        scans = [
+            scan for scan in self.scan.messages if {scan.header.stamp.to_nsec() + d for d in SHIFTS_NS} <= truths.keys()
+        ]
+        moving = [scan for scan in scans if truths[scan.header.stamp.to_nsec()].twist.linear_x_mps > 0.25]
+        self.assertGreater(len(moving), SCANS // 2)
+        # Just beside an edge ranges jump, so a beam may see either side of its angle.
+        for scan in moving:
+            seen = [ranges_m(solid, self.laser_at(truths, scan, 0), scan, turn) for turn in (-1e-6, 0.0, 1e-6)]
+            self.assertTrue((np.array(scan.ranges) >= np.min(seen, axis=0) - 1e-4).all())
+            self.assertTrue((np.array(scan.ranges) <= np.max(seen, axis=0) + 1e-4).all())
+        for shift_ns in (-STEP_NS, STEP_NS):
+            wrong = [ranges_m(solid, self.laser_at(truths, scan, shift_ns), scan, 0.0) for scan in moving]
+            off_m = np.abs(np.array([scan.ranges for scan in moving]) - wrong).max(axis=1)
+            self.assertGreater(off_m.min(), 0.02)  # a step is 0.03 m
+
+    def laser_at(self, truths: dict[int, Any], scan: LaserScan, shift_ns: int) -> Pose:
+        link = self.transforms.lookup_transform("base_footprint", scan.header.frame_id, scan.header.stamp, TIMEOUT)
+        mount, turn = link.transform.translation, link.transform.rotation
+        pose: Pose = truths[scan.header.stamp.to_nsec() + shift_ns].pose.pose
+        return pose @ Pose(mount.x, mount.y, 2.0 * np.arctan2(turn.z, turn.w))
 
     def test_odometry_goes_on_evenly_between_two_steps(self) -> None:
         ways_m = [message.pose.pose.position.x for message in self.driven[-2 * SCANS :]]

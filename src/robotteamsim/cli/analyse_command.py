@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.progress import track
 
 from robotteamsim import scenario
+from robotteamsim.cli.console import OutputConsole
 from robotteamsim.cli.parser import UsageError, path_of, positive_number
 from robotteamsim.recording.files import atomically, check_replaceable, write_atomically
 
@@ -96,9 +97,9 @@ def analyse(options: argparse.Namespace) -> None:
         from robotteamsim.analysis.runs.tables import print_run, print_runs
 
         if len(runs) == 1:
-            print_run(Console(), runs[0], all_totals[0])
+            print_run(OutputConsole(), runs[0], all_totals[0])
         else:
-            print_runs(Console(), all_totals)
+            print_runs(OutputConsole(), all_totals)
         for file in written:
             print(file)
 

@@ -9,6 +9,7 @@ from typing import Any
 from rich.console import Console
 
 from robotteamsim import scenario
+from robotteamsim.cli.console import OutputConsole
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, whole_number
 from robotteamsim.cli.progress import ProgressBar
@@ -114,7 +115,7 @@ def run(options: argparse.Namespace) -> None:
         print(json.dumps(result_summary(result) | idleness.values()))
     elif not options.quiet:
         written = [options.out, options.bag, options.mcap, options.html]
-        print_result(Console(), result, events.events, written, idleness.idleness)
+        print_result(OutputConsole(), result, events.events, written, idleness.idleness)
 
 
 def _check_files(options: argparse.Namespace) -> None:

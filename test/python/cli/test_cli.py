@@ -127,10 +127,15 @@ def test_interrupted_run_exits_130_with_one_line_and_closes_the_bag(tmp_path):
         assert reader.topics["/robot_29/odom"].msgcount > 1
 
 
-def test_broken_pipe_is_silent():
+@pytest.mark.parametrize(
+    "arguments",
+    [["scenario", "show", "garage_sar"], ["run", "tutorial_arena", "--set", "mission.time_limit_s=1"]],
+    ids=["text", "table"],
+)
+def test_broken_pipe_is_silent(arguments):
     reader, writer = os.pipe()
     os.close(reader)
-    command = [sys.executable, "-m", "robotteamsim.cli", "scenario", "show", "garage_sar"]
+    command = [sys.executable, "-m", "robotteamsim.cli", *arguments]
     done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
     os.close(writer)
     assert done.stderr == ""

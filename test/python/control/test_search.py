@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 
+import msgspec
 import pytest
 
 from robotteamsim.control.search.update import HeardVoice, SearchUpdate, update_of
@@ -61,6 +62,12 @@ def test_update_keeps_every_bit_as_a_message():
 @pytest.mark.parametrize("payload", ["", "3", "{}", '{"type": "search", "robot_id": 1}', '{"type": 1}', "ä"])
 def test_other_messages_are_not_updates(payload):
     assert update_of(Message(2, EVERYBODY, payload)) is None
+
+
+@pytest.mark.parametrize("noise_db", [-1.0, 1e300])
+def test_noise_that_no_voice_can_show_is_not_an_update(noise_db):
+    odd = msgspec.structs.replace(UPDATE, noise_db=noise_db)
+    assert update_of(Message(2, EVERYBODY, odd.to_json())) is None
 
 
 def test_update_in_the_name_of_another_robot_is_ignored():

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 from geometry_msgs.msg import Point
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
 from robotteamsim.msg import (
     Area,
     Areas,
@@ -29,6 +29,7 @@ from robotteamsim.msg import (
     Voice,
 )
 from sensor_msgs.msg import LaserScan, NavSatFix, Range
+from visualization_msgs.msg import Marker, MarkerArray
 
 from robotteamsim.ros.nodes.requests import check_door, check_noise, check_victim
 from robotteamsim.ros.transport.checks import outbox_reader, reader
@@ -64,6 +65,7 @@ ODD = [math.nan, math.inf, -math.inf, 1e300]
         NavSatFix(latitude=-90.0),
         Contact(angles_rad=[1.0]),
         FloatMap(resolution_m=0.25, width=2, height=1, data=[10.0, 0.0]),
+        OccupancyGrid(info=MapMetaData(resolution=0.5, width=2, height=1), data=[100, -1]),
         Areas(areas=[Area(name="a", radius_m=1.0)]),
         Victims(victims=[Victim(name="ann", state="heard")]),
     ],
@@ -102,6 +104,16 @@ def test_message_that_fits_the_scenario_is_read(message):
         (FloatMap(resolution_m=0.0), "resolution_m: 0; expected 0.01 to 1e+06"),
         (FloatMap(resolution_m=1.0, width=2, height=2, data=[1.0]), "data: 1 entries; expected 4"),
         (FloatMap(resolution_m=1.0, width=1, height=1, data=[math.nan]), "data: nan; expected -1e+06 to 1e+06"),
+        (FloatMap(resolution_m=1.0), "data: 0 entries; expected at least one cell"),
+        (OccupancyGrid(info=MapMetaData(resolution=0.5, width=2, height=2), data=[0]), "data: 1 entries; expected 4"),
+        (OccupancyGrid(info=MapMetaData(resolution=0.5)), "data: 0 entries; expected at least one cell"),
+        (OccupancyGrid(info=MapMetaData(width=1, height=1), data=[0]), "resolution: 0; expected 0.01 to 1e+06"),
+        (Voice(level_db=-1e300), "level_db: -1e+300; expected 0 to 1e+06"),
+        (Voice(local_best_level_db=math.nan), "local_best_level_db: nan; expected 0 to 1e+06"),
+        (
+            MarkerArray(markers=[Marker(points=[Point(x=1.0), Point(z=-1e308)])]),
+            "points: (0, 0, -1e+308); expected finite numbers within 1000 km",
+        ),
         (Areas(areas=[Area(radius_m=-1.0)]), "radius_m: -1; expected 0 to 1e+06"),
         (Areas(areas=[Area(), Area()]), "areas: expected unique names"),
         (Victims(victims=[Victim(state="saved")] * 2), "victims: expected unique names"),

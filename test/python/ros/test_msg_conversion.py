@@ -164,11 +164,20 @@ def test_contact_keeps_its_bits(in_contact, angles_rad):
 
 @pytest.mark.parametrize("odd", [math.nan, math.inf])
 def test_voice_and_contact_that_are_not_finite_are_refused(odd):
-    for voice in (Voice(level_db=odd), Voice(local_best_level_db=odd), Voice(local_best=Point(x=odd))):
-        with pytest.raises(ValueError, match="expected finite numbers"):
+    for voice in (Voice(level_db=odd), Voice(local_best_level_db=odd)):
+        with pytest.raises(ValueError, match=r"level_db: (nan|inf); expected 0 to 1e\+06"):
             conversion.read_voice(serialized(voice))
+    with pytest.raises(ValueError, match="expected finite numbers within 1000 km"):
+        conversion.read_voice(serialized(Voice(local_best=Point(x=odd))))
     with pytest.raises(ValueError, match=r"angles_rad: (nan|inf); expected finite numbers"):
         conversion.read_contact(serialized(Contact(angles_rad=[odd])))
+
+
+@pytest.mark.parametrize("odd", [-1.0, -1e300, 1e300])
+def test_voice_level_that_nobody_can_hear_is_refused(odd):
+    for voice in (Voice(level_db=odd), Voice(local_best_level_db=odd)):
+        with pytest.raises(ValueError, match=r"level_db: .*; expected 0 to 1e\+06"):
+            conversion.read_voice(serialized(voice))
 
 
 def test_messages_keep_order_and_text(make):

@@ -2,10 +2,11 @@ import math
 
 import numpy as np
 import pytest
+from geometry_msgs.msg import Point
 from visualization_msgs.msg import Marker
 
 from robotteamsim.geometry import Pose
-from robotteamsim.ros.scene.objects import RIM_M, object_markers
+from robotteamsim.ros.scene.objects import RIM_M, covered, object_markers
 from robotteamsim.scenario.objects import MovableObject
 
 CRATE = MovableObject(name="crate", size_m=(0.6, 0.4), height_m=0.5, pose=(0.0, 0.0, 0.0))
@@ -43,3 +44,9 @@ def test_objects_that_are_gone_are_cleared_away():
     (clearing,) = object_markers((), (), replace=True).markers
     assert clearing.action == Marker.DELETEALL
     assert object_markers((), ()).markers == []
+
+
+def test_object_as_high_as_the_camera_covers_a_finite_part_of_the_floor():
+    at_eye, above = (Marker(points=[Point(x=0.5, z=z)]) for z in (20.0, 1e6))
+    for drawn in (at_eye, above):
+        assert math.isfinite(covered([drawn], (10.0, -5.0, 20.0)).area)

@@ -11,8 +11,8 @@ from robotteamsim.network.messages import Message
 Work = Literal["search", "voice", "area", "wait"]
 """What a robot does: it listens at places, approaches a voice, explores an area, or has nothing to do."""
 
-Level = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
-"""A voice level [dB]."""
+Level = Annotated[float, msgspec.Meta(ge=0.0, le=1e6)]
+"""A voice level, or the noise below which none is heard [dB]."""
 
 
 class HeardVoice(msgspec.Struct, frozen=True, gc=False):

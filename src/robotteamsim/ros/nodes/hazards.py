@@ -1,5 +1,6 @@
 """Fire and smoke on topics: published by the world, followed by the mission."""
 
+import logging
 from collections.abc import Callable
 
 from nav_msgs.msg import OccupancyGrid
@@ -13,6 +14,8 @@ from robotteamsim.ros.transport.msg_conversion import RosTypes
 from robotteamsim.ros.transport.settings import Settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
 from robotteamsim.ros.transport.topics import Input, Output
+
+logger = logging.getLogger(__name__)
 
 
 class HazardOutputs:
@@ -41,11 +44,15 @@ class HazardInputs:
         """Empty without fire."""
 
     def field(self, step: Step) -> HazardField | None:
-        """Return fire and smoke of a step; None if they have not advanced in it."""
+        """Return fire and smoke of a step; None if they have not advanced in it, or if the maps differ in size."""
         messages = [step.latest(an_input.channel.name) for an_input in self.inputs]
         if self._fire is None or any(message is None for message in messages):
             return None
-        return conversion.hazard_field(self._fire, *messages)
+        try:
+            return conversion.hazard_field(self._fire, *messages)
+        except ValueError as error:
+            logger.warning("ignoring fire and smoke of this step: %s", error)
+            return None
 
 
 def updates(settings: Settings) -> Callable[[int], bool]:

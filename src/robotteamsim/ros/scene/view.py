@@ -13,6 +13,9 @@ FITTED_M = 60.0, 40.0
 DISTANCE_M, PITCH_RAD, FOCUS_NORTH_M = 58.0, 1.12, -1.6
 """The camera of that view; it looks north."""
 
+HIGHEST_SHARE = 0.9
+"""A solid is drawn as if it reached at most this share of the camera's height."""
+
 
 def unit(bounds: Bounds) -> float:
     """Return the size of a building relative to that one; sizes in proportion to it are equal on the screen."""
@@ -31,7 +34,7 @@ def eye_m(bounds: Bounds) -> tuple[float, float, float]:
 def covered(eye_m: tuple[float, float, float], footprint: shapely.Polygon, height_m: float) -> shapely.Geometry:
     """Return the part of the floor that an upright solid covers, as seen by the default view's camera."""
     x, y, z = eye_m
-    grows = z / (z - height_m)
+    grows = z / (z - min(height_m, HIGHEST_SHARE * z))
     top = shapely.affinity.scale(footprint, grows, grows, origin=(x, y))
     low, high = footprint.exterior.coords, top.exterior.coords
     sides = [

@@ -53,6 +53,12 @@ def check_finite(name: str, *values: float) -> None:
             raise ValueError(f"{name}: {value:g}; expected finite numbers")
 
 
+def check_levels(level_db: float, local_best_level_db: float) -> None:
+    """Raises: ValueError: a voice level [dB] is below 0, which means silence, or far too high."""
+    _expect_within("level_db", level_db, 0.0, LARGEST_VALUE)
+    _expect_within("local_best_level_db", local_best_level_db, 0.0, LARGEST_VALUE)
+
+
 def _read_outbox(robot_id: int, settings: Settings, data: bytes) -> Any:
     message = _read(NetworkMessages, settings, data)
     for one in message.messages:
@@ -143,7 +149,7 @@ def _check_doors(message: Any, settings: Settings | None) -> None:
 
 
 def _check_voice(message: Any, _: Settings | None) -> None:
-    check_finite("level_db", message.level_db, message.local_best_level_db)
+    check_levels(message.level_db, message.local_best_level_db)
     check_place("local_best", message.local_best.x, message.local_best.y)
 
 
@@ -192,9 +198,29 @@ def _check_scan(message: Any, _: Settings | None) -> None:
 def _check_map(message: Any, _: Settings | None) -> None:
     _expect_within("resolution_m", message.resolution_m, FINEST_CELL_M, FARTHEST_M)
     check_place("origin", message.origin.x, message.origin.y)
-    _expect("data", len(message.data), message.width * message.height)
+    _check_cells(message.data, message.width, message.height)
     for value in message.data:
         _expect_within("data", value, -LARGEST_VALUE, LARGEST_VALUE)
+
+
+def _check_grid(message: Any, _: Settings | None) -> None:
+    info = message.info
+    _expect_within("resolution", info.resolution, FINEST_CELL_M, FARTHEST_M)
+    check_place("origin", info.origin.position.x, info.origin.position.y)
+    _check_cells(message.data, info.width, info.height)
+
+
+def _check_cells(data: Sequence[float], width: int, height: int) -> None:
+    if not data:
+        raise ValueError("data: 0 entries; expected at least one cell")
+    _expect("data", len(data), width * height)
+
+
+def _check_markers(message: Any, _: Settings | None) -> None:
+    for marker in message.markers:
+        check_place("position", marker.pose.position.x, marker.pose.position.y)
+        for point in marker.points:
+            check_place("points", point.x, point.y, point.z)
 
 
 def _check_names(name: str, owners: Sequence[Any]) -> None:
@@ -240,8 +266,10 @@ _CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
     "robotteamsim/Areas": _check_areas,
     "robotteamsim/Victims": _check_victims,
     "robotteamsim/People": _check_people,
+    "nav_msgs/OccupancyGrid": _check_grid,
     "nav_msgs/Odometry": _check_odometry,
     "sensor_msgs/LaserScan": _check_scan,
     "sensor_msgs/NavSatFix": _check_fix,
     "sensor_msgs/Range": _check_range,
+    "visualization_msgs/MarkerArray": _check_markers,
 }

@@ -21,7 +21,7 @@ from robotteamsim.interface import Assistance, Decision, Discovery, SwarmContext
 from robotteamsim.network.compact import CompactLinks, row_bytes
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.recording.hazard_messages import BURNING_VALUE, BURNT_OUT_VALUE
-from robotteamsim.ros.transport.checks import check_finite, check_place
+from robotteamsim.ros.transport.checks import check_finite, check_levels, check_place
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.sensing.readings import Fix, HeatReading, OdometryReading, VoiceReading
 from robotteamsim.world.doors import DoorState, DoorStates
@@ -137,9 +137,9 @@ def heat(message: robotteamsim.msg.Heat) -> HeatReading:
 
 
 def read_voice(data: bytes) -> VoiceReading:
-    """Return a serialized Voice. Raises: ValueError: the bytes are too few, or a number is not finite."""
+    """Return a serialized Voice. Raises: ValueError: the bytes are too few, or a number is out of range."""
     level_db, heard, local_best_m, local_best_level_db = roscpp.read_voice(data)
-    check_finite("level_db", level_db, local_best_level_db)
+    check_levels(level_db, local_best_level_db)
     check_place("local_best", *local_best_m)
     return VoiceReading(level_db, heard, local_best_m, local_best_level_db)
 
