@@ -18,6 +18,7 @@ from robotteamsim.mission.status import DeliveredDiscoveries, Event, MissionStat
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
+from robotteamsim.scenario.sensors import Camera
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
@@ -162,7 +163,7 @@ def transforms(make: Make, time_ns: int, robots: Sequence[Robot], odometry: Iter
 def robot_transforms(make: Make, time_ns: int, robot_id: int, robot: Robot, odometry: OdometryReading) -> list[Any]:
     """geometry_msgs/TransformStamped[]: odom -> base_footprint -> base_link -> base_laser_link.
 
-    The frames of further sensors follow, base_link -> <name>_link.
+    The frames of further sensors follow, base_link -> <name>_link, and of cameras <name>_link -> <name>_optical_frame.
     """
     laser = PoseReading(robot.laser.forward_m, 0.0, 0.0, 1.0)
     links = [
@@ -174,7 +175,12 @@ def robot_transforms(make: Make, time_ns: int, robot_id: int, robot: Robot, odom
         place = PoseReading.from_pose(Pose(mount.forward_m, mount.left_m, mount.yaw_rad))
         frame = f"{mount.name}_link"
         links.append(_transform(make, time_ns, robot_id, "base_link", frame, place, mount.height_m))
-    return links
+    return [*links, *(_optical_transform(make, time_ns, robot_id, camera) for camera in robot.cameras)]
+
+
+def optical_frame(camera: Camera) -> str:
+    """Return the frame of a camera's images, as in REP 103: z forward, x to the right, y down."""
+    return f"{camera.name}_optical_frame"
 
 
 def localization(make: Make, time_ns: int, robot_id: int, place: PoseReading) -> Any:
@@ -408,6 +414,19 @@ def _transform(
         header=header(make, time_ns, robot_frame(robot_id, parent)),
         child_frame_id=robot_frame(robot_id, child),
         transform=_pose_as_transform(make, place, height_m),
+    )
+
+
+def _optical_transform(make: Make, time_ns: int, robot_id: int, camera: Camera) -> Any:
+    return make(
+        "geometry_msgs/TransformStamped",
+        header=header(make, time_ns, robot_frame(robot_id, f"{camera.name}_link")),
+        child_frame_id=robot_frame(robot_id, optical_frame(camera)),
+        transform=make(
+            "geometry_msgs/Transform",
+            translation=make("geometry_msgs/Vector3", x=0.0, y=0.0, z=0.0),
+            rotation=make("geometry_msgs/Quaternion", x=-0.5, y=0.5, z=-0.5, w=0.5),
+        ),
     )
 
 

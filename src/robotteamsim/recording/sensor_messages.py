@@ -83,7 +83,9 @@ def _image(
         return None
     return make(
         "sensor_msgs/Image",
-        header=ros_messages.header(make, time_ns, ros_messages.robot_frame(robot_id, f"{camera.name}_link")),
+        header=ros_messages.header(
+            make, time_ns, ros_messages.robot_frame(robot_id, ros_messages.optical_frame(camera))
+        ),
         height=camera.height_px,
         width=camera.width_px,
         encoding="rgb8" if camera.images == "rgb" else "32FC1",
@@ -101,7 +103,9 @@ def _camera_info(
     focal, x, y = camera.focal_px, 0.5 * camera.width_px, 0.5 * camera.height_px
     return make(
         "sensor_msgs/CameraInfo",
-        header=ros_messages.header(make, time_ns, ros_messages.robot_frame(robot_id, f"{camera.name}_link")),
+        header=ros_messages.header(
+            make, time_ns, ros_messages.robot_frame(robot_id, ros_messages.optical_frame(camera))
+        ),
         height=camera.height_px,
         width=camera.width_px,
         distortion_model="plumb_bob",

@@ -122,7 +122,8 @@ class Camera(Model):
     """A camera, only in the world of MuJoCo; it shows floor, walls, doors, objects and robots, and no victims."""
 
     name: SensorName = Field(
-        description="a name, for topics robot_<id>/<name>/image and camera_info and frame robot_<id>/<name>_link"
+        description="a name, for topics robot_<id>/<name>/image and camera_info, frames robot_<id>/<name>_link and "
+        "robot_<id>/<name>_optical_frame"
     )
     images: Literal["rgb", "depth"] = Field(default="rgb", description="rgb: colours; depth: distances along its axis")
     width_px: int = Field(default=320, ge=16, le=4096, description="columns of an image")
