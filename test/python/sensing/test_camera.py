@@ -97,9 +97,9 @@ def test_point_of_known_place_is_projected_to_its_pixel():
     links = {link.child_frame_id: link for link in robot_transforms(make, 0, 0, robot, reading)}
     topics = {topic.name: topic for topic in sensor_topics(robot)}
     info = topics["depth/camera_info"].message(make, 0, 0, FurtherReadings(images=(depth_m,)))
-    frame, map_T_camera = info.header.frame_id, np.eye(4)
+    frame, place_of_camera = info.header.frame_id, np.eye(4)
     while frame in links:
-        map_T_camera = matrix_of(links[frame].transform) @ map_T_camera
+        place_of_camera = matrix_of(links[frame].transform) @ place_of_camera
         frame = links[frame].header.frame_id
     assert frame == "robot_0/odom"
     for corner in (
@@ -107,7 +107,7 @@ def test_point_of_known_place_is_projected_to_its_pixel():
         (4.8, 5.2, 0.5),
         (4.8, 4.8, 0.25),
     ):  # top edge and one on the side towards the robot
-        x, y, z = (np.linalg.inv(map_T_camera) @ (*corner, 1.0))[:3]
+        x, y, z = (np.linalg.inv(place_of_camera) @ (*corner, 1.0))[:3]
         column, row, scale = info.K.reshape(3, 3) @ (x, y, z)
         column, row = round(column / scale), round(row / scale)
         around = depth_m[row - 2 : row + 3, column - 2 : column + 3]
