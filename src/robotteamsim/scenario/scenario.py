@@ -91,11 +91,8 @@ class Scenario(Model):
                     "radio.materials",
                     f"has no '{element.material}', the material of '{element.name}' in the plan; known: {known}",
                 )
-        robots = (self.robots,) if isinstance(self.robots, Team) else self.robots
-        if self.run.world != "mujoco" and any(robot.cameras for robot in robots):
-            raise wrong("robots.cameras", f"need run.world mujoco, not {self.run.world}")
         num_robots = self.num_robots
-        problem = self._problem_of_roles()
+        problem = self._problem_of_third_dimension() or self._problem_of_roles()
         if problem:
             raise wrong(*problem)
         if num_robots and self.control.swarms.initial > num_robots:
@@ -117,6 +114,20 @@ class Scenario(Model):
         if self.mission.base is not None and num_robots == 1:
             raise wrong("mission.base", "is the only robot; expected at least one other robot to search")
         return self
+
+    def _problem_of_third_dimension(self) -> tuple[str, str] | None:
+        """Return a key and its mistake if something does not exist in the selected world, or has no place there."""
+        robots = (self.robots,) if isinstance(self.robots, Team) else self.robots
+        only = {"robots.cameras": any(robot.cameras for robot in robots), "run.mujoco.ramps": self.run.mujoco.ramps}
+        if self.run.world != "mujoco":
+            key = next((key for key, used in only.items() if used), None)
+            return None if key is None else (key, f"need run.world mujoco, not {self.run.world}")
+        for index, ramp in enumerate(self.run.mujoco.ramps):
+            for key, (x, y) in (("from", ramp.start), ("to", ramp.end)):
+                if not self.plan.bounds.contains((x, y)):
+                    text = f"[{x:g}, {y:g}] lies outside the bounds {self.plan.bounds}"
+                    return f"run.mujoco.ramps.{index}.{key}", text
+        return None
 
     def _problem_of_fire(self, doors: list[str]) -> tuple[str, str] | None:
         """Return a key and its mistake if the fire contradicts the plan or the rest of the scenario."""

@@ -24,6 +24,7 @@ from robotteamsim.world.mujoco.building import leaf_name
 from robotteamsim.world.mujoco.leaves import Leaves
 from robotteamsim.world.mujoco.model import make_spec, steps_per_substep
 from robotteamsim.world.mujoco.motors import Motors
+from robotteamsim.world.mujoco.ramps import ground_m
 from robotteamsim.world.mujoco.shapes import about_z
 from robotteamsim.world.mujoco.team_state import FreeBodies, SavedBody, Touches
 
@@ -145,7 +146,7 @@ class Engine:
 
     def set_pose(self, robot_id: int, pose: Pose) -> None:
         """Move a robot to a pose, at rest."""
-        self._bodies.place(self._index(robot_id), pose)
+        self._bodies.place(self._index(robot_id), pose, self._ground_m(self._robots[robot_id], pose))
         self._forget(robot_id)
         self._finish()
 
@@ -180,8 +181,11 @@ class Engine:
 
     def set_object_pose(self, index: int, pose: Pose) -> None:
         """Move an object to a pose, at rest."""
-        self._bodies.place(self._num_present + index, pose)
+        self._bodies.place(self._num_present + index, pose, self._ground_m(self._objects[index], pose))
         self._finish()
+
+    def _ground_m(self, thing: PlacedRobot | MovableObject, pose: Pose) -> float:
+        return ground_m(self._run.mujoco.ramps, thing.body_at(astuple(pose)))
 
     def _index(self, robot_id: int) -> int:
         return int(self._present[:robot_id].sum())

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 import mujoco
+from msgspec.structs import astuple
 
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import FloorPlan
@@ -15,6 +16,7 @@ from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Camera
 from robotteamsim.world.mujoco.bodies import add_object, add_robot
 from robotteamsim.world.mujoco.building import add_building
+from robotteamsim.world.mujoco.ramps import add_ramps, ground_m
 
 _NEAREST_M = 0.02
 """Cameras see nothing that is nearer."""
@@ -41,10 +43,12 @@ def make_spec(
     _set_options(spec, run.mujoco, run.step_s / run.physics_substeps / steps_per_substep(run))
     _set_visuals(spec, plan, [camera for robot, _ in robots.values() for camera in robot.cameras])
     add_building(spec, plan, run.mujoco.body_friction)
+    ramps = run.mujoco.ramps
     for robot_id, (robot, pose) in robots.items():
-        add_robot(spec, robot_id, robot, pose, run.mujoco.body_friction)
+        add_robot(spec, robot_id, robot, pose, ground_m(ramps, robot.body_at(astuple(pose))), run.mujoco.body_friction)
     for obj, pose in objects:
-        add_object(spec, obj, pose)
+        add_object(spec, obj, pose, ground_m(ramps, obj.body_at(astuple(pose))))
+    add_ramps(spec, ramps)
     return spec
 
 
