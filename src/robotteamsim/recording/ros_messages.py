@@ -358,8 +358,12 @@ def robots(
     arrivals: Sequence[int],
     mishaps: Mapping[int, Mishap] = MappingProxyType({}),
     failed: Collection[int] = (),
+    loads: Mapping[int, str] = MappingProxyType({}),
 ) -> Any:
-    """robotteamsim/Robots. Args: present: bool, shape (n,); None if all robots are present.  mishaps: by id."""
+    """robotteamsim/Robots.
+
+    Args: present: bool, shape (n,); None if all robots are present.  mishaps, loads: by id.
+    """
     numbers = [MISHAPS.index(mishaps.get(robot_id)) for robot_id in range(len(arrivals))] if mishaps else []
     return make(
         "robotteamsim/Robots",
@@ -368,6 +372,7 @@ def robots(
         mishaps=np.array(numbers, dtype=np.uint8),
         arrivals=np.array(arrivals, dtype=np.uint32),
         failed_by_heat=np.array([robot_id in failed for robot_id in range(len(arrivals))], dtype=np.uint8),
+        loads=[loads.get(robot_id, "") for robot_id in range(len(arrivals))] if loads else [],
     )
 
 

@@ -22,6 +22,14 @@ class Wheels(Model):
     friction: float = Field(default=0.9, gt=0.0, le=10.0, description="of a tyre on the floor, as a share of its load")
 
 
+class Gripper(Model):
+    """A gripper, which holds one object at a time."""
+
+    reach_m: float = Field(default=0.3, gt=0.0, le=10.0, description="from the robot's outline to the object's [m]")
+    lift_m: float = Field(default=0.05, ge=0.0, le=2.0, description="height to which it lifts an object [m]")
+    max_mass_kg: float = Field(default=5.0, gt=0.0, le=10_000.0, description="of an object that it can lift [kg]")
+
+
 class Ramp(Model):
     """A slope, or a platform, on the floor; its top is a plane from one end to the other."""
 

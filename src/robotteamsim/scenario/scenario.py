@@ -118,7 +118,11 @@ class Scenario(Model):
     def _problem_of_third_dimension(self) -> tuple[str, str] | None:
         """Return a key and its mistake if something does not exist in the selected world, or has no place there."""
         robots = (self.robots,) if isinstance(self.robots, Team) else self.robots
-        only = {"robots.cameras": any(robot.cameras for robot in robots), "run.mujoco.ramps": self.run.mujoco.ramps}
+        only = {
+            "robots.cameras": any(robot.cameras for robot in robots),
+            "robots.gripper": any(robot.gripper for robot in robots),
+            "run.mujoco.ramps": bool(self.run.mujoco.ramps),
+        }
         if self.run.world != "mujoco":
             key = next((key for key, used in only.items() if used), None)
             return None if key is None else (key, f"need run.world mujoco, not {self.run.world}")

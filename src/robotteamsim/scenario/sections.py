@@ -22,7 +22,7 @@ from robotteamsim.scenario.base import (
 from robotteamsim.scenario.body import Body, check_footprint, disc_at, polygon_at
 from robotteamsim.scenario.control_tuning import CoverTuning, DoorTuning, LinkTuning, NavigatorTuning, WanderTuning
 from robotteamsim.scenario.drives import AnyDrive, Drive
-from robotteamsim.scenario.mujoco import Mujoco, Wheels
+from robotteamsim.scenario.mujoco import Gripper, Mujoco, Wheels
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.radio_presets import with_preset
@@ -125,6 +125,7 @@ class Robot(Model):
     cameras: Many[Camera] = Field(default=(), max_length=8, description="cameras; only in `run.world: mujoco`")
     gps: Gps | None = Field(default=None, description="GPS, on the topic `fix`")
     heat: HeatSensor | None = Field(default=None, description="thermal camera, on the topic `heat`; needs `fire`")
+    gripper: Gripper | None = Field(default=None, description="lifts objects; only in `run.world: mujoco`")
     odometry: Odometry = Odometry()
     cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="time for which the last command holds [s]")
 

@@ -21,6 +21,7 @@ from robotteamsim.world.free_space import FreeSpace, Occupants
 from robotteamsim.world.placement import check_objects
 
 _NO_MISHAPS: Mapping[int, Mishap] = MappingProxyType({})
+_NO_LOADS: Mapping[int, str] = MappingProxyType({})
 
 
 class _DoorReading(Protocol):
@@ -241,6 +242,15 @@ class BaseWorld(ABC):
         self._physics.remove_object(index)
         self._objects = (*self._objects[:index], *self._objects[index + 1 :])
 
+    def lift_object(self, robot_id: int, name: str) -> None:
+        """See `AnyWorld.lift_object`."""
+        raise ValueError(f"robot_{robot_id} has no gripper; it needs robots.gripper and run.world mujoco")
+
+    def drop_object(self, robot_id: int) -> None:
+        """See `AnyWorld.drop_object`."""
+        self._is_present(robot_id)
+        raise ValueError(f"robot_{robot_id} holds nothing")
+
     def set_door(self, name: str, closed: bool) -> None:
         """See `AnyWorld.set_door`."""
         if name not in self._doors:
@@ -268,6 +278,7 @@ class BaseWorld(ABC):
         self._waiting: list[ScheduledEvent] = []
         """Spawns that are due, of robots whose place is occupied."""
         self.mishaps = _NO_MISHAPS
+        self.loads = _NO_LOADS
         self._update_presence()
 
     def _update_presence(self) -> None:

@@ -89,6 +89,9 @@ class AnyWorld(Protocol):
     """Robots that lie on their side or have left the world, by id; the same object until that changes. Such robots do
     not end a mission. A robot that has left is absent; it may be spawned again."""
 
+    loads: Mapping[int, str]
+    """Names of the objects that robots hold, by the robots' ids; the same object until that changes."""
+
     @property
     def num_robots(self) -> int:
         """Number of robots, present or not; ids count from 0."""
@@ -175,6 +178,19 @@ class AnyWorld(Protocol):
 
     def remove_object(self, name: str) -> None:
         """Remove an object. Raises: ValueError: no such object."""
+
+    def lift_object(self, robot_id: int, name: str) -> None:
+        """Let a robot's gripper hold an object, which moves with the robot until it is dropped.
+
+        Raises: ValueError: no such robot or object, no gripper, or the object is too far, too heavy, behind a wall or
+                held; also in a world without grippers.
+        """
+
+    def drop_object(self, robot_id: int) -> None:
+        """Open a robot's gripper. A robot that is moved by `set_pose` or removed drops its load, too.
+
+        Raises: ValueError: no such robot, or it holds nothing.
+        """
 
     def set_door(self, name: str, closed: bool) -> None:
         """Close or open a door.

@@ -78,6 +78,7 @@ def test_message_that_fits_the_scenario_is_read(message):
     [
         (Robots(present=[1], arrivals=[1, 1]), "present: 1 entries; expected 2"),
         (Robots(present=[1, 1], arrivals=[]), "arrivals: 0 entries; expected 2"),
+        (Robots(present=[1, 1], arrivals=[1, 1], loads=["crate"]), "loads: 1 entries; expected 2"),
         (Robots(present=[1, 1], arrivals=[1, 1], failed_by_heat=[1]), "failed_by_heat: 1 entries; expected 2"),
         (NetworkState(num_robots=3), "num_robots: 3; expected 2"),
         (NetworkState(**NETWORK | {"hop_count": [0]}), "hop_count: 1 entries; expected 4"),

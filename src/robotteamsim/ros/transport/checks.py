@@ -92,6 +92,8 @@ def _check_robots(message: Any, settings: Settings | None) -> None:
         _expect("mishaps", len(message.mishaps), len(message.arrivals))
         if max(message.mishaps) >= len(MISHAPS):
             raise ValueError(f"mishaps: {max(message.mishaps)}; expected 0 to {len(MISHAPS) - 1}")
+    if message.loads:
+        _expect("loads", len(message.loads), len(message.arrivals))
     if message.failed_by_heat:  # empty in a world without fire
         _expect("failed_by_heat", len(message.failed_by_heat), len(message.arrivals))
 
