@@ -5,6 +5,7 @@ of rosbags, and the nodes pass a factory for their own message classes. Numeric 
 attribute's type; a factory converts them if its classes need something else.
 """
 
+import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Protocol
@@ -18,7 +19,7 @@ from robotteamsim.mission.status import DeliveredDiscoveries, Event, MissionStat
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
-from robotteamsim.scenario.sensors import Camera
+from robotteamsim.scenario.sensors import Camera, LightSensor
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
@@ -174,7 +175,10 @@ def robot_transforms(make: Make, time_ns: int, robot_id: int, robot: Robot, odom
     for mount in robot.mounts:
         place = PoseReading.from_pose(Pose(mount.forward_m, mount.left_m, mount.yaw_rad))
         frame = f"{mount.name}_link"
-        links.append(_transform(make, time_ns, robot_id, "base_link", frame, place, mount.height_m))
+        link = _transform(make, time_ns, robot_id, "base_link", frame, place, mount.height_m)
+        if isinstance(mount, LightSensor):
+            link.transform.rotation = _pitched(make, mount.yaw_rad, mount.pitch_rad)
+        links.append(link)
     return [*links, *(_optical_transform(make, time_ns, robot_id, camera) for camera in robot.cameras)]
 
 
@@ -433,6 +437,13 @@ def _optical_transform(make: Make, time_ns: int, robot_id: int, camera: Camera) 
             rotation=make("geometry_msgs/Quaternion", x=-0.5, y=0.5, z=-0.5, w=0.5),
         ),
     )
+
+
+def _pitched(make: Make, yaw_rad: float, pitch_rad: float) -> Any:
+    """Return the rotation of a frame whose x axis points to yaw_rad and upwards by pitch_rad."""
+    cos_yaw, sin_yaw = math.cos(0.5 * yaw_rad), math.sin(0.5 * yaw_rad)
+    cos, sin = math.cos(0.5 * pitch_rad), math.sin(0.5 * pitch_rad)
+    return make("geometry_msgs/Quaternion", x=sin_yaw * sin, y=-cos_yaw * sin, z=sin_yaw * cos, w=cos_yaw * cos)
 
 
 def _pose_as_transform(make: Make, place: PoseReading, height_m: float) -> Any:

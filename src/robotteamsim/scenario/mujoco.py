@@ -6,7 +6,7 @@ import math
 
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Many, Model, Point, wrong
+from robotteamsim.scenario.base import Many, Model, Name, Point, first_repeated, wrong
 from robotteamsim.scenario.plan import Corners
 
 
@@ -28,6 +28,16 @@ class Gripper(Model):
     reach_m: float = Field(default=0.3, gt=0.0, le=10.0, description="from the robot's outline to the object's [m]")
     lift_m: float = Field(default=0.05, ge=0.0, le=2.0, description="height to which it lifts an object [m]")
     max_mass_kg: float = Field(default=5.0, gt=0.0, le=10_000.0, description="of an object that it can lift [kg]")
+
+
+class Light(Model):
+    """A small lamp that shines equally in all directions, for light sensors and cameras."""
+
+    name: Name = Field(description="a name, unique among lights")
+    position: Point = Field(description="[x, y] in the map frame [m]")
+    height_m: float = Field(default=2.4, gt=0.0, le=100.0, description="above the floor [m]")
+    intensity_cd: float = Field(default=120.0, gt=0.0, le=1e6, description="1500 lumen are about 120 cd [cd]")
+    lit: bool = Field(default=True, description="whether it is lit at the start")
 
 
 class Ramp(Model):
@@ -85,3 +95,11 @@ class Mujoco(Model):
         default=1.0, gt=0.1, lt=3.1, description="a robot that leans by more than this has tipped over [rad]"
     )
     ramps: Many[Ramp] = Field(default=(), max_length=100, description="slopes and platforms that robots drive on")
+    lights: Many[Light] = Field(default=(), max_length=100, description="lamps for light sensors and cameras")
+
+    @model_validator(mode="after")
+    def _check(self) -> Mujoco:
+        repeated = first_repeated([light.name for light in self.lights])
+        if repeated:
+            raise wrong(f"lights.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
+        return self

@@ -106,7 +106,8 @@ class Scenario(Model):
         if not any(self.present_at_start):
             raise wrong("robots", "none of them is present at the start")
         doors = [door.name for door in self.plan.doors]
-        problem = problem_of(self.schedule, self.present_at_start, doors) or self._problem_of_fire(doors)
+        lights = [light.name for light in self.run.mujoco.lights]
+        problem = problem_of(self.schedule, self.present_at_start, doors, lights) or self._problem_of_fire(doors)
         if problem:
             raise wrong(*problem)
         if self.mission.base is not None and self.mission.base >= num_robots:
@@ -121,7 +122,9 @@ class Scenario(Model):
         only = {
             "robots.cameras": any(robot.cameras for robot in robots),
             "robots.gripper": any(robot.gripper for robot in robots),
+            "robots.light_sensors": any(robot.light_sensors for robot in robots),
             "run.mujoco.ramps": bool(self.run.mujoco.ramps),
+            "run.mujoco.lights": bool(self.run.mujoco.lights),
         }
         if self.run.world != "mujoco":
             key = next((key for key, used in only.items() if used), None)
@@ -131,6 +134,11 @@ class Scenario(Model):
                 if not self.plan.bounds.contains((x, y)):
                     text = f"[{x:g}, {y:g}] lies outside the bounds {self.plan.bounds}"
                     return f"run.mujoco.ramps.{index}.{key}", text
+        for index, light in enumerate(self.run.mujoco.lights):
+            if not self.plan.bounds.contains(light.position):
+                x, y = light.position
+                text = f"[{x:g}, {y:g}] lies outside the bounds {self.plan.bounds}"
+                return f"run.mujoco.lights.{index}.position", text
         return None
 
     def _problem_of_fire(self, doors: list[str]) -> tuple[str, str] | None:

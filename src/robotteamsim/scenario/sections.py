@@ -28,7 +28,7 @@ from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.radio_presets import with_preset
 from robotteamsim.scenario.rescue import Dispatch, Exit, Rescue
 from robotteamsim.scenario.search_tuning import SearchTuning
-from robotteamsim.scenario.sensors import Camera, Gps, HeatSensor, Mount, MountedLaser, Sonar, check_names
+from robotteamsim.scenario.sensors import Camera, Gps, HeatSensor, LightSensor, Mount, MountedLaser, Sonar, check_names
 from robotteamsim.scenario.sensors import Laser as Laser
 from robotteamsim.scenario.sweep_tuning import InfotaxisTuning, SweepTuning
 from robotteamsim.scenario.victims import Victim as Victim
@@ -123,6 +123,9 @@ class Robot(Model):
     )
     sonars: Many[Sonar] = Field(default=(), max_length=64, description="a ring of sonars, each on its own topic")
     cameras: Many[Camera] = Field(default=(), max_length=8, description="cameras; only in `run.world: mujoco`")
+    light_sensors: Many[LightSensor] = Field(
+        default=(), max_length=16, description="light sensors; only in `run.world: mujoco`"
+    )
     gps: Gps | None = Field(default=None, description="GPS, on the topic `fix`")
     heat: HeatSensor | None = Field(default=None, description="thermal camera, on the topic `heat`; needs `fire`")
     gripper: Gripper | None = Field(default=None, description="lifts objects; only in `run.world: mujoco`")
@@ -132,11 +135,12 @@ class Robot(Model):
     @property
     def mounts(self) -> tuple[Mount, ...]:
         """The additional sensors, which have frames of their own."""
-        return (*self.lasers, *self.sonars, *self.cameras)
+        return (*self.lasers, *self.sonars, *self.cameras, *self.light_sensors)
 
     @model_validator(mode="after")
     def _check_body(self) -> Robot:
-        check_names({"lasers": self.lasers, "sonars": self.sonars, "cameras": self.cameras})
+        keys = ("lasers", "sonars", "cameras", "light_sensors")
+        check_names({key: getattr(self, key) for key in keys})
         if self.footprint_m:
             check_footprint("footprint_m", self.footprint_m)
         if self.wheels.radius_m is not None and self.wheels.radius_m > self.height_m:

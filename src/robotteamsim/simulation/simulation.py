@@ -225,6 +225,10 @@ class Simulation:
         """Open a robot's gripper. Raises: ValueError: no such robot, or it holds nothing."""
         self.world.drop_object(robot_id)
 
+    def set_light(self, name: str, lit: bool) -> None:
+        """Switch a light on or off. Raises: ValueError: no such light."""
+        self.world.set_light(name, lit)
+
     def ignite(self, position_m: tuple[float, float]) -> None:
         """Set fire to a place in `map` [m]. Raises: ValueError: nothing burns there, or the scenario has no fire."""
         if self.fire is None:

@@ -258,6 +258,10 @@ class BaseWorld(ABC):
         self._physics.set_door(self._door_ids[name], closed)
         self._update_doors()
 
+    def set_light(self, name: str, lit: bool) -> None:
+        """See `AnyWorld.set_light`."""
+        raise ValueError(f"unknown light '{name}'; known: none")
+
     def reset_positions(self) -> None:
         """See `AnyWorld.reset_positions`."""
         for robot_id, pose in enumerate(self._start_poses):
@@ -274,7 +278,7 @@ class BaseWorld(ABC):
     def _begin(self) -> None:
         self.step_index = 0
         self.sim_time_ns = 0
-        self._upcoming = Upcoming(self._schedule, ("remove", "spawn", "door"))
+        self._upcoming = Upcoming(self._schedule, ("remove", "spawn", "door", "light"))
         self._waiting: list[ScheduledEvent] = []
         """Spawns that are due, of robots whose place is occupied."""
         self.mishaps = _NO_MISHAPS
@@ -298,6 +302,8 @@ class BaseWorld(ABC):
         for event in due:
             if event.door is not None:
                 self.set_door(event.door, bool(event.closed))
+            elif event.light is not None:
+                self.set_light(event.light, bool(event.lit))
             elif event.remove is not None and self._is_present(event.remove):
                 self.remove_robot(event.remove)
             elif event.spawn is not None and not self._is_present(event.spawn):

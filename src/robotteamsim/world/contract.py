@@ -17,7 +17,7 @@ from robotteamsim import _core
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.sensors import Camera
+from robotteamsim.scenario.sensors import Camera, LightSensor
 from robotteamsim.world.doors import DoorStates
 
 Mishap = Literal["tipped_over", "left_world"]
@@ -54,6 +54,9 @@ class Scene(Protocol):
         Walls, doors, objects, the floor and other robots return a beam; the robot itself does not. An absent robot gets
         no returns.
         """
+
+    def illuminance_lx(self, robot_id: int, sensor: LightSensor) -> float:
+        """Return what one of a robot's light sensors measures [lx]; 0 for an absent robot."""
 
     def image(self, robot_id: int, camera: Camera) -> np.ndarray:
         """Return what one of a robot's cameras sees, in the form of `FurtherReadings.images`.
@@ -200,6 +203,9 @@ class AnyWorld(Protocol):
 
         Raises: ValueError: no such door.
         """
+
+    def set_light(self, name: str, lit: bool) -> None:
+        """Switch a light on or off. Raises: ValueError: no such light."""
 
     def reset_positions(self) -> None:
         """Move all present robots to their start poses, at rest; time, objects and doors stay as they are."""

@@ -28,7 +28,7 @@ from robotteamsim.msg import (
     Victims,
     Voice,
 )
-from sensor_msgs.msg import LaserScan, NavSatFix, Range
+from sensor_msgs.msg import Illuminance, LaserScan, NavSatFix, Range
 
 from robotteamsim.ros.nodes.requests import check_door, check_noise, check_victim
 from robotteamsim.ros.transport.checks import outbox_reader, reader
@@ -62,6 +62,7 @@ ODD = [math.nan, math.inf, -math.inf, 1e300]
         Range(range=math.inf),
         LaserScan(ranges=[math.inf, 1.0]),
         NavSatFix(latitude=-90.0),
+        Illuminance(illuminance=0.0),
         Contact(angles_rad=[1.0]),
         FloatMap(resolution_m=0.25, width=2, height=1, data=[10.0, 0.0]),
         Areas(areas=[Area(name="a", radius_m=1.0)]),
@@ -96,6 +97,8 @@ def test_message_that_fits_the_scenario_is_read(message):
         (Doors(doors=[Door(name=door.name, motion="flies") for door in DOORS]), "motion: expected still, opens"),
         (Range(range=math.nan), "range: nan; expected a number"),
         (Doors(doors=[Door(name=door.name, opening=2.0) for door in DOORS]), "opening: 2; expected 0 to 1"),
+        (Illuminance(illuminance=-1.0), "illuminance: -1; expected 0 to 1e+12"),
+        (Illuminance(illuminance=math.inf), "illuminance: inf; expected 0 to 1e+12"),
         (NavSatFix(latitude=math.nan), "latitude: nan; expected -90 to 90"),
         (NavSatFix(position_covariance=[-1.0] + 8 * [0.0]), "position_covariance: -1; expected 0 to 1e+06"),
         (Contact(angles_rad=[math.inf]), "angles_rad: inf; expected finite numbers"),

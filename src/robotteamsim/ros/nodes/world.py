@@ -249,6 +249,7 @@ class WorldNode:
             locked("/remove_object", srv.RemoveObject, self._remove_object),
             locked("/lift_object", srv.LiftObject, self._lift_object),
             locked("/drop_object", srv.DropObject, lambda request: self._world.drop_object(request.robot_id)),
+            locked("/set_light", srv.SetLight, lambda request: self._world.set_light(request.name, request.lit)),
             locked("/ignite", srv.Ignite, self._ignite),
             locked("/world/set_victim", srv.SetVictim, self._set_victim),
             locked("/world/set_door", srv.SetDoor, lambda request: self._world.set_door(request.name, request.closed)),

@@ -21,6 +21,7 @@ from robotteamsim.world.people import Motion
 FARTHEST_M = 1e6
 """Limit of coordinates, as in the propagation models."""
 FINEST_CELL_M = 0.01
+BRIGHTEST_LX = 1e12
 LARGEST_VALUE = 1e6
 """Limit of the values of maps, in their unit."""
 
@@ -170,6 +171,10 @@ def _check_range(message: Any, _: Settings | None) -> None:
         raise ValueError("range: nan; expected a number")
 
 
+def _check_illuminance(message: Any, _: Settings | None) -> None:
+    _expect_within("illuminance", message.illuminance, 0.0, BRIGHTEST_LX)
+
+
 def _check_fix(message: Any, _: Settings | None) -> None:
     _expect_within("latitude", message.latitude, -90.0, 90.0)
     _expect_within("longitude", message.longitude, -180.0, 180.0)
@@ -245,5 +250,6 @@ _CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
     "nav_msgs/Odometry": _check_odometry,
     "sensor_msgs/LaserScan": _check_scan,
     "sensor_msgs/NavSatFix": _check_fix,
+    "sensor_msgs/Illuminance": _check_illuminance,
     "sensor_msgs/Range": _check_range,
 }

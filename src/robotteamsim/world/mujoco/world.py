@@ -36,7 +36,7 @@ class MujocoWorld(BaseWorld):
 
     def _make_physics(self, run: Run) -> Engine:
         self.engine = Engine(self.plan, self._robots, run, self._objects)
-        self._scene = Scene(self.engine)
+        self._scene = Scene(self.engine, run.mujoco.lights)
         self._tipped_rad = run.mujoco.tipped_rad
         self._reaches_m = np.array([robot.reach_m for robot in self._robots])
         return self.engine
@@ -94,6 +94,15 @@ class MujocoWorld(BaseWorld):
         """See `AnyWorld.reset_positions`."""
         super().reset_positions()
         self._note_loads()
+
+    def set_light(self, name: str, lit: bool) -> None:
+        """See `AnyWorld.set_light`."""
+        self._scene.lamps.set_lit(name, lit)
+
+    def reset(self) -> None:
+        """See `AnyWorld.reset`."""
+        self._scene.lamps.reset()
+        super().reset()
 
     def _update_presence(self) -> None:
         super()._update_presence()
