@@ -47,10 +47,11 @@ def test_depth_is_the_distance_along_the_axis():
 
 def test_what_is_on_the_left_is_on_the_left_of_the_image_and_a_turned_camera_looks_there():
     left = BOX.model_copy(update={"pose": (5.0, 6.0, 0.0)})
-    turned = COLOUR.model_copy(update={"name": "turned", "yaw_rad": math.atan2(1.0, 2.9)})
+    turned = DEPTH.model_copy(update={"name": "turned", "yaw_rad": math.atan2(1.0, 2.9)})
     robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), cameras=(COLOUR, turned))
     empty, with_box = images_of(robot), images_of(robot, left)
     assert with_box[0].dtype == np.uint8
+    empty, with_box = [(colour, depth[..., None]) for colour, depth in (empty, with_box)]
     columns = [np.flatnonzero((one != other).any(axis=(0, 2))) for one, other in zip(empty, with_box, strict=True)]
     assert columns[0].max() < 150
     assert columns[1].mean() == pytest.approx(160, abs=8)

@@ -12,6 +12,7 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import Corners
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.world.mujoco.cameras import add_camera, camera_name
+from robotteamsim.world.mujoco.looks import add_dome
 from robotteamsim.world.mujoco.shapes import (
     BODIES,
     BODY_HITS,
@@ -71,6 +72,7 @@ def add_robot(
     top_m = max(laser.height_m for laser in (robot.laser, *robot.lasers)) + _ABOVE_LASER_M
     if top_m > robot.height_m:
         _add_outline(spec, body, f"{name}/head", robot, (robot.height_m, top_m), contype=0, conaffinity=0, **keys)
+    add_dome(body, name, robot, max(top_m, robot.height_m))
     for camera in robot.cameras:
         add_camera(body, camera_name(name, camera), camera)
     _set_mass(body, robot, chassis)

@@ -17,7 +17,7 @@ from robotteamsim.world.mujoco.shapes import LAMP_GROUP, rgba
 MOST_DRAWN = 7
 """OpenGL draws this many lamps, besides the light at the camera."""
 _BULB_M = 0.05
-_WHITE_LX = 150.0
+_WHITE_LX = 20.0
 """In images a white surface with this illuminance, or more, is white."""
 
 
@@ -29,7 +29,10 @@ def add_lamps(spec: mujoco.MjSpec, lights: Sequence[Light]) -> None:
             spec.worldbody.add_light(
                 name=light.name,
                 pos=place,
-                type=mujoco.mjtLightType.mjLIGHT_POINT,
+                type=mujoco.mjtLightType.mjLIGHT_SPOT,
+                dir=[0.0, 0.0, -1.0],
+                cutoff=180.0,
+                exponent=0.0,
                 diffuse=[1.0, 1.0, 1.0],
                 attenuation=[0.05, 0.0, _WHITE_LX / light.intensity_cd],
                 castshadow=False,
@@ -69,7 +72,8 @@ class Lamps:
 
     def show(self, model: mujoco.MjModel) -> None:
         """Light the lamps of a model as they are."""
-        model.light_active[:] = self._lit[: model.nlight]
+        drawn = self._lit[:MOST_DRAWN]
+        model.light_active[: len(drawn)] = drawn
         for light, lit in zip(self._lights, self._lit, strict=True):
             model.material(f"light {light.name}").emission[:] = float(lit)
 
