@@ -22,7 +22,7 @@ from robotteamsim.simulation import Simulation
 from robotteamsim.world.mujoco.world import MujocoWorld
 
 SCENARIO = ("garage_sar", ["run.world=mujoco", "run.seed=3", "mission.time_limit_s=110"])
-STILL_STEPS, FRAME_S = 200, 75
+STILL_STEPS, FRAME_S = 200, 45
 WIDTH_PX, HEIGHT_PX = 1280, 720
 CAMERA = {"distance": 3.2, "azimuth": 35.0, "elevation": -13.0}
 

@@ -80,7 +80,7 @@ def _add_sun(spec: mujoco.MjSpec, plan: FloorPlan) -> None:
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
         pos=[middle[0] - away_m * _SUN[0], middle[1] - away_m * _SUN[1], -away_m * _SUN[2]],
         dir=list(_SUN),
-        diffuse=[0.6, 0.58, 0.54],
+        diffuse=[0.75, 0.73, 0.69],
         specular=[0.1, 0.1, 0.1],
         castshadow=True,
     )
