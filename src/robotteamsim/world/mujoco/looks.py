@@ -15,6 +15,7 @@ from robotteamsim.scenario.plan import bay_lines
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import Camera
 from robotteamsim.world.mujoco.shapes import WHEEL_GROUP, about_z, rgba
+from robotteamsim.world.mujoco.wheels import Chassis
 
 FLOOR = "floor"
 """The material of the floor."""
@@ -61,7 +62,7 @@ def set_looks(spec: mujoco.MjSpec, plan: FloorPlan, cameras: Sequence[Camera], l
 
 def add_dome(body: Any, name: str, robot: PlacedRobot, bottom_m: float) -> None:
     """Add the housing of the laser on top of a robot, which only cameras see."""
-    radius_m = 0.3 * robot.radius_m if not robot.footprint_m else 0.3 * min(abs(y) for _, y in robot.corners_m)
+    radius_m = 0.3 * Chassis.of(robot).half_width_m
     look = {"contype": 0, "conaffinity": 0, "group": WHEEL_GROUP, "mass": 0.0, "rgba": rgba(ROBOT_BODY)}
     body.add_geom(
         name=f"{name}/dome",
