@@ -38,6 +38,7 @@ def still() -> Image.Image:
     model, data = world.engine.model, world.engine.data
     model.vis.global_.offwidth, model.vis.global_.offheight = WIDTH_PX, HEIGHT_PX
     model.vis.quality.shadowsize, model.vis.quality.offsamples = 8192, 8
+    model.light_castshadow[:] = True
     mujoco.mj_camlight(model, data)
     camera, shown = mujoco.MjvCamera(), mujoco.MjvOption()
     shown.geomgroup[:] = 1

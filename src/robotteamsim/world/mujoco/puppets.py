@@ -39,6 +39,7 @@ class Puppets:
             leaf = spec.body(leaf_name(door))
             leaf.pos = [0.0, 0.0, _OUT_OF_SIGHT_M] if pose is None else [pose.x_m, pose.y_m, 0.0]
         self.model = spec.compile()
+        self.model.light_castshadow[:] = not scenario.run.mujoco.lights  # of the sun
         self.data = mujoco.MjData(self.model)
         self._bodies = FreeBodies(self.model, self.data, list(map(robot_name, placed)))
         self._scene = Scene(self, scenario.run.mujoco.lights)
