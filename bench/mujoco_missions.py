@@ -2,7 +2,7 @@
 
 Slip forward is the distance by which the tyres rolled farther than the robots drove, slip to the side the distance that
 they moved across their rolling direction, both as shares of the distance; sampled once per step.
-Usage: python bench/mujoco_missions.py [--trials 30] [--csv FILE]       appends a row per mission
+Usage: python bench/mujoco_missions.py [--first 1] [--trials 30] [--csv FILE]       appends a row per mission
 """
 
 from __future__ import annotations
@@ -79,10 +79,11 @@ def mission(world: str, seed: int) -> tuple[object, ...]:
 def main() -> None:
     """Run the missions, print and record them."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--trials", type=int, default=30)
+    parser.add_argument("--first", type=int, default=1, help="the first seed")
+    parser.add_argument("--trials", type=int, default=30, help="number of seeds")
     parser.add_argument("--csv", type=Path, default=Path(__file__).parent / "results" / "mujoco_missions.csv")
     options = parser.parse_args()
-    for seed in range(1, options.trials + 1):
+    for seed in range(options.first, options.first + options.trials):
         for world in ("box2d", "mujoco"):
             row = mission(world, seed)
             print(*row, flush=True)

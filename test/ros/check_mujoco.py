@@ -5,17 +5,21 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import unittest
 from pathlib import Path
 
 import rospy
 import rostest
-from listening import Topic
+from geometry_msgs.msg import Pose2D
+from listening import Topic, call
 from robotteamsim.msg import MissionStatus, Robots
+from robotteamsim.srv import DropObject, LiftObject, SetObject, SetPose
 
-from robotteamsim.scenario import load
+from robotteamsim.scenario import Scenario, load
 from robotteamsim.simulation import Simulation
+from robotteamsim.world.placement import placed_robots
 
 FOLDER = Path(os.environ["ROSTEST_OUT"])
 KEYS = [
@@ -24,6 +28,7 @@ KEYS = [
     "mission.time_limit_s=6",
     "robots.height_m=2",
     "robots.radius_m=0.1",
+    "robots.gripper={}",
     "control.max_step_speed_mps=3",
     "robots.drive={max_speed_mps: 3, max_acceleration_mps2: 50, max_turn_radps: 6}",
 ]
@@ -46,6 +51,25 @@ class MujocoTest(unittest.TestCase):
         details = [event["detail"] for event in document["events"]]
         for robot_id in tipped:
             self.assertIn(f"robot {robot_id} tips over", details)
+        self._check_gripper(robots, simulation.scenario)
+
+    def _check_gripper(self, robots: Topic, scenario: Scenario) -> None:
+        """Lift and drop a crate with a robot that stands at its start again."""
+        x, y, yaw = placed_robots(scenario)[0].start_pose
+        self.assertTrue(call("/set_pose", SetPose, robot_id=0, pose=Pose2D(x, y, yaw)).success)
+        ahead = Pose2D(x + 0.4 * math.cos(yaw), y + 0.4 * math.sin(yaw), yaw)
+        self.assertTrue(call("/set_object", SetObject, name="crate", kind="barrel", radius_m=0.1, pose=ahead).success)
+        before = len(robots.messages)
+        answer = call("/lift_object", LiftObject, robot_id=0, name="crate")
+        self.assertEqual((answer.success, answer.message), (True, ""))
+        robots.wait_for_after(before, lambda message: list(message.loads)[:1] == ["crate"], "a robot with a crate")
+        again = call("/lift_object", LiftObject, robot_id=0, name="crate")
+        self.assertEqual((again.success, again.message), (False, "robot_0 already holds 'crate'"))
+        before = len(robots.messages)
+        self.assertTrue(call("/drop_object", DropObject, robot_id=0).success)
+        robots.wait_for_after(before, lambda message: not message.loads, "robots without objects")
+        nothing = call("/drop_object", DropObject, robot_id=0)
+        self.assertEqual((nothing.success, nothing.message), (False, "robot_0 holds nothing"))
 
 
 if __name__ == "__main__":

@@ -47,6 +47,7 @@ examples:
   robotteamsim analyse one.bag two.bag three.bag --json -
   robotteamsim analyse mission.bag --png mission.png --csv tables
   robotteamsim analyse mission.bag --mp4 mission.mp4 --scenario garage_sar --seconds 30
+  robotteamsim analyse mission.bag --mp4 mission.mp4 --scenario garage_sar --camera 0
   robotteamsim analyse --join mission_0.bag mission_1.bag mission_2.bag"""
 
 
@@ -67,6 +68,12 @@ def add_to(commands: Any) -> None:
     parser.add_argument("--gif", type=path_of, metavar="FILE", help="make a small film for web pages")
     parser.add_argument("--mp4", type=path_of, metavar="FILE", help="make a large film for talks; needs ffmpeg")
     parser.add_argument(
+        "--camera",
+        type=int,
+        metavar="ID",
+        help="show in the film what a robot sees, drawn by MuJoCo; needs --scenario",
+    )
+    parser.add_argument(
         "--seconds", type=positive_number, default=20.0, metavar="S", help="length of the film; default 20"
     )
     parser.add_argument("--scenario", metavar="SCENARIO", help="draw its floor plan instead of the bag's /map")
@@ -80,7 +87,8 @@ def analyse(options: argparse.Namespace) -> None:
     from robotteamsim.analysis.runs.totals import run_totals
 
     _check(options)
-    plan = scenario.load(options.scenario).plan if options.scenario else None
+    loaded = scenario.load(options.scenario) if options.scenario else None
+    plan = loaded.plan if loaded else None
     runs = [read_run(paths) for paths in ([options.bags] if options.join else [[bag] for bag in options.bags])]
     if len({run.name for run in runs}) < len(runs):  # Folders distinguish bags of the same name.
         runs = [replace(run, name=str(bag.with_suffix(""))) for run, bag in zip(runs, options.bags, strict=True)]
@@ -92,7 +100,7 @@ def analyse(options: argparse.Namespace) -> None:
         with atomically(options.png) as part:
             draw_runs(runs, all_totals, plan).savefig(part, format="png")
         written.append(options.png)
-    written += _film(options, runs[0], all_totals[0], plan)
+    written += _film(options, runs[0], all_totals[0], loaded)
     if options.json != Path("-"):
         from robotteamsim.analysis.runs.tables import print_run, print_runs
 
@@ -122,6 +130,8 @@ def _check(options: argparse.Namespace) -> None:
         raise UsageError(f"--png: {len(options.bags)} bags do not fit side by side; expected at most {MAX_DRAWN}")
     if options.gif or options.mp4:
         _check_film(options)
+    if options.camera is not None and not (options.scenario and (options.gif or options.mp4)):
+        raise UsageError("--camera: needs --scenario, and --gif or --mp4")
 
 
 def _check_film(options: argparse.Namespace) -> None:
@@ -155,18 +165,23 @@ def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], all_totals:
 
 
 def _film(
-    options: argparse.Namespace, run: RecordedRun, totals: RunTotals, plan: scenario.FloorPlan | None
+    options: argparse.Namespace, run: RecordedRun, totals: RunTotals, loaded: scenario.Scenario | None
 ) -> list[Path]:
     if not (options.gif or options.mp4):
         return []
+    plan, view = loaded.plan if loaded else None, None
+    if options.camera is not None and loaded is not None:
+        from robotteamsim.analysis.runs.robot_view import RobotView  # MuJoCo is an extra
+
+        view = RobotView(run, loaded, options.camera)
     from robotteamsim.analysis.runs.film import RunFilm
     from robotteamsim.recording.film_files import find_ffmpeg, write_gif, write_mp4
 
     if options.gif:
-        film, count = RunFilm(run, totals, plan, _GIF_WIDTH_PX), round(options.seconds * _GIF_FRAMES_PER_S)
+        film, count = RunFilm(run, totals, plan, _GIF_WIDTH_PX, view), round(options.seconds * _GIF_FRAMES_PER_S)
         write_gif(options.gif, _with_progress(film.frames(count), count), film.frames(_GIF_SAMPLES), _GIF_FRAMES_PER_S)
     if options.mp4:
-        film, count = RunFilm(run, totals, plan, _MP4_WIDTH_PX), round(options.seconds * _MP4_FRAMES_PER_S)
+        film, count = RunFilm(run, totals, plan, _MP4_WIDTH_PX, view), round(options.seconds * _MP4_FRAMES_PER_S)
         write_mp4(options.mp4, _with_progress(film.frames(count), count), _MP4_FRAMES_PER_S, find_ffmpeg())
     return [file for file in (options.gif, options.mp4) if file]
 

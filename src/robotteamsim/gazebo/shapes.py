@@ -2,60 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from robotteamsim.gazebo.elements import Element, element, material, pose, values
 from robotteamsim.scenario.plan import Corners
-
-_RIGHT_ANGLE = 1e-6
-"""Largest cosine of an angle that counts as a right one."""
-
-
-def in_micrometres(point: tuple[float, float]) -> tuple[float, float]:
-    """Return a point without digits from rounding."""
-    return round(point[0], 6) + 0.0, round(point[1], 6) + 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class Rectangle:
-    """A rectangle on the floor: its middle, the direction of its first side, and both sides [m, m, rad]."""
-
-    x: float
-    y: float
-    yaw: float
-    length_m: float
-    width_m: float
-
-    def turned(self) -> Rectangle:
-        """The same rectangle with its sides swapped."""
-        return Rectangle(self.x, self.y, self.yaw + 0.5 * math.pi, self.width_m, self.length_m)
-
-    @property
-    def ends_m(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The ends of its middle line, along the first side [m]."""
-        along_x, along_y = 0.5 * self.length_m * math.cos(self.yaw), 0.5 * self.length_m * math.sin(self.yaw)
-        start, end = (self.x - along_x, self.y - along_y), (self.x + along_x, self.y + along_y)
-        return in_micrometres(start), in_micrometres(end)
-
-
-def rectangle_of(corners: Corners) -> Rectangle | None:
-    """Return four corners in order as a rectangle; its first side is from the first corner; None: they are not one."""
-    if len(corners) != 4:
-        return None
-    points = np.array(corners)
-    first, second = points[1] - points[0], points[2] - points[1]
-    length_m, width_m = math.hypot(*first), math.hypot(*second)
-    if min(length_m, width_m) <= 0.0:
-        return None
-    if np.abs(points[0] + points[2] - points[1] - points[3]).max() > _RIGHT_ANGLE * max(length_m, width_m):
-        return None
-    if abs(first @ second) > _RIGHT_ANGLE * length_m * width_m:
-        return None
-    x, y = points.mean(axis=0).tolist()
-    return Rectangle(x, y, math.atan2(first[1], first[0]), length_m, width_m)
+from robotteamsim.scenario.rectangles import rectangle_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,12 +10,12 @@ from robotteamsim.gazebo.frames import Frames
 from robotteamsim.gazebo.included import ModelLibrary, describe, is_without_walls
 from robotteamsim.gazebo.names import BLOCKS, DOOR, FLOOR, PILLARS, WALLS, UniqueNames
 from robotteamsim.gazebo.outlines import Outline, ShapeError, outline_of
-from robotteamsim.gazebo.shapes import Rectangle, in_micrometres, rectangle_of
 from robotteamsim.gazebo.xml_tree import Node
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS
 from robotteamsim.scenario.floor_plan import Block, Door, Wall
 from robotteamsim.scenario.plan import Corners, wall_corners
 from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.rectangles import Rectangle, in_micrometres, rectangle_of
 from robotteamsim.scenario.yaml_text import shown
 from robotteamsim.wording import printable
 

@@ -28,6 +28,7 @@ from robotteamsim.mission.status import (
     VictimState,
 )
 from robotteamsim.mission.team_monitor import TeamMonitor
+from robotteamsim.mission.team_news import TeamNews
 from robotteamsim.network.messages import Message, NetworkState, Refusal, Traffic
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import Upcoming
@@ -39,7 +40,6 @@ from robotteamsim.world.doors import DoorStates, LeafMotion
 from robotteamsim.world.people import PersonState
 from robotteamsim.world.walking import Walkers
 
-_MISHAPS: dict[Mishap, str] = {"tipped_over": "tips over", "left_world": "leaves the world"}
 _MOTION: dict[LeafMotion, str] = {"still": "stops", "opens": "opens", "closes": "closes", "held": "is blocked"}
 
 
@@ -96,7 +96,7 @@ class Mission:
         """Whether each robot was present in the last step; None if all were."""
         self._base = BaseStation(scenario)
         self._refusals: set[Refusal] = set()
-        self._mishaps: Mapping[int, Mishap] = {}
+        self._news = TeamNews()
         self._events: list[Event] = []
         self._is_task_new = False
         """Whether the task has changed in this step without an event."""
@@ -165,12 +165,10 @@ class Mission:
             for name in self._rescue.follow_people(people):
                 self._add_event("person_enclosed", name, NOBODY, f"{name} waits, because no path to an exit is open")
 
-    def follow_mishaps(self, mishaps: Mapping[int, Mishap]) -> None:
-        """Record which robots cannot go on, by id, and why."""
-        for robot_id, mishap in mishaps.items():
-            if self._mishaps.get(robot_id) != mishap:
-                self._add_event(f"robot_{mishap}", "", robot_id, f"robot {robot_id} {_MISHAPS[mishap]}")
-        self._mishaps = mishaps
+    def follow_team(self, mishaps: Mapping[int, Mishap], loads: Mapping[int, str]) -> None:
+        """Record which robots cannot go on and why, and what robots hold, by id."""
+        for news in self._news.of(mishaps, loads):
+            self._add_event(*news)
 
     def follow_hazards(self, field: HazardField | None, failed: frozenset[int]) -> None:
         """Record fire and smoke of the step to be judged, and the absent members who have failed or collapsed.

@@ -44,6 +44,7 @@ class Event(msgspec.Struct, frozen=True, gc=False):
               victim_reported, victim_reached, victim_carried, victim_safe, victim_left (by a firefighter
               who left the team), person_enclosed, link_endangered, robot_excluded,
               robot_included, robot_removed, robot_spawned, robot_tipped_over, robot_left_world,
+              object_lifted, object_dropped,
               swarm_founded, swarm_dissolved, controller_failed,
               message_too_large,
               robot_failed_by_heat, firefighter_collapsed, victim_collapsed, victim_dead,

@@ -64,7 +64,7 @@ ROBOT_TOPICS = (
 """Topics in the namespace of each robot."""
 
 
-_PRESENCE = ("present", "arrivals", "mishaps")
+_PRESENCE = ("present", "arrivals", "mishaps", "loads")
 """Members of a record that /world/robots shows."""
 
 
@@ -121,7 +121,9 @@ class BagMessages:
         if last is None or any(getattr(record, name) is not getattr(last, name) for name in _PRESENCE):
             yield (
                 "/world/robots",
-                ros_messages.robots(make, time_ns, record.present, record.arrivals, record.mishaps, record.failed),
+                ros_messages.robots(
+                    make, time_ns, record.present, record.arrivals, record.mishaps, record.failed, record.loads
+                ),
             )
         if record.hazards is not None:
             yield from hazard_messages(make, time_ns, record.hazards)

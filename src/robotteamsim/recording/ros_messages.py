@@ -5,6 +5,7 @@ of rosbags, and the nodes pass a factory for their own message classes. Numeric 
 attribute's type; a factory converts them if its classes need something else.
 """
 
+import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Protocol
@@ -18,6 +19,7 @@ from robotteamsim.mission.status import DeliveredDiscoveries, Event, MissionStat
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
+from robotteamsim.scenario.sensors import Camera, LightSensor
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
@@ -162,7 +164,7 @@ def transforms(make: Make, time_ns: int, robots: Sequence[Robot], odometry: Iter
 def robot_transforms(make: Make, time_ns: int, robot_id: int, robot: Robot, odometry: OdometryReading) -> list[Any]:
     """geometry_msgs/TransformStamped[]: odom -> base_footprint -> base_link -> base_laser_link.
 
-    The frames of further sensors follow, base_link -> <name>_link.
+    The frames of further sensors follow, base_link -> <name>_link, and of cameras <name>_link -> <name>_optical_frame.
     """
     laser = PoseReading(robot.laser.forward_m, 0.0, 0.0, 1.0)
     links = [
@@ -173,8 +175,16 @@ def robot_transforms(make: Make, time_ns: int, robot_id: int, robot: Robot, odom
     for mount in robot.mounts:
         place = PoseReading.from_pose(Pose(mount.forward_m, mount.left_m, mount.yaw_rad))
         frame = f"{mount.name}_link"
-        links.append(_transform(make, time_ns, robot_id, "base_link", frame, place, mount.height_m))
-    return links
+        link = _transform(make, time_ns, robot_id, "base_link", frame, place, mount.height_m)
+        if isinstance(mount, LightSensor):
+            link.transform.rotation = _pitched(make, mount.yaw_rad, mount.pitch_rad)
+        links.append(link)
+    return [*links, *(_optical_transform(make, time_ns, robot_id, camera) for camera in robot.cameras)]
+
+
+def optical_frame(camera: Camera) -> str:
+    """Return the frame of a camera's images, as in REP 103: z forward, x to the right, y down."""
+    return f"{camera.name}_optical_frame"
 
 
 def localization(make: Make, time_ns: int, robot_id: int, place: PoseReading) -> Any:
@@ -352,8 +362,12 @@ def robots(
     arrivals: Sequence[int],
     mishaps: Mapping[int, Mishap] = MappingProxyType({}),
     failed: Collection[int] = (),
+    loads: Mapping[int, str] = MappingProxyType({}),
 ) -> Any:
-    """robotteamsim/Robots. Args: present: bool, shape (n,); None if all robots are present.  mishaps: by id."""
+    """robotteamsim/Robots.
+
+    Args: present: bool, shape (n,); None if all robots are present.  mishaps, loads: by id.
+    """
     numbers = [MISHAPS.index(mishaps.get(robot_id)) for robot_id in range(len(arrivals))] if mishaps else []
     return make(
         "robotteamsim/Robots",
@@ -362,6 +376,7 @@ def robots(
         mishaps=np.array(numbers, dtype=np.uint8),
         arrivals=np.array(arrivals, dtype=np.uint32),
         failed_by_heat=np.array([robot_id in failed for robot_id in range(len(arrivals))], dtype=np.uint8),
+        loads=[loads.get(robot_id, "") for robot_id in range(len(arrivals))] if loads else [],
     )
 
 
@@ -409,6 +424,26 @@ def _transform(
         child_frame_id=robot_frame(robot_id, child),
         transform=_pose_as_transform(make, place, height_m),
     )
+
+
+def _optical_transform(make: Make, time_ns: int, robot_id: int, camera: Camera) -> Any:
+    return make(
+        "geometry_msgs/TransformStamped",
+        header=header(make, time_ns, robot_frame(robot_id, f"{camera.name}_link")),
+        child_frame_id=robot_frame(robot_id, optical_frame(camera)),
+        transform=make(
+            "geometry_msgs/Transform",
+            translation=make("geometry_msgs/Vector3", x=0.0, y=0.0, z=0.0),
+            rotation=make("geometry_msgs/Quaternion", x=-0.5, y=0.5, z=-0.5, w=0.5),
+        ),
+    )
+
+
+def _pitched(make: Make, yaw_rad: float, pitch_rad: float) -> Any:
+    """Return the rotation of a frame whose x axis points to yaw_rad and upwards by pitch_rad."""
+    cos_yaw, sin_yaw = math.cos(0.5 * yaw_rad), math.sin(0.5 * yaw_rad)
+    cos, sin = math.cos(0.5 * pitch_rad), math.sin(0.5 * pitch_rad)
+    return make("geometry_msgs/Quaternion", x=sin_yaw * sin, y=-cos_yaw * sin, z=sin_yaw * cos, w=cos_yaw * cos)
 
 
 def _pose_as_transform(make: Make, place: PoseReading, height_m: float) -> Any:

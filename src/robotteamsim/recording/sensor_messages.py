@@ -10,7 +10,7 @@ import numpy as np
 from robotteamsim.recording import ros_messages
 from robotteamsim.recording.ros_messages import Make
 from robotteamsim.scenario.sections import Robot
-from robotteamsim.scenario.sensors import Camera, MountedLaser, Sonar
+from robotteamsim.scenario.sensors import Camera, LightSensor, MountedLaser, Sonar
 from robotteamsim.sensing.readings import FurtherReadings
 
 # Constants of sensor_msgs/Range, NavSatStatus and NavSatFix.
@@ -50,9 +50,13 @@ def sensor_topics(robot: Robot) -> tuple[SensorTopic, ...]:
             SensorTopic(f"{camera.name}/camera_info", "sensor_msgs/CameraInfo", partial(_camera_info, index, camera)),
         )
     )
+    lights = (
+        SensorTopic(sensor.name, "sensor_msgs/Illuminance", partial(_illuminance, index, sensor))
+        for index, sensor in enumerate(robot.light_sensors)
+    )
     gps = (SensorTopic("fix", "sensor_msgs/NavSatFix", _fix),) if robot.gps else ()
     heat = (SensorTopic("heat", "robotteamsim/Heat", _heat),) if robot.heat else ()
-    return (*lasers, *sonars, *cameras, *gps, *heat)
+    return (*lasers, *sonars, *cameras, *lights, *gps, *heat)
 
 
 def _scan(
@@ -83,7 +87,9 @@ def _image(
         return None
     return make(
         "sensor_msgs/Image",
-        header=ros_messages.header(make, time_ns, ros_messages.robot_frame(robot_id, f"{camera.name}_link")),
+        header=ros_messages.header(
+            make, time_ns, ros_messages.robot_frame(robot_id, ros_messages.optical_frame(camera))
+        ),
         height=camera.height_px,
         width=camera.width_px,
         encoding="rgb8" if camera.images == "rgb" else "32FC1",
@@ -101,7 +107,9 @@ def _camera_info(
     focal, x, y = camera.focal_px, 0.5 * camera.width_px, 0.5 * camera.height_px
     return make(
         "sensor_msgs/CameraInfo",
-        header=ros_messages.header(make, time_ns, ros_messages.robot_frame(robot_id, f"{camera.name}_link")),
+        header=ros_messages.header(
+            make, time_ns, ros_messages.robot_frame(robot_id, ros_messages.optical_frame(camera))
+        ),
         height=camera.height_px,
         width=camera.width_px,
         distortion_model="plumb_bob",
@@ -112,6 +120,17 @@ def _camera_info(
         binning_x=0,
         binning_y=0,
         roi=make("sensor_msgs/RegionOfInterest", x_offset=0, y_offset=0, height=0, width=0, do_rectify=False),
+    )
+
+
+def _illuminance(
+    index: int, sensor: LightSensor, make: Make, time_ns: int, robot_id: int, readings: FurtherReadings
+) -> Any:
+    return make(
+        "sensor_msgs/Illuminance",
+        header=ros_messages.header(make, time_ns, ros_messages.robot_frame(robot_id, f"{sensor.name}_link")),
+        illuminance=readings.lights_lx[index],
+        variance=0.0,
     )
 
 

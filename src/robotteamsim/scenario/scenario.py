@@ -91,11 +91,8 @@ class Scenario(Model):
                     "radio.materials",
                     f"has no '{element.material}', the material of '{element.name}' in the plan; known: {known}",
                 )
-        robots = (self.robots,) if isinstance(self.robots, Team) else self.robots
-        if self.run.world != "mujoco" and any(robot.cameras for robot in robots):
-            raise wrong("robots.cameras", f"need run.world mujoco, not {self.run.world}")
         num_robots = self.num_robots
-        problem = self._problem_of_roles()
+        problem = self._problem_of_third_dimension() or self._problem_of_roles()
         if problem:
             raise wrong(*problem)
         if num_robots and self.control.swarms.initial > num_robots:
@@ -109,7 +106,8 @@ class Scenario(Model):
         if not any(self.present_at_start):
             raise wrong("robots", "none of them is present at the start")
         doors = [door.name for door in self.plan.doors]
-        problem = problem_of(self.schedule, self.present_at_start, doors) or self._problem_of_fire(doors)
+        lights = [light.name for light in self.run.mujoco.lights]
+        problem = problem_of(self.schedule, self.present_at_start, doors, lights) or self._problem_of_fire(doors)
         if problem:
             raise wrong(*problem)
         if self.mission.base is not None and self.mission.base >= num_robots:
@@ -117,6 +115,31 @@ class Scenario(Model):
         if self.mission.base is not None and num_robots == 1:
             raise wrong("mission.base", "is the only robot; expected at least one other robot to search")
         return self
+
+    def _problem_of_third_dimension(self) -> tuple[str, str] | None:
+        """Return a key and its mistake if something does not exist in the selected world, or has no place there."""
+        robots = (self.robots,) if isinstance(self.robots, Team) else self.robots
+        only = {
+            "robots.cameras": any(robot.cameras for robot in robots),
+            "robots.gripper": any(robot.gripper for robot in robots),
+            "robots.light_sensors": any(robot.light_sensors for robot in robots),
+            "run.mujoco.ramps": bool(self.run.mujoco.ramps),
+            "run.mujoco.lights": bool(self.run.mujoco.lights),
+        }
+        if self.run.world != "mujoco":
+            key = next((key for key, used in only.items() if used), None)
+            return None if key is None else (key, f"need run.world mujoco, not {self.run.world}")
+        for index, ramp in enumerate(self.run.mujoco.ramps):
+            for key, (x, y) in (("from", ramp.start), ("to", ramp.end)):
+                if not self.plan.bounds.contains((x, y)):
+                    text = f"[{x:g}, {y:g}] lies outside the bounds {self.plan.bounds}"
+                    return f"run.mujoco.ramps.{index}.{key}", text
+        for index, light in enumerate(self.run.mujoco.lights):
+            if not self.plan.bounds.contains(light.position):
+                x, y = light.position
+                text = f"[{x:g}, {y:g}] lies outside the bounds {self.plan.bounds}"
+                return f"run.mujoco.lights.{index}.position", text
+        return None
 
     def _problem_of_fire(self, doors: list[str]) -> tuple[str, str] | None:
         """Return a key and its mistake if the fire contradicts the plan or the rest of the scenario."""

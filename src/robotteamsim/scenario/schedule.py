@@ -1,4 +1,4 @@
-"""What changes at given times: robots, doors, noise, victims and fire."""
+"""What changes at given times: robots, doors, lights, noise, victims and fire."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 
 from robotteamsim.scenario.base import Model, Name, NoiseDb, PlanarPose, Point, wrong
 
-EventKind = Literal["remove", "spawn", "door", "noise_db", "victim", "ignite"]
+EventKind = Literal["remove", "spawn", "door", "light", "noise_db", "victim", "ignite"]
 _KINDS: tuple[EventKind, ...] = get_args(EventKind)
-_DETAILS: dict[str, EventKind] = {"pose": "spawn", "closed": "door", "position": "victim"}
+_DETAILS: dict[str, EventKind] = {"pose": "spawn", "closed": "door", "lit": "light", "position": "victim"}
 """Keys that are only allowed with one kind of event."""
 
 
 class ScheduledEvent(Model):
-    """One change: exactly one of `remove`, `spawn`, `door`, `noise_db`, `victim` and `ignite`."""
+    """One change: exactly one of `remove`, `spawn`, `door`, `light`, `noise_db`, `victim` and `ignite`."""
 
     at_s: float = Field(ge=0.0, le=1e6, description="takes effect in the first step that begins then or later [s]")
     remove: int | None = Field(default=None, ge=0, le=2999, description="id of the robot to remove")
@@ -29,6 +29,8 @@ class ScheduledEvent(Model):
     )
     door: str | None = Field(default=None, description="name of the door to close or open")
     closed: bool | None = Field(default=None, description="whether the door closes (true) or opens (false)")
+    light: str | None = Field(default=None, description="name of the light to switch; only in `run.world: mujoco`")
+    lit: bool | None = Field(default=None, description="whether the light is on (true) or off (false)")
     noise_db: NoiseDb | None = Field(default=None, description="new background noise [dB]")
     victim: Name | None = Field(default=None, description="name of the victim to add or to move")
     position: Point | None = Field(default=None, description="[x, y] of this victim in the map frame [m]")
@@ -45,6 +47,8 @@ class ScheduledEvent(Model):
                 raise wrong(key, f"only allowed with {kind}")
         if self.door is not None and self.closed is None:
             raise wrong("closed", "missing; expected true or false")
+        if self.light is not None and self.lit is None:
+            raise wrong("lit", "missing; expected true or false")
         if self.victim is not None and self.position is None:
             raise wrong("position", "missing; expected [x, y] in the map frame [m]")
         return self
@@ -91,15 +95,17 @@ def in_order(schedule: Sequence[ScheduledEvent]) -> list[tuple[int, ScheduledEve
 
 
 def problem_of(
-    schedule: Sequence[ScheduledEvent], present: Sequence[bool], doors: Sequence[str]
+    schedule: Sequence[ScheduledEvent], present: Sequence[bool], doors: Sequence[str], lights: Sequence[str]
 ) -> tuple[str, str] | None:
     """Return a key and its mistake if the schedule contradicts itself, the team or the plan.
 
-    Args: present: at the start, per robot.  doors: the names of the plan's doors.
+    Args: present: at the start, per robot.  doors, lights: the names of the plan's doors, and of the lights.
     """
     for index, event in enumerate(schedule):
         if event.door is not None and event.door not in doors:
             return f"schedule.{index}.door", f"there is no door '{event.door}'; known: {', '.join(doors) or 'none'}"
+        if event.light is not None and event.light not in lights:
+            return f"schedule.{index}.light", f"there is no light '{event.light}'; known: {', '.join(lights) or 'none'}"
     return _problem_of_robots(schedule, list(present))
 
 

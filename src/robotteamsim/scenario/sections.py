@@ -22,13 +22,13 @@ from robotteamsim.scenario.base import (
 from robotteamsim.scenario.body import Body, check_footprint, disc_at, polygon_at
 from robotteamsim.scenario.control_tuning import CoverTuning, DoorTuning, LinkTuning, NavigatorTuning, WanderTuning
 from robotteamsim.scenario.drives import AnyDrive, Drive
-from robotteamsim.scenario.mujoco import Mujoco, Wheels
+from robotteamsim.scenario.mujoco import Gripper, Mujoco, Wheels
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.radio_presets import with_preset
 from robotteamsim.scenario.rescue import Dispatch, Exit, Rescue
 from robotteamsim.scenario.search_tuning import SearchTuning
-from robotteamsim.scenario.sensors import Camera, Gps, HeatSensor, Mount, MountedLaser, Sonar, check_names
+from robotteamsim.scenario.sensors import Camera, Gps, HeatSensor, LightSensor, Mount, MountedLaser, Sonar, check_names
 from robotteamsim.scenario.sensors import Laser as Laser
 from robotteamsim.scenario.sweep_tuning import InfotaxisTuning, SweepTuning
 from robotteamsim.scenario.victims import Victim as Victim
@@ -123,19 +123,24 @@ class Robot(Model):
     )
     sonars: Many[Sonar] = Field(default=(), max_length=64, description="a ring of sonars, each on its own topic")
     cameras: Many[Camera] = Field(default=(), max_length=8, description="cameras; only in `run.world: mujoco`")
+    light_sensors: Many[LightSensor] = Field(
+        default=(), max_length=16, description="light sensors; only in `run.world: mujoco`"
+    )
     gps: Gps | None = Field(default=None, description="GPS, on the topic `fix`")
     heat: HeatSensor | None = Field(default=None, description="thermal camera, on the topic `heat`; needs `fire`")
+    gripper: Gripper | None = Field(default=None, description="lifts objects; only in `run.world: mujoco`")
     odometry: Odometry = Odometry()
     cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="time for which the last command holds [s]")
 
     @property
     def mounts(self) -> tuple[Mount, ...]:
         """The additional sensors, which have frames of their own."""
-        return (*self.lasers, *self.sonars, *self.cameras)
+        return (*self.lasers, *self.sonars, *self.cameras, *self.light_sensors)
 
     @model_validator(mode="after")
     def _check_body(self) -> Robot:
-        check_names({"lasers": self.lasers, "sonars": self.sonars, "cameras": self.cameras})
+        keys = ("lasers", "sonars", "cameras", "light_sensors")
+        check_names({key: getattr(self, key) for key in keys})
         if self.footprint_m:
             check_footprint("footprint_m", self.footprint_m)
         if self.wheels.radius_m is not None and self.wheels.radius_m > self.height_m:

@@ -122,7 +122,8 @@ class Camera(Model):
     """A camera, only in the world of MuJoCo; it shows floor, walls, doors, objects and robots, and no victims."""
 
     name: SensorName = Field(
-        description="a name, for topics robot_<id>/<name>/image and camera_info and frame robot_<id>/<name>_link"
+        description="a name, for topics robot_<id>/<name>/image and camera_info, frames robot_<id>/<name>_link and "
+        "robot_<id>/<name>_optical_frame"
     )
     images: Literal["rgb", "depth"] = Field(default="rgb", description="rgb: colours; depth: distances along its axis")
     width_px: int = Field(default=320, ge=16, le=4096, description="columns of an image")
@@ -138,6 +139,17 @@ class Camera(Model):
     def focal_px(self) -> float:
         """Focal length, the same for columns and rows."""
         return 0.5 * self.width_px / math.tan(0.5 * self.fov_rad)
+
+
+class LightSensor(Model):
+    """A light sensor, only in the world of MuJoCo: the illuminance by the lights of the scenario."""
+
+    name: SensorName = Field(description="a name, for topic robot_<id>/<name> and frame robot_<id>/<name>_link")
+    forward_m: float = Field(default=0.0, ge=-5.0, le=5.0, description="ahead of base_link [m]")
+    left_m: float = Field(default=0.0, ge=-5.0, le=5.0, description="left of base_link [m]")
+    height_m: float = Field(default=0.3, gt=0.0, le=5.0, description="above base_link [m]")
+    yaw_rad: float = Field(default=0.0, ge=-6.2832, le=6.2832, description="its direction in base_link [rad]")
+    pitch_rad: float = Field(default=0.5 * math.pi, ge=-1.5708, le=1.5708, description="its direction upwards [rad]")
 
 
 class Gps(Model):

@@ -1,4 +1,4 @@
-"""Additional sensors of robots: lasers, sonars, GPS and thermal camera, each with its own topic."""
+"""Additional sensors of robots, such as lasers, cameras and GPS, each with its own topic."""
 
 from collections.abc import Sequence
 
@@ -8,7 +8,7 @@ from robotteamsim import _core
 from robotteamsim.errors import CameraError
 from robotteamsim.rng import stream
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.scenario.sensors import Camera, Gps, MountedLaser
+from robotteamsim.scenario.sensors import Camera, Gps, LightSensor, MountedLaser
 from robotteamsim.sensing.gps import fix, is_due
 from robotteamsim.sensing.heat import ThermalCamera
 from robotteamsim.sensing.laser import Laser
@@ -36,7 +36,7 @@ class FurtherSensors:
         self._air = air
         self._camera = None if air is None else ThermalCamera(world, air)
         self._sonars = {model: Sonar(model, world) for model in sonars}
-        self.has_any = any(robot.cameras or _names(robot) or robot.heat for robot in self._robots)
+        self.has_any = any(robot.mounts or _names(robot) or robot.heat for robot in self._robots)
         """Whether any robot has an additional sensor."""
         self.reset()
 
@@ -66,6 +66,7 @@ class FurtherSensors:
                     for sonar in robot.sonars
                 ),
                 images=tuple(self._image(robot_id, camera) for camera in robot.cameras),
+                lights_lx=tuple(self._illuminance_lx(robot_id, sensor) for sensor in robot.light_sensors),
                 fix=self._fix(robot_id, robot.gps, tuple(positions_m[robot_id])),
                 heat=self._camera.read(robot.heat, tuple(positions_m[robot_id]))
                 if self._camera and robot.heat
@@ -86,6 +87,11 @@ class FurtherSensors:
         if isinstance(scene, _core.world.World):
             raise CameraError(f"robots.cameras: '{camera.name}' needs run.world mujoco")
         return scene.image(robot_id, camera)
+
+    def _illuminance_lx(self, robot_id: int, sensor: LightSensor) -> float:
+        scene = self._world.scene
+        # A scenario with light sensors in the plane is rejected.
+        return 0.0 if isinstance(scene, _core.world.World) else scene.illuminance_lx(robot_id, sensor)
 
     def _scan(self, robot_id: int, laser: MountedLaser) -> np.ndarray | None:
         if self._world.step_index % laser.every_steps:

@@ -72,6 +72,7 @@ class FurtherReadings(msgspec.Struct, frozen=True, gc=False, eq=False):
     fix:      of `robots.gps`.
     images:   of `robots.cameras`, in their order: uint8, shape (height, width, 3), red, green, blue; or, of depth
               cameras, float32, shape (height, width) [m].
+    lights_lx: of `robots.light_sensors`, in their order [lx].
     heat:     of `robots.heat`, in the steps in which fire and smoke advance.
     """
 
@@ -79,6 +80,7 @@ class FurtherReadings(msgspec.Struct, frozen=True, gc=False, eq=False):
     sonars_m: tuple[float, ...] = ()
     fix: Fix | None = None
     images: tuple[np.ndarray | None, ...] = ()
+    lights_lx: tuple[float, ...] = ()
     heat: HeatReading | None = None
 
 

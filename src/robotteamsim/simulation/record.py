@@ -32,8 +32,9 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     doors:      after the step, by name, in the plan's order; the same object until a door changes.
     present:    whether each robot is present, bool, shape (n,); None: all are. Entries of absent robots mean nothing.
     arrivals:   how often each robot has arrived, its start included.
-    mishaps:    robots that cannot go on, by id, and why; present, arrivals and mishaps are the same objects until they
-                change.
+    mishaps:    robots that cannot go on, by id, and why.
+    loads:      names of the objects that robots hold, by the robots' ids; present, arrivals, mishaps and loads are the
+                same objects until they change.
     voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
     hazards:    fire, smoke and temperature, in the steps in which they advance, else None.
     failed:     ids of the absent robots that have failed by heat.
@@ -56,6 +57,7 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     present: np.ndarray | None = None
     arrivals: tuple[int, ...] = ()
     mishaps: Mapping[int, Mishap] = MappingProxyType({})
+    loads: Mapping[int, str] = MappingProxyType({})
     hazards: HazardField | None = None
     failed: frozenset[int] = frozenset()
     people: tuple[PersonState, ...] = ()

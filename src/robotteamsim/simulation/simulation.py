@@ -57,7 +57,7 @@ class Simulation:
         """The people who move; None if victims only walk along their paths."""
         self.environment = Environment(scenario)
         self._arrivals = self.world.arrivals
-        self._mishaps = self.world.mishaps
+        self._team_news = self.world.mishaps, self.world.loads
         self.controllers = [self._controller(robot_id, 1) for robot_id in range(len(robots))]
         self.mission = Mission(scenario)
         self._base = scenario.base
@@ -94,6 +94,7 @@ class Simulation:
             present=world.present,
             arrivals=world.arrivals,
             mishaps=world.mishaps,
+            loads=world.loads,
             hazards=self._hazard_field,
             failed=mission.failed,
             people=() if self.people is None else self.people.states,
@@ -150,9 +151,10 @@ class Simulation:
         """Let the mission judge the step, and return its events."""
         base_inbox = () if self._base is None else inboxes[self._base]
         world = self.world
-        if world.mishaps is not self._mishaps:
-            self._mishaps = world.mishaps
-            self.mission.follow_mishaps(world.mishaps)
+        news = world.mishaps, world.loads
+        if any(now is not before for now, before in zip(news, self._team_news, strict=True)):
+            self._team_news = news
+            self.mission.follow_team(*news)
         events = self.mission.step(
             world.sim_time_ns, positions_m, voices, network, self._decisions, base_inbox, world.present
         )
@@ -214,6 +216,18 @@ class Simulation:
         decisions = list(self._decisions)
         decisions[robot_id] = msgspec.structs.replace(decisions[robot_id], twist=Twist())
         self._decisions = tuple(decisions)
+
+    def lift_object(self, robot_id: int, name: str) -> None:
+        """Let a robot's gripper hold an object, see `AnyWorld.lift_object`. Raises: ValueError."""
+        self.world.lift_object(robot_id, name)
+
+    def drop_object(self, robot_id: int) -> None:
+        """Open a robot's gripper. Raises: ValueError: no such robot, or it holds nothing."""
+        self.world.drop_object(robot_id)
+
+    def set_light(self, name: str, lit: bool) -> None:
+        """Switch a light on or off. Raises: ValueError: no such light."""
+        self.world.set_light(name, lit)
 
     def ignite(self, position_m: tuple[float, float]) -> None:
         """Set fire to a place in `map` [m]. Raises: ValueError: nothing burns there, or the scenario has no fire."""

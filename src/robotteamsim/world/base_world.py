@@ -21,6 +21,7 @@ from robotteamsim.world.free_space import FreeSpace, Occupants
 from robotteamsim.world.placement import check_objects
 
 _NO_MISHAPS: Mapping[int, Mishap] = MappingProxyType({})
+_NO_LOADS: Mapping[int, str] = MappingProxyType({})
 
 
 class _DoorReading(Protocol):
@@ -241,12 +242,25 @@ class BaseWorld(ABC):
         self._physics.remove_object(index)
         self._objects = (*self._objects[:index], *self._objects[index + 1 :])
 
+    def lift_object(self, robot_id: int, name: str) -> None:
+        """See `AnyWorld.lift_object`."""
+        raise ValueError(f"robot_{robot_id} has no gripper; it needs robots.gripper and run.world mujoco")
+
+    def drop_object(self, robot_id: int) -> None:
+        """See `AnyWorld.drop_object`."""
+        self._is_present(robot_id)
+        raise ValueError(f"robot_{robot_id} holds nothing")
+
     def set_door(self, name: str, closed: bool) -> None:
         """See `AnyWorld.set_door`."""
         if name not in self._doors:
             raise ValueError(f"unknown door '{name}'; known: {', '.join(self._doors) or 'none'}")
         self._physics.set_door(self._door_ids[name], closed)
         self._update_doors()
+
+    def set_light(self, name: str, lit: bool) -> None:
+        """See `AnyWorld.set_light`."""
+        raise ValueError(f"unknown light '{name}'; known: none")
 
     def reset_positions(self) -> None:
         """See `AnyWorld.reset_positions`."""
@@ -264,10 +278,11 @@ class BaseWorld(ABC):
     def _begin(self) -> None:
         self.step_index = 0
         self.sim_time_ns = 0
-        self._upcoming = Upcoming(self._schedule, ("remove", "spawn", "door"))
+        self._upcoming = Upcoming(self._schedule, ("remove", "spawn", "door", "light"))
         self._waiting: list[ScheduledEvent] = []
         """Spawns that are due, of robots whose place is occupied."""
         self.mishaps = _NO_MISHAPS
+        self.loads = _NO_LOADS
         self._update_presence()
 
     def _update_presence(self) -> None:
@@ -287,6 +302,8 @@ class BaseWorld(ABC):
         for event in due:
             if event.door is not None:
                 self.set_door(event.door, bool(event.closed))
+            elif event.light is not None:
+                self.set_light(event.light, bool(event.lit))
             elif event.remove is not None and self._is_present(event.remove):
                 self.remove_robot(event.remove)
             elif event.spawn is not None and not self._is_present(event.spawn):

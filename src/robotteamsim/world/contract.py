@@ -17,7 +17,7 @@ from robotteamsim import _core
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.sensors import Camera
+from robotteamsim.scenario.sensors import Camera, LightSensor
 from robotteamsim.world.doors import DoorStates
 
 Mishap = Literal["tipped_over", "left_world"]
@@ -55,6 +55,9 @@ class Scene(Protocol):
         no returns.
         """
 
+    def illuminance_lx(self, robot_id: int, sensor: LightSensor) -> float:
+        """Return what one of a robot's light sensors measures [lx]; 0 for an absent robot."""
+
     def image(self, robot_id: int, camera: Camera) -> np.ndarray:
         """Return what one of a robot's cameras sees, in the form of `FurtherReadings.images`.
 
@@ -88,6 +91,9 @@ class AnyWorld(Protocol):
     mishaps: Mapping[int, Mishap]
     """Robots that lie on their side or have left the world, by id; the same object until that changes. Such robots do
     not end a mission. A robot that has left is absent; it may be spawned again."""
+
+    loads: Mapping[int, str]
+    """Names of the objects that robots hold, by the robots' ids; the same object until that changes."""
 
     @property
     def num_robots(self) -> int:
@@ -176,6 +182,19 @@ class AnyWorld(Protocol):
     def remove_object(self, name: str) -> None:
         """Remove an object. Raises: ValueError: no such object."""
 
+    def lift_object(self, robot_id: int, name: str) -> None:
+        """Let a robot's gripper hold an object, which moves with the robot until it is dropped.
+
+        Raises: ValueError: no such robot or object, no gripper, or the object is too far, too heavy, behind a wall or
+                held; also in a world without grippers.
+        """
+
+    def drop_object(self, robot_id: int) -> None:
+        """Open a robot's gripper. A robot that is moved by `set_pose` or removed drops its load, too.
+
+        Raises: ValueError: no such robot, or it holds nothing.
+        """
+
     def set_door(self, name: str, closed: bool) -> None:
         """Close or open a door.
 
@@ -184,6 +203,9 @@ class AnyWorld(Protocol):
 
         Raises: ValueError: no such door.
         """
+
+    def set_light(self, name: str, lit: bool) -> None:
+        """Switch a light on or off. Raises: ValueError: no such light."""
 
     def reset_positions(self) -> None:
         """Move all present robots to their start poses, at rest; time, objects and doors stay as they are."""

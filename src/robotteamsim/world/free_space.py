@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose
@@ -69,6 +70,16 @@ class FreeSpace:
             is_near = math.dist((pose.x_m, pose.y_m), (x_m, y_m)) < obj.reach_m + robot.reach_m
             if is_near and body.overlaps(robot.body_at((x_m, y_m, yaw_rad)), TOUCH_M):
                 raise PlacementError(f"{_place(name, pose)} is inside robot_{robot_id}")
+
+    def check_reach(self, name: str, robot: Body, thing: str, body: Body, reach_m: float, doors: DoorStates) -> None:
+        """Check that a robot reaches an object, with no wall or leaf between them. Raises: ValueError."""
+        line = shapely.shortest_line(robot.core, body.core)
+        distance_m = max(line.length - robot.margin_m - body.margin_m, 0.0)
+        if distance_m > reach_m:
+            raise ValueError(f"{name}: {thing} is {distance_m:.2f} m away; expected at most {reach_m:g} m")
+        hit = self._solid_in(Body(line, 2.0 * TOUCH_M), doors)
+        if hit is not None:
+            raise ValueError(f"{name}: {thing} is behind {hit.kind} '{hit.name}'")
 
     def _body_at(
         self, thing: PlacedRobot | MovableObject, name: str, pose: Pose, doors: DoorStates, clearance: str = ""

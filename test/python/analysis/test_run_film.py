@@ -8,7 +8,10 @@ import pytest
 from robotteamsim import palette
 from robotteamsim.analysis.runs.film import RunFilm, link_segments
 from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.analysis.runs.robot_view import RobotView
 from robotteamsim.analysis.runs.totals import run_totals
+from robotteamsim.errors import CameraError
+from robotteamsim.scenario import load
 
 FIRST = tuple(round(255 * part) for part in palette.rgb(palette.robot_colour(0)))
 SECOND_NS = 10**9
@@ -113,3 +116,37 @@ def test_film_states_what_does_not_change_instead_of_a_flat_curve(comes_again):
     labels = [axes.get_ylabel() for axes in figure.axes]
     hops = "longest path 1 hop" in figure.get_suptitle()
     assert hops == ("longest path\n[hops]" not in labels)
+
+
+class Flashes:
+    """The picture of a camera, which is red in the first half of a run and blue in the second."""
+
+    title = "camera of robot 0"
+
+    def __init__(self, run):
+        self._middle_ns = (run.start_ns + run.end_ns) // 2
+
+    def image(self, stamp_ns):
+        return np.full((36, 64, 3), (255, 0, 0) if stamp_ns < self._middle_ns else (0, 0, 255), np.uint8)
+
+
+def test_picture_of_a_camera_is_that_of_the_time(run):
+    film = RunFilm(run, run_totals(run), None, 640, Flashes(run))
+    for stamp_ns, colour, other in ((run.start_ns, (255, 0, 0), (0, 0, 255)), (run.end_ns, (0, 0, 255), (255, 0, 0))):
+        frame = film.frame(stamp_ns)
+        assert (frame == colour).all(axis=-1).sum() > 5000
+        assert not (frame == other).all(axis=-1).any()
+
+
+def test_view_of_a_robot_follows_its_recorded_poses(run):
+    scenario = load("garage_sar")
+    view = RobotView(run, scenario, 0)
+    first, last = view.image(run.start_ns), view.image(run.end_ns)
+    assert first.shape == (360, 640, 3)
+    assert (first != last).any()
+    np.testing.assert_array_equal(view.image(run.start_ns), first)
+
+
+def test_view_of_an_unknown_robot_is_one_line(run):
+    with pytest.raises(CameraError, match=r"^--camera 7: no such robot in the bag and in garage_sar; known: 0, 1"):
+        RobotView(run, load("garage_sar"), 7)

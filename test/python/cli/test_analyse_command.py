@@ -125,6 +125,12 @@ def test_film_of_no_length_is_refused(refusal):
     assert refusal("analyse", "a.bag", "--gif", "a.gif", "--seconds", "0.5") == "--seconds 0.5 is outside 1 to 600 s"
 
 
+def test_camera_without_film_or_scenario_is_refused(refusal):
+    line = "--camera: needs --scenario, and --gif or --mp4"
+    assert refusal("analyse", "a.bag", "--gif", "a.gif", "--camera", "0") == line
+    assert refusal("analyse", "a.bag", "--scenario", "garage_sar", "--camera", "0") == line
+
+
 def test_mp4_without_ffmpeg_is_refused_before_the_bag_is_read(refusal, monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)

@@ -28,7 +28,7 @@ from robotteamsim.msg import (
     Victims,
     Voice,
 )
-from sensor_msgs.msg import LaserScan, NavSatFix, Range
+from sensor_msgs.msg import Illuminance, LaserScan, NavSatFix, Range
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robotteamsim.ros.nodes.requests import check_door, check_noise, check_victim
@@ -63,6 +63,7 @@ ODD = [math.nan, math.inf, -math.inf, 1e300]
         Range(range=math.inf),
         LaserScan(ranges=[math.inf, 1.0]),
         NavSatFix(latitude=-90.0),
+        Illuminance(illuminance=0.0),
         Contact(angles_rad=[1.0]),
         FloatMap(resolution_m=0.25, width=2, height=1, data=[10.0, 0.0]),
         OccupancyGrid(info=MapMetaData(resolution=0.5, width=2, height=1), data=[100, -1]),
@@ -80,6 +81,7 @@ def test_message_that_fits_the_scenario_is_read(message):
     [
         (Robots(present=[1], arrivals=[1, 1]), "present: 1 entries; expected 2"),
         (Robots(present=[1, 1], arrivals=[]), "arrivals: 0 entries; expected 2"),
+        (Robots(present=[1, 1], arrivals=[1, 1], loads=["crate"]), "loads: 1 entries; expected 2"),
         (Robots(present=[1, 1], arrivals=[1, 1], failed_by_heat=[1]), "failed_by_heat: 1 entries; expected 2"),
         (NetworkState(num_robots=3), "num_robots: 3; expected 2"),
         (NetworkState(**NETWORK | {"hop_count": [0]}), "hop_count: 1 entries; expected 4"),
@@ -97,6 +99,8 @@ def test_message_that_fits_the_scenario_is_read(message):
         (Doors(doors=[Door(name=door.name, motion="flies") for door in DOORS]), "motion: expected still, opens"),
         (Range(range=math.nan), "range: nan; expected a number"),
         (Doors(doors=[Door(name=door.name, opening=2.0) for door in DOORS]), "opening: 2; expected 0 to 1"),
+        (Illuminance(illuminance=-1.0), "illuminance: -1; expected 0 to 1e+12"),
+        (Illuminance(illuminance=math.inf), "illuminance: inf; expected 0 to 1e+12"),
         (NavSatFix(latitude=math.nan), "latitude: nan; expected -90 to 90"),
         (NavSatFix(position_covariance=[-1.0] + 8 * [0.0]), "position_covariance: -1; expected 0 to 1e+06"),
         (Contact(angles_rad=[math.inf]), "angles_rad: inf; expected finite numbers"),

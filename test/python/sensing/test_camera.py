@@ -7,15 +7,19 @@ import sys
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.recording.bag_types import BagTypes, Ros2Types
+from robotteamsim.recording.ros_messages import robot_transforms
 from robotteamsim.recording.sensor_messages import sensor_topics
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Camera
+from robotteamsim.sensing.readings import FurtherReadings, OdometryReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world.mujoco.world import MujocoWorld
 
@@ -43,10 +47,11 @@ def test_depth_is_the_distance_along_the_axis():
 
 def test_what_is_on_the_left_is_on_the_left_of_the_image_and_a_turned_camera_looks_there():
     left = BOX.model_copy(update={"pose": (5.0, 6.0, 0.0)})
-    turned = COLOUR.model_copy(update={"name": "turned", "yaw_rad": math.atan2(1.0, 2.9)})
+    turned = DEPTH.model_copy(update={"name": "turned", "yaw_rad": math.atan2(1.0, 2.9)})
     robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), cameras=(COLOUR, turned))
     empty, with_box = images_of(robot), images_of(robot, left)
     assert with_box[0].dtype == np.uint8
+    empty, with_box = [(colour, depth[..., None]) for colour, depth in (empty, with_box)]
     columns = [np.flatnonzero((one != other).any(axis=(0, 2))) for one, other in zip(empty, with_box, strict=True)]
     assert columns[0].max() < 150
     assert columns[1].mean() == pytest.approx(160, abs=8)
@@ -76,12 +81,47 @@ def test_messages_have_the_image_and_the_calibration(make):
     topics = {topic.name: topic.message(make, 5, 0, further) for topic in sensor_topics(robot)}
     assert list(topics) == ["colour/image", "colour/camera_info", "depth/image", "depth/camera_info"]
     image, depth, info = topics["colour/image"], topics["depth/image"], topics["colour/camera_info"]
-    assert (image.encoding, image.step, image.header.frame_id) == ("rgb8", 960, "robot_0/colour_link")
+    assert (image.encoding, image.step, image.header.frame_id) == ("rgb8", 960, "robot_0/colour_optical_frame")
     assert bytes(image.data) == further.images[0].tobytes()
     assert (depth.encoding, depth.step) == ("32FC1", 1280)
     assert np.frombuffer(bytes(depth.data), "<f4").tolist() == further.images[1].ravel().tolist()
     matrix = info.K if hasattr(info, "K") else info.k
     assert list(matrix) == pytest.approx([160 / math.tan(0.6), 0, 160, 0, 160 / math.tan(0.6), 120, 0, 0, 1])
+
+
+def test_point_of_known_place_is_projected_to_its_pixel():
+    """From `map` by the transforms of tf and the calibration of CameraInfo; the image has the box there."""
+    make, camera = BagTypes(), DEPTH.model_copy(update={"yaw_rad": 0.3, "left_m": 0.05, "height_m": 0.6})
+    robot = PlacedRobot(start_pose=(2.0, 4.0, 0.2), cameras=(camera,))
+    (depth_m,), (empty_m,) = images_of(robot, BOX), images_of(robot)
+    reading = OdometryReading(PoseReading(2.0, 4.0, math.sin(0.1), math.cos(0.1)), Twist())  # as if `odom` were `map`
+    links = {link.child_frame_id: link for link in robot_transforms(make, 0, 0, robot, reading)}
+    topics = {topic.name: topic for topic in sensor_topics(robot)}
+    info = topics["depth/camera_info"].message(make, 0, 0, FurtherReadings(images=(depth_m,)))
+    frame, place_of_camera = info.header.frame_id, np.eye(4)
+    while frame in links:
+        place_of_camera = matrix_of(links[frame].transform) @ place_of_camera
+        frame = links[frame].header.frame_id
+    assert frame == "robot_0/odom"
+    for corner in (
+        (4.8, 4.8, 0.5),
+        (4.8, 5.2, 0.5),
+        (4.8, 4.8, 0.25),
+    ):  # top edge and one on the side towards the robot
+        x, y, z = (np.linalg.inv(place_of_camera) @ (*corner, 1.0))[:3]
+        column, row, scale = info.K.reshape(3, 3) @ (x, y, z)
+        column, row = round(column / scale), round(row / scale)
+        around = depth_m[row - 2 : row + 3, column - 2 : column + 3]
+        assert around.min() == pytest.approx(z, abs=0.02)
+        assert (around != empty_m[row - 2 : row + 3, column - 2 : column + 3]).any()
+        assert around.max() > z + 0.02  # it is on an edge
+
+
+def matrix_of(transform) -> np.ndarray:
+    q, place, matrix = transform.rotation, transform.translation, np.eye(4)
+    matrix[:3, :3] = Rotation.from_quat([q.x, q.y, q.z, q.w]).as_matrix()
+    matrix[:3, 3] = place.x, place.y, place.z
+    return matrix
 
 
 def test_computer_that_cannot_draw_is_one_line():

@@ -54,6 +54,7 @@ class FakeWorld:
     present: None = None
     arrivals: tuple[int, ...] = (1, 1)
     mishaps: dict[int, str] = dataclasses.field(default_factory=dict)
+    loads: dict[int, str] = dataclasses.field(default_factory=dict)
 
     @property
     def step_index(self) -> int:

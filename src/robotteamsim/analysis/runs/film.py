@@ -1,7 +1,7 @@
 """Films of recorded runs, frame by frame: robots, links, victims and areas on the floor plan, and growing curves."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -10,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.patches import Rectangle
 
 from robotteamsim import palette
@@ -40,12 +41,29 @@ _HOLD = 0.08
 """Share of the film that shows the last moment."""
 
 
+class View(Protocol):
+    """What a robot's camera sees in the course of a run."""
+
+    title: str
+
+    def image(self, stamp_ns: int) -> np.ndarray:
+        """Return the image of one moment [ns]: uint8, shape (height, width, 3), RGB."""
+
+
 class RunFilm:
     """Draws the frames of one run."""
 
-    def __init__(self, run: RecordedRun, totals: RunTotals, plan: FloorPlan | None, width_px: int) -> None:
-        """Lay out the film. Args: plan: drawn instead of the bag's /map. width_px: the height is 9/16 of it."""
-        self._run = run
+    def __init__(
+        self, run: RecordedRun, totals: RunTotals, plan: FloorPlan | None, width_px: int, view: View | None = None
+    ) -> None:
+        """Lay out the film.
+
+        Args:
+            plan:     drawn instead of the bag's /map.
+            width_px: the height is 9/16 of it.
+            view:     of a robot's camera, above the curves.
+        """
+        self._run, self._view = run, view
         self._figure = Figure(figsize=_INCHES, dpi=width_px / _INCHES[0], layout="constrained")
         self._canvas = FigureCanvasAgg(self._figure)
         shown = [curve for curve in curves(run, changing=True) if curve is not draw_speeds]
@@ -55,7 +73,8 @@ class RunFilm:
         self._moving: list[Artist] = []
         self._add_places(floor)
         self._add_team(floor)
-        self._covers = self._add_curves(grid[1], shown)
+        self._picture: AxesImage | None = None
+        self._covers = self._add_curves(grid[1] if view is None else self._add_view(grid[1], view), shown)
         title = ", ".join(filter(None, (totals.title, unchanging(run))))
         self._figure.suptitle(title, x=0.01, ha="left", fontsize=13, weight="bold", color=palette.INK)
         entries = film_entries(run)
@@ -82,6 +101,8 @@ class RunFilm:
         self._show_links(stamp_ns)
         self._show_places(stamp_ns)
         self._show_time(stamp_ns)
+        if self._picture is not None and self._view is not None:
+            self._picture.set_data(self._view.image(stamp_ns))
         self._canvas.restore_region(self._background)
         for artist in self._moving:
             self._figure.draw_artist(artist)
@@ -118,6 +139,16 @@ class RunFilm:
         self._moving += [artist for artists in team for artist in artists]
         low, high = axes.get_xlim()
         self._nose_m = 0.018 * (high - low)
+
+    def _add_view(self, place: Any, view: View) -> Any:
+        """Add the picture of the camera; return the place below it."""
+        rows = place.subgridspec(2, 1, height_ratios=(1.0, 1.4))
+        axes = self._figure.add_subplot(rows[0])
+        axes.set_axis_off()
+        axes.set_title(view.title, loc="left", fontsize=9, color=palette.INK)
+        self._picture = axes.imshow(view.image(self._run.start_ns))
+        self._moving.append(self._picture)
+        return rows[1]
 
     def _add_curves(self, place: Any, shown: list[Curve]) -> list[Rectangle]:
         """Draw the complete curves; a white cover hides the part after the current time."""

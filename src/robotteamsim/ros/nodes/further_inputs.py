@@ -1,9 +1,9 @@
-"""The additional lasers, sonars, GPS and thermal camera of a robot, as received by its controller's node."""
+"""The further sensors of a robot, except for cameras, as received by its controller's node."""
 
 from collections.abc import Callable
 from functools import partial
 
-from sensor_msgs.msg import LaserScan, NavSatFix, Range
+from sensor_msgs.msg import Illuminance, LaserScan, NavSatFix, Range
 
 from robotteamsim.msg import Heat
 from robotteamsim.ros.transport import msg_conversion as conversion
@@ -28,6 +28,7 @@ class FurtherInputs:
         self._heat = f"{prefix}heat"
         self._lasers = [f"{prefix}{laser.name}" for laser in robot.lasers]
         self._sonars = [f"{prefix}{sonar.name}" for sonar in robot.sonars]
+        self._lights = [f"{prefix}{sensor.name}" for sensor in robot.light_sensors]
         self._fix = f"{prefix}fix"
         self._step_ns = step_ns
         self._robot_id = robot_id
@@ -44,6 +45,7 @@ class FurtherInputs:
             for name, laser, due in zip(self._lasers, self._robot.lasers, dues, strict=True)
         ]
         inputs += [Input(mine(name), Range) for name in self._sonars]
+        inputs += [Input(mine(name), Illuminance) for name in self._lights]
         if self._robot.gps is not None:
             inputs.append(Input(mine(self._fix, due=_fix_due(self._robot.gps, self._step_ns)), NavSatFix))
         if self._robot.heat is not None and self._fire is not None:
@@ -52,7 +54,8 @@ class FurtherInputs:
         return inputs
 
     def restart(self) -> None:
-        """Discard the sonars' ranges; without lockstep the last range holds until the next one arrives."""
+        """Discard the ranges of sonars and the light; without lockstep the last holds until the next one arrives."""
+        self._lights_lx = [0.0] * len(self._lights)
         self._sonars_m = [sonar.range_max_m for sonar in self._robot.sonars]
 
     def reading(self, step: Step) -> FurtherReadings:
@@ -62,6 +65,9 @@ class FurtherInputs:
         for i, name in enumerate(self._sonars):
             if (message := step.latest(name)) is not None:
                 self._sonars_m[i] = float(message.range)
+        for i, name in enumerate(self._lights):
+            if (message := step.latest(name)) is not None:
+                self._lights_lx[i] = float(message.illuminance)
         fix = step.latest(self._fix)
         scans_m = tuple(step.latest(name) for name in self._lasers)
         heat = step.latest(self._heat)
@@ -69,6 +75,7 @@ class FurtherInputs:
             scans_m,
             tuple(self._sonars_m),
             None if fix is None else conversion.fix(fix),
+            lights_lx=tuple(self._lights_lx),
             heat=None if heat is None else conversion.heat(heat),
         )
 

@@ -200,7 +200,7 @@ class MissionNode:
         people = () if message is None else self._people.of(message)
         base_inbox = conversion.network_messages(step.messages.get(self._base_received, ()))
         with self._trial_lock:
-            self._trial.mission.follow_mishaps(self._presence.mishaps)
+            self._trial.mission.follow_team(self._presence.mishaps, self._presence.loads)
             events = self._trial.step(
                 step.stamp_ns,
                 readings,

@@ -133,7 +133,8 @@ class WorldNode:
                 self._world.step(twists if self._fire is None else self._fire.slowed(twists))
                 burns = self._fire is not None and self._fire.step()
                 readings, doors = self._sensors.read(), self._world.door_states()
-                present, arrivals, mishaps = self._world.present, self._world.arrivals, self._world.mishaps
+                present, arrivals = self._world.present, self._world.arrivals
+                mishaps, loads = self._world.mishaps, self._world.loads
                 self._move_people(doors)
             if self._motion is not None:
                 # The step is made when it begins, so its motion is known at each tick.
@@ -141,7 +142,7 @@ class WorldNode:
                 self._tick(self._world.sim_time_ns - self._step_ns, present)
             if self._hazards is not None and self._fire is not None and burns:
                 self._hazards.publish(self._world.sim_time_ns, self._fire.field)
-            self._publish(readings, doors, present, arrivals, mishaps)
+            self._publish(readings, doors, present, arrivals, mishaps, loads)
             self._gate.passed()
 
     def _wait_for_subscribers(self) -> None:
@@ -201,13 +202,14 @@ class WorldNode:
         present: np.ndarray | None,
         arrivals: tuple[int, ...],
         mishaps: Mapping[int, Mishap],
+        loads: Mapping[int, str],
     ) -> None:
         time_ns = self._world.sim_time_ns
         self._pace.wait()
         everybody = (True,) * len(arrivals)
         self._team.note_presence(time_ns, everybody if present is None else tuple(present.tolist()))
         failed = () if self._fire is None else self._fire.failed
-        self._presence.publish(ros_messages.robots(self._make, time_ns, present, arrivals, mishaps, failed))
+        self._presence.publish(ros_messages.robots(self._make, time_ns, present, arrivals, mishaps, failed, loads))
         if self._scenario.plan.doors:
             self._doors.publish(ros_messages.doors(self._make, time_ns, doors))
         if self._people is not None and self._people_output is not None:
@@ -245,6 +247,9 @@ class WorldNode:
             locked("/remove_robot", srv.RemoveRobot, lambda request: self._world.remove_robot(request.robot_id)),
             locked("/set_object", srv.SetObject, self._set_object),
             locked("/remove_object", srv.RemoveObject, self._remove_object),
+            locked("/lift_object", srv.LiftObject, self._lift_object),
+            locked("/drop_object", srv.DropObject, lambda request: self._world.drop_object(request.robot_id)),
+            locked("/set_light", srv.SetLight, lambda request: self._world.set_light(request.name, request.lit)),
             locked("/ignite", srv.Ignite, self._ignite),
             locked("/world/set_victim", srv.SetVictim, self._set_victim),
             locked("/world/set_door", srv.SetDoor, lambda request: self._world.set_door(request.name, request.closed)),
@@ -297,6 +302,9 @@ class WorldNode:
         check_victim(self._scenario, request.name, position_m)
         if self._people is not None:
             self._people.place(request.name, position_m)
+
+    def _lift_object(self, request: srv.LiftObjectRequest) -> None:
+        self._world.lift_object(request.robot_id, request.name)
 
     def _remove_object(self, request: srv.RemoveObjectRequest) -> None:
         self._world.remove_object(request.name)

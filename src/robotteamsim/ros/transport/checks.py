@@ -21,6 +21,7 @@ from robotteamsim.world.people import Motion
 FARTHEST_M = 1e6
 """Limit of coordinates, as in the propagation models."""
 FINEST_CELL_M = 0.01
+BRIGHTEST_LX = 1e12
 LARGEST_VALUE = 1e6
 """Limit of the values of maps, in their unit."""
 
@@ -98,6 +99,8 @@ def _check_robots(message: Any, settings: Settings | None) -> None:
         _expect("mishaps", len(message.mishaps), len(message.arrivals))
         if max(message.mishaps) >= len(MISHAPS):
             raise ValueError(f"mishaps: {max(message.mishaps)}; expected 0 to {len(MISHAPS) - 1}")
+    if message.loads:
+        _expect("loads", len(message.loads), len(message.arrivals))
     if message.failed_by_heat:  # empty in a world without fire
         _expect("failed_by_heat", len(message.failed_by_heat), len(message.arrivals))
 
@@ -172,6 +175,10 @@ def _check_controller(message: Any, _: Settings | None) -> None:
 def _check_range(message: Any, _: Settings | None) -> None:
     if math.isnan(message.range):  # infinity is a valid range (REP-117)
         raise ValueError("range: nan; expected a number")
+
+
+def _check_illuminance(message: Any, _: Settings | None) -> None:
+    _expect_within("illuminance", message.illuminance, 0.0, BRIGHTEST_LX)
 
 
 def _check_fix(message: Any, _: Settings | None) -> None:
@@ -270,6 +277,7 @@ _CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
     "nav_msgs/Odometry": _check_odometry,
     "sensor_msgs/LaserScan": _check_scan,
     "sensor_msgs/NavSatFix": _check_fix,
+    "sensor_msgs/Illuminance": _check_illuminance,
     "sensor_msgs/Range": _check_range,
     "visualization_msgs/MarkerArray": _check_markers,
 }

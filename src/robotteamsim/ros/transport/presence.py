@@ -25,6 +25,8 @@ class Presence:
         """Number of arrivals of each robot; None if not published yet."""
         self.mishaps: Mapping[int, Mishap] = {}
         """Robots that cannot go on, by id, and why."""
+        self.loads: Mapping[int, str] = {}
+        """Names of the objects that robots hold, by the robots' ids."""
         self.failed: frozenset[int] = frozenset()
         """Ids of the absent robots that have failed by heat."""
 
@@ -41,6 +43,7 @@ class Presence:
         self.arrivals = tuple(message.arrivals)
         found = enumerate(MISHAPS[number] for number in message.mishaps)
         self.mishaps = {robot_id: mishap for robot_id, mishap in found if mishap is not None}
+        self.loads = {robot_id: name for robot_id, name in enumerate(message.loads) if name}
         if message.failed_by_heat or self.failed:
             self.failed = frozenset(i for i, has_failed in enumerate(message.failed_by_heat) if has_failed)
 

@@ -12,6 +12,7 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import Corners
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.world.mujoco.cameras import add_camera, camera_name
+from robotteamsim.world.mujoco.looks import add_dome
 from robotteamsim.world.mujoco.shapes import (
     BODIES,
     BODY_HITS,
@@ -42,13 +43,17 @@ def object_name(obj: MovableObject) -> str:
     return f"{obj.kind} {obj.name}"
 
 
-def add_robot(spec: mujoco.MjSpec, robot_id: int, robot: PlacedRobot, pose: Pose, friction: float) -> None:
-    """Add a robot at rest to the spec; the origin of its body is base_link, on the floor.
+def add_robot(
+    spec: mujoco.MjSpec, robot_id: int, robot: PlacedRobot, pose: Pose, ground_m: float, friction: float
+) -> None:
+    """Add a robot at rest to the spec; the origin of its body is base_link, on the ground.
 
-    Args: friction: of its body on anything but the floor.
+    Args:
+        ground_m: height of the ground there.
+        friction: of its body on anything but the ground.
     """
     name, chassis = robot_name(robot_id), Chassis.of(robot)
-    body = _add_free_body(spec, name, pose)
+    body = _add_free_body(spec, name, pose, ground_m)
     keys = {"group": ROBOT_GROUP, "rgba": rgba(robot_colour(robot_id)), "mass": 0.0}
     _add_outline(
         spec,
@@ -67,16 +72,17 @@ def add_robot(spec: mujoco.MjSpec, robot_id: int, robot: PlacedRobot, pose: Pose
     top_m = max(laser.height_m for laser in (robot.laser, *robot.lasers)) + _ABOVE_LASER_M
     if top_m > robot.height_m:
         _add_outline(spec, body, f"{name}/head", robot, (robot.height_m, top_m), contype=0, conaffinity=0, **keys)
+    add_dome(body, name, robot, max(top_m, robot.height_m))
     for camera in robot.cameras:
         add_camera(body, camera_name(name, camera), camera)
     _set_mass(body, robot, chassis)
     add_wheels(spec, body, name, robot)
 
 
-def add_object(spec: mujoco.MjSpec, obj: MovableObject, pose: Pose) -> None:
-    """Add an object at rest to the spec; the origin of its body is its centre on the floor."""
+def add_object(spec: mujoco.MjSpec, obj: MovableObject, pose: Pose, ground_m: float) -> None:
+    """Add an object at rest to the spec; the origin of its body is the centre of its base, on the ground."""
     name = object_name(obj)
-    body = _add_free_body(spec, name, pose)
+    body = _add_free_body(spec, name, pose, ground_m)
     keys: dict[str, Any] = {
         "contype": BODIES,
         "conaffinity": BODY_HITS,
@@ -92,8 +98,8 @@ def add_object(spec: mujoco.MjSpec, obj: MovableObject, pose: Pose) -> None:
         add_prism(spec, body, name, obj.corners_m, 0.0, obj.height_m, **keys)
 
 
-def _add_free_body(spec: mujoco.MjSpec, name: str, pose: Pose) -> Any:
-    body = spec.worldbody.add_body(name=name, pos=[pose.x_m, pose.y_m, 0.0], quat=about_z(pose.yaw_rad))
+def _add_free_body(spec: mujoco.MjSpec, name: str, pose: Pose, ground_m: float) -> Any:
+    body = spec.worldbody.add_body(name=name, pos=[pose.x_m, pose.y_m, ground_m], quat=about_z(pose.yaw_rad))
     body.add_freejoint(name=name)
     return body
 

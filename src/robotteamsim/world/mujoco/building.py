@@ -6,10 +6,11 @@ from typing import Any
 
 import mujoco
 
-from robotteamsim.palette import DARK_FLOOR_LINE, LIT_DOORS, LIT_SOLIDS
+from robotteamsim.palette import LIT_DOORS, LIT_SOLIDS
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.plan import Corners, door_corners
 from robotteamsim.world.core_parts import convex_pieces, still_solids
+from robotteamsim.world.mujoco.looks import FLOOR
 from robotteamsim.world.mujoco.shapes import (
     BODIES,
     BUILDING_GROUP,
@@ -60,7 +61,7 @@ def _add_floor(spec: mujoco.MjSpec, plan: FloorPlan) -> None:
         contype=GROUND,
         conaffinity=0,
         group=FLOOR_GROUP,
-        rgba=rgba(DARK_FLOOR_LINE),
+        material=FLOOR,
     )
 
 

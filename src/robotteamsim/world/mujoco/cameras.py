@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
 import numpy as np
 
 from robotteamsim.errors import CameraError
-from robotteamsim.scenario.sensors import Camera
+from robotteamsim.scenario.mujoco import Light
+from robotteamsim.scenario.sensors import Camera, LightSensor
 from robotteamsim.world.contract import Fan
+from robotteamsim.world.mujoco.lamps import Lamps
 from robotteamsim.world.mujoco.rays import Bodies, Rays
 from robotteamsim.world.mujoco.shapes import about_z
 
@@ -33,11 +36,12 @@ def add_camera(body: Any, name: str, camera: Camera) -> None:
 
 
 class Scene:
-    """What sensors measure: rays, and images of cameras."""
+    """What sensors measure: rays, illuminance, and images of cameras."""
 
-    def __init__(self, bodies: Bodies) -> None:
+    def __init__(self, bodies: Bodies, lights: Sequence[Light]) -> None:
         self._bodies = bodies
         self._rays = Rays(bodies)
+        self.lamps = Lamps(lights, self._rays)
         self._model: mujoco.MjModel | None = None
         self._renderers: dict[tuple[int, int], mujoco.Renderer] = {}
         self._shown = mujoco.MjvOption()
@@ -47,6 +51,10 @@ class Scene:
         """See `contract.Scene`."""
         return self._rays.ranges_m(robot_id, fan)
 
+    def illuminance_lx(self, robot_id: int, sensor: LightSensor) -> float:
+        """See `contract.Scene`."""
+        return self.lamps.illuminance_lx(robot_id, sensor)
+
     def image(self, robot_id: int, camera: Camera) -> np.ndarray:
         """See `contract.Scene`."""
         body = self._bodies.body_id(robot_id)
@@ -54,6 +62,7 @@ class Scene:
             shape = (camera.height_px, camera.width_px)
             return np.zeros((*shape, 3), np.uint8) if camera.images == "rgb" else np.zeros(shape, np.float32)
         model, data = self._bodies.model, self._bodies.data
+        self.lamps.show(model)
         mujoco.mj_camlight(model, data)
         renderer = self._renderer(model, camera)
         renderer.update_scene(data, camera_name(model.body(body).name, camera), self._shown)

@@ -15,15 +15,18 @@ from robotteamsim.geometry import Pose, Twist, normalise_angle
 from robotteamsim.scenario.body import Body
 from robotteamsim.scenario.drives import CarDrive
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.mujoco import Gripper
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.world.core_parts import core_robot_drive
 from robotteamsim.world.doors import DoorState
 from robotteamsim.world.mujoco.bodies import object_name, robot_name
 from robotteamsim.world.mujoco.building import leaf_name
+from robotteamsim.world.mujoco.grippers import Grip, add_grips, grip_of
 from robotteamsim.world.mujoco.leaves import Leaves
 from robotteamsim.world.mujoco.model import make_spec, steps_per_substep
 from robotteamsim.world.mujoco.motors import Motors
+from robotteamsim.world.mujoco.ramps import ground_m
 from robotteamsim.world.mujoco.shapes import about_z
 from robotteamsim.world.mujoco.team_state import FreeBodies, SavedBody, Touches
 
@@ -63,6 +66,7 @@ class Engine:
         self._present = np.array([robot.present for robot in self._robots])
         self._arrivals = self._present.astype(int).tolist()
         self._objects = list(self._first_objects)
+        self._grips: dict[int, Grip] = {}
         self._leaves = Leaves(self._plan)
         self._speeds = np.zeros((count, 4))
         """Forward, turn, left and steering of each drive."""
@@ -145,12 +149,15 @@ class Engine:
 
     def set_pose(self, robot_id: int, pose: Pose) -> None:
         """Move a robot to a pose, at rest."""
-        self._bodies.place(self._index(robot_id), pose)
+        if self._release(robot_id):
+            self._rebuild(self._present, self._objects)
+        self._bodies.place(self._index(robot_id), pose, self._ground_m(self._robots[robot_id], pose))
         self._forget(robot_id)
         self._finish()
 
     def remove_robot(self, robot_id: int) -> None:
         """Remove a robot."""
+        self._release(robot_id)
         self._forget(robot_id)
         present = self._present.copy()
         present[robot_id] = False
@@ -176,12 +183,41 @@ class Engine:
 
     def remove_object(self, index: int) -> None:
         """Remove an object."""
+        self._release(name=self._objects[index].name)
         self._rebuild(self._present, self._objects[:index] + self._objects[index + 1 :])
 
     def set_object_pose(self, index: int, pose: Pose) -> None:
         """Move an object to a pose, at rest."""
-        self._bodies.place(self._num_present + index, pose)
+        if self._release(name=self._objects[index].name):
+            self._rebuild(self._present, self._objects)
+        self._bodies.place(self._num_present + index, pose, self._ground_m(self._objects[index], pose))
         self._finish()
+
+    @property
+    def loads(self) -> dict[int, str]:
+        """The names of the objects that robots hold, by the robots' ids."""
+        return {robot_id: grip.object_name for robot_id, grip in sorted(self._grips.items())}
+
+    def lift_object(self, robot_id: int, index: int, gripper: Gripper) -> None:
+        """Let a robot lift an object."""
+        obj, body = self._objects[index], self.body_id(robot_id)
+        assert body is not None
+        self._grips[robot_id] = grip_of(self.data, body, object_name(obj), obj.name, gripper)
+        self._rebuild(self._present, self._objects)
+
+    def drop_object(self, robot_id: int) -> None:
+        """Let a robot open its gripper."""
+        self._grips.pop(robot_id)
+        self._rebuild(self._present, self._objects)
+
+    def _release(self, robot_id: int | None = None, name: str | None = None) -> bool:
+        """Open the gripper of a robot, or the one that holds an object; return whether it held something."""
+        count = len(self._grips)
+        self._grips = {i: grip for i, grip in self._grips.items() if i != robot_id and grip.object_name != name}
+        return len(self._grips) < count
+
+    def _ground_m(self, thing: PlacedRobot | MovableObject, pose: Pose) -> float:
+        return ground_m(self._run.mujoco.ramps, thing.body_at(astuple(pose)))
 
     def _index(self, robot_id: int) -> int:
         return int(self._present[:robot_id].sum())
@@ -215,7 +251,9 @@ class Engine:
     ) -> None:
         placed = {robot_id: (self._robots[robot_id], pose) for robot_id, pose in poses.items()}
         objects = list(zip(self._objects, object_poses, strict=True))
-        self.model = make_spec(self._plan, placed, objects, self._run).compile()
+        spec = make_spec(self._plan, placed, objects, self._run)
+        add_grips(spec, self._grips)
+        self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
         self._parts = steps_per_substep(self._run)
         names = [*map(robot_name, placed), *map(object_name, self._objects)]

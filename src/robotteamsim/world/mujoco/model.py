@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import mujoco
+from msgspec.structs import astuple
 
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.mujoco import Mujoco
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sections import PlacedRobot, Run
-from robotteamsim.scenario.sensors import Camera
 from robotteamsim.world.mujoco.bodies import add_object, add_robot
 from robotteamsim.world.mujoco.building import add_building
-
-_NEAREST_M = 0.02
-"""Cameras see nothing that is nearer."""
+from robotteamsim.world.mujoco.lamps import add_lamps
+from robotteamsim.world.mujoco.looks import set_looks
+from robotteamsim.world.mujoco.ramps import add_ramps, ground_m
 
 
 def steps_per_substep(run: Run) -> int:
@@ -39,25 +38,16 @@ def make_spec(
     spec = mujoco.MjSpec()
     spec.modelname = plan.name
     _set_options(spec, run.mujoco, run.step_s / run.physics_substeps / steps_per_substep(run))
-    _set_visuals(spec, plan, [camera for robot, _ in robots.values() for camera in robot.cameras])
+    set_looks(spec, plan, [camera for robot, _ in robots.values() for camera in robot.cameras], run.mujoco.lights)
+    add_lamps(spec, run.mujoco.lights)
     add_building(spec, plan, run.mujoco.body_friction)
+    ramps = run.mujoco.ramps
     for robot_id, (robot, pose) in robots.items():
-        add_robot(spec, robot_id, robot, pose, run.mujoco.body_friction)
+        add_robot(spec, robot_id, robot, pose, ground_m(ramps, robot.body_at(astuple(pose))), run.mujoco.body_friction)
     for obj, pose in objects:
-        add_object(spec, obj, pose)
+        add_object(spec, obj, pose, ground_m(ramps, obj.body_at(astuple(pose))))
+    add_ramps(spec, ramps)
     return spec
-
-
-def _set_visuals(spec: mujoco.MjSpec, plan: FloorPlan, cameras: Sequence[Camera]) -> None:
-    """Set light, distances and sizes for cameras."""
-    spec.stat.extent = 1.0  # the unit of the distances below
-    spec.visual.map.znear = _NEAREST_M
-    spec.visual.map.zfar = 2.0 * math.dist(plan.bounds.min, plan.bounds.max)
-    spec.visual.headlight.ambient = [0.4, 0.4, 0.4]
-    spec.visual.headlight.diffuse = [0.5, 0.5, 0.5]
-    spec.visual.headlight.specular = [0.0, 0.0, 0.0]
-    spec.visual.global_.offwidth = max([640, *(camera.width_px for camera in cameras)])
-    spec.visual.global_.offheight = max([480, *(camera.height_px for camera in cameras)])
 
 
 def _set_options(spec: mujoco.MjSpec, settings: Mujoco, timestep_s: float) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import mujoco
 import numpy as np
 
+from robotteamsim.scenario.sensors import LightSensor
 from robotteamsim.world.contract import Fan
 from robotteamsim.world.mujoco.shapes import BUILDING_GROUP, FLOOR_GROUP, OBJECT_GROUP, ROBOT_GROUP
 
@@ -32,13 +34,27 @@ class Rays:
 
     def ranges_m(self, robot_id: int, fan: Fan) -> np.ndarray:
         """See `contract.Scene`."""
-        body, num_rays = self._bodies.body_id(robot_id), len(fan.angles_rad)
+        body = self._bodies.body_id(robot_id)
         if body is None:
-            return np.full(num_rays, np.inf)
-        data = self._bodies.data
-        turn = data.xmat[body].reshape(3, 3)
-        origin = data.xpos[body] + turn @ (fan.forward_m, fan.left_m, fan.height_m)
-        directions = fan.directions @ turn.T
+            return np.full(len(fan.angles_rad), np.inf)
+        turn, origin = self._placed(body, (fan.forward_m, fan.left_m, fan.height_m))
+        return self.cast_m(robot_id, origin, fan.directions @ turn.T, fan.range_max_m)
+
+    def axis(self, robot_id: int, sensor: LightSensor) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return place and direction of a robot's sensor in `map`, each of shape (3,); None for an absent robot."""
+        body = self._bodies.body_id(robot_id)
+        if body is None:
+            return None
+        turn, origin = self._placed(body, (sensor.forward_m, sensor.left_m, sensor.height_m))
+        level, up = math.cos(sensor.pitch_rad), math.sin(sensor.pitch_rad)
+        return origin, turn @ (level * math.cos(sensor.yaw_rad), level * math.sin(sensor.yaw_rad), up)
+
+    def cast_m(self, robot_id: int, origin: np.ndarray, directions: np.ndarray, range_max_m: float) -> np.ndarray:
+        """Return how far rays in `map` reach that the body of a present robot does not stop, as in `contract.Scene`.
+
+        Args: origin: shape (3,) [m].  directions: unit vectors, shape (rays, 3).
+        """
+        num_rays, data = len(directions), self._bodies.data
         hits, ranges_m = np.empty(num_rays, dtype=np.int32), np.empty(num_rays)
         mujoco.mj_multiRay(
             self._bodies.model,
@@ -47,12 +63,17 @@ class Rays:
             directions.ravel(),
             _SEEN,
             1,
-            body,
+            self._bodies.body_id(robot_id),
             hits,
             ranges_m,
             None,
             num_rays,
-            fan.range_max_m,
+            range_max_m,
         )
         ranges_m[hits < 0] = np.inf
         return ranges_m
+
+    def _placed(self, body: int, mount: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:
+        """Return the rotation of a body, shape (3, 3), and the place of what is mounted on it, in `map`."""
+        turn = self._bodies.data.xmat[body].reshape(3, 3)
+        return turn, self._bodies.data.xpos[body] + turn @ mount

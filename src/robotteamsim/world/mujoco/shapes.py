@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import mujoco
 
 from robotteamsim.scenario.plan import Corners
+from robotteamsim.scenario.rectangles import rectangle_of
 
 GROUND, BODIES = 1, 2
 """Bits of contype: the floor; walls, leaves, objects and the bodies of robots."""
 WHEEL_HITS, BODY_HITS = GROUND, GROUND | BODIES
 """Bits of conaffinity: wheels touch only the floor."""
 
-FLOOR_GROUP, BUILDING_GROUP, ROBOT_GROUP, OBJECT_GROUP, WHEEL_GROUP = range(5)
+FLOOR_GROUP, BUILDING_GROUP, ROBOT_GROUP, OBJECT_GROUP, WHEEL_GROUP, LAMP_GROUP = range(6)
 """Groups of geoms."""
 
 TOUCH_M = 0.005
@@ -22,32 +23,6 @@ TOUCH_M = 0.005
 
 OBJECT_PRIORITY, BODY_PRIORITY, WHEEL_PRIORITY, LEAF_PRIORITY = 1, 2, 3, 4
 """The friction of a contact is that of the geom with the higher priority; walls and floor have 0."""
-
-_RIGHT_ANGLE = 1e-9
-"""Corners of a rectangle deviate by less [m^2]."""
-
-
-class Rectangle(NamedTuple):
-    """A rectangle: its centre and half sides [m], and the direction of the first side [rad]."""
-
-    x_m: float
-    y_m: float
-    half_length_m: float
-    half_width_m: float
-    yaw_rad: float
-
-
-def rectangle_of(corners: Corners) -> Rectangle | None:
-    """Return a counter-clockwise polygon as a rectangle; None if it is none."""
-    if len(corners) != 4:
-        return None
-    (x0, y0), (x1, y1), (x2, y2), (x3, y3) = corners
-    is_parallelogram = abs(x0 + x2 - x1 - x3) + abs(y0 + y2 - y1 - y3) < _RIGHT_ANGLE
-    if not is_parallelogram or abs((x1 - x0) * (x3 - x0) + (y1 - y0) * (y3 - y0)) > _RIGHT_ANGLE:
-        return None
-    length_m, width_m = math.hypot(x1 - x0, y1 - y0), math.hypot(x3 - x0, y3 - y0)
-    yaw_rad = math.atan2(y1 - y0, x1 - x0)
-    return Rectangle(0.5 * (x0 + x2), 0.5 * (y0 + y2), 0.5 * length_m, 0.5 * width_m, yaw_rad)
 
 
 def about_z(yaw_rad: float) -> list[float]:
@@ -68,9 +43,9 @@ def add_prism(
     body.add_geom(
         name=name,
         type=mujoco.mjtGeom.mjGEOM_BOX,
-        size=[rectangle.half_length_m, rectangle.half_width_m, half_m],
-        pos=[rectangle.x_m, rectangle.y_m, bottom_m + half_m],
-        quat=about_z(rectangle.yaw_rad),
+        size=[0.5 * rectangle.length_m, 0.5 * rectangle.width_m, half_m],
+        pos=[rectangle.x, rectangle.y, bottom_m + half_m],
+        quat=about_z(rectangle.yaw),
         **keys,
     )
 

@@ -11,6 +11,9 @@ import numpy as np
 from robotteamsim.geometry import Pose
 from robotteamsim.world.mujoco.shapes import FLOOR_GROUP, ROBOT_GROUP, about_z
 
+_GROUND_NORMAL = 0.5
+"""Least upward part of the normal of a contact with the ground."""
+
 
 @dataclass(frozen=True)
 class SavedBody:
@@ -57,11 +60,11 @@ class FreeBodies:
         w, x, y, z = self.data.qpos[self._pose_at][:, 3:].T
         return 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z)
 
-    def place(self, index: int, pose: Pose) -> None:
-        """Put a body upright on the floor, at rest."""
+    def place(self, index: int, pose: Pose, ground_m: float) -> None:
+        """Put a body upright on the ground, at rest."""
         qpos, qvel, begin = self._qpos_of[index], self._qvel_of[index], int(self._qpos[index])
         self.data.qpos[qpos] = self._at_rest[qpos]
-        self.data.qpos[begin : begin + 7] = [pose.x_m, pose.y_m, 0.0, *about_z(pose.yaw_rad)]
+        self.data.qpos[begin : begin + 7] = [pose.x_m, pose.y_m, ground_m, *about_z(pose.yaw_rad)]
         self.data.qvel[qvel] = 0.0
         self.data.qacc_warmstart[qvel] = 0.0
 
@@ -76,7 +79,7 @@ class FreeBodies:
 
 
 class Touches:
-    """Which robots touch something that is not the floor."""
+    """Which robots touch something that is not the ground; the side of a ramp counts as a wall."""
 
     def __init__(self, model: mujoco.MjModel, bodies: FreeBodies) -> None:
         self._index_of = np.full(model.ngeom, -1)
@@ -90,7 +93,8 @@ class Touches:
             return []
         geoms = data.contact.geom
         robots = self._index_of[geoms]
-        is_touch = (robots >= 0) & ~self._is_floor[geoms[:, ::-1]]
+        is_steep = np.abs(data.contact.frame[:, 2]) < _GROUND_NORMAL  # row 0 of the frame is the normal
+        is_touch = (robots >= 0) & (~self._is_floor[geoms[:, ::-1]] | is_steep[:, None])
         if not is_touch.any():
             return []
         places = data.contact.pos

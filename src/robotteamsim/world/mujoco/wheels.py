@@ -27,6 +27,8 @@ _INSET = 0.8
 """Position of wheels, as a share of the way from base_link to the outline."""
 _WHEEL_MASS = 0.02
 """Mass of a wheel, as a share of the robot's."""
+CASTOR = "/castor_"
+"""Part of the names of the geoms of castors."""
 _CASTOR_LIFT_M = 0.0005
 """Height of castors above the floor, so that the driven wheels carry the robot."""
 _HUB_MASS = 0.1
@@ -107,7 +109,7 @@ def _add_differential(spec: mujoco.MjSpec, body: Any, name: str, robot: PlacedRo
     radius_m = 0.5 * chassis.wheel_radius_m
     for end, x_m in (("front", chassis.front_m), ("back", -chassis.back_m)):
         body.add_geom(
-            name=f"{name}/castor_{end}",
+            name=f"{name}{CASTOR}{end}",
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             size=[radius_m, 0.0, 0.0],
             pos=[_INSET * x_m, 0.0, radius_m + _CASTOR_LIFT_M],

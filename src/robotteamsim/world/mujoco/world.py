@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from msgspec.structs import astuple
 
-from robotteamsim.geometry import Twist
+from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sections import Run
 from robotteamsim.world.base_world import BaseWorld
@@ -35,7 +36,7 @@ class MujocoWorld(BaseWorld):
 
     def _make_physics(self, run: Run) -> Engine:
         self.engine = Engine(self.plan, self._robots, run, self._objects)
-        self._scene = Scene(self.engine)
+        self._scene = Scene(self.engine, run.mujoco.lights)
         self._tipped_rad = run.mujoco.tipped_rad
         self._reaches_m = np.array([robot.reach_m for robot in self._robots])
         return self.engine
@@ -46,6 +47,71 @@ class MujocoWorld(BaseWorld):
 
     def _add_body(self, obj: MovableObject) -> None:
         self.engine.add_object(obj)
+
+    def lift_object(self, robot_id: int, name: str) -> None:
+        """See `AnyWorld.lift_object`."""
+        who = f"robot_{robot_id}"
+        if not self._is_present(robot_id):
+            raise ValueError(f"{who} is not present; it cannot lift an object")
+        robot, obj = self._robots[robot_id], self._objects[self._object_index(name)]
+        gripper = robot.gripper
+        thing = f"{obj.kind} '{name}'"
+        if gripper is None:
+            raise ValueError(f"{who} has no gripper; it needs robots.gripper")
+        for holder, load in self.loads.items():
+            if holder == robot_id or load == name:
+                raise ValueError(f"robot_{holder} already holds '{load}'")
+        if obj.mass_kg > gripper.max_mass_kg:
+            raise ValueError(f"{who}: {thing} has {obj.mass_kg:g} kg; expected at most {gripper.max_mass_kg:g} kg")
+        body, load_body = robot.body_at(astuple(self.poses()[robot_id])), obj.body_at(astuple(self.objects()[name]))
+        self._free_space.check_reach(who, body, thing, load_body, gripper.reach_m, self.door_states())
+        self.engine.lift_object(robot_id, self._object_index(name), gripper)
+        self._note_loads()
+
+    def drop_object(self, robot_id: int) -> None:
+        """See `AnyWorld.drop_object`."""
+        if robot_id not in self.loads:
+            super().drop_object(robot_id)
+        self.engine.drop_object(robot_id)
+        self._note_loads()
+
+    def set_pose(self, robot_id: int, pose: Pose) -> None:
+        """See `AnyWorld.set_pose`."""
+        super().set_pose(robot_id, pose)
+        self._note_loads()
+
+    def move_object(self, name: str, pose: Pose) -> None:
+        """See `AnyWorld.move_object`."""
+        super().move_object(name, pose)
+        self._note_loads()
+
+    def remove_object(self, name: str) -> None:
+        """See `AnyWorld.remove_object`."""
+        super().remove_object(name)
+        self._note_loads()
+
+    def reset_positions(self) -> None:
+        """See `AnyWorld.reset_positions`."""
+        super().reset_positions()
+        self._note_loads()
+
+    def set_light(self, name: str, lit: bool) -> None:
+        """See `AnyWorld.set_light`."""
+        self._scene.lamps.set_lit(name, lit)
+
+    def reset(self) -> None:
+        """See `AnyWorld.reset`."""
+        self._scene.lamps.reset()
+        super().reset()
+
+    def _update_presence(self) -> None:
+        super()._update_presence()
+        self._note_loads()
+
+    def _note_loads(self) -> None:
+        loads = self.engine.loads
+        if loads != self.loads:
+            self.loads = loads
 
     def _note_mishaps(self) -> None:
         tipped = self.engine.lean_rad() > self._tipped_rad  # not for NaN

@@ -1,0 +1,44 @@
+"""What the camera of one robot saw in a recorded run, drawn again by MuJoCo from the recorded poses."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robotteamsim.analysis.runs.plan_panel import drawn_robots
+from robotteamsim.analysis.runs.recorded_run import RecordedRun
+from robotteamsim.errors import CameraError
+from robotteamsim.geometry import Pose
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sensors import Camera
+from robotteamsim.world.mujoco.puppets import Puppets
+
+_CAMERA = Camera(name="film", width_px=640, height_px=360, fov_rad=1.4)
+"""Of a robot without a camera for colours."""
+
+
+class RobotView:
+    """Draws images for films. Doors and objects are as at the start of the scenario."""
+
+    def __init__(self, run: RecordedRun, scenario: Scenario, robot_id: int) -> None:
+        """Raises: CameraError: the run or the scenario has no such robot."""
+        self._tracks = {
+            robot.robot_id: robot.track
+            for _, robot in drawn_robots(run)
+            if robot.robot_id is not None and robot.robot_id < scenario.num_robots
+        }
+        if robot_id not in self._tracks:
+            known = ", ".join(map(str, self._tracks)) or "none"
+            raise CameraError(f"--camera {robot_id}: no such robot in the bag and in {scenario.name}; known: {known}")
+        robots = scenario.robots if isinstance(scenario.robots, tuple) else (scenario.robots,) * scenario.num_robots
+        colour = (camera for camera in robots[robot_id].cameras if camera.images == "rgb")
+        self._puppets = Puppets(scenario, robot_id, next(colour, _CAMERA))
+        self.title = f"camera of robot {robot_id}"
+
+    def image(self, stamp_ns: int) -> np.ndarray:
+        """See `film.View`."""
+        poses = {
+            robot_id: Pose(*track.poses[track.index_at(stamp_ns)].tolist())
+            for robot_id, track in self._tracks.items()
+            if track.is_present(stamp_ns)
+        }
+        return self._puppets.image(poses)
