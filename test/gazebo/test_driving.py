@@ -61,7 +61,7 @@ def test_robot_stops_at_a_closed_door_and_feels_it_ahead(found: dict[str, Any]) 
 def test_service_opens_a_door_for_the_laser_and_refuses_an_unknown_one(found: dict[str, Any]) -> None:
     assert found["accepted"]
     assert found["ahead_open_m"] > 3.0
-    assert found["refusal"] == [False, "name: 'no_such_door'; expected plant_door, stair_door"]
+    assert found["refusal"] == [False, "unknown door 'no_such_door'; known: plant_door, stair_door"]
 
 
 def test_frames_of_the_robot_are_those_of_our_own_world(found: dict[str, Any]) -> None:
