@@ -21,6 +21,8 @@ WHEELS = re.findall(r"in place of the line.*?```xml\n(.*?)```", TEXT, re.DOTALL)
 COMMANDS = [line for block in re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL) for line in block.splitlines()]
 TOPICS = re.findall(r"```\n(/clock\n.*?)```", TEXT, re.DOTALL)
 
+PATCH = re.search(r"```diff\n(.*?)```", TEXT, re.DOTALL)[1]
+
 MOVES = """
 import sys, rospy
 from nav_msgs.msg import Odometry
@@ -129,3 +131,9 @@ def test_second_robot_and_one_with_wheels_need_only_their_lines(
             wait_until_robots_publish(master, tmp_path, robot)
             drive_by_keyboard(master, tmp_path, f"roslaunch robotteamsim keyboard.launch robot:={number}", robot)
         assert "Error" not in world.output
+
+
+def test_solution_of_the_homework_fits_the_plugin(tmp_path: Path) -> None:
+    patch = tmp_path / "homework.patch"
+    patch.write_text(PATCH)
+    subprocess.run(["git", "apply", "--check", str(patch)], cwd=ROOT, check=True)
