@@ -25,7 +25,14 @@ def found(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, gazebo: tuple[str, ...]
 ) -> dict[str, Any]:
     folder = tmp_path_factory.mktemp(request.param)
-    arguments = ("robots:=1", "controllers:=false", f"set:={START}", f"drive:={request.param}", "rviz:=false")
+    arguments = (
+        "robots:=1",
+        "speed:=2",
+        "controllers:=false",
+        f"set:={START}",
+        f"drive:={request.param}",
+        "rviz:=false",
+    )
     with running((*ROSLAUNCH, "robotteamsim", "gazebo_garage.launch", *arguments, *gazebo), folder) as program:
         helpers = os.pathsep.join((str(Path(__file__).parents[1] / "ros"), os.environ.get("PYTHONPATH", "")))
         env = environment(folder, program.port) | {"PYTHONPATH": helpers}
