@@ -118,7 +118,7 @@ void Doors::Request(const std::string& name, bool closed) {
   }
   std::string names;
   for (const Door& door : doors_) names += (names.empty() ? "" : ", ") + door.name();
-  throw std::invalid_argument("name: '" + name + "'; expected " + (names.empty() ? "no door, there is none" : names));
+  throw std::invalid_argument("unknown door '" + name + "'; known: " + (names.empty() ? "none" : names));
 }
 
 void Doors::Move(double duration_s) {

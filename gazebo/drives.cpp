@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "limits.hpp"
 #include "parts.hpp"
 
 namespace robotteamsim::gazebo_plugins {
@@ -15,19 +16,25 @@ using ignition::math::Vector3d;
 
 class VelocityDrive : public Drive {
  public:
-  explicit VelocityDrive(const physics::ModelPtr& model) : model_(model), links_(LinksOf(model)) {
+  VelocityDrive(const physics::ModelPtr& model, const sdf::ElementPtr& settings)
+      : model_(model), links_(LinksOf(model)), limits_(settings) {
     for (const physics::LinkPtr& link : links_) {
       link->SetGravityMode(false);
       link->SetAutoDisable(false);
     }
   }
 
-  void Apply(const PlanarTwist& command) override {
+  void Apply(const PlanarTwist& command, double duration_s) override {
     const ignition::math::Pose3d pose = model_->WorldPose();
-    const double yaw_rad = pose.Rot().Yaw();
-    const ignition::math::Quaterniond heading(0.0, 0.0, yaw_rad);
-    const Vector3d velocity = heading.RotateVector({command.forward_mps, command.left_mps, 0.0});
-    const Vector3d turn(0.0, 0.0, command.turn_radps);
+    const ignition::math::Quaterniond heading(0.0, 0.0, pose.Rot().Yaw());
+    // That of the body, so that a blocked robot does not go on accelerating.
+    const physics::LinkPtr& body = links_.front();
+    const Vector3d spin = body->WorldAngularVel();
+    const Vector3d now =
+        heading.RotateVectorReverse(body->WorldLinearVel() + spin.Cross(pose.Pos() - body->WorldPose().Pos()));
+    const PlanarTwist next = limits_.Next({now.X(), now.Y(), spin.Z()}, command, duration_s);
+    const Vector3d velocity = heading.RotateVector({next.forward_mps, next.left_mps, 0.0});
+    const Vector3d turn(0.0, 0.0, next.turn_radps);
     for (const physics::LinkPtr& link : links_) {
       // As parts of one rigid body, so that no joint has to pull them.
       link->SetLinearVel(velocity + turn.Cross(link->WorldCoGPose().Pos() - pose.Pos()));
@@ -40,6 +47,7 @@ class VelocityDrive : public Drive {
  private:
   physics::ModelPtr model_;
   physics::Link_V links_;
+  Limits limits_;
 };
 
 double Radius(const physics::LinkPtr& wheel) {
@@ -88,10 +96,11 @@ class WheelDrive : public Drive {
   WheelDrive(const physics::ModelPtr& model, const sdf::ElementPtr& settings)
       : WheelDrive(model, settings, settings->Get<double>("max_torque", 5.0).first) {}
 
-  void Apply(const PlanarTwist& command) override {
-    const double turn_mps = 0.5 * separation_m_ * command.turn_radps;
-    left_.Turn(command.forward_mps - turn_mps);
-    right_.Turn(command.forward_mps + turn_mps);
+  void Apply(const PlanarTwist& command, double duration_s) override {
+    wanted_ = limits_.Next(wanted_, command, duration_s);
+    const double turn_mps = 0.5 * separation_m_ * wanted_.turn_radps;
+    left_.Turn(wanted_.forward_mps - turn_mps);
+    right_.Turn(wanted_.forward_mps + turn_mps);
   }
 
   PlanarPose Measured(const PlanarPose& /*true_motion*/, double duration_s) const override {
@@ -102,7 +111,9 @@ class WheelDrive : public Drive {
 
  private:
   WheelDrive(const physics::ModelPtr& model, const sdf::ElementPtr& settings, double torque_nm)
-      : left_(model, settings, "left_joint", torque_nm), right_(model, settings, "right_joint", torque_nm) {
+      : left_(model, settings, "left_joint", torque_nm),
+        right_(model, settings, "right_joint", torque_nm),
+        limits_(settings) {
     separation_m_ = left_.Place().Distance(right_.Place());
     if (!(separation_m_ > 0.0)) throw std::invalid_argument("the two wheels are at the same place");
     for (const physics::LinkPtr& link : LinksOf(model)) link->SetAutoDisable(false);
@@ -110,6 +121,8 @@ class WheelDrive : public Drive {
 
   Wheel left_;
   Wheel right_;
+  Limits limits_;
+  PlanarTwist wanted_;  // in the last physics step
   double separation_m_;
 };
 
@@ -117,7 +130,7 @@ class WheelDrive : public Drive {
 
 std::unique_ptr<Drive> MakeDrive(const physics::ModelPtr& model, const sdf::ElementPtr& settings) {
   const std::string kind = settings->Get<std::string>("drive", "velocity").first;
-  if (kind == "velocity") return std::make_unique<VelocityDrive>(model);
+  if (kind == "velocity") return std::make_unique<VelocityDrive>(model, settings);
   if (kind == "wheels") return std::make_unique<WheelDrive>(model, settings);
   throw std::invalid_argument("<drive>: '" + kind + "'; expected velocity or wheels");
 }

@@ -37,9 +37,11 @@ RobotBridge::RobotBridge(const gazebo::physics::ModelPtr& model, const sdf::Elem
       laser_(Laser::Of(model, settings)),
       contacts_(model),
       command_(settings->Get<double>("cmd_vel_hold_s", 0.8).first),
-      step_(settings->Get<double>("step_s", 0.1).first),
+      step_s_(settings->Get<double>("step_s", 0.1).first),
+      step_(step_s_),
       topics_(model->GetName(), Mount(laser_), IsLocalised()),
-      place_(PlaceOf(model)) {
+      place_(PlaceOf(model)),
+      place_of_reading_(place_) {
   const boost::function<void(const geometry_msgs::TwistConstPtr&)> obey =
       [this](const geometry_msgs::TwistConstPtr& twist) { Obey(*twist); };
   ros::SubscribeOptions options = ros::SubscribeOptions::create<geometry_msgs::Twist>(
@@ -51,20 +53,23 @@ RobotBridge::RobotBridge(const gazebo::physics::ModelPtr& model, const sdf::Elem
 void RobotBridge::BeforePhysicsStep() {
   commands_.callAvailable();
   const PlanarTwist command = command_.At(TimeNs(model_->GetWorld()));
-  drive_->Apply(command);
+  drive_->Apply(command, model_->GetWorld()->Physics()->GetMaxStepSize());
 }
 
 void RobotBridge::AfterPhysicsStep() {
   const double duration_s = model_->GetWorld()->Physics()->GetMaxStepSize();
   const PlanarPose place = PlaceOf(model_);
-  const PlanarPose motion = Inverse(place_) * place;
-  const PlanarPose measured = drive_->Measured(motion, duration_s);
+  odometry_ = odometry_ * drive_->Measured(Inverse(place_) * place, duration_s);
   place_ = place;
-  odometry_ = odometry_ * measured;
   contacts_.Note();
   const std::int64_t now_ns = TimeNs(model_->GetWorld());
   if (!step_.IsDue(now_ns)) return;
-  RobotReading reading{odometry_, Velocity(measured, duration_s), place, Velocity(motion, duration_s), {}, {}};
+  // Velocities are the means of the whole step.
+  RobotReading reading{odometry_, Velocity(Inverse(odometry_of_reading_) * odometry_, step_s_),
+                       place_,    Velocity(Inverse(place_of_reading_) * place_, step_s_),
+                       {},        {}};
+  odometry_of_reading_ = odometry_;
+  place_of_reading_ = place_;
   if (laser_) reading.scan = laser_->Scan();
   reading.contact_angles_rad = contacts_.TakeAngles();
   topics_.Publish(std::move(reading), Stamp(now_ns));
@@ -72,8 +77,8 @@ void RobotBridge::AfterPhysicsStep() {
 
 void RobotBridge::Restart() {
   command_.Clear();
-  place_ = PlaceOf(model_);
-  odometry_ = {};
+  place_ = place_of_reading_ = PlaceOf(model_);
+  odometry_ = odometry_of_reading_ = {};
 }
 
 void RobotBridge::Obey(const geometry_msgs::Twist& twist) {

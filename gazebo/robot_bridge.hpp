@@ -38,10 +38,13 @@ class RobotBridge {
   std::optional<Laser> laser_;
   Contacts contacts_;
   HeldCommand command_;
+  double step_s_;
   Period step_;
   RobotTopics topics_;
   PlanarPose place_;     // after the last physics step
   PlanarPose odometry_;  // since the start
+  PlanarPose place_of_reading_;
+  PlanarPose odometry_of_reading_;
   ros::CallbackQueue commands_;
   ros::Subscriber subscriber_;
 };

@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+IN_CHROOT = ROOT / "setup" / "gazebo-chroot.sh"
+PLUGINS = ROOT / "build" / "gazebo" / "devel" / "lib"
 sys.path.append(str(ROOT / "test" / "ros"))
 
 
@@ -19,8 +21,16 @@ def gazebo() -> tuple[str, ...]:
     chroot = os.environ.get("GAZEBO_CHROOT")
     if not chroot:
         return ()
-    program = f"{ROOT / 'setup' / 'gazebo-chroot.sh'} run {chroot} gzserver"
-    return f"gzserver:={program}", f"plugins:={ROOT / 'build' / 'gazebo' / 'devel' / 'lib'}"
+    return f"gzserver:={IN_CHROOT} run {chroot} gzserver", f"plugins:={PLUGINS}"
+
+
+@pytest.fixture
+def gzserver(monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
+    """Return the command that runs Gazebo without its window; it finds the plugins, and models in no other place."""
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(PLUGINS))
+    monkeypatch.setenv("GAZEBO_MODEL_DATABASE_URI", "")
+    chroot = os.environ.get("GAZEBO_CHROOT")
+    return (*((str(IN_CHROOT), "run", chroot) if chroot else ()), "gzserver")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drives one robot of Gazebo against a closed door, opens the door, and writes what the topics told to a file."""
+"""Drives one robot of Gazebo against a closed door, opens the door, and writes the findings to a file."""
 
 from __future__ import annotations
 

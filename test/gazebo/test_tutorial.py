@@ -21,6 +21,8 @@ WHEELS = re.findall(r"in place of the line.*?```xml\n(.*?)```", TEXT, re.DOTALL)
 COMMANDS = [line for block in re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL) for line in block.splitlines()]
 TOPICS = re.findall(r"```\n(/clock\n.*?)```", TEXT, re.DOTALL)
 
+PATCH = re.search(r"```diff\n(.*?)```", TEXT, re.DOTALL)[1]
+
 MOVES = """
 import sys, rospy
 from nav_msgs.msg import Odometry
@@ -53,14 +55,11 @@ def master(tmp_path: Path) -> Iterator[Program]:
 
 
 @pytest.fixture
-def gzserver(monkeypatch: pytest.MonkeyPatch, gazebo: tuple[str, ...], tmp_path: Path) -> tuple[str, ...]:
+def in_first_terminal(monkeypatch: pytest.MonkeyPatch, gzserver: tuple[str, ...], tmp_path: Path) -> tuple[str, ...]:
     """Return the tutorial's command in the terminal that has Gazebo."""
-    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(ROOT / "build" / "gazebo" / "devel" / "lib"))
     monkeypatch.setenv("GAZEBO_MODEL_PATH", str(tmp_path / "models"))
-    monkeypatch.setenv("GAZEBO_MODEL_DATABASE_URI", "")
-    chroot = [argument.partition(":=")[2].rpartition(" ")[0].split() for argument in gazebo[:1]]
     command = next(command for command in COMMANDS if command.startswith("gzserver"))
-    return (*(chroot[0] if chroot else ()), *command.split())
+    return (*gzserver, *command.split()[1:])
 
 
 def output(command: str, master: Program, folder: Path) -> str:
@@ -98,15 +97,15 @@ def drive_by_keyboard(master: Program, folder: Path, command: str, robot: str) -
         os.close(ours)
 
 
-def test_empty_world_runs(gzserver: tuple[str, ...], master: Program, tmp_path: Path) -> None:
+def test_empty_world_runs(in_first_terminal: tuple[str, ...], master: Program, tmp_path: Path) -> None:
     save(tmp_path)
-    with running(gzserver, tmp_path, master.port) as world:
+    with running(in_first_terminal, tmp_path, master.port) as world:
         assert "clock" in output("rostopic echo -n 1 /clock/clock && echo clock", master, tmp_path)
         assert "Error" not in world.output
 
 
 def test_robot_among_the_barriers_has_the_topics_and_range_of_the_text_and_obeys_the_keyboard(
-    gzserver: tuple[str, ...], master: Program, tmp_path: Path
+    in_first_terminal: tuple[str, ...], master: Program, tmp_path: Path
 ) -> None:
     barriers, robot, _ = INSERTED
     save(tmp_path, barriers, robot)
@@ -114,7 +113,7 @@ def test_robot_among_the_barriers_has_the_topics_and_range_of_the_text_and_obeys
         next(line for line in COMMANDS if line.startswith(start))
         for start in ("rostopic list", "rostopic echo", "roslaunch")
     )
-    with running(gzserver, tmp_path, master.port) as world:
+    with running(in_first_terminal, tmp_path, master.port) as world:
         wait_until_robots_publish(master, tmp_path, "robot_0")
         assert output(list_topics, master, tmp_path) == TOPICS[0]
         assert float(output(echo, master, tmp_path).split()[0]) == pytest.approx(2.5, abs=0.01)
@@ -123,12 +122,18 @@ def test_robot_among_the_barriers_has_the_topics_and_range_of_the_text_and_obeys
 
 
 def test_second_robot_and_one_with_wheels_need_only_their_lines(
-    gzserver: tuple[str, ...], master: Program, tmp_path: Path
+    in_first_terminal: tuple[str, ...], master: Program, tmp_path: Path
 ) -> None:
     save(tmp_path, *INSERTED, wheels=True)
-    with running(gzserver, tmp_path, master.port) as world:
+    with running(in_first_terminal, tmp_path, master.port) as world:
         for number in range(2):
             robot = f"robot_{number}"
             wait_until_robots_publish(master, tmp_path, robot)
             drive_by_keyboard(master, tmp_path, f"roslaunch robotteamsim keyboard.launch robot:={number}", robot)
         assert "Error" not in world.output
+
+
+def test_solution_of_the_homework_fits_the_plugin(tmp_path: Path) -> None:
+    patch = tmp_path / "homework.patch"
+    patch.write_text(PATCH)
+    subprocess.run(["git", "apply", "--check", str(patch)], cwd=ROOT, check=True)

@@ -248,6 +248,32 @@ def test_wrong_argument_ends_the_launch_with_one_line_and_status_2(argument: str
     assert "Traceback" not in program.output
 
 
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("gzserver:=no_gazebo",), "~gzserver: 'no_gazebo' is not installed; install Gazebo 11 (Debian 11: gazebo,"),
+        (("scenario:=garage_fire",), "garage_fire: Gazebo's world has no fire; expected world:=true"),
+        (("lockstep:=true",), "/robotteamsim/lockstep: does not work with Gazebo; expected false"),
+    ],
+    ids=["not installed", "fire", "lockstep"],
+)
+def test_launch_that_gazebo_cannot_run_ends_with_one_line(
+    arguments: tuple[str, ...], line: str, tmp_path: Path
+) -> None:
+    launch = (*ROSLAUNCH, "robotteamsim", "scenario.launch", "world:=gazebo", "controllers:=team", "rviz:=false")
+    with running((*launch, *arguments), tmp_path) as program:
+        program.wait()
+    assert program.output.count(line) == 1
+    assert "REQUIRED process [gazebo-2] has died!" in program.output
+    assert "Traceback" not in program.output
+
+
+def test_world_of_another_name_is_refused(tmp_path: Path) -> None:
+    with running((*ROSLAUNCH, "robotteamsim", "scenario.launch", "world:=gazbo"), tmp_path) as program:
+        program.wait()
+    assert "world:=gazbo; expected true, gazebo or false" in program.output
+
+
 def rosbag(*arguments: str) -> str:
     """Call ROS's own tool and return what it prints."""
     command = (sys.executable, "-c", "import rosbag; rosbag.rosbagmain()", *arguments)

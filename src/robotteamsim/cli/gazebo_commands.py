@@ -2,14 +2,12 @@
 
 import argparse
 import os
-import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
-from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of
-from robotteamsim.cli.run_command import add_set_option
+from robotteamsim.cli.converting import add_export_options, add_plan_option, plan_file, warn
+from robotteamsim.cli.parser import UsageError, path_of
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.wording import counted
 
@@ -44,9 +42,7 @@ def add_to(actions: Any) -> None:
         epilog=_IMPORT_EXAMPLES,
     )
     import_parser.add_argument("world", type=path_of, metavar="WORLD.sdf", help="the world file")
-    import_parser.add_argument(
-        "--out", type=path_of, metavar="FILE", help="the floor plan to write; default plan.yaml, if that does not exist"
-    )
+    add_plan_option(import_parser)
     import_parser.add_argument(
         "--models",
         type=path_of,
@@ -63,9 +59,7 @@ def add_to(actions: Any) -> None:
     export_parser = actions.add_parser(
         "export-gazebo", help="write a scenario as a Gazebo world", description=_EXPORT_TEXT, epilog=_EXPORT_EXAMPLES
     )
-    export_parser.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
-    add_set_option(export_parser)
-    export_parser.add_argument("--out", type=path_of, required=True, metavar="DIR", help="where to write the world")
+    add_export_options(export_parser, "the world")
     export_parser.add_argument(
         "--drive",
         choices=("velocity", "wheels"),
@@ -79,17 +73,13 @@ def import_gazebo(options: argparse.Namespace) -> None:
     """Import a Gazebo world."""
     from robotteamsim.gazebo import import_world
 
-    out = options.out or Path("plan.yaml")
-    if options.out is None and out.exists():
-        raise UsageError(f"{out} already exists; choose a file with --out")
-    if os.path.realpath(out) == os.path.realpath(options.world):
-        raise UsageError(f"--out {out}: would overwrite the world")
+    out = plan_file(options.out, options.world, "world")
     for folder in options.models:
         if not folder.is_dir():
             raise UsageError(f"--models {folder}: there is no such folder")
     searched = [Path(folder) for folder in os.environ.get(_MODEL_PATH, "").split(os.pathsep) if folder]
     found = import_world(options.world, [*options.models, *searched], strict=options.strict)
-    _warn(found.notes)
+    warn(found.notes)
     with atomically(out) as part:
         scenario.write_floor_plan(found.plan, part)
     plan = found.plan
@@ -103,7 +93,7 @@ def export_gazebo(options: argparse.Namespace) -> None:
 
     model = scenario.load(options.scenario, options.overrides)
     export = export_world(model, options.drive)
-    _warn(export.notes)
+    warn(export.notes)
     prepare_folder(options.out)
     for name, text in export.absent.items():
         write_atomically(options.out / f"{name}.sdf", text)
@@ -112,8 +102,3 @@ def export_gazebo(options: argparse.Namespace) -> None:
     write_atomically(world, export.world)
     present = model.num_robots - len(export.absent)
     print(f"{world}: {counted(present, 'robot')}, {counted(len(model.plan.doors), 'door')}")
-
-
-def _warn(notes: Sequence[str]) -> None:
-    for note in notes:
-        print(f"robotteamsim: warning: {note}", file=sys.stderr)

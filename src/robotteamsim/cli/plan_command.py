@@ -1,13 +1,12 @@
 """`robotteamsim plan`: import floor plans from images and worlds of Stage and Gazebo, export them, draw them."""
 
 import argparse
-import os
-from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
 from robotteamsim.cli import gazebo_commands, mujoco_commands, stage_commands
-from robotteamsim.cli.parser import PLAN_HELP, UsageError, path_of
+from robotteamsim.cli.converting import add_plan_option, plan_file
+from robotteamsim.cli.parser import PLAN_HELP, path_of
 from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.recording.files import atomically
 
@@ -25,9 +24,7 @@ def add_to(commands: Any) -> None:
         "import", help="convert a map_server image to a floor plan", description=_IMPORT_TEXT
     )
     import_parser.add_argument("map", type=path_of, metavar="MAP.yaml", help="yaml of the image")
-    import_parser.add_argument(
-        "--out", type=path_of, metavar="FILE", help="the floor plan to write; default plan.yaml, if that does not exist"
-    )
+    add_plan_option(import_parser)
     import_parser.set_defaults(command=import_plan)
 
     stage_commands.add_to(actions)
@@ -45,11 +42,7 @@ def import_plan(options: argparse.Namespace) -> None:
     # Imported late, because OpenCV takes longer to load than most commands take to run.
     from robotteamsim.scenario.plan_import import import_map
 
-    out = options.out or Path("plan.yaml")
-    if options.out is None and out.exists():
-        raise UsageError(f"{out} already exists; choose a file with --out")
-    if os.path.realpath(out) == os.path.realpath(options.map):
-        raise UsageError(f"--out {out}: would overwrite the map")
+    out = plan_file(options.out, options.map, "map")
     plan = import_map(options.map)
     with atomically(out) as part:
         scenario.write_floor_plan(plan, part)

@@ -1,14 +1,12 @@
 """`robotteamsim plan import-stage` and `plan export-stage`: convert worlds of the Stage simulator."""
 
 import argparse
-import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
-from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of, positive_number
-from robotteamsim.cli.run_command import add_set_option
+from robotteamsim.cli.converting import add_export_options, warn
+from robotteamsim.cli.parser import UsageError, path_of, positive_number
 from robotteamsim.recording.files import atomically, prepare_folder
 from robotteamsim.scenario.plan_export import RESOLUTION_M
 from robotteamsim.scenario.yaml_text import write
@@ -51,11 +49,7 @@ def add_to(actions: Any) -> None:
     export_parser = actions.add_parser(
         "export-stage", help="write a scenario as a Stage world", description=_EXPORT_TEXT, epilog=_EXPORT_EXAMPLES
     )
-    export_parser.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
-    add_set_option(export_parser)
-    export_parser.add_argument(
-        "--out", type=path_of, required=True, metavar="DIR", help="where to write the world and its bitmap"
-    )
+    add_export_options(export_parser, "the world and its bitmap")
     export_parser.add_argument(
         "--resolution",
         type=positive_number,
@@ -76,7 +70,7 @@ def import_stage(options: argparse.Namespace) -> None:
     if options.out is None and folder.exists():
         raise UsageError(f"{folder} already exists; choose a folder with --out")
     found = import_world(options.world)
-    _warn(found.notes)
+    warn(found.notes)
     plan_file, scenario_file = folder / "plan.yaml", folder / f"{name}.yaml"
     if scenario_file == plan_file:
         scenario_file = folder / "scenario.yaml"
@@ -100,15 +94,10 @@ def export_stage(options: argparse.Namespace) -> None:
     # The scenario's own name may not be a valid file name.
     name = Path(options.scenario).stem
     export = export_world(model, f"{name}.png", options.resolution)
-    _warn(export.notes)
+    warn(export.notes)
     prepare_folder(options.out)
     world, bitmap = options.out / f"{name}.world", options.out / f"{name}.png"
     with atomically(bitmap) as bitmap_part, atomically(world) as world_part:
         bitmap_part.write_bytes(export.bitmap)
         world_part.write_text(export.world, encoding="utf-8")
     print(f"{world}: {counted(model.num_robots, 'robot')}; {bitmap}: walls and closed doors")
-
-
-def _warn(notes: Sequence[str]) -> None:
-    for note in notes:
-        print(f"robotteamsim: warning: {note}", file=sys.stderr)

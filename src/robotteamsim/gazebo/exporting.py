@@ -119,13 +119,13 @@ def _light_and_camera(bounds: Bounds) -> tuple[Element, ...]:
         "light",
         pose(0.0, 0.0, 10.0),
         flag("cast_shadows", True),
-        values("diffuse", 0.8, 0.8, 0.8, 1.0),
-        values("specular", 0.2, 0.2, 0.2, 1.0),
+        values("diffuse", 0.6, 0.6, 0.58, 1.0),
+        values("specular", 0.05, 0.05, 0.05, 1.0),
         values("direction", -0.4, 0.3, -0.9),
         name="sun",
         type="directional",
     )
-    ambient = element("scene", values("ambient", 0.5, 0.5, 0.5, 1.0), values("background", 0.8, 0.85, 0.9, 1.0))
+    ambient = element("scene", values("ambient", 0.4, 0.4, 0.42, 1.0), values("background", 0.8, 0.85, 0.9, 1.0))
     # From the south, looking down steeply.
     eye = values("pose", 0.5 * (min_x + max_x), min_y - 0.2 * side_m, 0.9 * side_m, 0.0, 1.05, 0.5 * math.pi)
     gui = element("gui", element("camera", eye, name="user_camera"))
@@ -140,7 +140,7 @@ def _floor(bounds: Bounds) -> Element:
     link = element(
         "link",
         element("collision", geometry, touch, name="collision"),
-        element("visual", geometry, material(palette.UNSEEN), name="visual"),
+        element("visual", geometry, material(palette.BAY), name="visual"),
         name="link",
     )
     return static_model(FLOOR, pose(0.5 * (min_x + max_x), 0.5 * (min_y + max_y)), link)

@@ -5,7 +5,7 @@ from typing import Literal
 
 import shapely
 
-from robotteamsim.gazebo.elements import Element, element, material, model, pose, surface, values
+from robotteamsim.gazebo.elements import Element, element, flag, material, model, pose, surface, values
 from robotteamsim.gazebo.names import ROBOT_PLUGIN
 from robotteamsim.gazebo.shapes import Solid
 from robotteamsim.palette import INK
@@ -20,6 +20,9 @@ _ABOVE_LASER_M = 0.02
 
 _CLEARANCE_M = 0.01
 """Below a body without wheels: friction with the floor would slow it."""
+
+_DISC_RADIUS_M, _DISC_HEIGHT_M = 0.05, 0.03
+"""Of the disc that shows a laser."""
 
 _WHEEL_SHARE = 0.1
 """Of the mass of a robot, for both wheels."""
@@ -56,6 +59,7 @@ def robot_model(name: str, robot: PlacedRobot, drive: DriveKind, step_s: float, 
         base.extend(_casters(robot, 0.5 * bottom_m))
         for side, sign in (("left", 1.0), ("right", -1.0)):
             parts += _wheel(robot, side, sign * _wheel_offset_m(robot, wheel_m), wheel_m)
+    base.append(_laser_disc(robot.laser, height_m))
     base.append(_ray_sensor(robot.laser, step_s))
     plugin = _plugin(robot, "wheels" if wheel_m else "velocity", step_s)
     x, y, yaw = robot.start_pose
@@ -103,6 +107,12 @@ def _casters(robot: PlacedRobot, radius_m: float) -> list[Element]:
     return made
 
 
+def _laser_disc(laser: Laser, height_m: float) -> Element:
+    """Return a dark disc on the body, above the laser, so that one sees where the robot's front is."""
+    disc = Solid(height_m, height_m + _DISC_HEIGHT_M, radius_m=_DISC_RADIUS_M, x=laser.forward_m)
+    return disc.visual("laser_visual", INK)
+
+
 def _ray_sensor(laser: Laser, step_s: float) -> Element:
     """Return the laser; the plugin hides the robot's own body from it."""
     beams = element(
@@ -124,8 +134,26 @@ def _ray_sensor(laser: Laser, step_s: float) -> Element:
 def _plugin(robot: PlacedRobot, drive: DriveKind, step_s: float) -> Element:
     settings = (
         element("drive", text=drive),
+        _limits(robot),
         values("step_s", step_s),
         values("cmd_vel_hold_s", robot.cmd_vel_hold_s),
         element("no_return", text=robot.laser.no_return),
     )
     return element("plugin", *settings, name="robotteamsim", filename=ROBOT_PLUGIN)
+
+
+def _limits(robot: PlacedRobot) -> Element:
+    """Return the limits of the drive. A car has no limit of its steering rate in Gazebo."""
+    drive = robot.drive
+    limits = element(
+        "limits",
+        values("speed", drive.max_speed_mps),
+        values("turn", drive.max_turn_radps),
+        values("acceleration", drive.max_acceleration_mps2),
+        flag("sideways", drive.kind == "omni"),
+    )
+    if drive.kind == "car":
+        limits.append(values("turning_radius", drive.wheelbase_m / math.tan(drive.max_steering_rad)))
+    else:
+        limits.append(values("turn_acceleration", drive.max_turn_acceleration_radps2))
+    return limits

@@ -39,7 +39,25 @@ def test_robots_are_models_with_the_laser_of_the_scenario_at_their_start_poses()
         assert _numbers(laser, "pose") == [0.1, 0.0, 0.25, 0.0, 0.0, 0.0]
         plugin = model.find("plugin")
         assert plugin.get("filename") == "librobotteamsim_gazebo.so"
-        assert [part.text for part in plugin] == ["velocity", "0.1", "0.8", "inf"]
+        settings = {part.tag: part.text for part in plugin if part.tag != "limits"}
+        assert settings == {"drive": "velocity", "step_s": "0.1", "cmd_vel_hold_s": "0.8", "no_return": "inf"}
+
+
+@pytest.mark.parametrize(
+    ("drive", "own"),
+    [
+        ("{kind: differential, max_turn_acceleration_radps2: 7}", {"sideways": "false", "turn_acceleration": "7"}),
+        ("{kind: omni}", {"sideways": "true", "turn_acceleration": "8"}),
+        ("{kind: car, wheelbase_m: 0.5, max_steering_rad: 0.463647609}", {"sideways": "false", "turning_radius": "1"}),
+    ],
+)
+def test_plugin_has_the_limits_of_the_drive(drive: str, own: dict[str, str]) -> None:
+    plugin = _model(_world(export_world(load("garage_sar", [f"robots.drive={drive}"])).world), "robot_0").find("plugin")
+    limits = {
+        part.tag: f"{float(part.text):.3g}" if part.tag != "sideways" else part.text for part in plugin.find("limits")
+    }
+    common = {"speed": "0.7", "acceleration": "2"}
+    assert limits == common | own | {"turn": limits["turn"]}
 
 
 def test_wheels_are_as_far_apart_as_the_body_allows_and_touch_the_floor():

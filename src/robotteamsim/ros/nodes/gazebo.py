@@ -14,7 +14,7 @@ from robotteamsim.gazebo import export_world
 from robotteamsim.gazebo.robots import DriveKind
 from robotteamsim.recording.ros_messages import robot_name
 from robotteamsim.ros.transport.node import ParameterError, logger, parameter, published_topics, run, wait_for_shutdown
-from robotteamsim.ros.transport.settings import Settings, read_settings
+from robotteamsim.ros.transport.settings import PARAMETERS, Settings, read_settings
 
 START_TIMEOUT_S = 60.0
 """Gazebo starts without controllers that have not started after this time [s, wall]."""
@@ -39,6 +39,7 @@ def main() -> None:
 def _prepare() -> list[str]:
     """Write the world, wait for the controllers, and return the command that runs the world."""
     settings = read_settings()
+    _check(settings)
     drive = parameter("~drive", "velocity")
     if drive not in get_args(DriveKind):
         raise ParameterError(f"~drive: {drive!r}; expected {' or '.join(get_args(DriveKind))}")
@@ -54,6 +55,20 @@ def _prepare() -> list[str]:
     world = _write_world(settings, drive)
     _wait_for_controllers(settings)
     return [*program, "--verbose", str(world)]
+
+
+def _check(settings: Settings) -> None:
+    """Reject what Gazebo's world cannot do. Raises: ParameterError."""
+    scenario = settings.scenario
+    if settings.lockstep:
+        raise ParameterError(f"{PARAMETERS}/lockstep: does not work with Gazebo; expected false")
+    if parameter("~follow_clock", False):
+        return  # our own world runs beside it
+    for what, is_used in (("fire", scenario.fire is not None), ("people who move", scenario.moves_people)):
+        if is_used:
+            raise ParameterError(f"{scenario.name}: Gazebo's world has no {what}; expected world:=true")
+    if any(event.kind in ("remove", "spawn", "door") for event in scenario.schedule):
+        logger.warning("schedule: its robots and doors are left out, because Gazebo's world has no schedule")
 
 
 def _find_plugins(folder: str) -> None:

@@ -72,7 +72,8 @@ class WorldNode:
         self._make = conversion.RosTypes()
         self._gate = Gate()
         self._pacer = _pacer()
-        if parameter("~paused", False):
+        self._starts_paused = parameter("~paused", False)
+        if self._starts_paused:
             self._gate.pause(0.0)
         localization = parameter("~localization", "none")
         if localization not in ("none", "ground_truth"):
@@ -113,8 +114,10 @@ class WorldNode:
         """Step until the node is shut down."""
         self._publish_clock(START_NS)
         self._team.assemble()
-        self._gate.wait()  # with ~paused, until clients that need the first step have subscribed
-        self._wait_for_subscribers()
+        if self._starts_paused:
+            self._gate.wait()  # until clients that need the first step have subscribed
+        else:
+            self._wait_for_subscribers()
         while self._gate.wait():
             if self._motion is None:
                 self._tick(self._world.sim_time_ns)

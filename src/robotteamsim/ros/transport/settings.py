@@ -21,7 +21,7 @@ SEED = f"{PARAMETERS}/seed"
 
 USE_SIM_TIME = "/use_sim_time"
 
-REPORT_DELAYS_S = {"/world": 0.0, "/environment": 5.0}
+REPORT_DELAYS_S = {"/world": 0.0, "/gazebo": 2.0, "/environment": 5.0}
 OTHERS_REPORT_S = 10.0
 """Delay before a node reports a mistake in the settings [s, wall]."""
 NOT_SET = -1
@@ -80,7 +80,7 @@ def read_settings() -> Settings:
     """Return the settings from the parameter server.
 
     Raises: ParameterError, ScenarioError. All nodes of a launch find the same mistake: the world reports it at once,
-    which ends the launch. The environment follows, because there is no world with real robots, and then the others.
+    which ends the launch. Where our own world does not run, Gazebo reports it, or the environment, and then the others.
     """
     try:
         return _read_settings()

@@ -2,39 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import pytest
+from two_rooms import scenario_of
 
-from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
-from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.sensing.readings import RobotReading
+from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world.contract import AnyWorld
 from robotteamsim.world.making import make_world
 
 KINDS = ("box2d", "mujoco")
-
-WALLS = (
-    Wall(name="south", start=(0.0, 0.1), end=(12.0, 0.1)),
-    Wall(name="north", start=(0.0, 5.9), end=(12.0, 5.9)),
-    Wall(name="west", start=(0.1, 0.2), end=(0.1, 5.8)),
-    Wall(name="east", start=(11.9, 0.2), end=(11.9, 5.8)),
-    Wall(name="middle south", start=(6.0, 0.2), end=(6.0, 2.5), thickness_m=0.1),
-    Wall(name="middle north", start=(6.0, 3.5), end=(6.0, 5.8), thickness_m=0.1),
-)
-BLOCKS = (
-    Block(name="core", polygon=((8.0, 1.0), (10.0, 1.0), (10.0, 1.5), (8.5, 1.5), (8.5, 3.0), (8.0, 3.0))),
-    Block(name="pillar", kind="pillar", polygon=((3.0, 4.0), (3.0, 4.5), (3.5, 4.5), (3.5, 4.0))),
-)
-
-
-def two_rooms(**door: object) -> FloorPlan:
-    """Two rooms with a gate between them, from (6, 2.5) to (6, 3.5); keywords are keys of its door."""
-    gate = Door(name="gate", start=(6.0, 2.5), end=(6.0, 3.5), **door)
-    return FloorPlan(name="two rooms", bounds=Bounds(max=(12.0, 6.0)), walls=WALLS, blocks=BLOCKS, doors=(gate,))
-
+"""Worlds of this process. test/ros and test/gazebo run a part of the tests against worlds behind ROS."""
 
 WorldMaker = Callable[..., AnyWorld]
+Readings = Callable[[AnyWorld, Sequence[PlacedRobot]], Sequence[RobotReading]]
 
 
 @pytest.fixture(params=KINDS)
@@ -45,13 +28,16 @@ def kind(request: pytest.FixtureRequest) -> str:
 
 @pytest.fixture
 def world_of(kind: str) -> WorldMaker:
-    """Make a world with robots at start poses, or of other forms; `door` has keys of the gate."""
+    """Make the world of `scenario_of`."""
 
-    def make(
-        *robots: tuple[float, float, float] | PlacedRobot, door: dict[str, object] | None = None, **keys: object
-    ) -> AnyWorld:
-        placed = tuple(robot if isinstance(robot, PlacedRobot) else PlacedRobot(start_pose=robot) for robot in robots)
-        scenario = Scenario(name="test", plan=two_rooms(**(door or {})), robots=placed, run=Run(world=kind), **keys)
-        return make_world(scenario, placed)
+    def make(*robots: tuple[float, float, float] | PlacedRobot, **keys: object) -> AnyWorld:
+        scenario = scenario_of(kind, *robots, **keys)
+        return make_world(scenario, scenario.robots)
 
     return make
+
+
+@pytest.fixture
+def readings_of() -> Readings:
+    """Return what the sensors of a world's robots measure."""
+    return lambda world, robots: RobotSensors(world, robots, 1).read()

@@ -23,10 +23,6 @@ def drive(world, *twists, steps):
         world.step(twists)
 
 
-def readings_of(world, robots):
-    return RobotSensors(world, robots, 1).read()
-
-
 def test_robot_is_moved_at_rest_and_that_is_no_motion(world_of):
     world = world_of((2.0, 2.0, 0.0), (4.0, 2.0, 0.0))
     drive(world, FORWARD, STOP, steps=10)
@@ -63,7 +59,7 @@ def test_pose_that_is_not_finite_is_rejected(world_of, value):
             call(int(call == world.spawn_robot), Pose(1.0, value, 0.0))
 
 
-def test_absent_robot_has_no_body_and_no_pose(world_of):
+def test_absent_robot_has_no_body_and_no_pose(world_of, readings_of):
     robots = (
         PlacedRobot(start_pose=(2.0, 2.0, 0.0), laser=BEAM),
         PlacedRobot(start_pose=(3.0, 2.0, 0.0), laser=BEAM, present=False),
@@ -94,6 +90,20 @@ def test_robots_leave_and_arrive_again(world_of):
     world.remove_robot(1)
     world.spawn_robot(1)
     assert world.positions_m()[1].tolist() == [4.0, 2.0]
+
+
+def test_robot_that_left_is_in_nobodys_way_and_comes_back(world_of):
+    world = world_of((2.0, 2.0, 0.0), (3.0, 2.0, 0.0))
+    world.remove_robot(1)
+    drive(world, FORWARD, STOP, steps=30)
+    assert (world.present.tolist(), world.arrivals) == ([True, False], (1, 1))
+    assert world.poses()[0].x_m > 3.2
+    assert math.isnan(world.poses()[1].x_m)
+    world.spawn_robot(1, Pose(9.0, 4.0, 1.0))
+    drive(world, STOP, STOP, steps=2)
+    assert (world.present, world.arrivals) == (None, (1, 2))
+    pose = world.poses()[1]
+    assert (pose.x_m, pose.y_m, pose.yaw_rad) == pytest.approx((9.0, 4.0, 1.0), abs=2e-3)
 
 
 def test_mistakes_about_presence_are_named(world_of):
@@ -161,7 +171,7 @@ def test_reset_of_positions_keeps_time_and_objects(world_of):
     assert (world.objects()["box"], world.step_index) == (pushed, 20)
 
 
-def test_lasers_see_walls_objects_and_robots(world_of):
+def test_lasers_see_walls_objects_and_robots(world_of, readings_of):
     robots = tuple(PlacedRobot(start_pose=(1.5, y, 0.0), laser=BEAM) for y in (1.0, 2.0, 3.25))
     robots += (PlacedRobot(start_pose=(4.0, 3.25, 0.0), laser=BEAM),)
     world = world_of(*robots, objects=(BOX.model_copy(update={"pose": (3.0, 2.0, 0.0)}),))
@@ -171,7 +181,7 @@ def test_lasers_see_walls_objects_and_robots(world_of):
     assert readings[3].ranges_m[1] == pytest.approx(7.8, abs=0.01)  # through the open gate to the east wall
 
 
-def test_lasers_see_a_closed_door_and_not_an_open_one(world_of):
+def test_lasers_see_a_closed_door_and_not_an_open_one(world_of, readings_of):
     robots = (PlacedRobot(start_pose=(4.0, 3.25, 0.0), laser=BEAM),)
     world = world_of(*robots)
     world.set_door("gate", closed=True)
@@ -180,7 +190,7 @@ def test_lasers_see_a_closed_door_and_not_an_open_one(world_of):
     assert readings_of(world, robots)[0].ranges_m[1] == pytest.approx(7.8, abs=0.01)
 
 
-def test_sonar_reads_the_nearest_return_of_its_cone(world_of):
+def test_sonar_reads_the_nearest_return_of_its_cone(world_of, readings_of):
     sonar = Sonar(name="front", forward_m=0.2, opening_rad=0.6, rays=61)
     robots = (PlacedRobot(start_pose=(3.25, 2.0, math.pi / 2.0), sonars=(sonar,)),)
     reading = readings_of(world_of(*robots), robots)[0]
