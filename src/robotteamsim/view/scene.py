@@ -41,7 +41,7 @@ class DoorShape(msgspec.Struct, frozen=True):
 
 
 class AreaShape(msgspec.Struct, frozen=True):
-    """An area to explore: a disc [m]."""
+    """An area to explore, or an exit: a disc [m]."""
 
     name: str
     center_m: tuple[float, float]
@@ -97,6 +97,7 @@ class Scene(msgspec.Struct, frozen=True):
     objects: tuple[ObjectShape, ...]
     victim_states: tuple[str, ...] = ()
     has_fire: bool = False
+    exits: tuple[AreaShape, ...] = ()
 
 
 def scene_of(scenario: Scenario) -> Scene:
@@ -125,6 +126,7 @@ def scene_of(scenario: Scenario) -> Scene:
         ),
         victim_states=_victim_states(scenario),
         has_fire=scenario.fire is not None,
+        exits=tuple(AreaShape(way.name, way.center, way.radius_m) for way in scenario.mission.exits),
     )
 
 
@@ -146,6 +148,7 @@ def scene_of_run(run: RecordedRun, scenario: Scenario | None) -> Scene:
     else:
         bounds, walls, doors, bays = _bounds(run), _grid_solids(run.grid), (), ()
     shapes = {} if scenario is None else dict(enumerate(known.robots))
+    exits = () if scenario is None else known.exits
     robots = (
         msgspec.structs.replace(
             shapes.get(index if robot.robot_id is None else robot.robot_id, _UNKNOWN_ROBOT),
@@ -164,6 +167,7 @@ def scene_of_run(run: RecordedRun, scenario: Scenario | None) -> Scene:
         robots=tuple(robots),
         objects=(),
         victim_states=_states_of_run(run) if scenario is None else known.victim_states,
+        exits=exits,
     )
 
 

@@ -44,11 +44,11 @@ const HELMET = merged([
 ]);
 const TANK = tube(0.09, 0.09, 0.5, 1.2).translate(-0.26, 0, 0);
 const POSTS = merged([
-  ...[[-1, -1], [-1, 1], [1, -1], [1, 1]].map(([x, y]) => tube(0.05, 0.05, 1.3, 0.65).translate(x, y, 0)),
+  ...[[-1, -1], [-1, 1], [1, -1], [1, 1]].map(([x, y]) => tube(0.05, 0.05, 1.5, 0.75).translate(0.8 * x, 0.8 * y, 0)),
   tube(0.035, 0.035, 3.4, 1.7), // the antenna
 ]);
-const ROOF = upright(new ConeGeometry(1.75, 0.9, 4)).rotateZ(Math.PI / 4).translate(0, 0, 1.75);
-const FLOOR = merged([upright(new CylinderGeometry(1.75, 1.75, 0.06, 4)).rotateZ(Math.PI / 4).translate(0, 0, 0.03)]);
+const ROOF = upright(new ConeGeometry(1.25, 0.7, 4)).rotateZ(Math.PI / 4).translate(0, 0, 1.85);
+const FLOOR = merged([upright(new CylinderGeometry(1.4, 1.4, 0.06, 4)).rotateZ(Math.PI / 4).translate(0, 0, 0.03)]);
 const BALL = new SphereGeometry(0.16, 12, 8).translate(0, 0, 3.4);
 
 function figure(parts) {

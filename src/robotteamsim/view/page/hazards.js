@@ -38,7 +38,7 @@ export class Hazards {
   _showFire(map) {
     this.fire = map;
     const { burning, burnt, hot } = this.palette.fire;
-    const looks = { [HOT]: [new Color(hot), 0.4], [BURNT]: [new Color(burnt), 0.95], [BURNING]: [new Color(burning), 0.95] };
+    const looks = { [HOT]: [new Color(hot), 0.4], [BURNT]: [new Color(burnt), 0.95], [BURNING]: [new Color(burning).multiplyScalar(0.6), 0.95] };
     const positions = [], colours = [], flames = [], count = { [HOT]: 0, [BURNT]: 0, [BURNING]: 0 };
     map?.values.forEach((value, cell) => {
       if (!value) return;
@@ -64,7 +64,7 @@ export class Hazards {
       this.tips = this._cones(2 * places.length + 64, this.palette.fire.tip, 0.95);
     }
     const at = new Object3D();
-    for (const [mesh, width, height] of [[this.flames, 0.62, 1], [this.tips, 0.34, 0.75]]) {
+    for (const [mesh, width, height] of [[this.flames, 0.8, 0.8], [this.tips, 0.42, 1.15]]) {
       mesh.count = places.length;
       places.forEach(([x, y, kind], index) => {
         at.position.set(x, y, GROUND_Z);

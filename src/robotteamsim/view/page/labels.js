@@ -51,7 +51,10 @@ export class Labels {
     const areas = scene.areas.map((area, index) => ({
       key: `area ${index}`, text: area.name, kind: "area", at: [...area.center_m, 0],
     }));
-    return [...robots.slice(0, 60), ...victims.slice(0, 60), ...areas.slice(0, 60)];
+    const exits = scene.exits.map((exit, index) => ({
+      key: `exit ${index}`, text: `exit ${exit.name}`, kind: "area", at: [...exit.center_m, 0],
+    }));
+    return [...robots.slice(0, 60), ...exits, ...victims.slice(0, 60), ...areas.slice(0, 60)];
   }
 
   _element(key, kind) {

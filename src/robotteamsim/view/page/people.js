@@ -21,14 +21,22 @@ export class People {
     Object.assign(this, { palette, enlarged });
     this.group = new Group();
     this.victims = [];
+    for (const way of scene.exits) this._exit(way);
     this.crew = scene.robots.flatMap((robot, id) => (robot.role === "robot" ? [] : [this._member(robot, id)]));
+  }
+
+  /** A green ground in front of each exit. */
+  _exit({ center_m: [x, y], radius_m }) {
+    const ground = disc(this.palette.victims.safe, radius_m, 0.35);
+    ground.position.set(x, y, RING_Z - 0.01);
+    this.group.add(ground);
   }
 
   _member(robot, id) {
     const isCentre = robot.role === "command_centre";
     const figure = isCentre ? centre(this.palette.people, robot.colour) : firefighter(this.palette.people);
-    figure.userData.robot = id;
-    if (!isCentre) figure.add(disc(robot.colour, 0.62, 0.6));
+    Object.assign(figure.userData, { robot: id, isCentre });
+    if (!isCentre) figure.add(disc(robot.colour, 0.46, 0.7));
     this.group.add(figure);
     return figure;
   }
@@ -40,7 +48,7 @@ export class People {
       if (!pose) continue;
       figure.position.set(pose[0], pose[1], 0);
       figure.rotation.z = pose[2];
-      figure.scale.setScalar(this.enlarged(BODY_M, figure.position, camera));
+      figure.scale.setScalar(figure.userData.isCentre ? 1 : this.enlarged(BODY_M, figure.position, camera));
     }
     const victims = frame.victims ?? [];
     while (this.victims.length < victims.length) this.victims.push(this._victim(this.victims.length));
