@@ -81,8 +81,9 @@ def _hazards(layers: BagLayers, start_ns: int, block_c: float) -> HazardMaps:
     temperatures = dict(layers.maps(TEMPERATURE))
     for stamp_ns, grid in layers.maps(FIRE_GRID):
         time_s, heat = (stamp_ns - start_ns) / 1e9, temperatures.get(stamp_ns)
-        is_known = heat is not None and heat.values.shape == grid.cells.shape
-        is_hot = heat.values >= block_c if is_known else np.zeros(grid.cells.shape, dtype=bool)
+        is_hot = np.zeros(grid.cells.shape, dtype=bool)
+        if heat is not None and heat.values.shape == is_hot.shape:
+            is_hot = heat.values >= block_c
         found.add_fire(fire_map(time_s, grid.origin_m, grid.resolution_m, grid.cells, is_hot))
     for stamp_ns, grid in layers.maps(SMOKE_GRID):
         found.add_smoke(smoke_map((stamp_ns - start_ns) / 1e9, grid.origin_m, grid.resolution_m, grid.cells))
