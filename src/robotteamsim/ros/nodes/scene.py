@@ -176,7 +176,9 @@ class Scene:
         distance_m = self._scenario.mission.save_distance_m
         names = scene_mission.victim_names(victims, distance_m, self._lettering, self._area_numbers)
         self._names = names
-        self._canvas["victims"].draw(scene_mission.victim_markers(victims, distance_m, self._lettering, names))
+        upright = {victim.name for victim in self._scenario.mission.victims if victim.flees or victim.can_walk}
+        markers = scene_mission.victim_markers(victims, distance_m, self._lettering, names, upright)
+        self._canvas["victims"].draw(markers)
 
     def _draw_doors(self, openings: dict[str, float]) -> None:
         self._openings = openings
@@ -223,7 +225,8 @@ class Scene:
             robot = self._placed[robot_id] if robot_id < len(self._placed) else Robot()
             poses = self._pose_feed(robot_id, found[robot_id], robot_id in with_truth)
             several_swarms, base = self._scenario.control.swarms.max > 1, self._scenario.base == robot_id
-            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot, poses, several_swarms, base)
+            role = self._scenario.role_of(robot_id)
+            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot, poses, several_swarms, base, role)
         self._robots = dict(sorted(self._robots.items()))
 
     def _pose_feed(self, robot_id: int, prefix: str, has_truth: bool) -> PoseFeed:

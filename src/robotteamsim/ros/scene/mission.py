@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 import contourpy
 import numpy as np
@@ -12,6 +12,7 @@ from visualization_msgs.msg import Marker
 
 from robotteamsim import msg, palette
 from robotteamsim.mission.status import SAVED
+from robotteamsim.ros.scene import figures
 from robotteamsim.ros.scene.lettering import Lettering, Name, Written
 from robotteamsim.ros.scene.plan import AREA_Z_M, VOICE_Z_M
 from robotteamsim.ros.scene.shapes import (
@@ -26,14 +27,15 @@ from robotteamsim.ros.scene.shapes import (
     faded,
     gradient,
     lines,
-    marker,
 )
 from robotteamsim.scenario.floor_plan import Bounds
 
 CASUALTY = colour(palette.CASUALTY)
 VICTIM_COLOURS = {state: colour(code) for state, code in palette.VICTIM_STATES.items()}
 VICTIM_GROUND = colour(palette.ROBOT_BODY, 0.6)
-SKIN = colour(palette.SKIN)
+FALLEN = ("collapsed", "dead")
+SHOULDER_M = 1.9
+"""Height at which a firefighter carries a victim [m]."""
 
 NAME_M, NUMBER_M = 1.1, 1.4
 """Heights of capital letters of victims' names and areas' numbers in a building of 60 x 40 m."""
@@ -82,38 +84,42 @@ def victim_names(
 
 
 def victim_markers(
-    victims: Sequence[msg.Victim], save_distance_m: float, lettering: Lettering, names: Sequence[Written]
+    victims: Sequence[msg.Victim],
+    save_distance_m: float,
+    lettering: Lettering,
+    names: Sequence[Written],
+    upright: Collection[str] = (),
 ) -> list[Marker]:
-    """Return a lying figure for each victim, and a ring within which a robot saves the victim.
+    """Return a figure for each victim, and a ring within which a robot saves the victim.
+
+    Args: upright: names of those who stand or walk unless they have fallen; others lie.
 
     The colour shows the state, and so does the ring: dashed while the victim waits, filled when saved.
     """
     return [
         part
         for i, (victim, name) in enumerate(zip(victims, names, strict=True))
-        for part in _victim_parts(i, victim, save_distance_m, lettering, name)
+        for part in _victim_parts(i, victim, save_distance_m, lettering, name, upright)
     ]
 
 
 def _victim_parts(
-    index: int, victim: msg.Victim, save_distance_m: float, lettering: Lettering, name: Written
+    index: int,
+    victim: msg.Victim,
+    save_distance_m: float,
+    lettering: Lettering,
+    name: Written,
+    upright: Collection[str],
 ) -> Iterable[Marker]:
     tint = VICTIM_COLOURS.get(victim.state, CASUALTY)
-    x, y = victim.position.x, victim.position.y
-    yaw_rad = 0.6 + 1.9 * index  # each in another direction
-    cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
-    body = (  # along the body, across it, height, size; a figure of 1.75 m, of spheres
-        ("head", 0.72, 0.0, 0.13, (0.26, 0.24, 0.26)),
-        ("torso", 0.22, 0.0, 0.15, (0.85, 0.52, 0.3)),
-        ("left arm", 0.28, 0.36, 0.08, (0.62, 0.13, 0.13)),
-        ("right arm", 0.28, -0.36, 0.08, (0.62, 0.13, 0.13)),
-        ("left leg", -0.5, 0.13, 0.1, (0.95, 0.18, 0.18)),
-        ("right leg", -0.5, -0.13, 0.1, (0.95, 0.18, 0.18)),
-    )
-    for k, (part, along, across, z, size) in enumerate(body):
-        at = (x + cos * along - sin * across, y + sin * along + cos * across, z)
-        skin = SKIN if part == "head" else tint
-        yield marker("victims", 10 * index + k, Marker.SPHERE, skin, position=at, yaw_rad=yaw_rad, scale=size)
+    place_m = x, y = victim.position.x, victim.position.y
+    is_upright = victim.name in upright and victim.state not in FALLEN
+    if is_upright:
+        yield from figures.upright(index, place_m, tint)
+    else:
+        yield from figures.lying(index, place_m, tint, SHOULDER_M if victim.state == "carried" else 0.0)
+    if is_upright and (victim.state == "carried" or victim.state in SAVED):
+        return
     ring, inner_m = Mesh(), save_distance_m - 0.1
     ground = faded(tint, 0.55) if victim.state in SAVED else VICTIM_GROUND
     ring.ring((x, y), 0.0, inner_m, AREA_Z_M + 0.01, ground)
