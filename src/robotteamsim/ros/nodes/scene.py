@@ -38,6 +38,7 @@ from robotteamsim.ros.transport.topics import Output
 from robotteamsim.scenario import Bounds, Scenario, occupancy_grid
 from robotteamsim.scenario.plan import OCCUPIED, grid_shape
 from robotteamsim.scenario.sections import Robot
+from robotteamsim.view.frame import gait_of
 from robotteamsim.world.placement import placed_robots
 
 DRAW_PERIOD_S = 0.1
@@ -107,6 +108,7 @@ class Scene:
         self._wall_height_m = wall_height_m
         self._lettering = Lettering.of(scenario, wall_height_m)
         self._placed = placed_robots(scenario)
+        self._gaits = {victim.name: gait_of(victim) for victim in scenario.mission.victims}
         layers = (
             "building",
             "doors",
@@ -174,10 +176,9 @@ class Scene:
     def _draw_victims(self, victims: Sequence[msg.Victim]) -> None:
         self._shown_victims = victims
         distance_m = self._scenario.mission.save_distance_m
-        names = scene_mission.victim_names(victims, distance_m, self._lettering, self._area_numbers)
+        names = scene_mission.victim_names(victims, distance_m, self._lettering, self._area_numbers, self._gaits)
         self._names = names
-        upright = {victim.name for victim in self._scenario.mission.victims if victim.flees or victim.can_walk}
-        markers = scene_mission.victim_markers(victims, distance_m, self._lettering, names, upright)
+        markers = scene_mission.victim_markers(victims, distance_m, self._lettering, names, self._gaits)
         self._canvas["victims"].draw(markers)
 
     def _draw_doors(self, openings: dict[str, float]) -> None:

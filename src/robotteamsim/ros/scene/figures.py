@@ -13,6 +13,10 @@ SKIN = colour(palette.SKIN)
 COAT, STRIPE, HELMET = colour(palette.TURNOUT_COAT), colour(palette.REFLECTIVE), colour(palette.HELMET)
 LARGER = 1.45
 """Upright people are drawn larger by this factor: from above, one sees little of them."""
+HIGHEST_M = 1.9 * LARGER
+"""Height of the helmet of an upright figure [m]."""
+CLEAR_M = 1.9
+"""Distance from an upright figure at which texts do not touch it in the default view [m]."""
 MAX_PARTS = 12
 """Of one figure, so that ids of markers differ."""
 

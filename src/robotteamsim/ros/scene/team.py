@@ -134,7 +134,9 @@ def team_numbers(
         Name(
             view.words,
             (view.pose.x_m, view.pose.y_m),
-            view.ring_m(lettering.unit) * (BASE_PER_RING if view.base else ARROW_PER_RING),
+            figures.CLEAR_M
+            if view.role == "firefighter"
+            else view.ring_m(lettering.unit) * (BASE_PER_RING if view.base else ARROW_PER_RING),
             height_m,
             last[view.robot_id].side if view.robot_id in last else ABOVE,
         )
