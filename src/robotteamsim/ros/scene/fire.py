@@ -11,10 +11,10 @@ from robotteamsim.ros.scene.shapes import Colour, Mesh, Position, colour, faded,
 
 FLAME, CORE = colour(palette.FLAME), colour(palette.YELLOW)
 CHAR, SMOKE = colour(palette.CHAR), colour(palette.SMOKE)
-FLAME_M, CORE_M, CORE_SHARE = 1.1, 1.9, 0.5
+FLAME_M, CORE_M, CORE_SHARE = 1.4, 2.2, 0.5
 """Height of a flame and of its bright core, and width of the core; it shows above the smoke [m]."""
 FLOOR_Z_M = 0.015
-SMOKE_Z_M = 0.95
+SMOKE_Z_M = 0.6
 """Height at which smoke is drawn, as a sheet above the robots, from which people and flames stand out [m]."""
 DENSEST = 0.72
 """Opacity of smoke without any visibility."""
