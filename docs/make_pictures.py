@@ -103,6 +103,8 @@ MOMENTS = (
         {"swarms": None},
     ),
     Moment("office_manet.launch", ("seed:=3", "controllers:=team"), 1800, {"office_manet": None}),
+    Moment("garage_rescue.launch", ("seed:=1", "controllers:=team"), 1900, {"garage_rescue_rviz": None}),
+    Moment("office_fire.launch", ("seed:=1", "controllers:=team"), 500, {"office_fire_rviz": None}),
     Moment("warehouse_push.launch", (), 300, {"warehouse_push": None}),
     Moment("tutorial_arena.launch", (), 600, {"tutorial_arena": None}),
 )

@@ -18,7 +18,9 @@ WAITING, HEARD, SAVED = VERMILLION, YELLOW, GREEN
 VICTIMS = {"waiting": WAITING, "heard": HEARD, "saved": SAVED}
 CASUALTY = "#6b6f76"
 """Victims who have collapsed or died."""
-FLAME, SMOKE, CHAR = "#ff5a1f", "#7d8087", "#26211d"
+FLAME, SMOKE, CHAR, HOT = "#ff5a1f", "#7d8087", "#26211d", "#a8452a"
+TURNOUT_COAT, REFLECTIVE, HELMET = "#d9b36c", "#e6ff4f", "#d7263d"
+"""Firefighters, in the colours of their clothes."""
 RESCUED = {
     "waiting": WAITING,
     "heard": HEARD,
@@ -29,7 +31,9 @@ RESCUED = {
     "safe": SAVED,
 }
 """Victims whom firefighters save."""
-VICTIM_STATES = VICTIMS | RESCUED | {"collapsed": CASUALTY, "dead": CASUALTY}
+FLEEING = BLUE
+"""People who walk to an exit and need no help."""
+VICTIM_STATES = VICTIMS | RESCUED | {"fleeing": FLEEING, "collapsed": CASUALTY, "dead": CASUALTY}
 SKIN = "#f1d3b8"
 OPEN_AREA, TARGET_AREA, EXPLORED_AREA = "#c3ccd6", WHITE, GREEN
 COLLISION = VERMILLION

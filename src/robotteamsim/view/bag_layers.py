@@ -1,4 +1,4 @@
-"""What a viewer shows of a bag besides its run: signals, doors, voice maps, lasers."""
+"""What a viewer shows of a bag besides its run: signals, doors, voice maps, fire, smoke, lasers."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ import numpy as np
 from robotteamsim.errors import RecordingError
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.bag_reader import BagReader
+from robotteamsim.recording.hazard_messages import FIRE_GRID, SMOKE_GRID, TEMPERATURE
+from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.view.frame import Link, links_of
 
 _NETWORK, _DOORS, _VOICE = "/network/state", "/world/doors", "/voice_map/values"
@@ -20,10 +22,13 @@ _TEAM_TYPES = {
     _NETWORK: "robotteamsim/NetworkState",
     _DOORS: "robotteamsim/Doors",
     _VOICE: "robotteamsim/FloatMap",
+    FIRE_GRID: "nav_msgs/OccupancyGrid",
+    SMOKE_GRID: "nav_msgs/OccupancyGrid",
+    TEMPERATURE: "robotteamsim/FloatMap",
 }
 _SCAN_TYPE = "sensor_msgs/LaserScan"
 
-_MOST_DB, _MOST_M, _MOST_RAD = 1e3, 1e6, 1e2
+_MOST_DB, _MOST_M, _MOST_RAD, _MOST_C = 1e3, 1e6, 1e2, 1e4
 """Larger numbers are not measurements, but damage."""
 
 
@@ -66,6 +71,10 @@ class BagLayers:
         """Return all voice maps with their stamps [ns]."""
         return self._samples.get(_VOICE, ())
 
+    def maps(self, topic: str) -> Sequence[tuple[int, Any]]:
+        """Return all maps of a topic of fire or smoke, with their stamps [ns]."""
+        return self._samples.get(topic, ())
+
     def _last(self, topic: str, stamp_ns: int) -> Any | None:
         if topic not in self._samples:
             return None
@@ -91,7 +100,7 @@ def read_layers(paths: Sequence[Path], scanned: Sequence[str]) -> BagLayers:
         unread: set[str] = set()
         for topic, stamp_ns, message in bag.messages(set(types)):
             try:
-                samples.setdefault(topic, []).append((stamp_ns, _CONVERTERS[types[topic]](message)))
+                samples.setdefault(topic, []).append((stamp_ns, _converter(topic, types[topic])(message)))
             except AttributeError:  # This version of the type lacks an attribute.
                 unread.add(topic)
             except ValueError as error:
@@ -112,13 +121,32 @@ def _doors(message: Any) -> dict[str, float]:
 
 
 def _voice_map(message: Any) -> FieldMap:
+    return _field_map(message, "levels", _MOST_DB)
+
+
+def _temperatures(message: Any) -> FieldMap:
+    return _field_map(message, "temperatures", _MOST_C)
+
+
+def _field_map(message: Any, name: str, most: float) -> FieldMap:
     if not 0 < message.width * message.height == len(message.data):
         raise ValueError(f"map of {len(message.data)} values; expected {message.width * message.height}")
     _finite([message.resolution_m, message.origin.x, message.origin.y], "resolution and origin", _MOST_M)
     if message.resolution_m <= 0.0:
         raise ValueError(f"resolution {message.resolution_m:g} m; expected more than 0")
-    values = _finite(message.data, "levels", _MOST_DB).astype(np.float32).reshape(message.height, message.width)
+    values = _finite(message.data, name, most).astype(np.float32).reshape(message.height, message.width)
     return FieldMap((message.origin.x, message.origin.y), message.resolution_m, values)
+
+
+def _grid(message: Any) -> OccupancyGrid:
+    info, origin = message.info, message.info.origin.position
+    if not 0 < info.width * info.height == len(message.data):
+        raise ValueError(f"grid of {len(message.data)} cells; expected {info.width * info.height}")
+    _finite([info.resolution, origin.x, origin.y], "resolution and origin", _MOST_M)
+    if not info.resolution > 0.0:
+        raise ValueError(f"resolution {info.resolution:g} m; expected more than 0")
+    cells = np.asarray(message.data, dtype=np.int8).reshape(info.height, info.width)
+    return OccupancyGrid((origin.x, origin.y), float(info.resolution), cells)
 
 
 def _scan(message: Any) -> Scan:
@@ -143,5 +171,10 @@ _CONVERTERS: dict[str, Callable[[Any], Any]] = {
     "robotteamsim/NetworkState": _links,
     "robotteamsim/Doors": _doors,
     "robotteamsim/FloatMap": _voice_map,
+    "nav_msgs/OccupancyGrid": _grid,
     _SCAN_TYPE: _scan,
 }
+
+
+def _converter(topic: str, kind: str) -> Callable[[Any], Any]:
+    return _temperatures if topic == TEMPERATURE else _CONVERTERS[kind]

@@ -11,8 +11,9 @@ import msgspec
 import numpy as np
 
 from robotteamsim import palette
-from robotteamsim.view.frame import Frame
-from robotteamsim.view.recorder import LayerMap, Recording
+from robotteamsim.view.frame import Frame, VictimShape
+from robotteamsim.view.layer_map import LayerMap
+from robotteamsim.view.recorder import Recording
 
 NO_LINK = 10_000
 """Replaces the signal [dBm] of a pair without a link; larger than any signal."""
@@ -25,7 +26,7 @@ _CHANGING: dict[str, Callable[[Frame], Any]] = {
     "fiedler": lambda frame: round(frame.fiedler_value, 3),
     "doors": lambda frame: [round(opening, 3) for opening in frame.doors],
     "objects": lambda frame: [[round(value, 2) for value in pose] for pose in frame.objects],
-    "victims": lambda frame: frame.victims,
+    "victims": lambda frame: [_rounded(victim) for victim in frame.victims],
     "explored": lambda frame: frame.explored,
     "target": lambda frame: frame.target,
     "state": lambda frame: frame.state,
@@ -61,6 +62,15 @@ def colours() -> dict[str, Any]:
         "laser": palette.COLLISION,
         "edge": palette.WALL_EDGE,
         "bay": palette.BAY,
+        "fire": {"burning": palette.FLAME, "tip": palette.YELLOW, "burnt": palette.CHAR, "hot": palette.HOT},
+        "smoke": palette.SMOKE,
+        "people": {
+            "skin": palette.SKIN,
+            "coat": palette.TURNOUT_COAT,
+            "stripe": palette.REFLECTIVE,
+            "helmet": palette.HELMET,
+            "tent": palette.WHITE,
+        },
         "nose": palette.ROBOT_BODY,
         "curves": {
             "areas": palette.EXPLORED_AREA,
@@ -88,6 +98,7 @@ def _document(recording: Recording) -> dict[str, Any]:
         ],
         "voice": [_layer(layer, 0.0) for layer in recording.voice],
         "radio": [_layer(layer, _SILENT_DBM) for layer in recording.radio],
+        "films": {"fire": _film(recording.hazards.fire), "smoke": _film(recording.hazards.smoke)},
     }
 
 
@@ -136,6 +147,35 @@ def _layer(layer: LayerMap, lowest: float) -> dict[str, Any]:
         "columns": columns,
         "values": _deltas(np.maximum(values, lowest).ravel()),
     }
+
+
+def _film(layers: Sequence[LayerMap]) -> dict[str, Any] | None:
+    """Return maps of whole numbers as cells that change, and by how much; before the first map, all are 0."""
+    if not layers:
+        return None
+    rows, columns = layers[0].values.shape
+    before, cells, changes = np.zeros(rows * columns, dtype=np.int64), [], []
+    for layer in layers:
+        now = layer.values.ravel().astype(np.int64)
+        changed = np.flatnonzero(now != before)
+        cells.append(_deltas(changed))
+        changes.append((now - before)[changed].tolist())
+        before = now
+    return {
+        "origin_m": layers[0].origin_m,
+        "cell_m": layers[0].cell_m,
+        "rows": rows,
+        "columns": columns,
+        "time_ms": _deltas([layer.time_s * 1e3 for layer in layers]),
+        "cells": cells,
+        "changes": changes,
+    }
+
+
+def _rounded(victim: VictimShape) -> VictimShape:
+    """Return a victim whose place is rounded to the centimetre."""
+    x_m, y_m = victim.position_m
+    return msgspec.structs.replace(victim, position_m=(round(x_m, 2), round(y_m, 2)))
 
 
 def _deltas(values: Sequence[float] | np.ndarray) -> list[int]:

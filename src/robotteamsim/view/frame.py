@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 import msgspec
 import numpy as np
@@ -26,12 +27,17 @@ UNKNOWN_SIGNAL_DBM = 5_000
 """Signal of a link in a recording without signals; larger than any signal."""
 
 
+Gait = Literal["lies", "walks", "flees"]
+"""Whether a victim has to be carried, can follow a firefighter, or walks to an exit alone."""
+
+
 class VictimShape(msgspec.Struct, frozen=True):
-    """A victim: where they are [m], and their state."""
+    """A victim: where they are [m], their state, and how they move."""
 
     name: str
     position_m: tuple[float, float]
     state: str
+    gait: Gait = "lies"
 
 
 class ShownEvent(msgspec.Struct, frozen=True):
@@ -100,7 +106,14 @@ def frame_of(record: StepRecord, world: AnyWorld, *, with_scans: bool) -> Frame:
 
 def victim_shapes(victims: Sequence[Victim], states: Sequence[str]) -> tuple[VictimShape, ...]:
     """Return victims with their states."""
-    return tuple(VictimShape(v.name, v.position, state) for v, state in zip(victims, states, strict=True))
+    return tuple(VictimShape(v.name, v.position, state, gait_of(v)) for v, state in zip(victims, states, strict=True))
+
+
+def gait_of(victim: Victim) -> Gait:
+    """Return how a victim moves."""
+    if victim.flees:
+        return "flees"
+    return "walks" if victim.can_walk or victim.walks else "lies"
 
 
 def finite_ranges(ranges_m: np.ndarray, far_m: float) -> list[float]:

@@ -14,10 +14,14 @@ from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun
 from robotteamsim.errors import RecordingError
 from robotteamsim.interface import OUTSIDE
+from robotteamsim.recording.hazard_messages import FIRE_GRID, SMOKE_GRID, TEMPERATURE
+from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.view.bag_layers import BagLayers, read_layers
-from robotteamsim.view.frame import Frame, Link, Pose, VictimShape, links_of, shown_events
-from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, SCAN_S, Recording, layer_map
+from robotteamsim.view.frame import Frame, Gait, Link, Pose, VictimShape, gait_of, links_of, shown_events
+from robotteamsim.view.hazard_layers import HazardMaps, fire_map, smoke_map
+from robotteamsim.view.layer_map import layer_map
+from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, SCAN_S, Recording
 from robotteamsim.view.scene import Scene, scene_of_run
 from robotteamsim.world.doors import DoorStates
 
@@ -48,12 +52,13 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
             f"{_LONGEST_S:.0f} s, and stamps of one clock"
         )
     doors = DoorStates.at_start(scenario.plan) if scenario else {}
+    gaits = {victim.name: gait_of(victim) for victim in scenario.mission.victims} if scenario else {}
     at_start = {name: state.opening for name, state in doors.items()}
     count = max(int(np.ceil(duration_s / FRAME_S)), 0)
     stamps_ns = [*(run.start_ns + np.arange(count) * round(FRAME_S * 1e9)).tolist(), run.end_ns]
     recording.frames = [
         msgspec.structs.replace(
-            _frame(run, stamp_ns),
+            _frame(run, stamp_ns, gaits),
             links=_links(run, layers, stamp_ns),
             doors=_openings(at_start, layers, stamp_ns),
             scans_m=_scans(scene, layers, stamp_ns) if index % _FRAMES_PER_SCAN == 0 else (),
@@ -63,7 +68,26 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
     recording.voice = [layer_map((stamp - run.start_ns) / 1e9, found) for stamp, found in layers.voice_maps()]
     for stamp_ns, event in run.events:
         recording.events += shown_events([event], (stamp_ns - run.start_ns) / 1e9)
+    fire = scenario.fire if scenario is not None else None
+    recording.hazards = _hazards(layers, run.start_ns, (fire or Fire()).heat.block_c)
+    has_fire = bool(recording.hazards.fire or recording.hazards.smoke)
+    recording.scene = msgspec.structs.replace(recording.scene, has_fire=has_fire)
     return recording
+
+
+def _hazards(layers: BagLayers, start_ns: int, block_c: float) -> HazardMaps:
+    """Return the maps of fire and smoke. Args: block_c: from this temperature on, cells are hot [degC]."""
+    found = HazardMaps()
+    temperatures = dict(layers.maps(TEMPERATURE))
+    for stamp_ns, grid in layers.maps(FIRE_GRID):
+        time_s, heat = (stamp_ns - start_ns) / 1e9, temperatures.get(stamp_ns)
+        is_hot = np.zeros(grid.cells.shape, dtype=bool)
+        if heat is not None and heat.values.shape == is_hot.shape:
+            is_hot = heat.values >= block_c
+        found.add_fire(fire_map(time_s, grid.origin_m, grid.resolution_m, grid.cells, is_hot))
+    for stamp_ns, grid in layers.maps(SMOKE_GRID):
+        found.add_smoke(smoke_map((stamp_ns - start_ns) / 1e9, grid.origin_m, grid.resolution_m, grid.cells))
+    return found
 
 
 def _with_lasers(scene: Scene, layers: BagLayers) -> Scene:
@@ -105,7 +129,7 @@ def _scans(scene: Scene, layers: BagLayers, stamp_ns: int) -> tuple[list[float],
     return tuple(scan.ranges_m if scan else [] for scan in scans) if any(scans) else ()
 
 
-def _frame(run: RecordedRun, stamp_ns: int) -> Frame:
+def _frame(run: RecordedRun, stamp_ns: int, gaits: Mapping[str, Gait]) -> Frame:
     index = bisect_right(run.statuses, stamp_ns, key=lambda status: status.stamp_ns)
     status = run.statuses[index - 1] if index else None
     index = bisect_right(run.victims, stamp_ns, key=itemgetter(0))
@@ -115,7 +139,7 @@ def _frame(run: RecordedRun, stamp_ns: int) -> Frame:
         poses=tuple(_pose(robot, stamp_ns) for robot in run.robots),
         swarms=tuple(OUTSIDE if _is_excluded(robot, stamp_ns) else 0 for robot in run.robots),
         fiedler_value=_network(run, stamp_ns)[1],
-        victims=tuple(VictimShape(victim.name, victim.position_m, victim.state) for victim in victims),
+        victims=tuple(VictimShape(v.name, v.position_m, v.state, gaits.get(v.name, "lies")) for v in victims),
         explored=status.explored if status else (),
         target=status.target_area if status else -1,
         state=status.state if status else "",

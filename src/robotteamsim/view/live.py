@@ -5,17 +5,20 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from typing import Annotated, Any
 
 import msgspec
 
+from robotteamsim.hazards import HazardField
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Simulation, StepRecord
 from robotteamsim.view.columns import header
 from robotteamsim.view.frame import Frame, ShownEvent, frame_of, shown_events, victim_shapes
-from robotteamsim.view.recorder import LayerMap, RadioCoverage, Recording, layer_map
+from robotteamsim.view.hazard_layers import fire_layer, smoke_layer
+from robotteamsim.view.layer_map import LayerMap, layer_map
+from robotteamsim.view.recorder import RadioCoverage, Recording
 from robotteamsim.view.scene import scene_of
 
 _FRAME_WALL_S = 1.0 / 15.0
@@ -23,6 +26,9 @@ _FRAME_WALL_S = 1.0 / 15.0
 
 _RADIO_SIM_S = 1.0
 """Simulated time between maps of the radio coverage [s]."""
+
+FIRST_LAYERS = frozenset(("fire", "smoke"))
+"""Those that a new viewer shows."""
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
 
@@ -76,8 +82,9 @@ class SetVictim(Command, tag="set_victim"):
 
 
 class SetLayers(Command, tag="set_layers"):
-    """Send these layers, of voice, radio and laser."""
+    """Send one viewer these layers, of fire, smoke, voice, radio and laser."""
 
+    viewer: int
     layers: list[str]
 
 
@@ -94,6 +101,7 @@ class Update(msgspec.Struct):
     restarted: a mission has begun, or this viewer is new; then title, scene and palette are set.
     frames:    those that are new, in order.
     layers:    maps that have changed, by name.
+    viewer:    the number of this viewer, for SetLayers.
     """
 
     status: dict[str, Any]
@@ -104,14 +112,39 @@ class Update(msgspec.Struct):
     title: str = ""
     scene: Any = None
     palette: Any = None
+    viewer: int = 0
 
 
 class Subscription:
-    """Updates for one viewer; what it has not fetched yet is merged."""
+    """Updates for one viewer; what it has not fetched yet is merged.
 
-    def __init__(self, first: Update) -> None:
-        self._pending: Update | None = first
+    viewer: its number.  layers: those that it shows.
+    """
+
+    def __init__(self, viewer: int, first: Update) -> None:
+        self.viewer = viewer
+        self.layers = FIRST_LAYERS
+        self._sent: dict[str, LayerMap] = {}
+        self._pending: Update | None = None
         self._changed = threading.Condition()
+        self.send(first, {})
+
+    def send(self, update: Update, maps: Mapping[str, LayerMap]) -> None:
+        """Add an update, with those maps that this viewer shows and does not have, and with scans if it shows them."""
+        if update.restarted:
+            self._sent = {}
+        new = {name: layer for name, layer in maps.items() if name in self.layers and self._sent.get(name) is not layer}
+        self._sent |= new
+        frames = update.frames
+        if "laser" not in self.layers:
+            frames = [msgspec.structs.replace(frame, scans_m=()) if frame.scans_m else frame for frame in frames]
+        layers = {name: plain_layer(layer) for name, layer in new.items()}
+        self.put(msgspec.structs.replace(update, frames=frames, layers=layers, viewer=self.viewer))
+
+    def show(self, layers: frozenset[str]) -> None:
+        """Choose the layers; maps of those that were hidden are sent again."""
+        self.layers = layers
+        self._sent = {name: layer for name, layer in self._sent.items() if name in layers}
 
     def put(self, update: Update) -> None:
         """Add an update to those that wait."""
@@ -147,7 +180,7 @@ class LiveMission:
         self._load, self._speed, self._playing = load, speed, playing
         self._commands: queue.SimpleQueue[tuple[Command, Future[None]] | None] = queue.SimpleQueue()
         self._subscriptions: list[Subscription] = []
-        self._layers: frozenset[str] = frozenset()
+        self._viewers = 0
         self._lock = threading.Lock()
         self._was_watched = False
         self._error = ""
@@ -172,7 +205,8 @@ class LiveMission:
     def subscribe(self) -> Subscription:
         """Return the updates of a new viewer, the first of which contains the scene."""
         with self._lock:
-            subscription = Subscription(self._first_update())
+            self._viewers += 1
+            subscription = Subscription(self._viewers, self._first_update())
             self._subscriptions.append(subscription)
         self._commands.put((Watched(), Future()))
         return subscription
@@ -194,6 +228,8 @@ class LiveMission:
         self._record = simulation.step()
         self._frames = [self._frame_of(self._record)]
         """Those that were sent."""
+        self._maps: dict[str, LayerMap] = {}
+        self._hazards: HazardField | None = None
         self._note(self._record)
         self._sent_events, self._radio_s, self._voice_changes = len(self._events), -_RADIO_SIM_S, -1
 
@@ -251,13 +287,16 @@ class LiveMission:
                 simulation.set_door(name, closed)
             case SetVictim(name, position_m):
                 simulation.set_victim(name, position_m)
-            case SetLayers(layers):
-                self._layers, self._radio_s, self._voice_changes = frozenset(layers), -_RADIO_SIM_S, -1
+            case SetLayers(viewer, layers):
+                with self._lock:
+                    for subscription in self._subscriptions:
+                        if subscription.viewer == viewer:
+                            subscription.show(frozenset(layers))
             case Restart(seed):
                 self._begin(seed)
                 with self._lock:
                     for subscription in self._subscriptions:
-                        subscription.put(self._first_update())
+                        subscription.send(self._first_update(), {})
 
     def _step(self) -> None:
         if self._record.mission.state == "ended":
@@ -267,6 +306,8 @@ class LiveMission:
 
     def _note(self, record: StepRecord) -> None:
         self._events += shown_events(record.events, record.sim_time_s)
+        if record.hazards is not None:
+            self._hazards = record.hazards
 
     def _send(self) -> None:
         """Send the latest frame, and the events and maps that are new, to all viewers."""
@@ -274,16 +315,17 @@ class LiveMission:
         if frame.time_s == self._frames[-1].time_s:
             self._frames.pop()
         self._frames.append(msgspec.structs.replace(frame, scans_m=()))
-        update = Update(self._status(), self._events[self._sent_events :], [frame], self._new_layers())
+        self._update_maps()
+        update = Update(self._status(), self._events[self._sent_events :], [frame], {})
         self._sent_events = len(self._events)
         with self._lock:
             for subscription in self._subscriptions:
-                subscription.put(update)
+                subscription.send(update, self._maps)
 
     def _frame_of(self, record: StepRecord) -> Frame:
         """Return the frame of the last step, with what was changed by commands since then."""
         world, mission = self._simulation.world, self._simulation.mission
-        frame = frame_of(record, world, with_scans="laser" in self._layers)
+        frame = frame_of(record, world, with_scans="laser" in self._wanted())
         return msgspec.structs.replace(
             frame,
             doors=tuple(state.opening for state in world.door_states().values()),
@@ -291,17 +333,26 @@ class LiveMission:
             noise_db=mission.noise_db,
         )
 
-    def _new_layers(self) -> dict[str, dict[str, Any]]:
-        found: dict[str, LayerMap] = {}
+    def _wanted(self) -> frozenset[str]:
+        """Return the layers that any viewer shows."""
+        with self._lock:
+            return frozenset[str]().union(*(subscription.layers for subscription in self._subscriptions))
+
+    def _update_maps(self) -> None:
+        """Compute the maps that somebody shows and that have changed."""
+        wanted, maps = self._wanted(), self._maps
         time_s, environment = self._record.sim_time_s, self._simulation.environment
-        if "voice" in self._layers and environment.voice.changes != self._voice_changes:
+        if "voice" in wanted and environment.voice.changes != self._voice_changes:
             self._voice_changes = environment.voice.changes
-            found["voice"] = layer_map(time_s, environment.voice_map())
-        if "radio" in self._layers and time_s - self._radio_s >= _RADIO_SIM_S:
+            maps["voice"] = layer_map(time_s, environment.voice_map())
+        if "radio" in wanted and time_s - self._radio_s >= _RADIO_SIM_S:
             self._radio_s = time_s
-            maps = self._coverage.at(self._frames[-1])
-            found |= {"radio": maps[-1]} if maps else {}
-        return {name: plain_layer(layer) for name, layer in found.items()}
+            coverage = self._coverage.at(self._frames[-1])
+            maps |= {"radio": coverage[-1]} if coverage else {}
+        hazards = self._hazards
+        if hazards is not None and not wanted.isdisjoint(FIRST_LAYERS):
+            self._hazards = None
+            maps |= {"fire": fire_layer(time_s, hazards), "smoke": smoke_layer(time_s, hazards)}
 
     def _status(self) -> dict[str, Any]:
         return {

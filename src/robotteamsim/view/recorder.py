@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from robotteamsim.propagation import FieldMap, RadioField
+from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
 from robotteamsim.view.frame import Frame, ShownEvent, frame_of, shown_events
+from robotteamsim.view.hazard_layers import HazardMaps, fire_layer, smoke_layer
+from robotteamsim.view.layer_map import MAX_CELLS, LayerMap, layer_map
 from robotteamsim.view.scene import Scene, scene_of
 
 FRAME_S = 0.2
@@ -25,23 +25,11 @@ RADIO_S = 10.0
 """Time between maps of the team's radio coverage [s]."""
 
 _RADIO_CELL_M = 0.5
-_MAX_CELLS = 40_000
-"""Most cells of a map that is shown; finer maps are thinned out."""
-
-
-@dataclass(frozen=True, slots=True)
-class LayerMap:
-    """One map of a layer, from a time on [s]: values in rows from the lower left corner `origin_m`."""
-
-    time_s: float
-    origin_m: tuple[float, float]
-    cell_m: float
-    values: np.ndarray
 
 
 @dataclass(slots=True)
 class Recording:
-    """Everything that a viewer shows of one mission; `voice` and `radio` are empty if they are unknown."""
+    """Everything that a viewer shows of one mission; maps that are unknown are missing."""
 
     scene: Scene
     title: str
@@ -49,6 +37,7 @@ class Recording:
     events: list[ShownEvent] = field(default_factory=list)
     voice: list[LayerMap] = field(default_factory=list)
     radio: list[LayerMap] = field(default_factory=list)
+    hazards: HazardMaps = field(default_factory=HazardMaps)
 
 
 class FrameRecorder:
@@ -74,6 +63,9 @@ class FrameRecorder:
         found.events += shown_events(record.events, record.sim_time_s)
         if record.voice_map is not None:
             found.voice.append(layer_map(record.sim_time_s, record.voice_map))
+        if record.hazards is not None:
+            found.hazards.add_fire(fire_layer(record.sim_time_s, record.hazards))
+            found.hazards.add_smoke(smoke_layer(record.sim_time_s, record.hazards))
         if index % self._every and record.mission.state != "ended":
             return
         with_scans = self._has_scans and index % self._every_scan == 0
@@ -96,7 +88,7 @@ class RadioCoverage:
         self._field = RadioField(scenario.plan, scenario.radio)
         self._doors = [door.name for door in scenario.plan.doors]
         (x0, y0), (x1, y1) = scenario.plan.bounds.min, scenario.plan.bounds.max
-        self._cell_m = max(_RADIO_CELL_M, ((x1 - x0) * (y1 - y0) / _MAX_CELLS) ** 0.5)
+        self._cell_m = max(_RADIO_CELL_M, ((x1 - x0) * (y1 - y0) / MAX_CELLS) ** 0.5)
 
     def at(self, frame: Frame) -> list[LayerMap]:
         """Return the map at a frame; [] where no robot is present."""
@@ -106,10 +98,3 @@ class RadioCoverage:
         if not places:
             return []
         return [layer_map(frame.time_s, self._field.best_rssi_map_dbm(places, self._cell_m))]
-
-
-def layer_map(time_s: float, field_map: FieldMap) -> LayerMap:
-    """Return a map for a layer, thinned out if it has very many cells."""
-    stride = max(int(np.ceil((field_map.values.size / _MAX_CELLS) ** 0.5)), 1)
-    cell_m = field_map.resolution_m * stride
-    return LayerMap(time_s, field_map.origin_m, cell_m, field_map.values[::stride, ::stride])

@@ -11,7 +11,7 @@ from robotteamsim import palette
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, Corners, OccupancyGrid, bay_lines, door_corners, solids
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.scenario import Role, Scenario
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.world.placement import placed_robots
 
@@ -41,7 +41,7 @@ class DoorShape(msgspec.Struct, frozen=True):
 
 
 class AreaShape(msgspec.Struct, frozen=True):
-    """An area to explore: a disc [m]."""
+    """An area to explore, or an exit: a disc [m]."""
 
     name: str
     center_m: tuple[float, float]
@@ -52,6 +52,7 @@ class RobotShape(msgspec.Struct, frozen=True):
     """A robot: its outline in base_link [m], empty for a disc, and its laser.
 
     beams, angle_min_rad, angle_step_rad, forward_m, range_max_m: of the laser; no beams if it is unknown.
+    role: a robot, or another member of the team.
     """
 
     name: str
@@ -64,6 +65,7 @@ class RobotShape(msgspec.Struct, frozen=True):
     angle_step_rad: float = 0.0
     forward_m: float = 0.0
     range_max_m: float = 0.0
+    role: Role = "robot"
 
 
 class ObjectShape(msgspec.Struct, frozen=True):
@@ -81,6 +83,8 @@ class Scene(msgspec.Struct, frozen=True):
 
     bounds: x and y of the lower left and of the upper right corner.
     bays:   painted lines.
+    victim_states: that victims can have, for the legend.
+    has_fire: whether there are maps of fire and smoke.
     """
 
     title: str
@@ -91,6 +95,9 @@ class Scene(msgspec.Struct, frozen=True):
     areas: tuple[AreaShape, ...]
     robots: tuple[RobotShape, ...]
     objects: tuple[ObjectShape, ...]
+    victim_states: tuple[str, ...] = ()
+    has_fire: bool = False
+    exits: tuple[AreaShape, ...] = ()
 
 
 def scene_of(scenario: Scenario) -> Scene:
@@ -104,7 +111,7 @@ def scene_of(scenario: Scenario) -> Scene:
         bays=bay_lines(plan),
         areas=tuple(AreaShape(area.name, area.center, area.radius_m) for area in scenario.mission.areas),
         robots=tuple(
-            _robot(scenario.name_of(i).removeprefix("the ").replace(" ", "_"), i, robot)
+            _robot(scenario.name_of(i).removeprefix("the ").replace(" ", "_"), i, robot, scenario.role_of(i))
             for i, robot in enumerate(placed_robots(scenario))
         ),
         objects=tuple(
@@ -117,7 +124,20 @@ def scene_of(scenario: Scenario) -> Scene:
             )
             for obj in scenario.objects
         ),
+        victim_states=_victim_states(scenario),
+        has_fire=scenario.fire is not None,
+        exits=tuple(AreaShape(way.name, way.center, way.radius_m) for way in scenario.mission.exits),
     )
+
+
+def _victim_states(scenario: Scenario) -> tuple[str, ...]:
+    victims = scenario.mission.victims
+    if not victims:
+        return ()
+    states = [*(palette.VICTIMS if scenario.mission.saved_by == "robot" else palette.RESCUED)]
+    states += ["fleeing"] if any(victim.flees for victim in victims) else []
+    states += ["collapsed", "dead"] if scenario.fire is not None else []
+    return tuple(states)
 
 
 def scene_of_run(run: RecordedRun, scenario: Scenario | None) -> Scene:
@@ -128,6 +148,7 @@ def scene_of_run(run: RecordedRun, scenario: Scenario | None) -> Scene:
     else:
         bounds, walls, doors, bays = _bounds(run), _grid_solids(run.grid), (), ()
     shapes = {} if scenario is None else dict(enumerate(known.robots))
+    exits = () if scenario is None else known.exits
     robots = (
         msgspec.structs.replace(
             shapes.get(index if robot.robot_id is None else robot.robot_id, _UNKNOWN_ROBOT),
@@ -145,7 +166,15 @@ def scene_of_run(run: RecordedRun, scenario: Scenario | None) -> Scene:
         areas=tuple(AreaShape(area.name, area.center_m, area.radius_m) for area in run.areas),
         robots=tuple(robots),
         objects=(),
+        victim_states=_states_of_run(run) if scenario is None else known.victim_states,
+        exits=exits,
     )
+
+
+def _states_of_run(run: RecordedRun) -> tuple[str, ...]:
+    """Return the states that victims of a run have had, in the order of the palette."""
+    seen = {victim.state for _, victims in run.victims for victim in victims}
+    return tuple(state for state in palette.VICTIM_STATES if state in seen)
 
 
 _UNKNOWN_ROBOT = RobotShape("", "", 0.2, (), 0.25)
@@ -172,7 +201,7 @@ def _doors(plan: FloorPlan) -> tuple[DoorShape, ...]:
     )
 
 
-def _robot(name: str, index: int, robot: PlacedRobot) -> RobotShape:
+def _robot(name: str, index: int, robot: PlacedRobot, role: Role) -> RobotShape:
     laser = robot.laser
     return RobotShape(
         name=name,
@@ -185,6 +214,7 @@ def _robot(name: str, index: int, robot: PlacedRobot) -> RobotShape:
         angle_step_rad=(laser.angle_max_rad - laser.angle_min_rad) / max(laser.beams - 1, 1),
         forward_m=laser.forward_m,
         range_max_m=laser.range_max_m,
+        role=role,
     )
 
 

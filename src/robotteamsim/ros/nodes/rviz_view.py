@@ -27,7 +27,7 @@ def main() -> None:
         config.write_text(yaml.safe_dump(settings), encoding="utf-8")
     except (RobotTeamSimError, OSError) as error:  # The world reports mistakes; rviz shows what it can.
         sys.stderr.write(f"rviz_view: the view is not fitted to the building: {error}\n")
-    sys.stdout.write("rviz_view: rviz starts; without a graphics card, its window may stay black for some 20 s\n")
+    sys.stdout.write("rviz_view: rviz starts; without a graphics card, its window takes some 20 s to appear\n")
     sys.stdout.flush()
     os.execvp("rviz", ["rviz", "-d", str(config), *sys.argv[1:]])
 

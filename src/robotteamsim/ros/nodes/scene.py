@@ -38,6 +38,7 @@ from robotteamsim.ros.transport.topics import Output
 from robotteamsim.scenario import Bounds, Scenario, occupancy_grid
 from robotteamsim.scenario.plan import OCCUPIED, grid_shape
 from robotteamsim.scenario.sections import Robot
+from robotteamsim.view.frame import gait_of
 from robotteamsim.world.placement import placed_robots
 
 DRAW_PERIOD_S = 0.1
@@ -107,6 +108,7 @@ class Scene:
         self._wall_height_m = wall_height_m
         self._lettering = Lettering.of(scenario, wall_height_m)
         self._placed = placed_robots(scenario)
+        self._gaits = {victim.name: gait_of(victim) for victim in scenario.mission.victims}
         layers = (
             "building",
             "doors",
@@ -174,9 +176,10 @@ class Scene:
     def _draw_victims(self, victims: Sequence[msg.Victim]) -> None:
         self._shown_victims = victims
         distance_m = self._scenario.mission.save_distance_m
-        names = scene_mission.victim_names(victims, distance_m, self._lettering, self._area_numbers)
+        names = scene_mission.victim_names(victims, distance_m, self._lettering, self._area_numbers, self._gaits)
         self._names = names
-        self._canvas["victims"].draw(scene_mission.victim_markers(victims, distance_m, self._lettering, names))
+        markers = scene_mission.victim_markers(victims, distance_m, self._lettering, names, self._gaits)
+        self._canvas["victims"].draw(markers)
 
     def _draw_doors(self, openings: dict[str, float]) -> None:
         self._openings = openings
@@ -223,7 +226,8 @@ class Scene:
             robot = self._placed[robot_id] if robot_id < len(self._placed) else Robot()
             poses = self._pose_feed(robot_id, found[robot_id], robot_id in with_truth)
             several_swarms, base = self._scenario.control.swarms.max > 1, self._scenario.base == robot_id
-            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot, poses, several_swarms, base)
+            role = self._scenario.role_of(robot_id)
+            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot, poses, several_swarms, base, role)
         self._robots = dict(sorted(self._robots.items()))
 
     def _pose_feed(self, robot_id: int, prefix: str, has_truth: bool) -> PoseFeed:

@@ -7,14 +7,15 @@ from visualization_msgs.msg import Marker
 
 from robotteamsim import palette
 from robotteamsim.recording.hazard_messages import BURNING_VALUE, BURNT_OUT_VALUE
-from robotteamsim.ros.scene.shapes import Mesh, colour, faded, shaded
+from robotteamsim.ros.scene.shapes import Colour, Mesh, Position, colour, faded, shaded
 
-FLAME, CHAR, SMOKE = colour(palette.FLAME), colour(palette.CHAR), colour(palette.SMOKE)
-FLAME_M = 1.1
-"""Height of a flame [m]."""
+FLAME, CORE = colour(palette.FLAME), colour(palette.YELLOW)
+CHAR, SMOKE = colour(palette.CHAR), colour(palette.SMOKE)
+FLAME_M, CORE_M, CORE_SHARE = 1.4, 2.2, 0.5
+"""Height of a flame and of its bright core, and width of the core; it shows above the smoke [m]."""
 FLOOR_Z_M = 0.015
-SMOKE_Z_M = 1.9
-"""Height at which smoke is drawn, as a sheet above the robots [m]."""
+SMOKE_Z_M = 0.6
+"""Height at which smoke is drawn, as a sheet above the robots, from which people and flames stand out [m]."""
 DENSEST = 0.72
 """Opacity of smoke without any visibility."""
 FAINTEST = 0.03
@@ -31,9 +32,10 @@ def fire_markers(origin_m: tuple[float, float], resolution_m: float, cells: np.n
         ground.quad(square, [shaded(FLAME, 0.7)] * 4)
         x, y = origin_m[0] + (column + 0.5) * resolution_m, origin_m[1] + (row + 0.5) * resolution_m
         # Neighbouring flames differ in height, by a pattern without chance.
-        tip = (x, y, FLAME_M * (0.7 + 0.1 * ((3 * row + 5 * column) % 7)))
-        for a, b in zip(square, (*square[1:], square[0]), strict=True):
-            flames.triangle((a, b, tip), [FLAME, FLAME, colour(palette.YELLOW)])
+        share = 0.7 + 0.1 * ((3 * row + 5 * column) % 7)
+        inner = [(x + CORE_SHARE * (px - x), y + CORE_SHARE * (py - y), z) for px, py, z in square]
+        _cone(flames, square, (x, y, FLAME_M * share), FLAME, FLAME)
+        _cone(flames, inner, (x, y, CORE_M * share), FLAME, CORE)
     named = (("burnt ground", ground), ("flames", flames))
     return [mesh.marker(name, 0) for name, mesh in named if len(mesh)]
 
@@ -56,6 +58,11 @@ def smoke_markers(origin_m: tuple[float, float], resolution_m: float, cells: np.
     marker = mesh.marker("smoke", 0)
     marker.color.a = DENSEST  # rviz blends only what is not opaque
     return [marker]
+
+
+def _cone(mesh: Mesh, base: Sequence[Position], tip: Position, low: Colour, high: Colour) -> None:
+    for a, b in zip(base, (*base[1:], base[0]), strict=True):
+        mesh.triangle((a, b, tip), [low, low, high])
 
 
 def _square(

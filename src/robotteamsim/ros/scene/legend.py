@@ -42,8 +42,18 @@ def entries(scenario: Scenario) -> list[Entry]:
     found = []
     if scenario.mission.victims:
         shapes: dict[str, Shape] = {"waiting": "dashed ring", "saved": "disc", "safe": "disc"}
-        states = palette.VICTIMS if scenario.mission.saved_by == "robot" else palette.RESCUED
-        found += [Entry(shapes.get(state, "ring"), code, f"victim {state}") for state, code in states.items()]
+        is_rescue = scenario.mission.saved_by == "firefighter"
+        states = palette.RESCUED if is_rescue else palette.VICTIMS
+        word = "" if is_rescue else "victim "  # a rescue has many entries
+        found += [Entry(shapes.get(state, "ring"), code, f"{word}{state}") for state, code in states.items()]
+        if any(victim.flees for victim in scenario.mission.victims):
+            found.append(Entry("disc", palette.FLEEING, "fleeing"))
+        if scenario.fire is not None:
+            found.append(Entry("ring", palette.CASUALTY, "fallen"))
+    if scenario.firefighters is not None:
+        found.append(Entry("disc", palette.HELMET, "firefighter"))
+    if scenario.fire is not None:
+        found += [Entry("disc", palette.FLAME, "fire"), Entry("disc", palette.SMOKE, "smoke")]
     if scenario.mission.areas:
         found.append(Entry("ring", palette.TARGET_AREA, "target area"))
         found.append(Entry("disc", palette.EXPLORED_AREA, "explored"))
@@ -53,7 +63,7 @@ def entries(scenario: Scenario) -> list[Entry]:
         found.append(Entry("line", palette.ENDANGERED_LINK, "endangered"))
         found.append(Entry("dashed line", palette.RELAYED, "relayed"))
     if scenario.base is not None:
-        found.append(Entry("square", palette.WHITE, "base"))
+        found.append(Entry("square", palette.WHITE, "base" if scenario.command_centre is None else "centre"))
     return found
 
 

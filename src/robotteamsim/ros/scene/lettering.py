@@ -10,7 +10,7 @@ from visualization_msgs.msg import Marker
 
 from robotteamsim.analysis import labels
 from robotteamsim.analysis.labels import Point
-from robotteamsim.ros.scene import view
+from robotteamsim.ros.scene import figures, view
 from robotteamsim.ros.scene.shapes import Colour, label
 from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.plan import solids
@@ -74,6 +74,7 @@ class Lettering:
         heights_m = [min(solid.element.height_m, wall_height_m) for solid in solids(plan)]
         heights_m += [thing.height_m for thing in scenario.objects]
         heights_m += [robot.height_m for robot in placed_robots(scenario)]
+        heights_m += [figures.HIGHEST_M] if scenario.moves_people else []
         eye_m = view.eye_m(plan.bounds)
         walls = [view.covered(eye_m, solid.polygon, h) for solid, h in zip(solids(plan), heights_m, strict=False)]
         inside = shapely.box(*plan.bounds.min, *plan.bounds.max)

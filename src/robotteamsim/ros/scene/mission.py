@@ -2,7 +2,8 @@
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from types import MappingProxyType
 
 import contourpy
 import numpy as np
@@ -12,6 +13,7 @@ from visualization_msgs.msg import Marker
 
 from robotteamsim import msg, palette
 from robotteamsim.mission.status import SAVED
+from robotteamsim.ros.scene import figures
 from robotteamsim.ros.scene.lettering import Lettering, Name, Written
 from robotteamsim.ros.scene.plan import AREA_Z_M, VOICE_Z_M
 from robotteamsim.ros.scene.shapes import (
@@ -26,14 +28,18 @@ from robotteamsim.ros.scene.shapes import (
     faded,
     gradient,
     lines,
-    marker,
 )
 from robotteamsim.scenario.floor_plan import Bounds
+from robotteamsim.view.frame import Gait
 
 CASUALTY = colour(palette.CASUALTY)
 VICTIM_COLOURS = {state: colour(code) for state, code in palette.VICTIM_STATES.items()}
 VICTIM_GROUND = colour(palette.ROBOT_BODY, 0.6)
-SKIN = colour(palette.SKIN)
+Gaits = Mapping[str, Gait]
+NO_GAITS: Gaits = MappingProxyType({})
+FALLEN = ("collapsed", "dead")
+SHOULDER_M = 1.9
+"""Height at which a firefighter carries a victim [m]."""
 
 NAME_M, NUMBER_M = 1.1, 1.4
 """Heights of capital letters of victims' names and areas' numbers in a building of 60 x 40 m."""
@@ -64,63 +70,84 @@ MAX_VOICE_CELLS = 12_000
 
 
 def victim_names(
-    victims: Sequence[msg.Victim], save_distance_m: float, lettering: Lettering, numbers: Sequence[Written] = ()
+    victims: Sequence[msg.Victim],
+    save_distance_m: float,
+    lettering: Lettering,
+    numbers: Sequence[Written] = (),
+    gaits: Gaits = NO_GAITS,
 ) -> list[Written]:
-    """Return the victims' names with their places, outside all rings and clear of walls and numbers of areas."""
+    """Return the names of victims who need help, with their places, clear of rings, walls and numbers of areas."""
     taken = [shapely.Point(each.position.x, each.position.y).buffer(save_distance_m) for each in victims]
     taken += [written.box for written in numbers]
     texts = [
         Name(
             victim.name.replace("_", " "),
             (victim.position.x, victim.position.y),
-            save_distance_m + 0.1,
+            max(save_distance_m + 0.1, figures.CLEAR_M if is_upright(victim, gaits) else 0.0),
             NAME_M * lettering.unit,
         )
         for victim in victims
+        if is_named(victim, gaits)
     ]
     return lettering.place(texts, taken)
 
 
 def victim_markers(
-    victims: Sequence[msg.Victim], save_distance_m: float, lettering: Lettering, names: Sequence[Written]
+    victims: Sequence[msg.Victim],
+    save_distance_m: float,
+    lettering: Lettering,
+    names: Sequence[Written],
+    gaits: Gaits = NO_GAITS,
 ) -> list[Marker]:
-    """Return a lying figure for each victim, and a ring within which a robot saves the victim.
+    """Return a figure for each victim, and a ring within which a robot saves the victim.
+
+    Args: names: from `victim_names`.  gaits: of victims who do not lie, by name.
 
     The colour shows the state, and so does the ring: dashed while the victim waits, filled when saved.
     """
-    return [
-        part
-        for i, (victim, name) in enumerate(zip(victims, names, strict=True))
-        for part in _victim_parts(i, victim, save_distance_m, lettering, name)
-    ]
+    written, found = iter(names), list[Marker]()
+    for i, victim in enumerate(victims):
+        found += _victim_parts(i, victim, save_distance_m, gaits)
+        if is_named(victim, gaits):
+            found.append(lettering.label("victim_names", i, next(written), _tint(victim)))
+    return found
 
 
-def _victim_parts(
-    index: int, victim: msg.Victim, save_distance_m: float, lettering: Lettering, name: Written
-) -> Iterable[Marker]:
-    tint = VICTIM_COLOURS.get(victim.state, CASUALTY)
-    x, y = victim.position.x, victim.position.y
-    yaw_rad = 0.6 + 1.9 * index  # each in another direction
-    cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
-    body = (  # along the body, across it, height, size; a figure of 1.75 m, of spheres
-        ("head", 0.72, 0.0, 0.13, (0.26, 0.24, 0.26)),
-        ("torso", 0.22, 0.0, 0.15, (0.85, 0.52, 0.3)),
-        ("left arm", 0.28, 0.36, 0.08, (0.62, 0.13, 0.13)),
-        ("right arm", 0.28, -0.36, 0.08, (0.62, 0.13, 0.13)),
-        ("left leg", -0.5, 0.13, 0.1, (0.95, 0.18, 0.18)),
-        ("right leg", -0.5, -0.13, 0.1, (0.95, 0.18, 0.18)),
-    )
-    for k, (part, along, across, z, size) in enumerate(body):
-        at = (x + cos * along - sin * across, y + sin * along + cos * across, z)
-        skin = SKIN if part == "head" else tint
-        yield marker("victims", 10 * index + k, Marker.SPHERE, skin, position=at, yaw_rad=yaw_rad, scale=size)
+def is_fleeing(victim: msg.Victim, gaits: Gaits) -> bool:
+    """Whether a victim walks to an exit and needs no help."""
+    return gaits.get(victim.name) == "flees" and victim.state in ("waiting", "heard")
+
+
+def is_upright(victim: msg.Victim, gaits: Gaits) -> bool:
+    """Whether a victim stands or walks."""
+    return gaits.get(victim.name, "lies") != "lies" and victim.state not in FALLEN
+
+
+def is_named(victim: msg.Victim, gaits: Gaits) -> bool:
+    """Whether a victim's name is shown: a crowd at an exit would otherwise hide the scene."""
+    return not is_upright(victim, gaits) or not (is_fleeing(victim, gaits) or victim.state in SAVED)
+
+
+def _tint(victim: msg.Victim) -> Colour:
+    return VICTIM_COLOURS.get(victim.state, CASUALTY)
+
+
+def _victim_parts(index: int, victim: msg.Victim, save_distance_m: float, gaits: Gaits) -> Iterable[Marker]:
+    tint = VICTIM_COLOURS["fleeing"] if is_fleeing(victim, gaits) else _tint(victim)
+    place_m = x, y = victim.position.x, victim.position.y
+    if is_upright(victim, gaits):
+        yield from figures.upright(index, place_m, tint)
+    else:
+        yield from figures.lying(index, place_m, tint, SHOULDER_M if victim.state == "carried" else 0.0)
+    is_walking = is_fleeing(victim, gaits) or victim.state == "carried" or victim.state in SAVED
+    if is_upright(victim, gaits) and is_walking:
+        return
     ring, inner_m = Mesh(), save_distance_m - 0.1
     ground = faded(tint, 0.55) if victim.state in SAVED else VICTIM_GROUND
     ring.ring((x, y), 0.0, inner_m, AREA_Z_M + 0.01, ground)
     dashes = DASHES if victim.state == "waiting" else 0
     ring.ring((x, y), inner_m, save_distance_m, AREA_Z_M + 0.01, tint, dashes)
     yield drawn_below(ring.marker("victim_rings", index), DISC_LAYER)
-    yield lettering.label("victim_names", index, name, tint)
 
 
 def area_numbers(areas: Sequence[msg.Area], lettering: Lettering, objects: shapely.Geometry = NOTHING) -> list[Written]:

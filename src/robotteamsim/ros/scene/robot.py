@@ -13,6 +13,7 @@ from robotteamsim.ros.scene.laser import ScanView
 from robotteamsim.ros.scene.poses import PoseFeed
 from robotteamsim.ros.scene.sensors import FixView, SonarView
 from robotteamsim.ros.transport import msg_conversion
+from robotteamsim.scenario.scenario import Role
 from robotteamsim.scenario.sections import Laser, Robot
 from robotteamsim.scenario.sensors import MountedLaser
 from robotteamsim.sensing.gps import tangent
@@ -31,10 +32,12 @@ class RobotFeed:
         poses: PoseFeed,
         several_swarms: bool = False,
         base: bool = False,
+        role: Role = "robot",
     ) -> None:
         self._id = robot_id
         self._several_swarms = several_swarms
         self._base = base
+        self._role: Role = role
         self._swarm: int | None = None
         self._prefix = prefix
         self._robot = robot
@@ -94,6 +97,7 @@ class RobotFeed:
             swarm=self._swarm,
             base=self._base,
             goal_m=self._goal_m,
+            role=self._role,
         )
 
     def scans(self, wanted: bool) -> dict[str, ScanView]:

@@ -18,6 +18,7 @@ from robotteamsim import palette
 from robotteamsim.analysis.labels import ABOVE
 from robotteamsim.geometry import Pose
 from robotteamsim.network.messages import NetworkState
+from robotteamsim.ros.scene import figures
 from robotteamsim.ros.scene.lettering import Lettering, Name, Written
 from robotteamsim.ros.scene.plan import TRAIL_Z_M
 from robotteamsim.ros.scene.shapes import (
@@ -37,6 +38,7 @@ from robotteamsim.ros.scene.shapes import (
 )
 from robotteamsim.scenario.body import corners_at
 from robotteamsim.scenario.plan import Corners
+from robotteamsim.scenario.scenario import Role
 
 EXCLUDED = colour(palette.EXCLUDED_ROBOT)
 BODY = colour(palette.ROBOT_BODY)
@@ -96,10 +98,13 @@ class RobotView:
     """Whether discoveries are delivered to this robot."""
     goal_m: tuple[float, float] | None = None
     """Where it drives to."""
+    role: Role = "robot"
 
     @property
     def words(self) -> str:
-        """Its number, such as "R0", or "base R0"."""
+        """Its number, such as "R0", "base R0" or "F5" for a firefighter."""
+        if self.role != "robot":
+            return "centre" if self.role == "command_centre" else f"F{self.robot_id}"
         return f"base R{self.robot_id}" if self.base else f"R{self.robot_id}"
 
     def ring_m(self, unit: float) -> float:
@@ -129,7 +134,9 @@ def team_numbers(
         Name(
             view.words,
             (view.pose.x_m, view.pose.y_m),
-            view.ring_m(lettering.unit) * (BASE_PER_RING if view.base else ARROW_PER_RING),
+            figures.CLEAR_M
+            if view.role == "firefighter"
+            else view.ring_m(lettering.unit) * (BASE_PER_RING if view.base else ARROW_PER_RING),
             height_m,
             last[view.robot_id].side if view.robot_id in last else ABOVE,
         )
@@ -181,9 +188,15 @@ def robot_markers(view: RobotView, lettering: Lettering, number: Written) -> lis
         cylinder("halos", faded(sign, 0.25), RING_Z_M, ring_m, 0.01),
         ring,
         flat("arrows", Marker.TRIANGLE_LIST, sign, RING_Z_M, _arrow(ring_m, width_m)),
-        *_body(view, tint, cylinder),
-        *_turrets(view),
-        flat("wedges", Marker.TRIANGLE_LIST, WHITE, height_m + 0.012, _wedge(radius_m)),
+        *(
+            figures.firefighter(view.robot_id, (x, y), pose.yaw_rad)
+            if view.role == "firefighter"
+            else [
+                *_body(view, tint, cylinder),
+                *_turrets(view),
+                flat("wedges", Marker.TRIANGLE_LIST, WHITE, height_m + 0.012, _wedge(radius_m)),
+            ]
+        ),
         *(flat(name, Marker.TRIANGLE_LIST, BUMPER, z_m, corners) for name, z_m, corners in touching if corners),
         *([_square(view, BASE_PER_RING * ring_m, width_m)] if view.base else []),
         *_goal(view, sign, width_m),

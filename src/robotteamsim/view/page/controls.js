@@ -24,7 +24,8 @@ export class LiveControls {
     player.onspeed = (speed) => mission.send({ command: "set_speed", speed });
     player.onstep = () => mission.send({ command: "step" });
     player.onlayers = (shown) => mission.send({
-      command: "set_layers", layers: ["voice", "radio", "laser"].filter((name) => shown[name]),
+      command: "set_layers", viewer: mission.viewer,
+      layers: ["fire", "smoke", "voice", "radio", "laser"].filter((name) => shown[name]),
     });
   }
 

@@ -1,8 +1,13 @@
 // Names next to robots, victims and areas. A label that would cover another one is left out.
 
 import { Vector3 } from "three";
+import { shownState } from "viewer/people";
 
-const MARK = { waiting: "!", heard: "?", saved: "✓", safe: "✓", dead: "✝" };
+export const MARK = {
+  waiting: "!", heard: "?", located: "◎", reported: "◉", reached: "●", carried: "▲", fleeing: "→", collapsed: "↓",
+  saved: "✓", safe: "✓", dead: "✝",
+};
+const NAMES = { firefighter: (id) => `F${id}`, command_centre: () => "centre" };
 const GAP_PX = 2, NEAR_PX = 9;
 
 export class Labels {
@@ -35,17 +40,21 @@ export class Labels {
   _wanted(frame, scene, selected) {
     const robots = scene.robots.flatMap((robot, id) => {
       const pose = frame.poses[id];
-      return pose ? [{ key: `robot ${id}`, text: String(id), kind: "robot", at: [pose[0], pose[1], 0.3], id }] : [];
+      return pose ? [{ key: `robot ${id}`, text: NAMES[robot.role]?.(id) ?? String(id), kind: "robot", id,
+        at: [pose[0], pose[1], robot.role === "robot" ? 0.3 : 1.8] }] : [];
     });
     robots.sort((a, b) => Number(b.id === selected) - Number(a.id === selected));
     const victims = (frame.victims ?? []).map((victim, index) => ({
-      key: `victim ${index}`, text: `${MARK[victim.state] ?? ""} ${victim.name}`, kind: "victim",
+      key: `victim ${index}`, text: `${MARK[shownState(victim)] ?? ""} ${victim.name}`, kind: "victim",
       at: [...victim.position_m, 1.7],
     }));
     const areas = scene.areas.map((area, index) => ({
       key: `area ${index}`, text: area.name, kind: "area", at: [...area.center_m, 0],
     }));
-    return [...robots.slice(0, 60), ...victims.slice(0, 60), ...areas.slice(0, 60)];
+    const exits = scene.exits.map((exit, index) => ({
+      key: `exit ${index}`, text: `exit ${exit.name}`, kind: "area", at: [...exit.center_m, 0],
+    }));
+    return [...robots.slice(0, 60), ...exits, ...victims.slice(0, 60), ...areas.slice(0, 60)];
   }
 
   _element(key, kind) {

@@ -7,7 +7,7 @@ export class LiveMission {
   events = [];
   frames = [];
   scans = null;
-  layers = { voice: null, radio: null };
+  layers = { fire: null, smoke: null, voice: null, radio: null };
 
   /** Follow the frames of the server; the first update contains the scene. */
   static async connect() {
@@ -38,7 +38,8 @@ export class LiveMission {
     if (update.restarted) {
       this.frames = [];
       this.events = [];
-      this.layers = { voice: null, radio: null };
+      this.layers = { fire: null, smoke: null, voice: null, radio: null };
+      this.viewer = update.viewer;
       this.title = update.title;
       this.scene = update.scene;
       this.palette = update.palette;

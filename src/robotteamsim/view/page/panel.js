@@ -1,6 +1,7 @@
 // The panel at the side: the selected robot, curves, and events.
 
 import { Curves } from "viewer/curves";
+import { showVictim } from "viewer/history";
 import { lastIndex } from "viewer/recording";
 import { UNKNOWN_DBM } from "viewer/team";
 
@@ -62,6 +63,7 @@ export class Panel {
     this.past = past;
     this.curves.draw(curves, start, end, time);
     this._showRobot(views.find((view) => view.selected !== null));
+    showVictim(element("victim"), views.find((view) => view.selectedVictim !== null), start);
   }
 
   _showRobot(view) {

@@ -5,10 +5,12 @@ import { isSaved } from "viewer/recording";
 
 const SPEEDS = [0.5, 1, 2, 5, 10, 20, 50];
 const element = (id) => document.getElementById(id);
-const LAYERS = { links: true, trails: true, names: true, voice: false, radio: false, laser: false };
+const LAYERS = { links: true, trails: true, names: true, fire: true, smoke: true, voice: false, radio: false, laser: false };
 
 const EVENT_COLOURS = {
-  victim_saved: "victims.saved", victim_heard: "victims.heard", area_explored: "areas.explored",
+  victim_saved: "victims.saved", victim_safe: "victims.safe", victim_located: "victims.located",
+  victim_reported: "victims.reported", victim_reached: "victims.reached", victim_carried: "victims.carried",
+  victim_collapsed: "victims.collapsed", victim_dead: "victims.dead", victim_heard: "victims.heard", area_explored: "areas.explored",
   link_endangered: "links.endangered", robot_excluded: "excluded", end: "curves.links",
 };
 
@@ -130,12 +132,14 @@ export class Player {
       this.dirty = true;
     });
     label.append(box, ` ${name}`);
-    label.hidden = !this.isLive && !this._has(name);
+    label.hidden = !this._has(name);
     element("layers").append(label);
   }
 
-  /** Whether a recording has the data of a layer. */
+  /** Whether there are data of a layer; a live mission computes all but fire and smoke. */
   _has(name) {
+    if (name === "fire" || name === "smoke") return this.missions.some((mission) => mission.scene.has_fire);
+    if (this.isLive) return true;
     if (name === "laser") return this.missions.some((mission) => mission.scans.length > 0);
     if (name === "voice" || name === "radio") return this.missions.some((mission) => mission.layers[name].length > 0);
     return true;
@@ -165,6 +169,8 @@ function statusText(frame) {
   if (explored.length) parts.push(`${explored.filter(Boolean).length} of ${explored.length} areas`);
   if (victims.length) {
     parts.push(`${victims.filter((victim) => isSaved(victim)).length} of ${victims.length} victims saved`);
+    const dead = victims.filter((victim) => victim.state === "dead").length;
+    if (dead) parts.push(`${dead} dead`);
   }
   if (frame.noise_db !== undefined && frame.state) parts.push(`${frame.noise_db} dB noise`, frame.state);
   return parts.join(", ");

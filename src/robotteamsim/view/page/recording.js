@@ -1,5 +1,7 @@
 // A recorded mission: decodes the columns that columns.py writes, and returns the state at any time.
 
+import { Film } from "viewer/film";
+
 const NO_LINK = 10000; // instead of a signal [dBm]
 
 /** Decode all missions of a page: base64 text of deflated JSON. */
@@ -53,6 +55,7 @@ export class Recording {
     for (const maps of Object.values(this.layers)) {
       for (const map of maps) map.values = cumulated(map.values, 1);
     }
+    for (const [name, packed] of Object.entries(document.films)) this.layers[name] = packed && new Film(packed);
   }
 
   get start() { return this.times[0] ?? 0; }
@@ -102,6 +105,7 @@ export class Recording {
   /** The map of a layer at a time, or null. */
   layerAt(name, time) {
     const maps = this.layers[name];
+    if (!maps || maps instanceof Film) return maps?.at(time) ?? null;
     return maps.length ? maps[lastIndex(maps, time, (map) => map.time_s)] : null;
   }
 

@@ -1,9 +1,9 @@
-// What moves: robots, trails, links, victims, areas and objects.
+// What moves: robots, trails, links, areas and objects.
 
 import {
   BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, DynamicDrawUsage, Group,
   InstancedMesh, Line, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D,
-  RingGeometry, SphereGeometry,
+  RingGeometry,
 } from "three";
 import { prism } from "viewer/building";
 
@@ -25,7 +25,7 @@ export function linkColour(palette, signal) {
 }
 
 /** Factor by which a body of a radius [m] at a place is drawn larger, so that it can be seen from far away. */
-function enlarged(radius, place, camera) {
+export function enlarged(radius, place, camera) {
   return Math.max(1, LEAST_SIZE * camera.position.distanceTo(place) / radius);
 }
 
@@ -41,7 +41,6 @@ export class Team {
     this.trails = scene.robots.slice(0, MOST_TRAILS).map((robot) => this._trail(robot.colour));
     this.areas = scene.areas.map((area) => this._area(area));
     this.objects = scene.objects.map((object) => this._object(object));
-    this.victims = [];
     this.ring = new Mesh(new RingGeometry(1.15, 1.5, 40), new MeshBasicMaterial({ color: "white", side: DoubleSide }));
     this.ring.visible = false;
     this.group.add(this.ring);
@@ -51,6 +50,7 @@ export class Team {
   _bodies() {
     const shapes = new Map();
     this.robots.forEach((robot, id) => {
+      if (robot.role !== "robot") return; // see people.js
       const key = JSON.stringify([robot.radius_m, robot.outline, robot.height_m]);
       shapes.set(key, [...(shapes.get(key) ?? []), id]);
     });
@@ -109,7 +109,6 @@ export class Team {
     this._showRobots(frame, camera);
     this._showLinks(frame, shown.links);
     this._showTrails(frame, mission, shown.trails);
-    this._showVictims(frame.victims ?? [], camera);
     const { open, target, explored } = this.palette.areas;
     this.areas.forEach((ring, index) => {
       const isTarget = !frame.explored?.[index] && index === frame.target;
@@ -142,7 +141,7 @@ export class Team {
     this.robots.forEach((robot, id) => {
       const [x, y, yaw] = frame.poses[id] ?? [0, 0, 0];
       const factor = enlarged(robot.radius_m, place.position.set(x, y, 0.03), camera);
-      const size = frame.poses[id] ? 0.9 * robot.radius_m * factor : 0;
+      const size = frame.poses[id] && robot.role === "robot" ? 0.9 * robot.radius_m * factor : 0;
       place.position.set(
         x + 0.45 * size * Math.cos(yaw), y + 0.45 * size * Math.sin(yaw), 0.04 + factor * robot.height_m);
       place.rotation.z = yaw;
@@ -178,26 +177,6 @@ export class Team {
       line.geometry = new BufferGeometry();
       line.geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
     });
-  }
-
-  _showVictims(victims, camera) {
-    while (this.victims.length < victims.length) this.victims.push(this._victim());
-    this.victims.forEach((mesh, index) => {
-      const victim = victims[index];
-      mesh.visible = Boolean(victim);
-      if (!victim) return;
-      mesh.position.set(victim.position_m[0], victim.position_m[1], 0);
-      mesh.scale.setScalar(enlarged(0.5, mesh.position, camera));
-      for (const part of mesh.children) part.material.color.set(this.palette.victims[victim.state] ?? this.palette.excluded);
-    });
-  }
-
-  _victim() {
-    const person = new Group(), material = new MeshLambertMaterial();
-    person.add(new Mesh(new CylinderGeometry(0.16, 0.3, 1.0, 16).rotateX(Math.PI / 2).translate(0, 0, 0.5), material));
-    person.add(new Mesh(new SphereGeometry(0.2, 16, 12).translate(0, 0, 1.2), material));
-    this.group.add(person);
-    return person;
   }
 
   /** Mark the selected robot; null: none. */

@@ -5,16 +5,20 @@ import {
   OrbitControls,
 } from "three";
 import { Building } from "viewer/building";
+import { Hazards } from "viewer/hazards";
+import { showKey } from "viewer/key";
 import { Labels } from "viewer/labels";
 import { Layers, scale } from "viewer/layers";
+import { People, shownState } from "viewer/people";
 import { isSaved } from "viewer/recording";
-import { Team } from "viewer/team";
+import { Team, enlarged } from "viewer/team";
 
 const CLICK_PX = 5;
 const TILT_RAD = 0.5; // from the vertical
 
 export class View {
   selected = null;
+  selectedVictim = null; // by name
 
   /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw(). */
   constructor(container, mission, callbacks) {
@@ -30,7 +34,9 @@ export class View {
     this.labels = new Labels(container);
     this.legend = document.createElement("div");
     this.legend.className = "legend";
-    container.append(this.legend);
+    this.key = document.createElement("div");
+    this.key.className = "key";
+    container.append(this.legend, this.key);
     this._build();
     this._listen();
     new ResizeObserver(() => this._resize()).observe(container);
@@ -47,14 +53,18 @@ export class View {
     this.building = new Building(scene, palette);
     this.team = new Team(scene, palette);
     this.layers = new Layers(palette, scene.robots);
-    this.scene.add(this.building.group, this.team.group, this.layers.group);
+    this.people = new People(scene, palette, enlarged);
+    this.hazards = new Hazards(palette);
+    this.scene.add(
+      this.building.group, this.team.group, this.people.group, this.layers.group, this.hazards.group);
+    showKey(this.key, scene, palette);
     this.paint();
     this.fit();
   }
 
   /** Draw another scene, such as after a restart with other settings. */
   rebuild() {
-    this.selected = null;
+    this.selected = this.selectedVictim = null;
     this._build();
   }
 
@@ -121,7 +131,10 @@ export class View {
       2 * (event.clientX - box.left) / box.width - 1, 1 - 2 * (event.clientY - box.top) / box.height);
     const ray = new Raycaster();
     ray.setFromCamera(place, this.camera);
-    const robot = ray.intersectObjects(this.team.bodies)[0];
+    const robot = ray.intersectObjects(this.team.bodies)[0], person = this.people.hit(ray);
+    this.selectedVictim = person && !(robot?.distance < person.distance) ? this.frame.victims?.[person.victim]?.name ?? null : null;
+    if (this.selectedVictim) return this.callbacks.onSelect(this, null);
+    if (person?.robot !== undefined) return this.callbacks.onSelect(this, person.robot);
     if (robot) return this.callbacks.onSelect(this, robot.object.userData.ids[robot.instanceId]);
     const door = ray.intersectObjects(this.building.doors.map(({ leaf }) => leaf))[0];
     if (door && this.callbacks.onDoor(door.object.userData.door)) return;
@@ -136,6 +149,8 @@ export class View {
     this.frame = frame;
     this.building.show(frame.doors);
     this.team.show(frame, this.mission, shown, this.camera);
+    this.people.show(frame, this.camera);
+    this.hazards.show(this.mission, frame, shown);
     this.team.mark(frame, this.selected, this.camera);
     this.layers.show(this.mission, frame, shown, this.selected);
     this._showLegend(shown);
@@ -177,7 +192,8 @@ export class View {
     const saved = (frame.victims ?? []).filter((victim) => isSaved(victim)).length;
     Object.assign(this.container.dataset, {
       time: frame.time.toFixed(1), robots: frame.poses.filter(Boolean).length, links: frame.links.length,
-      victims: (frame.victims ?? []).length, saved,
+      victims: (frame.victims ?? []).length, saved, ...this.hazards.counts,
+      states: (frame.victims ?? []).map(shownState).join(" "),
     });
   }
 }

@@ -1,0 +1,274 @@
+"""A rescue in the browser: fire, smoke and people are those of the simulation, live and in a file."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page
+
+from robotteamsim.hazards import BURNING
+from robotteamsim.recording import BagWriter
+from robotteamsim.recording.hazard_messages import smoke_cells
+from robotteamsim.scenario.loading import from_mapping
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.simulation import Result, Simulation, StepRecord
+from robotteamsim.view.from_bag import recording_of_bag
+from robotteamsim.view.html import live_page, mission_page
+from robotteamsim.view.live import LiveMission, SetLayers, Step, Subscription, Update
+from robotteamsim.view.recorder import FrameRecorder, Recording
+from robotteamsim.view.server import ViewServer
+
+_READY_MS = 120_000
+_LIMIT_S = 40.0
+
+
+def _scenario(seed: int | None = None) -> Scenario:
+    """A hall with a fire; one victim is hurt, one can walk, one flees, and one lies in the flames."""
+    walls = {
+        "south": [[0, 0], [24, 0]],
+        "north": [[0, 10], [24, 10]],
+        "west": [[0, 0], [0, 10]],
+        "east": [[24, 0], [24, 10]],
+    }
+    return from_mapping(
+        {
+            "name": "hall",
+            "plan": {
+                "name": "hall",
+                "bounds": {"min": [-0.5, -0.5], "max": [24.5, 10.5]},
+                "walls": [{"name": name, "from": a, "to": b, "thickness_m": 0.2} for name, (a, b) in walls.items()],
+            },
+            "robots": {"count": 2, "start": [4.0, 2.0, 0.0]},
+            "command_centre": [1.5, 5.0],
+            "firefighters": {"count": 1, "start": [3.0, 5.0, 0.0]},
+            "control": {"algorithm": "cover"},
+            "mission": {
+                "saved_by": "firefighter",
+                "exits": [{"name": "gate", "center": [12.0, 1.0]}],
+                "victims": [
+                    {"name": "ann", "position": [6.0, 6.0]},
+                    {"name": "bob", "position": [10.0, 8.0], "can_walk": True},
+                    {"name": "eve", "position": [18.0, 2.0], "flees": True, "flees_after_s": 3.0, "speed_mps": 1.0},
+                    {"name": "tom", "position": [21.0, 7.0], "calling": False},
+                ],
+                "time_limit_s": _LIMIT_S,
+            },
+            "fire": {
+                "fuel": [{"name": "store", "polygon": [[18, 4], [23, 4], [23, 9], [18, 9]], "growth": "ultra_fast"}],
+                "ignitions": [{"at_s": 0.0, "position": [20.5, 6.5]}],
+            },
+            "run": {"seed": 1 if seed is None else seed},
+        },
+        "hall.yaml",
+    )
+
+
+class _Truth:
+    """Keeps what the page has to show, by time [s]."""
+
+    def __init__(self) -> None:
+        self.burning: list[tuple[float, int]] = []
+        self.states: list[tuple[float, tuple[str, ...]]] = []
+
+    def begin(self, scenario: Scenario) -> None:
+        pass
+
+    def step(self, record: StepRecord) -> None:
+        if record.hazards is not None:
+            self.burning.append((record.sim_time_s, int(np.count_nonzero(record.hazards.states == BURNING))))
+        self.states.append((record.sim_time_s, record.mission.victims))
+
+    def end(self, result: Result) -> None:
+        pass
+
+    def abandon(self) -> None:
+        pass
+
+
+def _last(values: list[tuple[float, Any]], time_s: float) -> Any:
+    return [value for since_s, value in values if since_s <= time_s + 1e-9][-1]
+
+
+@pytest.fixture(scope="module")
+def mission(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, _Truth, Path]:
+    """Record the mission; return it, the truth, and its bag."""
+    simulation = Simulation(_scenario())
+    recorder, truth = FrameRecorder(simulation), _Truth()
+    bag = tmp_path_factory.mktemp("rescue") / "rescue.bag"
+    simulation.run([recorder, truth, BagWriter(bag)])
+    return recorder.recording, truth, bag
+
+
+def _open(browser: Browser, path: Path) -> tuple[Page, list[str]]:
+    page = browser.new_page(viewport={"width": 1200, "height": 800})
+    page.set_default_timeout(_READY_MS)
+    wrong: list[str] = []
+    page.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.goto(f"file://{path}")
+    page.wait_for_selector("body[data-ready]", state="attached")
+    return page, wrong
+
+
+def _seek(page: Page, time_s: float) -> dict[str, Any]:
+    page.evaluate(
+        """async (time) => {
+            const slider = document.getElementById("time");
+            slider.value = time;
+            slider.dispatchEvent(new Event("input"));
+            await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+        }""",
+        time_s,
+    )
+    found: dict[str, Any] = page.evaluate("({...document.querySelector('.view').dataset})")
+    return found
+
+
+def test_page_shows_the_burning_cells_and_the_states_of_the_mission_at_any_time(
+    browser: Browser, mission: tuple[Recording, _Truth, Path], tmp_path: Path
+) -> None:
+    recording, truth, _ = mission
+    path = tmp_path / "rescue.html"
+    path.write_text(mission_page([recording], "rescue"), encoding="utf-8")
+    page, wrong = _open(browser, path)
+    end_s = recording.frames[-1].time_s
+    for time_s in (35.05, 5.05, 20.05, end_s, 10.05):  # forwards and backwards
+        shown = _seek(page, time_s)
+        shown_s = float(shown["time"])
+        frame = [frame for frame in recording.frames if frame.time_s <= shown_s + 1e-9][-1]
+        states = _last(truth.states, frame.time_s)
+        assert int(shown["burning"]) == _last(truth.burning, shown_s)
+        flees = [victim.gait == "flees" for victim in frame.victims]
+        expected = [
+            "fleeing" if away and s in ("waiting", "heard") else s for s, away in zip(states, flees, strict=True)
+        ]
+        assert shown["states"].split() == expected
+    assert int(_seek(page, 30.0)["smoky"]) > int(_seek(page, 10.0)["smoky"]) > 0
+    assert max(count for _, count in truth.burning) > 3
+    assert wrong == []
+    page.close()
+
+
+def test_key_names_the_states_and_roles_and_layers_can_be_hidden(
+    browser: Browser, mission: tuple[Recording, _Truth, Path], tmp_path: Path
+) -> None:
+    path = tmp_path / "rescue.html"
+    path.write_text(mission_page([mission[0]], "rescue"), encoding="utf-8")
+    page, wrong = _open(browser, path)
+    words = str(page.text_content(".key"))
+    for word in ("carried", "fleeing", "dead", "firefighter", "command centre", "burning", "smoke"):
+        assert word in words
+    _seek(page, 30.0)
+    shown = page.locator(".view canvas").screenshot()
+    page.uncheck("#layer-fire")
+    page.uncheck("#layer-smoke")
+    _seek(page, 30.0)
+    assert page.locator(".view canvas").screenshot() != shown
+    labels = page.eval_on_selector_all(".label.robot:not([hidden])", "all => all.map((one) => one.textContent)")
+    assert {"F2", "centre"} <= set(labels)
+    assert wrong == []
+    page.close()
+
+
+def test_click_on_a_victim_shows_their_states_with_times(
+    browser: Browser, mission: tuple[Recording, _Truth, Path], tmp_path: Path
+) -> None:
+    recording, truth, _ = mission
+    path = tmp_path / "rescue.html"
+    path.write_text(mission_page([recording], "rescue"), encoding="utf-8")
+    page, wrong = _open(browser, path)
+    _seek(page, 30.0)
+    label = page.locator(".label.victim", has_text="tom").bounding_box()
+    assert label is not None
+    x, y = label["x"] + label["width"] / 2, label["y"] + label["height"]
+    for down in range(4, 60, 4):
+        page.mouse.click(x, y + down)
+        _seek(page, 30.0)
+        if page.is_visible("#victim"):
+            break
+    rows = page.eval_on_selector_all("#victim tr", "all => all.map((one) => [...one.cells].map((c) => c.textContent))")
+    begins: dict[str, float] = {}
+    for time_s, states in truth.states:
+        if time_s <= 30.0:
+            begins.setdefault(states[3], time_s)
+    assert str(page.text_content("#victim h2")) == "tom"
+    assert [state for state, _ in rows[:-1]] == list(begins)
+    for (_, text), time_s in zip(rows[:-1], begins.values(), strict=True):
+        assert float(text.removesuffix(" s")) == pytest.approx(time_s, abs=0.25)
+    assert wrong == []
+    page.close()
+
+
+def test_a_bag_shows_the_same_fire_and_smoke(mission: tuple[Recording, _Truth, Path]) -> None:
+    own, _, path = mission
+    bag = recording_of_bag([path], _scenario())
+    assert bag.scene.has_fire
+    assert [robot.role for robot in bag.scene.robots] == ["robot", "robot", "firefighter", "command_centre"]
+    for layers, others in ((bag.hazards.fire, own.hazards.fire), (bag.hazards.smoke, own.hazards.smoke)):
+        assert len(layers) == len(others) > 5
+        for layer, other in zip(layers, others, strict=True):
+            np.testing.assert_array_equal(layer.values, other.values)
+
+
+def test_each_viewer_receives_the_layers_that_it_has_chosen() -> None:
+    live = LiveMission(_scenario, speed=1000.0, playing=False)
+    live.start()
+    one, other = live.subscribe(), live.subscribe()
+    numbers = [_taken(subscription).viewer for subscription in (one, other)]
+    live.execute(SetLayers(numbers[0], ["voice", "laser"]))
+    for _ in range(12):
+        live.execute(Step())
+    first, second = _taken(one), _taken(other)
+    assert set(first.layers) == {"voice"}
+    assert set(second.layers) == {"fire", "smoke"}
+    assert first.frames[-1].scans_m
+    assert not second.frames[-1].scans_m
+    live.close()
+
+
+def _taken(subscription: Subscription) -> Update:
+    update = subscription.take(60.0)
+    assert update is not None
+    return update
+
+
+@pytest.fixture
+def server() -> Iterator[ViewServer]:
+    live = LiveMission(_scenario, speed=1000.0, playing=False)
+    live.start()
+    with ViewServer(0, live_page("hall"), live) as server:
+        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
+        thread.start()
+        yield server
+        server.shutdown()
+        thread.join()
+    live.close()
+
+
+def test_live_page_shows_the_burning_cells(browser: Browser, server: ViewServer) -> None:
+    alone = Simulation(_scenario())
+    alone.mission.start()
+    hazards = None
+    for _ in range(102):
+        hazards = alone.step().hazards or hazards
+    assert hazards is not None
+    assert server.mission is not None
+    page = browser.new_page(viewport={"width": 1200, "height": 800})
+    page.goto(server.url)
+    page.wait_for_selector("body[data-ready]", state="attached", timeout=_READY_MS)
+    for _ in range(101):
+        server.mission.execute(Step())
+    wanted = {"time": "10.2", "burning": str(np.count_nonzero(hazards.states == BURNING))}
+    wanted["smoky"] = str(np.count_nonzero((smoke_cells(hazards) + 2) // 4))
+    page.wait_for_function(
+        f"(() => {{ const found = document.querySelector('.view').dataset, wanted = {json.dumps(wanted)};"
+        "return Object.keys(wanted).every((key) => found[key] === wanted[key]); })()",
+        timeout=_READY_MS,
+    )
+    page.close()
