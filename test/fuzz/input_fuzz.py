@@ -156,6 +156,7 @@ class MessageTarget:
             NetworkMessages,
             NetworkState,
             Robots,
+            TeamState,
             Voice,
         )
         from sensor_msgs.msg import LaserScan, NavSatFix, Range
@@ -192,6 +193,7 @@ class MessageTarget:
             ),
             *(
                 Robots(present=bytes([1, 1]), arrivals=[1, 1]),
+                TeamState(poses=[1.0] * 8, twists=[0.0] * 6, in_contact=bytes(2)),
                 network,
                 links,
                 ControllerStatus(has_goal=True, fault="x"),

@@ -18,7 +18,7 @@ from robotteamsim.mission.status import DeliveredDiscoveries, Event, MissionStat
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
-from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings, VoiceReading
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.people import PersonState
@@ -343,6 +343,17 @@ def doors(make: Make, time_ns: int, states: DoorStates) -> Any:
 
 MISHAPS: tuple[Mishap | None, ...] = (None, "tipped_over", "left_world")
 """Each value of `mishaps` in robotteamsim/Robots."""
+
+
+def team_state(make: Make, time_ns: int, readings: TeamReadings) -> Any:
+    """robotteamsim/TeamState."""
+    return make(
+        "robotteamsim/TeamState",
+        header=header(make, time_ns, MAP_FRAME),
+        poses=readings.ground_truth.ravel(),
+        twists=readings.twists.ravel(),
+        in_contact=readings.in_contact.astype(np.uint8),
+    )
 
 
 def robots(

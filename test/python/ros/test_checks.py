@@ -24,6 +24,7 @@ from robotteamsim.msg import (
     NetworkMessages,
     NetworkState,
     Robots,
+    TeamState,
     Victim,
     Victims,
     Voice,
@@ -45,6 +46,7 @@ NETWORK = {
     "hop_count": [0, 1, 1, 0],
 }
 LINKS = {"num_robots": 2, "present": bytes(2), "adjacency": bytes(2), "endangered": bytes(2)}
+TEAM = {"poses": [3.0, 4.0, 0.0, 1.0, *4 * [math.nan]], "twists": [0.0] * 6, "in_contact": bytes(2)}
 ODD = [math.nan, math.inf, -math.inf, 1e300]
 
 
@@ -79,6 +81,9 @@ def test_message_that_fits_the_scenario_is_read(message):
         (Robots(present=[1], arrivals=[1, 1]), "present: 1 entries; expected 2"),
         (Robots(present=[1, 1], arrivals=[]), "arrivals: 0 entries; expected 2"),
         (Robots(present=[1, 1], arrivals=[1, 1], failed_by_heat=[1]), "failed_by_heat: 1 entries; expected 2"),
+        (TeamState(**TEAM | {"twists": [0.0]}), "twists: 1 entries; expected 6"),
+        (TeamState(**TEAM | {"poses": [1e7, *7 * [0.0]]}), "robot 0: expected finite numbers within 1000 km"),
+        (TeamState(**TEAM | {"twists": [math.inf, *5 * [0.0]]}), "robot 0: expected finite numbers within 1000 km"),
         (NetworkState(num_robots=3), "num_robots: 3; expected 2"),
         (NetworkState(**NETWORK | {"hop_count": [0]}), "hop_count: 1 entries; expected 4"),
         (NetworkState(**NETWORK, refused_senders=[1]), "refused_bytes: 0 entries; expected 1"),
@@ -114,6 +119,12 @@ def test_message_that_fits_the_scenario_is_read(message):
 def test_message_that_does_not_fit_the_scenario_is_refused(message, line):
     with pytest.raises(ValueError, match=f"^{re.escape(line)}"):
         reader(type(message), SETTINGS)(serialized(message))
+
+
+def test_pose_of_an_absent_robot_may_be_nan():
+    message = reader(TeamState, SETTINGS)(serialized(TeamState(**TEAM)))
+    assert message.poses[:4] == (3.0, 4.0, 0.0, 1.0)
+    assert all(map(math.isnan, message.poses[4:]))
 
 
 def test_robot_sends_messages_only_as_itself():

@@ -133,6 +133,7 @@ class EnvironmentNode:
 
     def _inputs(self) -> list[Input]:
         poses = [an_input for robot_id in range(self._settings.num_robots) for an_input in self._poses.inputs(robot_id)]
+        poses += self._poses.team_inputs
         controlled = self._settings.controlled
         sent = [
             Input(

@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, get_args
 
+import numpy as np
+
 from robotteamsim.mission.status import VictimState
 from robotteamsim.msg import NetworkMessages
 from robotteamsim.network.compact import row_bytes
@@ -94,6 +96,18 @@ def _check_robots(message: Any, settings: Settings | None) -> None:
             raise ValueError(f"mishaps: {max(message.mishaps)}; expected 0 to {len(MISHAPS) - 1}")
     if message.failed_by_heat:  # empty in a world without fire
         _expect("failed_by_heat", len(message.failed_by_heat), len(message.arrivals))
+
+
+def _check_team(message: Any, settings: Settings | None) -> None:
+    count = settings.num_robots if settings else len(message.in_contact)
+    for name, length in (("poses", 4), ("twists", 3), ("in_contact", 1)):
+        _expect(name, len(getattr(message, name)), length * count)
+    poses, twists = np.reshape(message.poses, (count, 4)), np.reshape(message.twists, (count, 3))
+    valid = np.isfinite(poses).all(axis=1) & np.isfinite(twists).all(axis=1)
+    valid &= (np.abs(poses[:, :2]) <= FARTHEST_M).all(axis=1)
+    for robot_id in np.flatnonzero(~valid):
+        if not np.isnan(poses[robot_id]).all():  # as that of an absent robot
+            raise ValueError(f"robot {robot_id}: expected finite numbers within 1000 km")
 
 
 def _check_network(message: Any, settings: Settings | None) -> None:
@@ -227,6 +241,7 @@ def _check_people(message: Any, _: Settings | None) -> None:
 
 _CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
     "robotteamsim/Robots": _check_robots,
+    "robotteamsim/TeamState": _check_team,
     "robotteamsim/NetworkState": _check_network,
     "robotteamsim/NetworkLinks": _check_links,
     "robotteamsim/NetworkMessages": _check_messages,
