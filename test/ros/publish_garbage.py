@@ -15,6 +15,7 @@ from robotteamsim.msg import (
     NetworkMessages,
     Robots,
     TeamState,
+    TeamVoices,
     Voice,
 )
 
@@ -34,6 +35,7 @@ def main() -> None:
         "/mission/status": MissionStatus,
         "/world/robots": Robots,
         "/world/team_state": TeamState,
+        "/environment/voices": TeamVoices,
         "/world/doors": Doors,
     }
     publishers = [rospy.Publisher(topic, kind, queue_size=100) for topic, kind in topics.items()]

@@ -231,6 +231,18 @@ def voice(make: Make, time_ns: int, reading: VoiceReading) -> Any:
     )
 
 
+def team_voices(make: Make, time_ns: int, voices: Sequence[VoiceReading]) -> Any:
+    """robotteamsim/TeamVoices. Args: voices: of each robot, by id."""
+    return make(
+        "robotteamsim/TeamVoices",
+        header=header(make, time_ns, MAP_FRAME),
+        level_db=[voice.level_db for voice in voices],
+        heard=bytes(voice.heard for voice in voices),
+        local_best=[coordinate_m for voice in voices for coordinate_m in voice.local_best_m],
+        local_best_level_db=[voice.local_best_level_db for voice in voices],
+    )
+
+
 def controller_status(make: Make, time_ns: int, robot_id: int, decision: Decision) -> Any:
     """robotteamsim/ControllerStatus."""
     return make(

@@ -42,6 +42,7 @@ LAST_WORDS = (
     "died'; this is the normal end."
 )
 LINKS = "/network/links"
+VOICES = "/environment/voices"
 DOORS = "/world/doors"
 PEOPLE = "/world/people"
 
@@ -64,16 +65,12 @@ class RobotInputs:
         self._team_state = settings.team_state
         self._decision = Decision()
         self.contact = f"/{name}/contact"
-        self.voice = f"/{name}/voice"
         self.status = f"/{name}/controller/status"
 
     def inputs(self, controlled: bool) -> list[Input]:
         """Return the inputs; a robot without a controller publishes no decisions."""
         mine = partial(Channel, robot_id=self._robot_id)
-        inputs = [
-            *self._poses.inputs(self._robot_id),
-            Input(mine(self.voice, needed=True), msg.Voice, conversion.read_voice),
-        ]
+        inputs = self._poses.inputs(self._robot_id)
         if not self._team_state:
             inputs.append(Input(mine(self.contact), msg.Contact, conversion.read_contact))
         if controlled:
@@ -169,7 +166,7 @@ class MissionNode:
             inputs.append(Input(Channel(PEOPLE), msg.People))
         if self._base_received:
             inputs.append(Input(Channel(self._base_received, robot_id=self._base), msg.NetworkMessages))
-        inputs += self._poses.team_inputs
+        inputs += [*self._poses.team_inputs, Input(Channel(VOICES, needed=True), msg.TeamVoices)]
         return [*inputs, *self._hazards.inputs, PRESENCE, self._links_input()]
 
     def _links_input(self) -> Input:
@@ -192,7 +189,10 @@ class MissionNode:
         present = self._presence.present
         robots = [(topics, self._presence.is_present(robot_id)) for robot_id, topics in enumerate(self._robots)]
         readings = tuple(topics.reading(step) if is_present else NOT_THERE for topics, is_present in robots)
-        voices = tuple(step.latest(topics.voice) if is_present else NOTHING_HEARD for topics, is_present in robots)
+        heard = conversion.team_voices(step.latest(VOICES))
+        voices = tuple(
+            voice if is_present else NOTHING_HEARD for voice, (_, is_present) in zip(heard, robots, strict=True)
+        )
         for topics, is_present in robots:
             if not is_present:
                 topics.forget()

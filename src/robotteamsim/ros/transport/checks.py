@@ -110,6 +110,18 @@ def _check_team(message: Any, settings: Settings | None) -> None:
             raise ValueError(f"robot {robot_id}: expected finite numbers within 1000 km")
 
 
+def _check_voices(message: Any, settings: Settings | None) -> None:
+    count = settings.num_robots if settings else len(message.heard)
+    for name, length in (("level_db", 1), ("heard", 1), ("local_best", 2), ("local_best_level_db", 1)):
+        _expect(name, len(getattr(message, name)), length * count)
+    check_finite("level_db", *message.level_db, *message.local_best_level_db)
+    places = np.reshape(message.local_best, (count, 2))
+    # The place of a robot that hears nobody is not used.
+    heard = np.frombuffer(message.heard, np.uint8) > 0
+    for robot_id in np.flatnonzero(heard & ~(np.abs(places) <= FARTHEST_M).all(axis=1)):
+        check_place(f"robot {robot_id}: local_best", *places[robot_id])
+
+
 def _check_network(message: Any, settings: Settings | None) -> None:
     _check_num_robots(message, settings)
     for name in ("rssi_dbm", "link", "adjacency", "hop_count", "break_matrix", "endangered"):
@@ -242,6 +254,7 @@ def _check_people(message: Any, _: Settings | None) -> None:
 _CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
     "robotteamsim/Robots": _check_robots,
     "robotteamsim/TeamState": _check_team,
+    "robotteamsim/TeamVoices": _check_voices,
     "robotteamsim/NetworkState": _check_network,
     "robotteamsim/NetworkLinks": _check_links,
     "robotteamsim/NetworkMessages": _check_messages,
