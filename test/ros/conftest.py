@@ -8,6 +8,7 @@ SHARED = {"run", "master", "ros", "cpp_driver"}
 """Fixtures that are made once for a module."""
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Keep tests with a shared fixture together."""
     for item in items:
