@@ -101,7 +101,7 @@ test_python: build_tests ## pytest
 
 test_ros: build_tests ## rostest, each test with its own master
 	@# Twice as many as cores, because half of the time these tests wait for timeouts and for processes to end.
-	@$(ENV) $(PYTHON) -m pytest test/ros -n $$((2 * $(JOBS))) --dist loadgroup $(ARGS)
+	@$(ENV) $(PYTHON) -m pytest test/ros -n $$((2 * $(JOBS))) --dist worksteal $(ARGS)
 
 lint: build_tests ## ruff, mypy, clang-format, yamllint
 	@$(PYTHON) -m ruff check --quiet .
