@@ -100,7 +100,8 @@ test_python: build_tests ## pytest
 	@$(ENV) $(PYTHON) -m pytest test/python -n $(JOBS) --dist loadfile $(ARGS)
 
 test_ros: build_tests ## rostest, each test with its own master
-	@$(ENV) $(PYTHON) -m pytest test/ros -n $(JOBS) --dist loadfile $(ARGS)
+	@# Twice as many as cores, because half of the time these tests wait for timeouts and for processes to end.
+	@$(ENV) $(PYTHON) -m pytest test/ros -n $$((2 * $(JOBS))) --dist worksteal $(ARGS)
 
 lint: build_tests ## ruff, mypy, clang-format, yamllint
 	@$(PYTHON) -m ruff check --quiet .

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import nbformat
 from nbclient import NotebookClient
+from traitlets.config import Config
 
 _TIMEOUT_S = 600
 
@@ -20,8 +21,15 @@ def main() -> None:
     notebook = nbformat.read(source, as_version=4)
     # The kernel must not read a user's settings, and finds programs next to this Python.
     os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    with tempfile.TemporaryDirectory() as folder:
-        client = NotebookClient(notebook, timeout=_TIMEOUT_S, resources={"metadata": {"path": folder}})
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as sockets:
+        # The default, free ports of TCP, fails if another program takes one of them before the kernel does.
+        kernel = {"transport": "ipc", "ip": f"{sockets}/kernel"}
+        client = NotebookClient(
+            notebook,
+            timeout=_TIMEOUT_S,
+            resources={"metadata": {"path": folder}},
+            config=Config(KernelManager=kernel),
+        )
         client.execute()
     for cell in notebook.cells:
         cell.metadata.pop("execution", None)  # Times differ each time.

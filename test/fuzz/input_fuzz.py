@@ -156,6 +156,8 @@ class MessageTarget:
             NetworkMessages,
             NetworkState,
             Robots,
+            TeamState,
+            TeamVoices,
             Voice,
         )
         from sensor_msgs.msg import LaserScan, NavSatFix, Range
@@ -192,6 +194,8 @@ class MessageTarget:
             ),
             *(
                 Robots(present=bytes([1, 1]), arrivals=[1, 1]),
+                TeamVoices(level_db=[0.0] * 2, heard=bytes(2), local_best=[1.0] * 4, local_best_level_db=[0.0] * 2),
+                TeamState(poses=[1.0] * 8, twists=[0.0] * 6, in_contact=bytes(2)),
                 network,
                 links,
                 ControllerStatus(has_goal=True, fault="x"),
@@ -202,6 +206,7 @@ class MessageTarget:
         self._read = [fast.get(type(message)) or reader(type(message), settings) for message in messages]
         self._use = {NetworkState: msg_conversion.network_state, NetworkLinks: _decoded}
         self._use |= {ControllerStatus: msg_conversion.decision, Doors: msg_conversion.door_states}
+        self._use[TeamVoices] = msg_conversion.team_voices
         self._valid = [serialized(message) for message in messages]
 
     def make(self, generator: random.Random) -> bytes:

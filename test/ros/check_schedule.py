@@ -69,6 +69,12 @@ class ScheduleTest(unittest.TestCase):
         cls.expected = Expected()
         cls.expected_result = Simulation(load("garage_sar", SET)).run([cls.expected])
         cls.first = cls.document_at_end(0)
+        # On a busy machine this node may have subscribed late in the first mission, but it hears all of the second one.
+        begin = len(cls.status.messages)
+        assert call("/reset", Trigger).success
+        cls.status.wait_for_after(begin, lambda message: message.state == "running", "state running")
+        running = next(i for i, m in enumerate(cls.status.messages) if i >= begin and m.state == "running")
+        cls.second = cls.document_at_end(running)
 
     @classmethod
     def document_at_end(cls, begin: int) -> dict[str, Any]:
@@ -110,12 +116,8 @@ class ScheduleTest(unittest.TestCase):
         for stamp_ns in steps:
             self.assertEqual(seen[stamp_ns], self.expected.map_changes[stamp_ns], f"{stamp_ns} ns")
 
-    def test_z_reset_repeats_the_schedule(self) -> None:
-        begin = len(self.status.messages)
-        self.assertTrue(call("/reset", Trigger).success)
-        self.status.wait_for_after(begin, lambda message: message.state == "running", "state running")
-        running = next(i for i, m in enumerate(self.status.messages) if i >= begin and m.state == "running")
-        self.assert_as_expected(self.document_at_end(running))
+    def test_reset_repeats_the_schedule(self) -> None:
+        self.assert_as_expected(self.second)
 
 
 if __name__ == "__main__":

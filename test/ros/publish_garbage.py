@@ -7,7 +7,17 @@ import math
 
 import rospy
 from nav_msgs.msg import Odometry
-from robotteamsim.msg import Doors, MissionStatus, NetworkLinks, NetworkMessage, NetworkMessages, Robots, Voice
+from robotteamsim.msg import (
+    Doors,
+    MissionStatus,
+    NetworkLinks,
+    NetworkMessage,
+    NetworkMessages,
+    Robots,
+    TeamState,
+    TeamVoices,
+    Voice,
+)
 
 ODD = (math.inf, -math.inf, math.nan, 1e300)
 
@@ -24,6 +34,8 @@ def main() -> None:
         "/network/links": NetworkLinks,
         "/mission/status": MissionStatus,
         "/world/robots": Robots,
+        "/world/team_state": TeamState,
+        "/environment/voices": TeamVoices,
         "/world/doors": Doors,
     }
     publishers = [rospy.Publisher(topic, kind, queue_size=100) for topic, kind in topics.items()]

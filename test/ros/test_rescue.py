@@ -20,7 +20,7 @@ def shown(events: list[Event]) -> list[tuple[float, str, str, int, str]]:
     return [(e.time_s, e.kind, e.subject, e.robot_id, e.detail) for e in events]
 
 
-@pytest.mark.parametrize(("name", "time_s"), [("garage_rescue", 50), ("office_fire", 50)])
+@pytest.mark.parametrize(("name", "time_s"), [("garage_rescue", 36), ("office_fire", 49)])
 def test_rescue_in_lockstep_has_the_bits_events_and_topics_of_the_headless_mission(name, time_s, tmp_path: Path):
     settings = (f"mission.time_limit_s={time_s}", "network.publish_matrices=false")
     command = (*ROSLAUNCH, "robotteamsim", f"{name}.launch", "rviz:=false", "lockstep:=true", "speed:=0")

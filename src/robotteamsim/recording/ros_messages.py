@@ -20,7 +20,7 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
 from robotteamsim.scenario.sensors import Camera, LightSensor
-from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings, VoiceReading
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.people import PersonState
@@ -241,6 +241,18 @@ def voice(make: Make, time_ns: int, reading: VoiceReading) -> Any:
     )
 
 
+def team_voices(make: Make, time_ns: int, voices: Sequence[VoiceReading]) -> Any:
+    """robotteamsim/TeamVoices. Args: voices: of each robot, by id."""
+    return make(
+        "robotteamsim/TeamVoices",
+        header=header(make, time_ns, MAP_FRAME),
+        level_db=[voice.level_db for voice in voices],
+        heard=bytes(voice.heard for voice in voices),
+        local_best=[coordinate_m for voice in voices for coordinate_m in voice.local_best_m],
+        local_best_level_db=[voice.local_best_level_db for voice in voices],
+    )
+
+
 def controller_status(make: Make, time_ns: int, robot_id: int, decision: Decision) -> Any:
     """robotteamsim/ControllerStatus."""
     return make(
@@ -353,6 +365,17 @@ def doors(make: Make, time_ns: int, states: DoorStates) -> Any:
 
 MISHAPS: tuple[Mishap | None, ...] = (None, "tipped_over", "left_world")
 """Each value of `mishaps` in robotteamsim/Robots."""
+
+
+def team_state(make: Make, time_ns: int, readings: TeamReadings) -> Any:
+    """robotteamsim/TeamState."""
+    return make(
+        "robotteamsim/TeamState",
+        header=header(make, time_ns, MAP_FRAME),
+        poses=readings.ground_truth.ravel(),
+        twists=readings.twists.ravel(),
+        in_contact=readings.in_contact.astype(np.uint8),
+    )
 
 
 def robots(

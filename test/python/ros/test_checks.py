@@ -24,6 +24,8 @@ from robotteamsim.msg import (
     NetworkMessages,
     NetworkState,
     Robots,
+    TeamState,
+    TeamVoices,
     Victim,
     Victims,
     Voice,
@@ -33,9 +35,10 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robotteamsim.ros.nodes.requests import check_door, check_noise, check_victim
 from robotteamsim.ros.transport.checks import outbox_reader, reader
-from robotteamsim.ros.transport.msg_conversion import read_odometry
+from robotteamsim.ros.transport.msg_conversion import read_odometry, team_voices
 from robotteamsim.ros.transport.serialization import serialized
 from robotteamsim.scenario import load
+from robotteamsim.sensing.readings import VoiceReading
 
 SETTINGS = SimpleNamespace(num_robots=2, scenario=load("garage_sar", ["robots.count=2"]))
 DOORS = [Door(name=door.name, motion="still") for door in SETTINGS.scenario.plan.doors]
@@ -46,6 +49,9 @@ NETWORK = {
     "hop_count": [0, 1, 1, 0],
 }
 LINKS = {"num_robots": 2, "present": bytes(2), "adjacency": bytes(2), "endangered": bytes(2)}
+TEAM = {"poses": [3.0, 4.0, 0.0, 1.0, *4 * [math.nan]], "twists": [0.0] * 6, "in_contact": bytes(2)}
+VOICES = {"level_db": [5.0, 0.0], "heard": b"\1\0", "local_best": [3.0, 4.0, math.nan, math.nan]}
+VOICES["local_best_level_db"] = [6.0, 0.0]
 ODD = [math.nan, math.inf, -math.inf, 1e300]
 
 
@@ -83,6 +89,12 @@ def test_message_that_fits_the_scenario_is_read(message):
         (Robots(present=[1, 1], arrivals=[]), "arrivals: 0 entries; expected 2"),
         (Robots(present=[1, 1], arrivals=[1, 1], loads=["crate"]), "loads: 1 entries; expected 2"),
         (Robots(present=[1, 1], arrivals=[1, 1], failed_by_heat=[1]), "failed_by_heat: 1 entries; expected 2"),
+        (TeamState(**TEAM | {"twists": [0.0]}), "twists: 1 entries; expected 6"),
+        (TeamState(**TEAM | {"poses": [1e7, *7 * [0.0]]}), "robot 0: expected finite numbers within 1000 km"),
+        (TeamState(**TEAM | {"twists": [math.inf, *5 * [0.0]]}), "robot 0: expected finite numbers within 1000 km"),
+        (TeamVoices(**VOICES | {"heard": b"\0"}), "heard: 1 entries; expected 2"),
+        (TeamVoices(**VOICES | {"level_db": [math.inf, 0.0]}), "level_db: inf; expected finite numbers"),
+        (TeamVoices(**VOICES | {"heard": b"\1\1"}), "robot 1: local_best: (nan, nan); expected finite numbers within"),
         (NetworkState(num_robots=3), "num_robots: 3; expected 2"),
         (NetworkState(**NETWORK | {"hop_count": [0]}), "hop_count: 1 entries; expected 4"),
         (NetworkState(**NETWORK, refused_senders=[1]), "refused_bytes: 0 entries; expected 1"),
@@ -130,6 +142,18 @@ def test_message_that_fits_the_scenario_is_read(message):
 def test_message_that_does_not_fit_the_scenario_is_refused(message, line):
     with pytest.raises(ValueError, match=f"^{re.escape(line)}"):
         reader(type(message), SETTINGS)(serialized(message))
+
+
+def test_pose_of_an_absent_robot_may_be_nan():
+    message = reader(TeamState, SETTINGS)(serialized(TeamState(**TEAM)))
+    assert message.poses[:4] == (3.0, 4.0, 0.0, 1.0)
+    assert all(map(math.isnan, message.poses[4:]))
+
+
+def test_voices_of_a_team_are_those_of_each_robot():
+    heard = team_voices(reader(TeamVoices, SETTINGS)(serialized(TeamVoices(**VOICES))))
+    assert heard[0] == VoiceReading(5.0, True, (3.0, 4.0), 6.0)
+    assert not heard[1].heard
 
 
 def test_robot_sends_messages_only_as_itself():

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import logging
+import math
 from typing import Any
 
 import pytest
+from robotteamsim.msg import Robots, TeamState
 
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.ros.transport import team_poses
 from robotteamsim.ros.transport.presence import Presence
 from robotteamsim.ros.transport.synchronizer import Step
-from robotteamsim.ros.transport.team_poses import TfPoses
+from robotteamsim.ros.transport.team_poses import TEAM_STATE, TfPoses, WorldPoses
 from robotteamsim.sensing.readings import OdometryReading
 
 STEP_NS = 100_000_000
@@ -112,3 +114,26 @@ def test_lost_robot_stays_at_its_last_place_and_is_named_once(team):
         "/tf: no transform map -> robot_1/base_link for 0.3 s (control.tf_timeout_s); using its last position"
     ]
     assert (team.x_m(0), team.x_m(1)) == (2.0, 3.0)
+
+
+def world_step(x_m: list[float], present: list[int]) -> Step:
+    poses = [number for x in x_m for number in (x, 3.0, 0.0, 1.0)]
+    state = TeamState(poses=poses, twists=[0.5, 0.0, 0.1] * len(x_m), in_contact=bytes(len(x_m)))
+    robots = Robots(present=bytes(present), arrivals=[1] * len(x_m))
+    return Step(STEP_NS, False, {TEAM_STATE: (state,), "/world/robots": (robots,)})
+
+
+def test_world_publishes_all_poses_in_one_message():
+    poses, presence = WorldPoses(2), Presence()
+    assert [an_input.channel.name for an_input in poses.team_inputs] == [TEAM_STATE]
+    assert not poses.inputs(0)
+    assert poses.follow(world_step([1.0, 2.0], [1, 1]), presence)
+    assert poses.reading(1) == OdometryReading(PoseReading(2.0, 3.0, 0.0, 1.0), Twist(0.5, 0.0, 0.1))
+
+
+@pytest.mark.parametrize(("present", "known"), [([1, 0], True), ([1, 1], False)])
+def test_step_without_the_pose_of_a_present_robot_is_left_out(present, known):
+    poses, presence = WorldPoses(2), Presence()
+    step = world_step([1.0, math.nan], present)
+    presence.follow(step)
+    assert poses.follow(step, presence) == known

@@ -166,7 +166,12 @@ def test_clock_comes_after_all_else_of_its_step(sent):
             stamps.setdefault(topic, []).append(stamp_ns)
     names = ["odom", "base_scan", "base_pose_ground_truth", "contact"]
     assert sorted(stamps) == sorted(
-        ["/tf", "/world/robots", *(f"/robot_{robot_id}/{name}" for robot_id in (0, 1) for name in names)]
+        [
+            "/tf",
+            "/world/robots",
+            "/world/team_state",
+            *(f"/robot_{robot_id}/{name}" for robot_id in (0, 1) for name in names),
+        ]
     )
     assert set(map(tuple, stamps.values())) == {(STEP_NS, 2 * STEP_NS, 3 * STEP_NS)}
 

@@ -11,7 +11,17 @@ from nav_msgs.msg import OccupancyGrid
 
 from robotteamsim import srv
 from robotteamsim.mission.status import SILENT
-from robotteamsim.msg import Doors, FloatMap, MissionStatus, NetworkLinks, NetworkMessages, NetworkState, People, Voice
+from robotteamsim.msg import (
+    Doors,
+    FloatMap,
+    MissionStatus,
+    NetworkLinks,
+    NetworkMessages,
+    NetworkState,
+    People,
+    TeamVoices,
+    Voice,
+)
 from robotteamsim.network.compact import LinksEncoder
 from robotteamsim.network.messages import NetworkState as Network
 from robotteamsim.propagation import FieldMap
@@ -93,6 +103,7 @@ class EnvironmentNode:
         self._sent = [f"{name}/network/tx" for name in names]
         latched = settings.lockstep
         self._voices = [Output(f"{name}/voice", Voice, latched=latched) for name in names]
+        self._team_voices = Output("/environment/voices", TeamVoices, latched=latched)
         self._received = [Output(f"{name}/network/rx", NetworkMessages, latched=latched) for name in names]
         self._links = Output("/network/links", NetworkLinks, latched=latched)
         has_matrices = settings.scenario.network.publish_matrices
@@ -133,6 +144,7 @@ class EnvironmentNode:
 
     def _inputs(self) -> list[Input]:
         poses = [an_input for robot_id in range(self._settings.num_robots) for an_input in self._poses.inputs(robot_id)]
+        poses += self._poses.team_inputs
         controlled = self._settings.controlled
         sent = [
             Input(
@@ -187,6 +199,8 @@ class EnvironmentNode:
         for robot_id, (output, inbox) in enumerate(zip(self._received, inboxes, strict=True)):
             if is_present(robot_id) and output.wanted:
                 output.enqueue(network_messages.network_messages(make, time_ns, inbox))
+        if self._team_voices.wanted:
+            self._team_voices.enqueue(ros_messages.team_voices(make, time_ns, voices))
         self._publish_network(time_ns, network)
         send_enqueued()
         self._publish_voice_map(time_ns)

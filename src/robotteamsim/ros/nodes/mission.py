@@ -28,7 +28,7 @@ from robotteamsim.ros.transport.presence import PRESENCE, Presence
 from robotteamsim.ros.transport.services import Service, command
 from robotteamsim.ros.transport.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transport.synchronizer import Channel, Step
-from robotteamsim.ros.transport.team_poses import TeamPoses, team_poses
+from robotteamsim.ros.transport.team_poses import TEAM_STATE, TeamPoses, team_poses
 from robotteamsim.ros.transport.topics import Input, Output, make_synchronizer, receive_steps
 from robotteamsim.sensing.readings import NOT_THERE, NOTHING_HEARD, RobotReading
 from robotteamsim.simulation import Observer
@@ -42,6 +42,7 @@ LAST_WORDS = (
     "died'; this is the normal end."
 )
 LINKS = "/network/links"
+VOICES = "/environment/voices"
 DOORS = "/world/doors"
 PEOPLE = "/world/people"
 
@@ -56,24 +57,22 @@ def main() -> None:
 class RobotInputs:
     """The topics of one robot that the mission needs."""
 
-    def __init__(self, robot_id: int, poses: TeamPoses, lockstep: bool) -> None:
+    def __init__(self, robot_id: int, poses: TeamPoses, settings: Settings) -> None:
         name = ros_messages.robot_name(robot_id)
         self._robot_id = robot_id
         self._poses = poses
-        self._lockstep = lockstep
+        self._lockstep = settings.lockstep
+        self._team_state = settings.team_state
         self._decision = Decision()
         self.contact = f"/{name}/contact"
-        self.voice = f"/{name}/voice"
         self.status = f"/{name}/controller/status"
 
     def inputs(self, controlled: bool) -> list[Input]:
         """Return the inputs; a robot without a controller publishes no decisions."""
         mine = partial(Channel, robot_id=self._robot_id)
-        inputs = [
-            *self._poses.inputs(self._robot_id),
-            Input(mine(self.contact), msg.Contact, conversion.read_contact),
-            Input(mine(self.voice, needed=True), msg.Voice, conversion.read_voice),
-        ]
+        inputs = self._poses.inputs(self._robot_id)
+        if not self._team_state:
+            inputs.append(Input(mine(self.contact), msg.Contact, conversion.read_contact))
         if controlled:
             inputs.append(Input(mine(self.status, may_be_silent=True), msg.ControllerStatus))
         return inputs
@@ -81,8 +80,11 @@ class RobotInputs:
     def reading(self, step: Step) -> RobotReading:
         """Return the readings of the robot for the mission, without odometry and ranges."""
         found = self._poses.reading(self._robot_id)
-        contact = step.latest(self.contact) or conversion.NO_CONTACT
-        return RobotReading.of(found.pose, found.twist, found, _NO_RANGES, contact.in_contact)
+        if self._team_state:
+            in_contact = bool(step.latest(TEAM_STATE).in_contact[self._robot_id])
+        else:
+            in_contact = (step.latest(self.contact) or conversion.NO_CONTACT).in_contact
+        return RobotReading.of(found.pose, found.twist, found, _NO_RANGES, in_contact)
 
     def decision(self, step: Step) -> Decision:
         """Return the published part of the robot's decision; without lockstep that of the newest message."""
@@ -108,9 +110,7 @@ class MissionNode:
         out = parameter("~out", "")
         self._folder = Path(out).expanduser() if out else None
         self._poses = team_poses(settings)
-        self._robots = [
-            RobotInputs(robot_id, self._poses, settings.lockstep) for robot_id in range(settings.num_robots)
-        ]
+        self._robots = [RobotInputs(robot_id, self._poses, settings) for robot_id in range(settings.num_robots)]
         base = settings.scenario.base
         self._base = base
         self._base_received = "" if base is None else f"/{ros_messages.robot_name(base)}/network/rx"
@@ -166,6 +166,7 @@ class MissionNode:
             inputs.append(Input(Channel(PEOPLE), msg.People))
         if self._base_received:
             inputs.append(Input(Channel(self._base_received, robot_id=self._base), msg.NetworkMessages))
+        inputs += [*self._poses.team_inputs, Input(Channel(VOICES, needed=True), msg.TeamVoices)]
         return [*inputs, *self._hazards.inputs, PRESENCE, self._links_input()]
 
     def _links_input(self) -> Input:
@@ -188,7 +189,10 @@ class MissionNode:
         present = self._presence.present
         robots = [(topics, self._presence.is_present(robot_id)) for robot_id, topics in enumerate(self._robots)]
         readings = tuple(topics.reading(step) if is_present else NOT_THERE for topics, is_present in robots)
-        voices = tuple(step.latest(topics.voice) if is_present else NOTHING_HEARD for topics, is_present in robots)
+        heard = conversion.team_voices(step.latest(VOICES))
+        voices = tuple(
+            voice if is_present else NOTHING_HEARD for voice, (_, is_present) in zip(heard, robots, strict=True)
+        )
         for topics, is_present in robots:
             if not is_present:
                 topics.forget()

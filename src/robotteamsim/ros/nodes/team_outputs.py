@@ -8,11 +8,13 @@ from tf2_msgs.msg import TFMessage
 
 from robotteamsim import _ros_transport as roscpp
 from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.msg import TeamState
 from robotteamsim.recording import ros_messages
 from robotteamsim.recording.sensor_messages import SensorTopic, sensor_topics
 from robotteamsim.ros.nodes.stage import UnprefixedTypes, robot_topic
 from robotteamsim.ros.transport.msg_conversion import RosTypes
 from robotteamsim.ros.transport.serialization import serialized
+from robotteamsim.ros.transport.team_poses import TEAM_STATE
 from robotteamsim.ros.transport.topics import Output
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings
@@ -53,13 +55,14 @@ class TeamOutputs:
                 name = robot_topic(i, sensor.name, prefix=prefix)
                 output = Output(name, make.message_class(sensor.type_name), latched=latched)
                 self._sensors.append((i, sensor, output))
+        self._team = Output(TEAM_STATE, TeamState, latched=latched)
         self._tf = _Tf(make, robots, localized)
 
     @property
     def num_subscribers(self) -> int:
         """Number of connections of the robots' topics."""
         of_sensors = sum(output.num_subscribers for _, _, output in self._sensors)
-        topics = (self._truth, self._odom, self._scan, self._contact)
+        topics = (self._truth, self._odom, self._scan, self._contact, self._team)
         return of_sensors + sum(topic.num_subscribers for topic in topics)
 
     def publish(self, time_ns: int, readings: TeamReadings, present: np.ndarray | None = None) -> None:
@@ -80,6 +83,8 @@ class TeamOutputs:
             further = readings[robot_id].further
             if output.wanted and (message := sensor.message(self._make, time_ns, robot_id, further)) is not None:
                 output.publish(message)
+        if self._team.wanted:
+            self._team.publish(ros_messages.team_state(self._make, time_ns, readings))
         self._tf.publish(time_ns, readings, present)
 
     def publish_motion(self, time_ns: int, odometry: np.ndarray, present: np.ndarray | None = None) -> None:

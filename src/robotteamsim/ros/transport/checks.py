@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, get_args
 
+import numpy as np
+
 from robotteamsim.mission.status import VictimState
 from robotteamsim.msg import NetworkMessages
 from robotteamsim.network.compact import row_bytes
@@ -103,6 +105,30 @@ def _check_robots(message: Any, settings: Settings | None) -> None:
         _expect("loads", len(message.loads), len(message.arrivals))
     if message.failed_by_heat:  # empty in a world without fire
         _expect("failed_by_heat", len(message.failed_by_heat), len(message.arrivals))
+
+
+def _check_team(message: Any, settings: Settings | None) -> None:
+    count = settings.num_robots if settings else len(message.in_contact)
+    for name, length in (("poses", 4), ("twists", 3), ("in_contact", 1)):
+        _expect(name, len(getattr(message, name)), length * count)
+    poses, twists = np.reshape(message.poses, (count, 4)), np.reshape(message.twists, (count, 3))
+    valid = np.isfinite(poses).all(axis=1) & np.isfinite(twists).all(axis=1)
+    valid &= (np.abs(poses[:, :2]) <= FARTHEST_M).all(axis=1)
+    for robot_id in np.flatnonzero(~valid):
+        if not np.isnan(poses[robot_id]).all():  # as that of an absent robot
+            raise ValueError(f"robot {robot_id}: expected finite numbers within 1000 km")
+
+
+def _check_voices(message: Any, settings: Settings | None) -> None:
+    count = settings.num_robots if settings else len(message.heard)
+    for name, length in (("level_db", 1), ("heard", 1), ("local_best", 2), ("local_best_level_db", 1)):
+        _expect(name, len(getattr(message, name)), length * count)
+    check_finite("level_db", *message.level_db, *message.local_best_level_db)
+    places = np.reshape(message.local_best, (count, 2))
+    # The place of a robot that hears nobody is not used.
+    heard = np.frombuffer(message.heard, np.uint8) > 0
+    for robot_id in np.flatnonzero(heard & ~(np.abs(places) <= FARTHEST_M).all(axis=1)):
+        check_place(f"robot {robot_id}: local_best", *places[robot_id])
 
 
 def _check_network(message: Any, settings: Settings | None) -> None:
@@ -260,6 +286,8 @@ def _check_people(message: Any, _: Settings | None) -> None:
 
 _CHECKS: dict[str, Callable[[Any, Settings | None], None]] = {
     "robotteamsim/Robots": _check_robots,
+    "robotteamsim/TeamState": _check_team,
+    "robotteamsim/TeamVoices": _check_voices,
     "robotteamsim/NetworkState": _check_network,
     "robotteamsim/NetworkLinks": _check_links,
     "robotteamsim/NetworkMessages": _check_messages,

@@ -144,6 +144,13 @@ def read_voice(data: bytes) -> VoiceReading:
     return VoiceReading(level_db, heard, local_best_m, local_best_level_db)
 
 
+def team_voices(message: robotteamsim.msg.TeamVoices) -> tuple[VoiceReading, ...]:
+    """Return what each robot hears, by id."""
+    places_m = zip(message.local_best[::2], message.local_best[1::2], strict=True)
+    found = zip(message.level_db, message.heard, places_m, message.local_best_level_db, strict=True)
+    return tuple(VoiceReading(level_db, bool(heard), place_m, best_db) for level_db, heard, place_m, best_db in found)
+
+
 def network_messages(received: Iterable[robotteamsim.msg.NetworkMessages]) -> list[Message]:
     """Return the messages of `network/tx` or `network/rx`, in their order."""
     return [Message(m.sender, m.receiver, m.payload) for batch in received for m in batch.messages]

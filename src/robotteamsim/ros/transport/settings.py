@@ -43,6 +43,8 @@ class Settings:
     silence_limit_s: float
     mission: bool = True
     """Whether there are an environment and a mission to wait for."""
+    team_state: bool = False
+    """Whether the world publishes /world/team_state, so that environment and mission need no topic of each robot."""
     prefix: bool = True
     """Whether topics and frames begin with robot_<id>/; without it, there is a single robot, as in stage_ros."""
 
@@ -118,6 +120,7 @@ def _read_settings() -> Settings:
         teleop=parameter(f"{PARAMETERS}/teleop", NOT_SET),
         silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
         mission=parameter(f"{PARAMETERS}/mission", True),
+        team_state=parameter(f"{PARAMETERS}/team_state", False) and scenario.control.localisation != "tf",
         prefix=parameter(f"{PARAMETERS}/prefix", True),
     )
     if settings.controllers and not parameter(f"{PARAMETERS}/allow_code", False):

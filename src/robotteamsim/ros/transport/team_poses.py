@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import time
 from collections.abc import Sequence
 from typing import Protocol
@@ -10,6 +11,8 @@ from typing import Protocol
 from nav_msgs.msg import Odometry
 
 from robotteamsim import _ros_transport as roscpp
+from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.msg import TeamState
 from robotteamsim.recording.ros_messages import robot_name
 from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.ros.transport.presence import Presence
@@ -21,9 +24,15 @@ from robotteamsim.sensing.readings import OdometryReading
 
 logger = logging.getLogger(__name__)
 
+TEAM_STATE = "/world/team_state"
+
 
 class TeamPoses(Protocol):
     """Where a node takes the poses of all robots from."""
+
+    @property
+    def team_inputs(self) -> Sequence[Input]:
+        """The topics of the team that the poses need."""
 
     def inputs(self, robot_id: int) -> list[Input]:
         """Return the topics of a robot that the poses need."""
@@ -43,13 +52,52 @@ class TeamPoses(Protocol):
 
 def team_poses(settings: Settings) -> TeamPoses:
     """Return the source of poses that the scenario selects."""
+    if settings.team_state:
+        return WorldPoses(settings.num_robots)
     if settings.scenario.control.localisation != "tf":
         return TruePoses(settings.num_robots)
     return TfPoses(settings.num_robots, settings.scenario.control.tf_timeout_s, roscpp.TransformListener())
 
 
+class WorldPoses:
+    """The ground truth of all robots in one message of the world; each step waits for it."""
+
+    team_inputs = (Input(Channel(TEAM_STATE, needed=True), TeamState),)
+
+    def __init__(self, num_robots: int) -> None:
+        self._ids = range(num_robots)
+        self._readings: list[OdometryReading] = []
+
+    def inputs(self, robot_id: int) -> list[Input]:
+        """As for all sources."""
+        return []
+
+    def follow(self, step: Step, presence: Presence) -> bool:
+        """As for all sources. Without lockstep, a robot that has just come may not be in the message yet."""
+        state = step.latest(TEAM_STATE)
+        poses, twists = state.poses, state.twists
+        self._readings = [
+            OdometryReading(PoseReading(*poses[4 * i : 4 * i + 4]), Twist(*twists[3 * i : 3 * i + 3]))
+            for i in self._ids
+        ]
+        return not any(math.isnan(self._readings[i].pose.x_m) and presence.is_present(i) for i in self._ids)
+
+    def reading(self, robot_id: int) -> OdometryReading:
+        """As for all sources."""
+        return self._readings[robot_id]
+
+    def newly_lost(self) -> list[str]:
+        """As for all sources."""
+        return []
+
+    def restart(self) -> None:
+        """As for all sources."""
+
+
 class TruePoses:
     """The ground truth; each step waits for it."""
+
+    team_inputs = ()
 
     def __init__(self, num_robots: int) -> None:
         self._topics = [_truth_topic(robot_id) for robot_id in range(num_robots)]
@@ -83,6 +131,8 @@ class TfPoses:
 
     The pose of a lost robot is its last one: its controller stops it there.
     """
+
+    team_inputs = ()
 
     def __init__(self, num_robots: int, timeout_s: float, transforms: Transforms) -> None:
         """Args: timeout_s: older ground truth does not count, and robots without a new transform are lost [s]."""
