@@ -50,9 +50,14 @@ class Areas:
         return self._areas[self._next] if self._next < len(self._areas) else None
 
     @property
+    def num_left(self) -> int:
+        """Number of areas that are still to be explored."""
+        return len(self._areas) - self._next
+
+    @property
     def is_last(self) -> bool:
         """Whether the next area is the last one."""
-        return self._next == len(self._areas) - 1
+        return self.num_left == 1
 
     @property
     def kept_out(self) -> Disc | None:
@@ -61,6 +66,24 @@ class Areas:
             return None
         last = self._areas[-1]
         return last.center, last.radius_m + _KEPT_OUT_M
+
+    def nearest_outside(self, place: Vector) -> Vector:
+        """Return the nearest place that does not end the mission: another one only if the last area is the next."""
+        if not self.is_last or self.kept_out is None:
+            return place
+        center, radius_m = self.kept_out
+        away_m = math.dist(center, place)
+        if away_m >= radius_m or away_m == 0.0:
+            return place
+        stretch = radius_m / away_m
+        return center[0] + stretch * (place[0] - center[0]), center[1] + stretch * (place[1] - center[1])
+
+    def would_end(self, start: Vector, end: Vector) -> bool:
+        """Whether a straight line leads through the last area at its turn."""
+        if not self.is_last or self.kept_out is None:
+            return False
+        center, radius_m = self.kept_out
+        return _distance_to_segment(center, start, end) < radius_m - 0.5 * _KEPT_OUT_M
 
     def measure(self, paths: _core.control.CellPaths, start: int) -> None:
         """Find the cells of the remaining areas that a robot can reach from a cell, and the length of the tour."""
@@ -114,3 +137,25 @@ class Areas:
                 if away_m < nearest_m:
                     best, nearest_m = cell, away_m
         return best
+
+
+def shut_cells(
+    paths: _core.control.CellPaths, outside: _core.control.CellPaths, start_m: Vector, num_cells: int
+) -> np.ndarray:
+    """Return the cells that cannot be reached without entering the last area, bool.
+
+    Args: paths: all.  outside: outside the area.  start_m: of a robot, in `map` [m].
+    """
+    start, start_outside = paths.start_of(start_m), outside.start_of(start_m)
+    if start == NO_CELL:
+        return np.zeros(num_cells, dtype=bool)
+    reached = np.isfinite(paths.lengths_from(start))
+    return reached if start_outside == NO_CELL else reached & ~np.isfinite(outside.lengths_from(start_outside))
+
+
+def _distance_to_segment(point: Vector, start: Vector, end: Vector) -> float:
+    """Return the distance of a point to a straight line [m]."""
+    along = np.subtract(end, start)
+    square = float(along @ along)
+    share = float(np.clip(np.subtract(point, start) @ along / square, 0.0, 1.0)) if square > 0.0 else 0.0
+    return math.dist(point, (start[0] + share * along[0], start[1] + share * along[1]))

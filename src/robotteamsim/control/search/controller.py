@@ -14,13 +14,13 @@ from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.localisation import Localiser, body_of
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
-from robotteamsim.control.search.areas import NO_CELL, Areas
+from robotteamsim.control.search.areas import NO_CELL, Areas, shut_cells
 from robotteamsim.control.search.cells import cell_grid, cell_paths, places
 from robotteamsim.control.search.goals import ListeningGoal, Progress
 from robotteamsim.control.search.hunt import Hunt, Hunted
 from robotteamsim.control.search.knowledge import Knowledge
 from robotteamsim.control.search.team import Teammates
-from robotteamsim.control.search.update import SearchUpdate, Work, update_of
+from robotteamsim.control.search.update import LONGEST_PATH_M, HeardVoice, SearchUpdate, Work, update_of
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message
@@ -41,14 +41,17 @@ _IDLE_S = 5.0
 _SPACING = 0.25
 """Distance of places to listen at, if it is above `place_spacing_m`: this share of the hearing distance."""
 
-_SPLIT = 0.03
-"""If keeping out of the last area makes a larger share of the cells unreachable, the robots do not until its turn."""
+_AROUND_M = 5.0
+"""A path that is longer than the straight line by more leads around a wall, behind which the victim is [m]."""
+
+_FREE_WITHIN_M = 0.3
+"""How far from the loudest place the free place may be to which a robot drives [m]."""
 
 _MOVED_M = 2.0
 """If the estimated source of a voice moves farther, the robot has a new goal [m]."""
 
 _LONGEST_APPROACH = 4.0
-"""A voice that was approached for longer is given up, in `progress_timeout_s`."""
+"""A voice that was approached for longer than this, in `progress_timeout_s`, and than its path takes is given up."""
 
 
 class SearchController:
@@ -65,6 +68,7 @@ class SearchController:
         self._speed_mps = control.max_step_speed_mps
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._reach_m = body.reach_m
+        self._save_distance_m = scenario.mission.save_distance_m
         self._localiser = Localiser(robot_id, scenario)
         self._doors = DoorBeliefs(scenario.plan, body.laser, control.doors)
         self._known_doors = self._doors.changed
@@ -72,16 +76,17 @@ class SearchController:
         self._grid = cell_grid(scenario)
         self._map = known_map(scenario.plan, body.reach_m)
         self._areas = Areas(scenario, self._grid)
-        start = self._use_paths(placed_robots(scenario)[robot_id].start_pose[:2])
-        self._find_places = partial(
-            places, scenario.plan, body.reach_m, self._grid, start, scenario.mission.save_distance_m
-        )
+        self._start_m = placed_robots(scenario)[robot_id].start_pose[:2]
+        start = self._use_paths(self._start_m)
+        self._find_places = partial(places, scenario.plan, body.reach_m, self._grid, start, self._save_distance_m)
         self._places = self._find_places(1)
         self._knowledge = Knowledge(scenario, self._grid, self._places)
         self._space_places()
         self._hunt = Hunt(scenario, self._grid)
         self._team = Teammates(robot_id, self._tuning.given_up_s)
         self._listening = ListeningGoal(self._tuning, self._speed_mps)
+        self._meanwhile = ListeningGoal(self._tuning.model_copy(update={"victim_worth_s": math.inf}), self._speed_mps)
+        """Where a robot listens while a teammate drives to the last area: its time costs nothing."""
 
         self._observation: Observation | None = None
         self._task = Task()
@@ -94,10 +99,12 @@ class SearchController:
         self._goal = NO_CELL
         self._target: Vector | None = None
         self._voice: Hunted | None = None
+        self._num_found = 0
+        """How many found victims the robot knew in the last iteration."""
         self._was_beside_m: Vector | None = None
         self._approach = Progress(self._tuning.progress_timeout_s)
         self._approached_m: Vector | None = None
-        self._approach_until_s = 0.0
+        self._approach_until_s = self._detour_m = self._voice_path_m = 0.0
         self._lost_voice_m: Vector | None = None
         """The source of the last voice that the robot could not reach, in `map` [m]."""
         self._given_up: list[tuple[Vector, float]] = []
@@ -182,7 +189,9 @@ class SearchController:
         self._elapsed_ns = max(self._elapsed_ns, round(update.elapsed_s * 1e9))
 
     def _update(self, pose: Pose) -> SearchUpdate:
-        voice = self._voice.announced if self._voice is not None and self._work == "voice" else None
+        voice = None
+        if self._voice is not None and self._work == "voice":
+            voice = HeardVoice(self._voice.source_m, min(self._voice_path_m, LONGEST_PATH_M))
         return SearchUpdate(
             robot_id=self._robot_id,
             position=(pose.x_m, pose.y_m),
@@ -214,12 +223,20 @@ class SearchController:
             self._knowledge.use_doors(self._known_doors)
             self._listening.forget_avoided()
         if areas_changed or doors_changed:
-            self._areas.measure(self._all_paths, self._use_paths(position))
+            start = self._use_paths(position)
+            self._areas.measure(self._all_paths, start)
+            self._meanwhile.forget_avoided()
         knowledge, voice = self._knowledge, observation.voice
         of_team_db = [update.noise_db for update in self._team.updates if update.noise_db is not None]
         if knowledge.agree_on_noise(of_team_db):
             self._space_places()
-        mass = knowledge.mass() if voice.heard else self._places.prior
+        if self._voice is not None and any(
+            math.dist(place, self._voice.source_m) <= self._tuning.same_voice_m
+            for place in knowledge.found[self._num_found :]
+        ):
+            self._hunt.forget()
+        self._num_found = len(knowledge.found)
+        mass = knowledge.mass() if voice.heard or self._hunt.is_on else self._places.prior
         self._voice = self._hunt.follow(voice, self._task.epoch, position, knowledge.losses, mass, self._places.prior)
         self._at = start = self._all_paths.start_of(position)
         if start != NO_CELL:
@@ -234,28 +251,46 @@ class SearchController:
     def _use_paths(self, position: Vector) -> int:
         """Use the paths with doors and areas as they are now; return the cell of the robot."""
         find = partial(cell_paths, self._scenario.plan, self._reach_m, self._grid, self._known_doors)
-        self._all_paths, self._paths = find(None), find(self._areas.kept_out)
-        start = self._all_paths.start_of(position)
-        kept_out = self._areas.kept_out
-        if kept_out is not None and not self._areas.is_last and start != NO_CELL:
-            everywhere, outside = (
-                np.count_nonzero(np.isfinite(paths.lengths_from(start))) for paths in (self._all_paths, self._paths)
+        self._all_paths, self._outside = find(None), find(self._areas.kept_out)
+        self._shut = shut_cells(self._all_paths, self._outside, self._start_m, self._grid.size)
+        return self._all_paths.start_of(position)
+
+    def _choose_paths(self) -> None:
+        """Choose whether the robot may enter the last area."""
+        if self._areas.num_left > 2 or not self._areas.num_left:
+            self._paths = self._all_paths
+        else:
+            self._paths = (
+                self._all_paths if self._areas.num_left == 2 and self._is_work_in_shut_cells() else self._outside
             )
-            inside = math.pi * (1.0 + kept_out[1] / self._grid.cell_m) ** 2
-            if everywhere - outside > inside + _SPLIT * everywhere:
-                self._paths = self._all_paths  # The last area is on the only path to a part of the building.
-        return start
+
+    def _is_work_in_shut_cells(self) -> bool:
+        """Whether a victim may be in the last area or behind it; the area before it is then explored later.
+
+        What is expected there must be worth the delay of the end: the path to the last area, shared by the team.
+        """
+        shut = self._shut
+        if self._voice is not None and shut[self._all_paths.start_of(self._voice.source_m)]:
+            return True
+        for update in self._team.updates:
+            cells = [cell for cell in (update.at, update.goal) if cell != NO_CELL]
+            if update.work in ("search", "voice") and any(shut[cell] for cell in cells):
+                return True
+        expected = self._knowledge.victims_per_share * float(self._knowledge.mass()[shut].sum())
+        delay_s = self._areas.tour_m / self._speed_mps / (1 + len(self._team.updates))
+        return expected * self._tuning.victim_worth_s > delay_s
 
     def _choose(self, position: Vector, start: int, time_s: float) -> None:
         """Choose what to do now."""
         self._done = ""
+        self._choose_paths()
         urgent = self._is_urgent(start)
-        if self._voice is not None and not urgent and self._approach_voice(self._voice, position, start, time_s):
+        allowed = self._paths.start_of(position)
+        if self._voice is not None and not urgent and self._approach_voice(self._voice, position, allowed, time_s):
             self._listening.clear()
             self._idle_since_s = None
             return
-        allowed = self._paths.start_of(position) if self._areas.kept_out else start
-        goal = self._listen_next(allowed, time_s) if not urgent else NO_CELL
+        goal = self._listen_next(self._listening, allowed, time_s) if not urgent else NO_CELL
         if self._goes_to_area(start, goal, urgent, time_s):
             self._listening.clear()
             ends = self._areas.is_last or allowed == NO_CELL
@@ -271,11 +306,11 @@ class SearchController:
         self._work, self._goal = work, cell
         self._target = paths.ahead(position, cell, _AHEAD_M)
 
-    def _listen_next(self, start: int, time_s: float) -> int:
+    def _listen_next(self, listening: ListeningGoal, start: int, time_s: float) -> int:
         if start == NO_CELL:
             return NO_CELL
         knowledge = self._knowledge
-        return self._listening.choose(
+        return listening.choose(
             knowledge.belief,
             self._paths,
             start,
@@ -290,39 +325,59 @@ class SearchController:
         if self._was_beside_m is None:
             return
         pose, voice = self._localiser.map_T_base_link(observation.robot), observation.voice
-        within_m = self._scenario.mission.save_distance_m + self._scenario.voice.map_resolution_m
+        within_m = self._save_distance_m + self._scenario.voice.map_resolution_m
         is_silent = not voice.heard or math.dist(voice.local_best_m, self._was_beside_m) > within_m
         if is_silent and math.dist((pose.x_m, pose.y_m), self._was_beside_m) <= within_m:
             self._knowledge.add_found(self._was_beside_m)
         self._was_beside_m = None
 
     def _approach_voice(self, voice: Hunted, position: Vector, start: int, time_s: float) -> bool:
-        """Drive towards a voice; return False if the robot leaves it to a teammate, or cannot reach it."""
+        """Drive towards a voice; return False if the robot leaves it to a teammate, or cannot reach it.
+
+        Args: start: the cell from which the robot may drive.
+        """
         self._given_up = [(place, until_s) for place, until_s in self._given_up if until_s > time_s]
         same_m = self._tuning.same_voice_m
         if any(math.dist(place, voice.source_m) <= same_m for place, _ in self._given_up):
             return False
-        kept_out = self._areas.kept_out if self._areas.is_last else None
-        if kept_out is not None and math.dist(kept_out[0], voice.source_m) <= kept_out[1]:
+        if math.dist(self._areas.nearest_outside(voice.source_m), voice.source_m) > self._save_distance_m:
             return False  # To save this victim would end the mission.
-        if self._team.approaches(voice, same_m):
-            return False
         goal = self._paths.start_of(voice.source_m)
         length_m = self._paths.length_m(goal, start) if NO_CELL not in (goal, start) else math.inf
+        if self._team.approaches(voice.source_m, length_m, same_m):
+            return False
         if self._approached_m is None or self._work != "voice":
             self._approach_until_s = time_s + _LONGEST_APPROACH * self._tuning.progress_timeout_s
+            self._detour_m = 0.0
         if self._approached_m is None or math.dist(self._approached_m, voice.source_m) > _MOVED_M:
             self._approached_m = voice.source_m
             self._approach.restart(time_s)
-        stuck = self._approach.is_stuck(length_m, time_s) or time_s > self._approach_until_s
-        if stuck or not math.isfinite(length_m):
+        if not math.isfinite(length_m):
+            self._lost_voice_m = voice.source_m
+            return False  # Further levels may lead to another cell.
+        if self._is_stuck(length_m, time_s):
             self._given_up.append((voice.source_m, time_s + self._tuning.avoided_s))
             self._lost_voice_m, self._approached_m = voice.source_m, None
             return False
+        self._voice_path_m = length_m
         self._set_goal("voice", goal, position, self._paths)
-        if voice.follow_m is not None:
-            self._target = voice.follow_m
+        if voice.follow_m is not None and length_m <= math.dist(position, voice.source_m) + _AROUND_M:
+            self._target = self._place_beside(position, voice.follow_m) or self._target
         return True
+
+    def _is_stuck(self, length_m: float, time_s: float) -> bool:
+        """Whether the path to a voice does not become shorter, or the approach takes too long."""
+        self._detour_m = max(self._detour_m, length_m)
+        until_s = self._approach_until_s + 2.0 * self._detour_m / self._speed_mps
+        return self._approach.is_stuck(length_m, time_s) or time_s > until_s
+
+    def _place_beside(self, position: Vector, loudest_m: Vector) -> Vector | None:
+        """Return the free place at the loudest place; None if no straight line leads to it, as through a wall."""
+        grid = self._map.grid
+        place = grid.nearest_free(self._areas.nearest_outside(loudest_m), _FREE_WITHIN_M)
+        if place is None or not grid.is_line_free(position, place) or self._areas.would_end(position, place):
+            return None
+        return place
 
     def _is_urgent(self, start: int) -> bool:
         """Whether the time left is needed to explore the areas."""
@@ -358,10 +413,12 @@ class SearchController:
             return False
         if urgent:
             return self._is_nearest(start)
+        keeps = self._work == "area" and self._goal == areas.cell
         if areas.is_last:
             is_over = goal == NO_CELL and self._team.all_wait and self._has_been_idle(2.0, time_s)
-            return is_over and self._is_nearest(start)
-        keeps = self._work == "area" and self._goal == areas.cell
+            return is_over and (keeps or self._is_nearest(start))
+        if areas.num_left == 2 and self._paths is self._all_paths and not self._is_all_done(goal):
+            return False
         if keeps and self._is_nearest(start, ("search", "wait", "area")):
             return True  # A robot whose goal changed with its position could drive back and forth forever.
         if not keeps and any(update.work == "area" and update.goal == areas.cell for update in self._team.updates):
@@ -376,6 +433,10 @@ class SearchController:
         detour_m = to_area_m + self._all_paths.length_m(areas.cell, goal) - self._all_paths.length_m(goal, start)
         return detour_m / self._speed_mps <= self._tuning.detour_s
 
+    def _is_all_done(self, goal: int) -> bool:
+        """Whether no robot searches or approaches a voice. Args: goal: where this robot would listen."""
+        return goal == NO_CELL and all(update.work in ("wait", "area") for update in self._team.updates)
+
     def _has_been_idle(self, for_s: float, time_s: float) -> bool:
         return self._idle_since_s is not None and time_s - self._idle_since_s >= for_s
 
@@ -389,8 +450,17 @@ class SearchController:
                 beside = self._areas.cell_beside(self._paths, start)
                 if beside not in (NO_CELL, start):
                     self._target = self._paths.ahead(position, beside, _AHEAD_M)
+            elif self._areas.is_last and any(update.work == "area" for update in self._team.updates):
+                self._listen_meanwhile(position, start, time_s)
         elif self._team.all_wait and self._has_been_idle(_IDLE_S, time_s):
             self._done = self._reason()
+
+    def _listen_meanwhile(self, position: Vector, start: int, time_s: float) -> None:
+        """Listen where most is expected, however little, until a teammate ends the mission."""
+        cell = self._listen_next(self._meanwhile, start, time_s)
+        if cell != NO_CELL:
+            self._goal = cell
+            self._target = self._paths.ahead(position, cell, _AHEAD_M)
 
     def _reason(self) -> str:
         """Return why the search is over, in a few words."""

@@ -12,20 +12,28 @@ from robotteamsim.scenario.search_tuning import SearchTuning
 _PROGRESS_M = 0.5
 """A path that becomes shorter by less is no progress [m]."""
 
+_JUMP_M = 3.0
+"""A path that becomes longer by more at once leads to another place: a door has closed, or a source has moved [m]."""
+
 
 class Progress:
     """Watches whether a robot gets nearer to its goal."""
 
     def __init__(self, timeout_s: float) -> None:
         self._timeout_s = timeout_s
-        self._least_m, self._since_s = math.inf, 0.0
+        self._least_m = self._last_m = math.inf
+        self._since_s = 0.0
 
     def restart(self, time_s: float) -> None:
         """Begin with a new goal."""
-        self._least_m, self._since_s = math.inf, time_s
+        self._least_m = self._last_m = math.inf
+        self._since_s = time_s
 
     def is_stuck(self, length_m: float, time_s: float) -> bool:
         """Return whether the path to the goal has not become shorter for too long."""
+        if length_m > self._last_m + _JUMP_M:
+            self.restart(time_s)
+        self._last_m = length_m
         if length_m < self._least_m - _PROGRESS_M:
             self._least_m, self._since_s = length_m, time_s
         return time_s - self._since_s > self._timeout_s

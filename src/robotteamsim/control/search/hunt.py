@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.control.search.cells import CellGrid
-from robotteamsim.control.search.update import HeardVoice
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Voice
 from robotteamsim.sensing.readings import VoiceReading
@@ -25,6 +24,9 @@ _FEWEST_LEVELS = 6
 _BESIDE_M = 2.5
 """A robot that hears the faintest victim from so near follows the voice itself [m]."""
 
+_STILL_LIKELY = 0.05
+"""A voice that is no longer heard is not approached further if its place is less probable, as a share of the prior."""
+
 _DEVIATION = math.sqrt(1.0 / 12.0)
 """Standard deviation of a uniform distribution over an interval of length 1."""
 
@@ -36,29 +38,23 @@ def spread(low: float, high: float, least: float) -> tuple[float, float]:
 
 @dataclass(slots=True)
 class Hunted:
-    """A voice that the robot hears.
+    """A voice that the robot hears, or heard before the path to its source led away from it.
 
     cell:     where the victim probably is.
     source_m: the centre of that cell, in `map` [m].
-    level_db: at the loudest place that the robot perceives [dB].
     follow_m: the loudest place, if the robot is beside the victim; None if it is not.
     """
 
     cell: int
     source_m: Vector
-    level_db: float
     follow_m: Vector | None
-
-    @property
-    def announced(self) -> HeardVoice:
-        """The voice as teammates need it."""
-        return HeardVoice(self.source_m, self.level_db)
 
 
 class Hunt:
     """Estimates where the voice comes from that a robot hears, from the levels at all places since it first heard it.
 
-    A robot that has been beside a cell would have saved the victim there.
+    The path around a wall may lead where the voice is not heard: the source is kept until the belief excludes it. A
+    robot that has been beside a cell would have saved the victim there.
     """
 
     def __init__(self, scenario: Scenario, grid: CellGrid) -> None:
@@ -70,6 +66,7 @@ class Hunt:
         self._beside_db = _level_at(_BESIDE_M, voice)
         self._saved_within_m = max(scenario.mission.save_distance_m - 0.7 * grid.cell_m, 0.3)
         self._fix: _core.control.VoiceFix | None = None
+        self._source: Hunted | None = None
         self._prior: np.ndarray | None = None
         self._visited: set[int] = set()
         self._heard_at: set[Vector] = set()
@@ -84,14 +81,16 @@ class Hunt:
         mass: np.ndarray,
         prior: np.ndarray,
     ) -> Hunted | None:
-        """Return the voice of this iteration; None if nothing is heard.
+        """Return the voice of this iteration; None if nothing is heard, and what was heard before is unlikely now.
 
         Args: epoch: of the task: a new one may have ended the voice.
               mass, prior: of each cell, what the belief leaves and what it started with.
         """
         if not voice.heard or not math.isfinite(voice.local_best_level_db):
-            self._fix = None
-            return None
+            if self._source is None or not self._is_likely(self._source.cell, mass, prior):
+                self.forget()
+                return None
+            return replace(self._source, follow_m=None)
         if self._fix is None or epoch != self._epoch or self._prior is None:
             self._epoch = epoch
             self._prior = mass + np.float32(_RULED_OUT) * prior
@@ -105,12 +104,30 @@ class Hunt:
             self._add(voice, position)
             source = self._fix.most_probable(self._prior)
         if source is None:
+            self._source = None
             return None
-        return Hunted(source[0], self._grid.centre_of(source[0]), voice.local_best_level_db, self.beside(voice))
+        self._source = Hunted(source[0], self._grid.centre_of(source[0]), self.beside(voice))
+        return self._source
+
+    @property
+    def is_on(self) -> bool:
+        """Whether a voice is or was heard whose source is still to be reached."""
+        return self._source is not None
+
+    def forget(self) -> None:
+        """Forget the voice, because its victim has been found."""
+        self._fix = self._source = None
 
     def beside(self, voice: VoiceReading) -> Vector | None:
         """Return the loudest place that a robot perceives, if the victim must be beside it; else None."""
         return voice.local_best_m if voice.heard and voice.local_best_level_db >= self._beside_db else None
+
+    def _is_likely(self, cell: int, mass: np.ndarray, prior: np.ndarray) -> bool:
+        """Whether the victim may be in a cell or next to it, for all that the team has heard."""
+        row, column = divmod(cell, self._grid.columns)
+        near = np.s_[max(row - 1, 0) : row + 2, max(column - 1, 0) : column + 2]
+        shape = self._grid.rows, self._grid.columns
+        return float(mass.reshape(shape)[near].sum()) > _STILL_LIKELY * float(prior.reshape(shape)[near].sum())
 
     def _restart(self, losses: _core.control.VoiceLosses) -> None:
         self._fix = _core.control.VoiceFix(losses, self._loudness_db, self._exponent)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from robotteamsim.control.search.hunt import Hunted
 from robotteamsim.control.search.update import SearchUpdate
 from robotteamsim.swarm import Vector
 
@@ -41,18 +40,18 @@ class Teammates:
     @property
     def claims(self) -> list[int]:
         """Cells at which teammates will listen."""
-        return [update.goal for update in self.updates if update.goal >= 0 and update.work in ("search", "area")]
+        return [update.goal for update in self.updates if update.goal >= 0 and update.work != "voice"]
 
     @property
     def all_wait(self) -> bool:
         """Whether all have nothing to do."""
         return all(update.work == "wait" for update in self._updates.values())
 
-    def approaches(self, voice: Hunted, same_voice_m: float) -> bool:
-        """Whether a teammate that hears a voice louder, or as loud with a lower id, approaches it."""
+    def approaches(self, source_m: Vector, path_m: float, same_voice_m: float) -> bool:
+        """Whether a teammate approaches a voice on a shorter path, or on one as long with a lower id."""
         return any(
             update.voice is not None
-            and math.dist(update.voice.source, voice.source_m) <= same_voice_m
-            and (-update.voice.level_db, update.robot_id) < (-voice.level_db, self._robot_id)
+            and math.dist(update.voice.source, source_m) <= same_voice_m
+            and (update.voice.path_m, update.robot_id) < (path_m, self._robot_id)
             for update in self._updates.values()
         )

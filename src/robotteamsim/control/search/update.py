@@ -15,11 +15,15 @@ Level = Annotated[float, msgspec.Meta(ge=0.0, le=1e6)]
 """A voice level, or the noise below which none is heard [dB]."""
 
 
+LONGEST_PATH_M = 1e6
+"""A longer path is announced as this [m]."""
+
+
 class HeardVoice(msgspec.Struct, frozen=True, gc=False):
-    """A voice that a robot approaches: where the victim seems to be, in `map` [m], and the level at the robot [dB]."""
+    """A voice that a robot approaches: where the victim seems to be, in `map` [m], and the length of the path [m]."""
 
     source: Point
-    level_db: Level
+    path_m: Annotated[float, msgspec.Meta(ge=0.0, le=LONGEST_PATH_M)]
 
 
 CellNumber = Annotated[int, msgspec.Meta(ge=-1, le=65_535)]
