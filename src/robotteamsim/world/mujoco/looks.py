@@ -27,6 +27,7 @@ _LINE_M = 0.1
 _PAINT_M = 0.002
 _SUN = (0.45, 0.3, -0.84)
 _DOME_M = 0.05
+_REFLECTANCE = 0.06
 
 
 def set_looks(spec: mujoco.MjSpec, plan: FloorPlan, cameras: Sequence[Camera], lights: Sequence[Light]) -> None:
@@ -60,6 +61,12 @@ def set_looks(spec: mujoco.MjSpec, plan: FloorPlan, cameras: Sequence[Camera], l
         _add_line(spec, f"bay {index}", start, end)
 
 
+def add_shadows(model: mujoco.MjModel, lights: Sequence[Light]) -> None:
+    """Add the shadows of the sun and reflections of the floor, which would triple the time of robots' images."""
+    model.light_castshadow[:] = not lights
+    model.material(FLOOR).reflectance = _REFLECTANCE
+
+
 def add_dome(body: Any, name: str, robot: PlacedRobot, bottom_m: float) -> None:
     """Add the housing of the laser on top of a robot, which only cameras see."""
     radius_m = 0.3 * Chassis.of(robot).half_width_m
@@ -83,7 +90,7 @@ def _add_sun(spec: mujoco.MjSpec, plan: FloorPlan) -> None:
         dir=list(_SUN),
         diffuse=[0.75, 0.73, 0.69],
         specular=[0.1, 0.1, 0.1],
-        castshadow=False,  # for the speed of robots' cameras; films have shadows
+        castshadow=False,
     )
 
 
@@ -99,7 +106,7 @@ def _add_tiles(spec: mujoco.MjSpec) -> None:
         width=512,
         height=512,
     )
-    material = spec.add_material(name=FLOOR, texuniform=True, texrepeat=[1.0 / _TILE_M] * 2, reflectance=0.06)
+    material = spec.add_material(name=FLOOR, texuniform=True, texrepeat=[1.0 / _TILE_M] * 2)
     textures = material.textures
     textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = texture.name
     material.textures = textures

@@ -15,6 +15,7 @@ from robotteamsim.world.mujoco.bodies import robot_name
 from robotteamsim.world.mujoco.building import leaf_name
 from robotteamsim.world.mujoco.cameras import Scene
 from robotteamsim.world.mujoco.leaves import Leaves
+from robotteamsim.world.mujoco.looks import add_shadows
 from robotteamsim.world.mujoco.model import make_spec
 from robotteamsim.world.mujoco.ramps import ground_m
 from robotteamsim.world.mujoco.team_state import FreeBodies
@@ -39,7 +40,7 @@ class Puppets:
             leaf = spec.body(leaf_name(door))
             leaf.pos = [0.0, 0.0, _OUT_OF_SIGHT_M] if pose is None else [pose.x_m, pose.y_m, 0.0]
         self.model = spec.compile()
-        self.model.light_castshadow[:] = not scenario.run.mujoco.lights  # of the sun
+        add_shadows(self.model, scenario.run.mujoco.lights)
         self.data = mujoco.MjData(self.model)
         self._bodies = FreeBodies(self.model, self.data, list(map(robot_name, placed)))
         self._scene = Scene(self, scenario.run.mujoco.lights)
