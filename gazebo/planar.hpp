@@ -31,9 +31,14 @@ inline PlanarPose Inverse(const PlanarPose& pose) {
   return {-cos * pose.x_m - sin * pose.y_m, sin * pose.x_m - cos * pose.y_m, -pose.yaw_rad};
 }
 
-// The velocity of a small motion, such as that of one physics step.
+// The velocity of the arc that leads there.
 inline PlanarTwist Velocity(const PlanarPose& motion, double duration_s) {
-  return {motion.x_m / duration_s, motion.y_m / duration_s, motion.yaw_rad / duration_s};
+  const double half = 0.5 * motion.yaw_rad;
+  const double cos = std::cos(half);
+  const double sin = std::sin(half);
+  const double scale = (std::abs(half) > 1e-9 ? half / sin : 1.0) / duration_s;
+  return {scale * (cos * motion.x_m + sin * motion.y_m), scale * (cos * motion.y_m - sin * motion.x_m),
+          motion.yaw_rad / duration_s};
 }
 
 }  // namespace robotteamsim::gazebo_plugins

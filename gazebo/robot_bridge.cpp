@@ -64,7 +64,7 @@ void RobotBridge::AfterPhysicsStep() {
   contacts_.Note();
   const std::int64_t now_ns = TimeNs(model_->GetWorld());
   if (!step_.IsDue(now_ns)) return;
-  // Velocities are the means of the whole step.
+  // Velocities are those of the whole step.
   RobotReading reading{odometry_, Velocity(Inverse(odometry_of_reading_) * odometry_, step_s_),
                        place_,    Velocity(Inverse(place_of_reading_) * place_, step_s_),
                        {},        {}};

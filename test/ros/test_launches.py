@@ -268,10 +268,27 @@ def test_launch_that_gazebo_cannot_run_ends_with_one_line(
     assert "Traceback" not in program.output
 
 
-def test_world_of_another_name_is_refused(tmp_path: Path) -> None:
-    with running((*ROSLAUNCH, "robotteamsim", "scenario.launch", "world:=gazbo"), tmp_path) as program:
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("world:=gazbo",), "world:=gazbo; expected true, gazebo or false"),
+        (("in_gazebo:=1",), "in_gazebo:=1; expected world:=gazebo"),
+        (("world:=gazebo", "elsewhere:=2"), "elsewhere:=2; expected world:=true"),
+    ],
+)
+def test_worlds_that_do_not_fit_are_refused(arguments: tuple[str, ...], line: str, tmp_path: Path) -> None:
+    with running((*ROSLAUNCH, "robotteamsim", "scenario.launch", *arguments), tmp_path) as program:
         program.wait()
-    assert "world:=gazbo; expected true, gazebo or false" in program.output
+    assert program.output.count(line) == 1
+
+
+def test_launch_file_with_no_robot_in_gazebo_is_refused(tmp_path: Path) -> None:
+    arguments = '<arg name="world" value="gazebo"/><arg name="in_gazebo" value=""/>'
+    scenario = '<include file="$(find robotteamsim)/launch/scenario.launch">'
+    (tmp_path / "none.launch").write_text(f"<launch>{scenario}{arguments}</include></launch>")
+    with running((*ROSLAUNCH, "none.launch"), tmp_path) as program:
+        program.wait()
+    assert program.output.count("in_gazebo:=; expected all, or ids of robots") == 1
 
 
 def rosbag(*arguments: str) -> str:

@@ -90,11 +90,16 @@ def _notes(scenario: Scenario, robots: Sequence[PlacedRobot], drive: DriveKind) 
     notes = []
     if drive == "wheels" and not all(has_wheels(robot, drive) for robot in robots):
         notes.append("robots.drive: only differential drives have wheels in Gazebo; the others move by their velocity")
-    omitted = {key for key in ("lasers", "sonars") if any(getattr(robot, key) for robot in robots)}
+    lists = ("lasers", "sonars", "cameras", "light_sensors")
+    omitted = {key for key in lists if any(getattr(robot, key) for robot in robots)}
     # Sensors that a robot has at most once are None by default.
     further = [key for key, field in Robot.model_fields.items() if field.default is None]
     omitted |= {key for key in further if any(getattr(robot, key) is not None for robot in robots)}
-    notes += [f"robots.{key}: omitted: in Gazebo, robots have one laser" for key in sorted(omitted)]
+    notes += [f"robots.{key}: omitted: in Gazebo, robots have only a body and one laser" for key in sorted(omitted)]
+    mujoco = scenario.run.mujoco
+    for key, is_used in (("lights", mujoco.lights), ("ramps", mujoco.ramps)):
+        if is_used:
+            notes.append(f"run.mujoco.{key}: omitted: only in the world of MuJoCo")
     if any(not robot.present for robot in robots):
         notes.append("robots: those that arrive later have a file each, for `rosrun gazebo_ros spawn_model -sdf`")
     return tuple(notes)

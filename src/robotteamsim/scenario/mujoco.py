@@ -48,7 +48,7 @@ class Ramp(Model):
     )
     end: Point = Field(validation_alias="to", serialization_alias="to", description="middle of the other end [m]")
     width_m: float = Field(default=1.0, ge=0.1, le=100.0, description="across the line from `from` to `to` [m]")
-    height_m: float = Field(gt=0.0, le=5.0, description="of its top at `to` [m]")
+    height_m: float = Field(ge=0.001, le=5.0, description="of its top at `to` [m]")
     from_height_m: float = Field(
         default=0.0, ge=0.0, le=5.0, description="of its top at `from`; a platform has the same as at `to` [m]"
     )

@@ -150,14 +150,25 @@ def test_objects_keep_mass_friction_and_shape():
     assert _numbers(drum, "inertial/inertia/izz") == pytest.approx([0.5 * 2.0 * 0.09])
 
 
-def test_sensors_that_gazebo_lacks_are_named_in_one_line_each():
+def test_what_gazebo_lacks_is_named_in_one_line_each():
     settings = [
+        "run.world=mujoco",
+        "run.mujoco.lights=[{name: lamp, position: [3.0, 4.0]}]",
+        "run.mujoco.ramps=[{from: [4.0, 5.0], to: [6.0, 5.0], height_m: 0.2}]",
+        "robots.cameras=[{name: front}]",
         "robots.gps={datum_lat_deg: 40.0, datum_lon_deg: -8.0}",
-        "robots.sonars=[{name: left}]",
+        "robots.gripper={}",
         "robots.lasers=[{name: rear}]",
+        "robots.light_sensors=[{name: up}]",
+        "robots.sonars=[{name: left}]",
     ]
-    notes = export_world(load("garage_sar", settings)).notes
-    assert [note.partition(":")[0] for note in notes] == ["robots.gps", "robots.lasers", "robots.sonars"]
+    notes = export_world(load("tutorial_arena", settings)).notes
+    sensors = ("cameras", "gps", "gripper", "lasers", "light_sensors", "sonars")
+    assert notes == (
+        *(f"robots.{key}: omitted: in Gazebo, robots have only a body and one laser" for key in sensors),
+        "run.mujoco.lights: omitted: only in the world of MuJoCo",
+        "run.mujoco.ramps: omitted: only in the world of MuJoCo",
+    )
 
 
 def test_steps_of_the_physics_divide_a_step_of_the_scenario():

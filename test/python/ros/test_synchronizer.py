@@ -365,3 +365,15 @@ def test_lockstep_drops_a_single_late_message(lockstep):
     steps.add("odom", 200, "late")
     steps.add("odom", 400, "odom 400")
     assert steps.take_step() == Step(400, False, {"odom": ("odom 400",)})
+
+
+def test_step_after_one_that_was_skipped_has_the_messages_of_both():
+    skipped = Step(100, True, {"scan": ("scan 1",), "rx": ("rx 1",)})
+    step = Step(200, False, {"scan": ("scan 2",), "tx": ("tx 1",)})
+    assert step.after(skipped) == Step(200, False, {"scan": ("scan 1", "scan 2"), "rx": ("rx 1",), "tx": ("tx 1",)})
+    assert step.after(None) is step
+
+
+def test_step_after_a_restart_has_no_messages_from_before():
+    step = Step(100, True, {"scan": ("scan 1",)})
+    assert step.after(Step(900, False, {"scan": ("old scan",)})) is step

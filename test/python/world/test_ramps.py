@@ -100,8 +100,12 @@ def test_ramp_that_is_too_steep_for_the_tyres_is_not_climbed():
             ["run.world=mujoco", "run.mujoco.ramps=[{from: [4, 5], to: [7, 5]}]"],
             "run.mujoco.ramps.0.height_m: missing",
         ),
+        (
+            ["run.world=mujoco", "run.mujoco.ramps=[{from: [4, 5], to: [7, 5], height_m: 1e-9}]"],
+            "run.mujoco.ramps.0.height_m: .*0.001",
+        ),
     ],
-    ids=["box2d", "outside", "short", "no height"],
+    ids=["box2d", "outside", "short", "no height", "flat"],
 )
 def test_ramp_that_cannot_be_is_one_line(keys, message):
     with pytest.raises(ScenarioError, match=message):

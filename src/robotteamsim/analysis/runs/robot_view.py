@@ -11,13 +11,14 @@ from robotteamsim.geometry import Pose
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sensors import Camera
 from robotteamsim.world.mujoco.puppets import Puppets
+from robotteamsim.world.placement import placed_robots
 
 _CAMERA = Camera(name="film", width_px=640, height_px=360, fov_rad=1.4)
 """Of a robot without a camera for colours."""
 
 
 class RobotView:
-    """Draws images for films. Doors and objects are as at the start of the scenario."""
+    """Draws images for films. Doors, objects and lamps are as at the start of the scenario."""
 
     def __init__(self, run: RecordedRun, scenario: Scenario, robot_id: int) -> None:
         """Raises: CameraError: the run or the scenario has no such robot."""
@@ -29,8 +30,8 @@ class RobotView:
         if robot_id not in self._tracks:
             known = ", ".join(map(str, self._tracks)) or "none"
             raise CameraError(f"--camera {robot_id}: no such robot in the bag and in {scenario.name}; known: {known}")
-        robots = scenario.robots if isinstance(scenario.robots, tuple) else (scenario.robots,) * scenario.num_robots
-        colour = (camera for camera in robots[robot_id].cameras if camera.images == "rgb")
+        cameras = placed_robots(scenario)[robot_id].cameras
+        colour = (camera for camera in cameras if camera.images == "rgb")
         self._puppets = Puppets(scenario, robot_id, next(colour, _CAMERA))
         self.title = f"camera of robot {robot_id}"
 

@@ -129,14 +129,18 @@ class EnvironmentNode:
 
     def serve(self) -> None:
         """Step until the node is shut down."""
+        skipped: Step | None = None
         while (step := self._steps.take()) is not None:
             if step.restarted:
                 with self._environment_lock:
                     self._settings = read_seed(self._settings)
                     self._build()
                 self._poses.restart()
+            step = step.after(skipped)
             self._presence.follow(step)
             is_located = self._poses.follow(step, self._presence)
+            # `WorldPoses` may lack a robot that comes or goes: no message may be lost because of that.
+            skipped = step if self._settings.team_state and not is_located else None
             for line in self._poses.newly_lost():
                 logger.warning("%s", line)
             if is_located:

@@ -131,6 +131,7 @@ class MissionNode:
 
     def serve(self) -> None:
         """Step until the mission has ended (or longer, with `~stays`), or the node is shut down."""
+        skipped: Step | None = None
         try:
             while (step := self._steps.take()) is not None:
                 if step.restarted:
@@ -144,8 +145,12 @@ class MissionNode:
                     self._poses.restart()
                     for topics in self._robots:
                         topics.forget()
+                step = step.after(skipped)
                 self._presence.follow(step)
-                if not self._poses.follow(step, self._presence):
+                is_located = self._poses.follow(step, self._presence)
+                # `WorldPoses` may lack a robot that comes or goes: no message may be lost because of that.
+                skipped = step if self._settings.team_state and not is_located else None
+                if not is_located:
                     continue
                 running = self._trial.result is None
                 self._step(step)

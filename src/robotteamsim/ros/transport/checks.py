@@ -123,7 +123,8 @@ def _check_voices(message: Any, settings: Settings | None) -> None:
     count = settings.num_robots if settings else len(message.heard)
     for name, length in (("level_db", 1), ("heard", 1), ("local_best", 2), ("local_best_level_db", 1)):
         _expect(name, len(getattr(message, name)), length * count)
-    check_finite("level_db", *message.level_db, *message.local_best_level_db)
+    for levels in zip(message.level_db, message.local_best_level_db, strict=True):
+        check_levels(*levels)
     places = np.reshape(message.local_best, (count, 2))
     # The place of a robot that hears nobody is not used.
     heard = np.frombuffer(message.heard, np.uint8) > 0

@@ -1,8 +1,10 @@
 """Combines the stamped messages of several channels to steps. Independent of ROS and threads."""
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 REPORT_TIMEOUT_S = 10.0
@@ -51,6 +53,14 @@ class Step:
         """Return the newest message of a channel; None: nothing came, or the node has no such channel."""
         messages = self.messages.get(channel)
         return messages[-1] if messages else None
+
+    def after(self, skipped: Step | None) -> Step:
+        """Return this step with the messages of a skipped one before its own; None: no step was skipped."""
+        if skipped is None or self.restarted:
+            return self
+        old, new = skipped.messages, self.messages
+        both = {name: (*old.get(name, ()), *new.get(name, ()))[-MAX_WAITING:] for name in {**old, **new}}
+        return replace(self, messages=both)
 
 
 @dataclass(slots=True)

@@ -25,7 +25,7 @@ _OUT_OF_SIGHT_M = -100.0
 
 
 class Puppets:
-    """The bodies of a scenario, doors and objects as they are at the start."""
+    """The bodies of a scenario; doors, objects and lamps are as at the start."""
 
     def __init__(self, scenario: Scenario, viewer: int, camera: Camera) -> None:
         """Args: viewer: id of the robot that gets the camera. Raises: PlacementError: a robot has no room."""
