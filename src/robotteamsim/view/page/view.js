@@ -23,7 +23,10 @@ export class View {
   /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw(). */
   constructor(container, mission, callbacks) {
     Object.assign(this, { container, mission, callbacks });
-    this.renderer = new WebGLRenderer({ antialias: true });
+    const canvas = document.createElement("canvas");
+    // An opaque canvas costs the browser less than one that it has to blend with the page.
+    const context = canvas.getContext("webgl2", { alpha: false, antialias: true });
+    this.renderer = new WebGLRenderer({ canvas, context: context ?? undefined });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     container.append(this.renderer.domElement);
     this.camera = new PerspectiveCamera(42, 1, 0.1, 5000);
