@@ -73,8 +73,10 @@ export class Building {
       const [x, y] = door.hinge_m, [dx, dy] = door.shift_m;
       hinge.position.set(x + dx * opening, y + dy * opening, 0);
       hinge.rotation.z = opening * (door.is_instant ? Math.PI / 2 : door.angle_rad);
-      leaf.material.transparent = door.is_instant && opening > 0;
-      leaf.material.opacity = leaf.material.transparent ? 0.45 : 1;
+      const transparent = door.is_instant && opening > 0;
+      if (leaf.material.transparent === transparent) return;
+      leaf.material.transparent = transparent;
+      leaf.material.opacity = transparent ? 0.45 : 1;
       leaf.material.needsUpdate = true;
     });
   }

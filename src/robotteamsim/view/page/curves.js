@@ -1,40 +1,55 @@
 // Small curves over time with a cursor: areas explored, victims saved, links, Fiedler value.
 
+import { lastIndex } from "viewer/recording";
+
 const CURVES = [
   { key: "areas", name: "areas explored", step: true },
   { key: "saved", name: "victims saved", step: true },
   { key: "links", name: "links", step: true },
   { key: "fiedler", name: "Fiedler value", step: true },
 ];
-const TOP = 20, LEFT = 30, RIGHT = 6, BOTTOM = 6;
+const TOP = 20, LEFT = 36, RIGHT = 6, BOTTOM = 6;
 
 export class Curves {
   constructor(container, onSeek, colours) {
     this.colours = colours;
-    this.canvases = CURVES.map((curve) => {
-      const canvas = document.createElement("canvas");
+    this.figures = CURVES.map((curve) => {
+      const figure = document.createElement("figure"), canvas = document.createElement("canvas");
+      const text = document.createElement("figcaption"), cursor = document.createElement("i");
       canvas.setAttribute("role", "img");
       canvas.setAttribute("aria-label", curve.name);
       canvas.addEventListener("click", (event) => {
         const share = (event.offsetX - LEFT) / (canvas.clientWidth - LEFT - RIGHT);
         onSeek(this.start + Math.min(Math.max(share, 0), 1) * (this.end - this.start));
       });
-      container.append(canvas);
-      return canvas;
+      text.style.left = `${LEFT}px`;
+      figure.append(canvas, text, cursor);
+      container.append(figure);
+      return { figure, canvas, text, cursor };
     });
   }
 
-  /** Args: all: the curves of each mission that is shown. */
-  draw(all, start, end, time) {
-    Object.assign(this, { start, end });
+  /** Draw the curves themselves; `mark` then follows the time. Args: all: the curves of each mission that is shown. */
+  draw(all, start, end) {
+    Object.assign(this, { all, start, end });
     CURVES.forEach((curve, index) => {
-      const series = all.map((one) => one[curve.key]);
-      this.canvases[index].hidden = series.every(({ values }) => values.every((value) => value === 0));
-      this._draw(this.canvases[index], curve, series, time);
+      const series = all.map((one) => one[curve.key]), { figure, canvas } = this.figures[index];
+      figure.hidden = series.every(({ values }) => values.every((value) => value === 0));
+      this._draw(canvas, curve, series);
     });
   }
 
-  _draw(canvas, { key, name, step }, series, time) {
+  /** Move the cursors to a time, and show the values there. */
+  mark(time) {
+    const share = (time - this.start) / Math.max(this.end - this.start, 1e-9);
+    CURVES.forEach(({ key, name }, index) => {
+      const { text, cursor } = this.figures[index];
+      text.textContent = `${name}: ${this.all.map((one) => at(one[key], time)).join(" · ")}`;
+      cursor.style.left = `calc(${LEFT}px + (100% - ${LEFT + RIGHT}px) * ${share})`;
+    });
+  }
+
+  _draw(canvas, { key, step }, series) {
     const ratio = window.devicePixelRatio, width = canvas.clientWidth, height = canvas.clientHeight;
     if (!width) return;
     canvas.width = width * ratio;
@@ -61,17 +76,7 @@ export class Curves {
       if (times.length) pen.lineTo(x(this.end), y(values.at(-1)));
       pen.stroke();
     });
-    pen.setLineDash([]);
-    pen.strokeStyle = style.getPropertyValue("--ink");
-    pen.lineWidth = 1;
-    pen.beginPath();
-    pen.moveTo(x(time), TOP - 3);
-    pen.lineTo(x(time), height - BOTTOM);
-    pen.stroke();
-    const now = series.map(({ times, values }) => at(times, values, time)).join(" · ");
     pen.font = "12px system-ui, 'DejaVu Sans', sans-serif";
-    pen.fillStyle = style.getPropertyValue("--ink");
-    pen.fillText(`${name}: ${now}`, LEFT, 12);
     pen.fillStyle = style.getPropertyValue("--soft");
     pen.textAlign = "right";
     for (const value of [0, highest]) pen.fillText(rounded(value), LEFT - 4, y(value) + 4);
@@ -80,8 +85,6 @@ export class Curves {
 
 const rounded = (value) => (Number.isInteger(value) ? String(value) : value.toFixed(value < 10 ? 2 : 1));
 
-function at(times, values, time) {
-  let found = values[0] ?? 0;
-  for (let i = 0; i < times.length && times[i] <= time; i++) found = values[i];
-  return rounded(found);
+function at({ times, values }, time) {
+  return rounded(values[lastIndex(times, time)] ?? 0);
 }

@@ -18,22 +18,34 @@ export class Labels {
 
   show(frame, scene, camera, visible, selected) {
     const wanted = visible ? this._wanted(frame, scene, selected) : [];
-    const taken = [], used = new Set();
-    for (const { key, text, kind, at } of wanted) {
-      const element = this._element(key, kind);
-      if (element.textContent !== text) {
-        element.textContent = text;
-        element.size = null;
-      }
-      element.hidden = false;
-      element.size ??= [element.offsetWidth, element.offsetHeight];
-      const box = this._boxes(at, camera, element.size).find((one) => !taken.some((other) => overlap(one, other)));
-      if (!box) { element.hidden = true; continue; }
-      element.style.transform = `translate(${box[0]}px, ${box[1]}px)`;
+    const sizes = this._sizes(wanted), taken = [], places = new Map();
+    const view = [this.container.clientWidth, this.container.clientHeight];
+    wanted.forEach(({ key, at }, index) => {
+      const boxes = boxesNextTo(at, camera, view, sizes[index]);
+      const box = boxes.find((one) => !taken.some((other) => overlap(one, other)));
+      if (!box) return;
       taken.push(box);
-      used.add(key);
+      places.set(key, `translate(${box[0]}px, ${box[1]}px)`);
+    });
+    for (const [key, element] of this.elements) {
+      const place = places.get(key);
+      element.hidden = !place;
+      if (place && element.style.transform !== place) element.style.transform = place;
     }
-    for (const [key, element] of this.elements) if (!used.has(key)) element.hidden = true;
+  }
+
+  /** Write the texts, and return the size of each label. All are written before one is measured: a single layout. */
+  _sizes(wanted) {
+    const elements = wanted.map(({ key, text, kind }) => {
+      const element = this._element(key, kind);
+      if (element.shownText !== text) {
+        element.textContent = element.shownText = text;
+        element.size = null;
+        element.hidden = false;
+      }
+      return element;
+    });
+    return elements.map((element) => element.size ??= [element.offsetWidth, element.offsetHeight]);
   }
 
   /** Labels in the order of their importance. */
@@ -66,20 +78,19 @@ export class Labels {
     }
     return this.elements.get(key);
   }
+}
 
-  /** Rectangles for a label next to a point, above it first, that are inside the view. */
-  _boxes(at, camera, [width, height]) {
-    const point = new Vector3(...at).project(camera);
-    if (point.z > 1) return [];
-    const { clientWidth, clientHeight } = this.container;
-    const x = Math.round((point.x + 1) / 2 * clientWidth), y = Math.round((1 - point.y) / 2 * clientHeight);
-    const corners = [
-      [x - width / 2, y - height - NEAR_PX], [x + NEAR_PX, y - height / 2], [x - width - NEAR_PX, y - height / 2],
-      [x - width / 2, y + NEAR_PX],
-    ];
-    return corners.map(([left, top]) => [left, top, left + width, top + height]).filter(([left, top, right, bottom]) =>
-      left >= 0 && top >= 0 && right <= clientWidth && bottom <= clientHeight);
-  }
+/** Rectangles for a label of a size next to a point, above it first, that are inside the view. */
+function boxesNextTo(at, camera, [viewWidth, viewHeight], [width, height]) {
+  const point = new Vector3(...at).project(camera);
+  if (point.z > 1) return [];
+  const x = Math.round((point.x + 1) / 2 * viewWidth), y = Math.round((1 - point.y) / 2 * viewHeight);
+  const corners = [
+    [x - width / 2, y - height - NEAR_PX], [x + NEAR_PX, y - height / 2], [x - width - NEAR_PX, y - height / 2],
+    [x - width / 2, y + NEAR_PX],
+  ];
+  return corners.map(([left, top]) => [left, top, left + width, top + height]).filter(([left, top, right, bottom]) =>
+    left >= 0 && top >= 0 && right <= viewWidth && bottom <= viewHeight);
 }
 
 function overlap([ax0, ay0, ax1, ay1], [bx0, by0, bx1, by1]) {

@@ -15,12 +15,18 @@ export function make(tag, text = "", attributes = {}) {
   return made;
 }
 
+const PART = 40; // events of a list that the browser lays out only when it is visible
+
+function setPast(item, isPast) {
+  if (item.classList.contains("past") !== isPast) item.classList.toggle("past", isPast);
+}
+
 export class Panel {
   constructor(onSeek, colours) {
     this.onSeek = onSeek;
     this.curves = new Curves(element("curves"), onSeek, colours);
     this.events = [];
-    this.past = 0;
+    this.parts = [];
   }
 
   /** List the events of missions, and mark them on the slider. A list that is the same stays, with clicks on it. */
@@ -29,39 +35,55 @@ export class Panel {
     const isSame = this.lists?.length === lists.length && lists.every((list, index) => list === this.lists[index]);
     if (!isSame || count !== this.events.length) this._listEvents(lists);
     this.lists = lists;
-    const marks = this.events.map((event) => {
-      const mark = make("i", "", { title: event.text });
-      mark.style.left = `${100 * (event.time_s - start) / Math.max(end - start, 1e-9)}%`;
-      mark.style.background = colours(event.kind);
-      return mark;
-    });
-    element("marks").replaceChildren(...marks);
+    this._drawMarks(start, end, colours);
+  }
+
+  /** One canvas: thousands of elements would make each frame slow. */
+  _drawMarks(start, end, colours) {
+    const canvas = element("marks"), ratio = window.devicePixelRatio;
+    canvas.width = canvas.clientWidth * ratio;
+    canvas.height = canvas.clientHeight * ratio;
+    const pen = canvas.getContext("2d");
+    for (const event of this.events) {
+      const share = (event.time_s - start) / Math.max(end - start, 1e-9);
+      pen.fillStyle = colours(event.kind);
+      pen.fillRect(Math.round(share * canvas.width - 1.5 * ratio), 0, 3 * ratio, canvas.height);
+    }
   }
 
   _listEvents(lists) {
     this.events = lists.flatMap((events, index) =>
       events.map((event) => ({ ...event, text: lists.length > 1 ? `${"AB"[index] ?? index}: ${event.text}` : event.text })));
     this.events.sort((a, b) => a.time_s - b.time_s);
-    const list = make("ol");
-    this.items = this.events.map((event) => {
+    const items = this.events.map((event) => {
       const item = make("li");
       item.append(make("time", event.time_s.toFixed(1)), make("span", event.text));
       item.addEventListener("click", () => this.onSeek(event.time_s));
-      list.append(item);
       return item;
     });
-    this.past = 0;
-    element("events").replaceChildren(make("h2", "Events"), list);
+    this.parts = [];
+    for (let i = 0; i < items.length; i += PART) {
+      const list = make("ol");
+      list.append(...items.slice(i, i + PART));
+      this.parts.push({ list, items: items.slice(i, i + PART) });
+    }
+    element("events").replaceChildren(make("h2", "Events"), ...this.parts.map(({ list }) => list));
   }
 
-  show(views, curves, start, end, time) {
+  /** Mark the first events as past: a part of the list as a whole where that is possible. */
+  _markPast(count) {
+    this.parts.forEach(({ list, items }, index) => {
+      const inPart = Math.min(Math.max(count - index * PART, 0), items.length);
+      setPast(list, inPart === items.length);
+      items.forEach((item, place) => setPast(item, inPart < items.length && place < inPart));
+    });
+  }
+
+  show(views, start, time) {
     const past = this.events.length && this.events[0].time_s <= time
       ? lastIndex(this.events, time, (event) => event.time_s) + 1 : 0;
-    for (let i = Math.min(past, this.past); i < Math.max(past, this.past); i++) {
-      this.items[i].classList.toggle("past", i < past);
-    }
-    this.past = past;
-    this.curves.draw(curves, start, end, time);
+    this._markPast(past);
+    this.curves.mark(time);
     this._showRobot(views.find((view) => view.selected !== null));
     showVictim(element("victim"), views.find((view) => view.selectedVictim !== null), start);
   }

@@ -66,7 +66,13 @@ export class Player {
     slider.min = this.start;
     slider.max = this.end;
     this.curves = this.missions.map((mission) => mission.curves());
+    this._drawPanel();
+  }
+
+  /** Draw what stays the same while the time changes: curves, list of events and their marks. */
+  _drawPanel() {
     this.panel.setEvents(this.missions, this.start, this.end, (kind) => this._eventColour(kind));
+    this.panel.curves.draw(this.curves, this.start, this.end);
     this.dirty = true;
   }
 
@@ -90,7 +96,7 @@ export class Player {
   _show() {
     this.dirty = false;
     for (const view of this.views) view.show(Math.min(this.time, view.mission.end), this.shown);
-    this.panel.show(this.views, this.curves, this.start, this.end, this.time);
+    this.panel.show(this.views, this.start, this.time);
     element("time").value = this.time;
     element("clock").textContent = `${(this.time - this.start).toFixed(1)} / ${(this.end - this.start).toFixed(1)} s`;
     element("state").textContent = this.views.map((view) => statusText(view.frame)).join("   |   ");
@@ -112,13 +118,15 @@ export class Player {
       const root = document.documentElement;
       root.dataset.theme = root.dataset.theme === "dark" ? "light" : "dark";
       this._each((view) => view.paint());
+      this._drawPanel();
     });
     element("side").addEventListener("click", () => {
       document.body.classList.toggle("narrow");
-      this.dirty = true;
+      this._drawPanel();
     });
     for (const name of Object.keys(LAYERS)) this._layerBox(name);
     document.addEventListener("keydown", (event) => this._key(event));
+    window.addEventListener("resize", () => this._drawPanel());
   }
 
   _layerBox(name) {

@@ -1,14 +1,15 @@
 // What moves: robots, trails, links, areas and objects.
 
 import {
-  BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, DynamicDrawUsage, Group,
-  InstancedMesh, Line, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D,
-  RingGeometry,
+  Color, ConeGeometry, CylinderGeometry, DoubleSide, DynamicDrawUsage, Group, InstancedMesh, Mesh, MeshBasicMaterial,
+  MeshLambertMaterial, Object3D, RingGeometry,
 } from "three";
 import { prism } from "viewer/building";
+import { Lines } from "viewer/lines";
 
 const TRAIL_S = 40, MOST_TRAILS = 60;
-const LINK_Z = 0.6;
+const TRAIL_STEP_M = 0.15; // nearer points of a trail are left out
+const LINK_Z = 0.6, TRAIL_Z = 0.05;
 const LEAST_SIZE = 0.0085; // of a robot's radius, as a share of its distance from the camera: far robots are enlarged
 const [STRONG_DBM, WEAK_DBM, ENDANGERED_DBM] = [-50, -70, -80];
 
@@ -37,8 +38,11 @@ export class Team {
     this.bodies = this._bodies();
     this.noses = this._instances(new ConeGeometry(0.5, 1, 4).rotateZ(-Math.PI / 2), scene.robots.length, false);
     this.noses.raycast = () => {};
-    this.links = this._lines(new LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.9 }));
-    this.trails = scene.robots.slice(0, MOST_TRAILS).map((robot) => this._trail(robot.colour));
+    this.links = new Lines(0.9);
+    this.linkColours = new Map(); // by signal [dBm]
+    this.trails = new Lines(0.75);
+    this.trailColours = scene.robots.slice(0, MOST_TRAILS).map((robot) => new Color(robot.colour));
+    this.group.add(this.links.object, this.trails.object);
     this.areas = scene.areas.map((area) => this._area(area));
     this.objects = scene.objects.map((object) => this._object(object));
     this.ring = new Mesh(new RingGeometry(1.15, 1.5, 40), new MeshBasicMaterial({ color: "white", side: DoubleSide }));
@@ -71,20 +75,6 @@ export class Team {
     mesh.frustumCulled = false;
     this.group.add(mesh);
     return mesh;
-  }
-
-  _lines(material) {
-    const lines = new LineSegments(new BufferGeometry(), material);
-    lines.frustumCulled = false;
-    this.group.add(lines);
-    return lines;
-  }
-
-  _trail(colour) {
-    const line = new Line(new BufferGeometry(), new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.75 }));
-    line.frustumCulled = false;
-    this.group.add(line);
-    return line;
   }
 
   _area({ center_m: [x, y], radius_m }) {
@@ -153,30 +143,31 @@ export class Team {
   }
 
   _showLinks(frame, visible) {
-    const positions = [], colours = [];
+    this.links.clear();
     for (const [first, second, signal] of visible ? frame.links : []) {
       const a = frame.poses[first], b = frame.poses[second];
-      if (!a || !b) continue;
-      positions.push(a[0], a[1], LINK_Z, b[0], b[1], LINK_Z);
-      const colour = linkColour(this.palette, signal);
-      colours.push(...colour.toArray(), ...colour.toArray());
+      if (a && b) this.links.add(a, b, LINK_Z, this._linkColour(signal));
     }
-    this.links.geometry.dispose();
-    this.links.geometry = new BufferGeometry();
-    this.links.geometry.setAttribute("position", new BufferAttribute(new Float32Array(positions), 3));
-    this.links.geometry.setAttribute("color", new BufferAttribute(new Float32Array(colours), 3));
-    this.shownLinks = positions.length / 6;
+    this.links.finish();
+  }
+
+  _linkColour(signal) {
+    if (!this.linkColours.has(signal)) this.linkColours.set(signal, linkColour(this.palette, signal));
+    return this.linkColours.get(signal);
   }
 
   _showTrails(frame, mission, visible) {
-    this.trails.forEach((line, robot) => {
-      line.visible = visible;
-      if (!visible) return;
-      const points = mission.trail(robot, frame.time - TRAIL_S, frame.time).flatMap(([x, y]) => [x, y, 0.05]);
-      line.geometry.dispose();
-      line.geometry = new BufferGeometry();
-      line.geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
+    this.trails.clear();
+    (visible ? this.trailColours : []).forEach((colour, robot) => {
+      let last = null;
+      mission.trail(robot, frame.time - TRAIL_S, frame.time).forEach((point, index, all) => {
+        const isNear = last && Math.hypot(point[0] - last[0], point[1] - last[1]) < TRAIL_STEP_M;
+        if (isNear && index < all.length - 1) return;
+        if (last) this.trails.add(last, point, TRAIL_Z, colour);
+        last = point;
+      });
     });
+    this.trails.finish();
   }
 
   /** Mark the selected robot; null: none. */

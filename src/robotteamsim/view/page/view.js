@@ -1,8 +1,7 @@
 // One mission in one canvas: camera, light, building, team, layers, labels, and clicks.
 
 import {
-  DirectionalLight, HemisphereLight, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
-  OrbitControls,
+  DirectionalLight, HemisphereLight, OrbitControls, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3,
 } from "three";
 import { Building } from "viewer/building";
 import { Hazards } from "viewer/hazards";
@@ -11,6 +10,7 @@ import { Labels } from "viewer/labels";
 import { Layers, scale } from "viewer/layers";
 import { People, shownState } from "viewer/people";
 import { isSaved } from "viewer/recording";
+import { Surface } from "viewer/surface";
 import { Team, enlarged } from "viewer/team";
 
 const CLICK_PX = 5;
@@ -23,8 +23,8 @@ export class View {
   /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw(). */
   constructor(container, mission, callbacks) {
     Object.assign(this, { container, mission, callbacks });
-    this.renderer = new WebGLRenderer({ antialias: true });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.surface = new Surface();
+    this.renderer = this.surface.renderer;
     container.append(this.renderer.domElement);
     this.camera = new PerspectiveCamera(42, 1, 0.1, 5000);
     this.camera.up.set(0, 0, 1);
@@ -155,7 +155,7 @@ export class View {
     this.layers.show(this.mission, frame, shown, this.selected);
     this._showLegend(shown);
     this._follow(frame);
-    this.renderer.render(this.scene, this.camera);
+    this.surface.render(this.scene, this.camera);
     this.labels.show(frame, this.mission.scene, this.camera, shown.names, this.selected);
     this._report(frame);
   }
