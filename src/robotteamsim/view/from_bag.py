@@ -76,7 +76,13 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
 
 
 def _hazards(layers: BagLayers, start_ns: int, block_c: float) -> HazardMaps:
-    """Return the maps of fire and smoke. Args: block_c: from this temperature on, cells are hot [degC]."""
+    """Return the maps of fire and smoke. Args: block_c: from this temperature on, cells are hot [degC].
+
+    Raises: RecordingError: the floor changes.
+    """
+    for topic in (FIRE_GRID, SMOKE_GRID):
+        if len({(grid.cells.shape, grid.origin_m, grid.resolution_m) for _, grid in layers.maps(topic)}) > 1:
+            raise RecordingError(f"{topic}: maps of different sizes or places; expected one floor")
     found = HazardMaps()
     temperatures = dict(layers.maps(TEMPERATURE))
     for stamp_ns, grid in layers.maps(FIRE_GRID):
