@@ -217,7 +217,8 @@ class Rescue:
         for index, assistance in list(self._helps.items()):
             if not assistance.moving and time_s - self._reached_s[index] >= self._section.pick_up_s:
                 self._helps[index] = msgspec.structs.replace(assistance, moving=True)
-                does = "leads" if victims[index].can_walk else "carries"
+                walks = victims[index].can_walk and assistance.victim not in self._collapsed
+                does = "leads" if walks else "carries"
                 detail = f"{self._member(assistance.robot_id)} {does} {assistance.victim}"
                 yield VictimNews(index, "carried", "victim_carried", assistance.robot_id, detail)
 

@@ -15,12 +15,13 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.hazard_messages import FIRE_GRID, SMOKE_GRID, TEMPERATURE
 from robotteamsim.scenario.plan import OccupancyGrid
-from robotteamsim.view.frame import Link, links_of
+from robotteamsim.view.frame import Link, enclosed_of, links_of
 
-_NETWORK, _DOORS, _VOICE = "/network/state", "/world/doors", "/voice_map/values"
+_NETWORK, _DOORS, _PEOPLE, _VOICE = "/network/state", "/world/doors", "/world/people", "/voice_map/values"
 _TEAM_TYPES = {
     _NETWORK: "robotteamsim/NetworkState",
     _DOORS: "robotteamsim/Doors",
+    _PEOPLE: "robotteamsim/People",
     _VOICE: "robotteamsim/FloatMap",
     FIRE_GRID: "nav_msgs/OccupancyGrid",
     SMOKE_GRID: "nav_msgs/OccupancyGrid",
@@ -56,6 +57,11 @@ class BagLayers:
     def doors(self, stamp_ns: int) -> Mapping[str, float]:
         """Return the opening of each door by its name."""
         return self._last(_DOORS, stamp_ns) or {}
+
+    def enclosed(self, stamp_ns: int) -> frozenset[str]:
+        """Return the names of the people for whom no path to an exit is open."""
+        found: frozenset[str] = self._last(_PEOPLE, stamp_ns) or frozenset()
+        return found
 
     def scan(self, robot: str, stamp_ns: int) -> Scan | None:
         """Return the last scan of a robot. Args: robot: its name in the run."""
@@ -120,6 +126,10 @@ def _doors(message: Any) -> dict[str, float]:
     return {door.name: min(max(door.opening, 0.0), 1.0) for door in message.doors if math.isfinite(door.opening)}
 
 
+def _enclosed(message: Any) -> frozenset[str]:
+    return enclosed_of(message.people)
+
+
 def _voice_map(message: Any) -> FieldMap:
     return _field_map(message, "levels", _MOST_DB)
 
@@ -170,6 +180,7 @@ def _finite(values: Any, name: str, most: float) -> np.ndarray:
 _CONVERTERS: dict[str, Callable[[Any], Any]] = {
     "robotteamsim/NetworkState": _links,
     "robotteamsim/Doors": _doors,
+    "robotteamsim/People": _enclosed,
     "robotteamsim/FloatMap": _voice_map,
     "nav_msgs/OccupancyGrid": _grid,
     _SCAN_TYPE: _scan,

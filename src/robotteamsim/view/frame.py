@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Literal
+from collections.abc import Collection, Iterable, Sequence
+from typing import Literal, Protocol
 
 import msgspec
 import numpy as np
@@ -78,8 +78,8 @@ class Frame(msgspec.Struct, frozen=True):
     scans_m: tuple[list[float], ...] = ()
 
 
-def frame_of(record: StepRecord, world: AnyWorld, *, with_scans: bool) -> Frame:
-    """Return the frame of a step. Args: world: just after that step, for its objects."""
+def frame_of(record: StepRecord, world: AnyWorld, *, with_scans: bool, fallen: Collection[str] = frozenset()) -> Frame:
+    """Return the frame of a step. Args: world: just after that step, for its objects.  fallen: as `victim_shapes`."""
     scans = [finite_ranges(reading.ranges_m, FAR_M) for reading in record.readings] if with_scans else []
     poses = []
     for robot_id, reading in enumerate(record.readings):
@@ -94,7 +94,7 @@ def frame_of(record: StepRecord, world: AnyWorld, *, with_scans: bool) -> Frame:
         fiedler_value=record.network.fiedler_value,
         doors=tuple(state.opening for state in record.doors.values()),
         objects=tuple((pose.x_m, pose.y_m, pose.yaw_rad) for pose in world.objects().values()),
-        victims=victim_shapes(record.victims, status.victims),
+        victims=victim_shapes(record.victims, status.victims, fallen, enclosed_of(record.people)),
         explored=status.explored,
         target=status.target_area,
         state=status.state,
@@ -104,16 +104,57 @@ def frame_of(record: StepRecord, world: AnyWorld, *, with_scans: bool) -> Frame:
     )
 
 
-def victim_shapes(victims: Sequence[Victim], states: Sequence[str]) -> tuple[VictimShape, ...]:
-    """Return victims with their states."""
-    return tuple(VictimShape(v.name, v.position, state, gait_of(v)) for v, state in zip(victims, states, strict=True))
+def victim_shapes(
+    victims: Sequence[Victim],
+    states: Sequence[str],
+    fallen: Collection[str] = frozenset(),
+    enclosed: Collection[str] = frozenset(),
+) -> tuple[VictimShape, ...]:
+    """Return victims with their states. Args: fallen, enclosed: as `gait_now`."""
+    return tuple(
+        VictimShape(v.name, v.position, state, gait_now(v.name, gait_of(v), fallen, enclosed))
+        for v, state in zip(victims, states, strict=True)
+    )
 
 
 def gait_of(victim: Victim) -> Gait:
-    """Return how a victim moves."""
+    """Return how a victim moves at the start."""
     if victim.flees:
         return "flees"
     return "walks" if victim.can_walk or victim.walks else "lies"
+
+
+def gait_now(name: str, gait: Gait, fallen: Collection[str], enclosed: Collection[str]) -> Gait:
+    """Return how a victim moves who moved otherwise at the start.
+
+    Args: fallen: names of those who have been in the state collapsed.  enclosed: of those who wait, for no path to an
+          exit is open.
+    """
+    if name in fallen:
+        return "lies"
+    return "walks" if gait == "flees" and name in enclosed else gait
+
+
+def fallen_of(names: Iterable[str], states: Iterable[str]) -> frozenset[str]:
+    """Return the names of the victims who have collapsed and are not yet located."""
+    return frozenset(name for name, state in zip(names, states, strict=True) if state == "collapsed")
+
+
+class MovingPerson(Protocol):
+    """A person of the world, or of a message on /world/people."""
+
+    @property
+    def name(self) -> str:
+        """That of the victim."""
+
+    @property
+    def motion(self) -> str:
+        """As in `PersonState`."""
+
+
+def enclosed_of(people: Iterable[MovingPerson]) -> frozenset[str]:
+    """Return the names of the people for whom no path to an exit is open."""
+    return frozenset(person.name for person in people if person.motion == "enclosed")
 
 
 def finite_ranges(ranges_m: np.ndarray, far_m: float) -> list[float]:

@@ -18,7 +18,18 @@ from robotteamsim.recording.hazard_messages import FIRE_GRID, SMOKE_GRID, TEMPER
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.view.bag_layers import BagLayers, read_layers
-from robotteamsim.view.frame import Frame, Gait, Link, Pose, VictimShape, gait_of, links_of, shown_events
+from robotteamsim.view.frame import (
+    Frame,
+    Gait,
+    Link,
+    Pose,
+    VictimShape,
+    fallen_of,
+    gait_now,
+    gait_of,
+    links_of,
+    shown_events,
+)
 from robotteamsim.view.hazard_layers import HazardMaps, fire_map, smoke_map
 from robotteamsim.view.layer_map import layer_map
 from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, SCAN_S, Recording
@@ -53,12 +64,14 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
         )
     doors = DoorStates.at_start(scenario.plan) if scenario else {}
     gaits = {victim.name: gait_of(victim) for victim in scenario.mission.victims} if scenario else {}
+    fallen_ns = _fallen_ns(run)
     at_start = {name: state.opening for name, state in doors.items()}
     count = max(int(np.ceil(duration_s / FRAME_S)), 0)
     stamps_ns = [*(run.start_ns + np.arange(count) * round(FRAME_S * 1e9)).tolist(), run.end_ns]
     recording.frames = [
         msgspec.structs.replace(
-            _frame(run, stamp_ns, gaits),
+            _frame(run, stamp_ns),
+            victims=_victims(run, fallen_ns, gaits, layers.enclosed(stamp_ns), stamp_ns),
             links=_links(run, layers, stamp_ns),
             doors=_openings(at_start, layers, stamp_ns),
             scans_m=_scans(scene, layers, stamp_ns) if index % _FRAMES_PER_SCAN == 0 else (),
@@ -76,7 +89,13 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
 
 
 def _hazards(layers: BagLayers, start_ns: int, block_c: float) -> HazardMaps:
-    """Return the maps of fire and smoke. Args: block_c: from this temperature on, cells are hot [degC]."""
+    """Return the maps of fire and smoke. Args: block_c: from this temperature on, cells are hot [degC].
+
+    Raises: RecordingError: the floor changes.
+    """
+    for topic in (FIRE_GRID, SMOKE_GRID):
+        if len({(grid.cells.shape, grid.origin_m, grid.resolution_m) for _, grid in layers.maps(topic)}) > 1:
+            raise RecordingError(f"{topic}: maps of different sizes or places; expected one floor")
     found = HazardMaps()
     temperatures = dict(layers.maps(TEMPERATURE))
     for stamp_ns, grid in layers.maps(FIRE_GRID):
@@ -129,17 +148,40 @@ def _scans(scene: Scene, layers: BagLayers, stamp_ns: int) -> tuple[list[float],
     return tuple(scan.ranges_m if scan else [] for scan in scans) if any(scans) else ()
 
 
-def _frame(run: RecordedRun, stamp_ns: int, gaits: Mapping[str, Gait]) -> Frame:
-    index = bisect_right(run.statuses, stamp_ns, key=lambda status: status.stamp_ns)
-    status = run.statuses[index - 1] if index else None
+def _fallen_ns(run: RecordedRun) -> dict[str, int]:
+    """Return since when victims have collapsed [ns], by name."""
+    found: dict[str, int] = {}
+    for stamp_ns, victims in run.victims:
+        for name in fallen_of((victim.name for victim in victims), (victim.state for victim in victims)):
+            found.setdefault(name, stamp_ns)
+    return found
+
+
+def _victims(
+    run: RecordedRun,
+    fallen_ns: Mapping[str, int],
+    gaits: Mapping[str, Gait],
+    enclosed: frozenset[str],
+    stamp_ns: int,
+) -> tuple[VictimShape, ...]:
+    """Return the victims. Args: gaits: at the start, by name; others lie.  enclosed: as `gait_now`."""
     index = bisect_right(run.victims, stamp_ns, key=itemgetter(0))
     victims = run.victims[index - 1][1] if index else ()
+    fallen = {name for name, since_ns in fallen_ns.items() if since_ns <= stamp_ns}
+    return tuple(
+        VictimShape(v.name, v.position_m, v.state, gait_now(v.name, gaits.get(v.name, "lies"), fallen, enclosed))
+        for v in victims
+    )
+
+
+def _frame(run: RecordedRun, stamp_ns: int) -> Frame:
+    index = bisect_right(run.statuses, stamp_ns, key=lambda status: status.stamp_ns)
+    status = run.statuses[index - 1] if index else None
     return Frame(
         time_s=(stamp_ns - run.start_ns) / 1e9,
         poses=tuple(_pose(robot, stamp_ns) for robot in run.robots),
         swarms=tuple(OUTSIDE if _is_excluded(robot, stamp_ns) else 0 for robot in run.robots),
         fiedler_value=_network(run, stamp_ns)[1],
-        victims=tuple(VictimShape(v.name, v.position_m, v.state, gaits.get(v.name, "lies")) for v in victims),
         explored=status.explored if status else (),
         target=status.target_area if status else -1,
         state=status.state if status else "",

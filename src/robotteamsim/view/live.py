@@ -15,7 +15,7 @@ from robotteamsim.hazards import HazardField
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Simulation, StepRecord
 from robotteamsim.view.columns import header
-from robotteamsim.view.frame import Frame, ShownEvent, frame_of, shown_events, victim_shapes
+from robotteamsim.view.frame import Frame, ShownEvent, enclosed_of, fallen_of, frame_of, shown_events, victim_shapes
 from robotteamsim.view.hazard_layers import fire_layer, smoke_layer
 from robotteamsim.view.layer_map import LayerMap, layer_map
 from robotteamsim.view.recorder import RadioCoverage, Recording
@@ -225,6 +225,7 @@ class LiveMission:
         recording = Recording(scene_of(scenario), f"{scenario.name}, seed {scenario.run.seed}")
         self._header = header(recording)
         self._events: list[ShownEvent] = []
+        self._fallen: frozenset[str] = frozenset()
         self._record = simulation.step()
         self._frames = [self._frame_of(self._record)]
         """Those that were sent."""
@@ -306,6 +307,7 @@ class LiveMission:
 
     def _note(self, record: StepRecord) -> None:
         self._events += shown_events(record.events, record.sim_time_s)
+        self._fallen |= fallen_of((victim.name for victim in record.victims), record.mission.victims)
         if record.hazards is not None:
             self._hazards = record.hazards
 
@@ -329,7 +331,7 @@ class LiveMission:
         return msgspec.structs.replace(
             frame,
             doors=tuple(state.opening for state in world.door_states().values()),
-            victims=victim_shapes(mission.victims, mission.status.victims),
+            victims=victim_shapes(mission.victims, mission.status.victims, self._fallen, enclosed_of(record.people)),
             noise_db=mission.noise_db,
         )
 

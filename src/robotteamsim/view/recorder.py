@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
-from robotteamsim.view.frame import Frame, ShownEvent, frame_of, shown_events
+from robotteamsim.view.frame import Frame, ShownEvent, fallen_of, frame_of, shown_events
 from robotteamsim.view.hazard_layers import HazardMaps, fire_layer, smoke_layer
 from robotteamsim.view.layer_map import MAX_CELLS, LayerMap, layer_map
 from robotteamsim.view.scene import Scene, scene_of
@@ -50,6 +50,7 @@ class FrameRecorder:
         self._every = max(round(FRAME_S / scenario.run.step_s), 1)
         self._every_scan = max(round(SCAN_S / scenario.run.step_s / self._every), 1) * self._every
         self._every_radio = max(round(RADIO_S / scenario.run.step_s / self._every), 1) * self._every
+        self._fallen: frozenset[str] = frozenset()
         self._has_scans = scenario.num_robots <= MOST_SCANNED
         title = f"{scenario.name}, seed {scenario.run.seed}, {scenario.voice.noise_db:g} dB"
         self.recording = Recording(scene_of(scenario), title)
@@ -66,10 +67,11 @@ class FrameRecorder:
         if record.hazards is not None:
             found.hazards.add_fire(fire_layer(record.sim_time_s, record.hazards))
             found.hazards.add_smoke(smoke_layer(record.sim_time_s, record.hazards))
+        self._fallen |= fallen_of((victim.name for victim in record.victims), record.mission.victims)
         if index % self._every and record.mission.state != "ended":
             return
         with_scans = self._has_scans and index % self._every_scan == 0
-        frame = frame_of(record, self._world, with_scans=with_scans)
+        frame = frame_of(record, self._world, with_scans=with_scans, fallen=self._fallen)
         found.frames.append(frame)
         if index % self._every_radio == 0:
             found.radio += self._coverage.at(frame)

@@ -159,6 +159,21 @@ def test_number_of_robots_must_fit_a_list_of_robots(parameters, tmp_path):
     assert read_settings().num_robots == 2
 
 
+@pytest.mark.parametrize(
+    ("scenario", "people", "expected"), [("garage_rescue", 2, 4), ("garage_rescue", 0, 4), ("garage_sar", 4, 0)]
+)
+def test_number_of_people_with_a_process_each_must_be_that_of_the_scenario(parameters, scenario, people, expected):
+    parameters |= {"/robotteamsim/scenario": scenario, "/robotteamsim/people": people}
+    line = f"^/robotteamsim/people: {people}; expected {expected}, the firefighters and the centre of {scenario}$"
+    with pytest.raises(ParameterError, match=line):
+        read_settings()
+    for elsewhere in ("team", "false"):
+        parameters["/robotteamsim/controllers"] = elsewhere
+        read_settings()
+    parameters |= {"/robotteamsim/controllers": "per_robot", "/robotteamsim/people": expected}
+    read_settings()
+
+
 def test_code_that_a_scenario_file_names_is_refused_unless_it_is_allowed(parameters, tmp_path):
     path = tmp_path / "my.yaml"
     robots = "robots: {count: 2, start: [3, 3, 0]}"

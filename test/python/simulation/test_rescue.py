@@ -278,6 +278,19 @@ def test_collapsed_victim_whom_a_firefighter_leaves_stays_silent():
     assert simulation.mission.silent_victims == ("ann",)
 
 
+def test_collapsed_victim_is_carried_even_if_they_could_walk():
+    fire = {**PILE, "casualties": {"collapse_dose": 1e-9}}
+    bob = {"name": "bob", "position": [12.0, 2.0], "can_walk": True}
+    simulation = Simulation(rescue(fire=fire, mission={"victims": [bob]}))
+    simulation.mission.start()
+    records = [simulation.step()]
+    while records[-1].mission.victims != ("carried",):
+        records.append(simulation.step())
+    assert events(records, "victim_collapsed") == [("victim_collapsed", "bob")]
+    (event,) = [e for e in records[-1].events if e.kind == "victim_carried"]
+    assert event.detail == f"firefighter {event.robot_id} carries bob"
+
+
 @pytest.mark.parametrize(
     ("changes", "line"),
     [

@@ -11,10 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
+from rosbags.rosbag1 import Reader, Writer
 
+from robotteamsim.errors import RecordingError
 from robotteamsim.hazards import BURNING
 from robotteamsim.recording import BagWriter
-from robotteamsim.recording.hazard_messages import smoke_cells
+from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.hazard_messages import FIRE_GRID, SMOKE_GRID, smoke_cells
 from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
@@ -214,6 +217,26 @@ def test_a_bag_shows_the_same_fire_and_smoke(mission: tuple[Recording, _Truth, P
         assert len(layers) == len(others) > 5
         for layer, other in zip(layers, others, strict=True):
             np.testing.assert_array_equal(layer.values, other.values)
+
+
+@pytest.mark.parametrize("topic", [FIRE_GRID, SMOKE_GRID])
+def test_a_bag_whose_floor_changes_is_refused_in_one_line(
+    mission: tuple[Recording, _Truth, Path], tmp_path: Path, topic: str
+) -> None:
+    path, make = tmp_path / "odd.bag", BagTypes()
+    with Reader(mission[2]) as good, Writer(path) as odd:
+        connections = {
+            c.topic: odd.add_connection(c.topic, c.msgtype, typestore=make.typestore) for c in good.connections
+        }
+        for index, (known, time_ns, data) in enumerate(good.messages()):
+            if known.topic == topic and index > good.message_count // 2:
+                message = make.typestore.deserialize_ros1(data, known.msgtype)
+                message.info.height //= 2
+                message.data = message.data[: message.info.height * message.info.width]
+                data = make.typestore.serialize_ros1(message, known.msgtype)
+            odd.write(connections[known.topic], time_ns, data)
+    with pytest.raises(RecordingError, match=f"^{topic}: maps of different sizes or places; expected one floor$"):
+        recording_of_bag([path])
 
 
 def test_each_viewer_receives_the_layers_that_it_has_chosen() -> None:

@@ -38,7 +38,7 @@ from robotteamsim.ros.transport.topics import Output
 from robotteamsim.scenario import Bounds, Scenario, occupancy_grid
 from robotteamsim.scenario.plan import OCCUPIED, grid_shape
 from robotteamsim.scenario.sections import Robot
-from robotteamsim.view.frame import gait_of
+from robotteamsim.view.frame import Gait, enclosed_of, fallen_of, gait_now, gait_of
 from robotteamsim.world.placement import placed_robots
 
 DRAW_PERIOD_S = 0.1
@@ -109,6 +109,8 @@ class Scene:
         self._lettering = Lettering.of(scenario, wall_height_m)
         self._placed = placed_robots(scenario)
         self._gaits = {victim.name: gait_of(victim) for victim in scenario.mission.victims}
+        self._fallen: frozenset[str] = frozenset()
+        self._enclosed: frozenset[str] = frozenset()
         layers = (
             "building",
             "doors",
@@ -134,6 +136,7 @@ class Scene:
         self._has_doors = False
         self._areas = Feed("/mission/areas", msg.Areas)
         self._victims = Feed("/mission/victims", msg.Victims)
+        self._people = Feed("/world/people", msg.People)
         self._presence = Feed(ROBOTS, msg.Robots)
         self._absent: frozenset[int] = frozenset()
         self._network = NetworkFeed(scenario.num_robots)
@@ -176,10 +179,14 @@ class Scene:
     def _draw_victims(self, victims: Sequence[msg.Victim]) -> None:
         self._shown_victims = victims
         distance_m = self._scenario.mission.save_distance_m
-        names = scene_mission.victim_names(victims, distance_m, self._lettering, self._area_numbers, self._gaits)
+        gaits = self._gaits_now()
+        names = scene_mission.victim_names(victims, distance_m, self._lettering, self._area_numbers, gaits)
         self._names = names
-        markers = scene_mission.victim_markers(victims, distance_m, self._lettering, names, self._gaits)
+        markers = scene_mission.victim_markers(victims, distance_m, self._lettering, names, gaits)
         self._canvas["victims"].draw(markers)
+
+    def _gaits_now(self) -> dict[str, Gait]:
+        return {name: gait_now(name, gait, self._fallen, self._enclosed) for name, gait in self._gaits.items()}
 
     def _draw_doors(self, openings: dict[str, float]) -> None:
         self._openings = openings
@@ -208,6 +215,7 @@ class Scene:
         if stamp_ns < self._stamp_ns:
             self._resend_due_s = now_s + RESEND_DELAY_S
             self._draw_doors(scene_plan.openings_at_start(self._scenario.plan))
+            self._fallen = frozenset()
         self._stamp_ns = stamp_ns
 
     def _discover(self) -> None:
@@ -237,11 +245,15 @@ class Scene:
         return TfPoses(prefix, self._transforms, tf)
 
     def _draw_mission(self) -> None:
-        areas, victims = self._areas.newest(), self._victims.newest()
+        areas, victims, people = self._areas.newest(), self._victims.newest(), self._people.newest()
         if areas is not None:
             self._draw_areas(areas.areas)
-        if victims is not None:
-            self._draw_victims(victims.victims)
+        enclosed = self._enclosed if people is None else enclosed_of(people.people)
+        if victims is not None or enclosed != self._enclosed:
+            self._enclosed = enclosed
+            shown = self._shown_victims if victims is None else victims.victims
+            self._fallen |= fallen_of((victim.name for victim in shown), (victim.state for victim in shown))
+            self._draw_victims(shown)
         changes = dict(filter(None, map(scene_plan.door_change, self._events.take())))
         doors = self._doors.newest()
         if doors is not None:

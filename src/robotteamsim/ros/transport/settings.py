@@ -25,10 +25,10 @@ REPORT_DELAYS_S = {"/world": 0.0, "/gazebo": 2.0, "/environment": 5.0}
 OTHERS_REPORT_S = 10.0
 """Delay before a node reports a mistake in the settings [s, wall]."""
 NOT_SET = -1
-"""Default for the number of robots and for the id of the one driven by hand: not given."""
+"""Default for the numbers of robots and people, and for the id of the one driven by hand: not given."""
 
-NO_CONTROLLERS = "false"
-HOSTED = ("per_robot", "team", NO_CONTROLLERS)
+PER_ROBOT, NO_CONTROLLERS = "per_robot", "false"
+HOSTED = (PER_ROBOT, "team", NO_CONTROLLERS)
 """Where controllers run: a process for each robot, one for all, or none at all."""
 
 
@@ -110,7 +110,7 @@ def _read_settings() -> Settings:
     num_robots = parameter(f"{PARAMETERS}/robots", NOT_SET)
     if num_robots != NOT_SET and isinstance(scenario.robots, Team) and scenario.robots.count != num_robots:
         scenario = load(name, [*overrides, f"robots.count={num_robots}"])
-    hosted = parameter(f"{PARAMETERS}/controllers", "per_robot")
+    hosted = parameter(f"{PARAMETERS}/controllers", PER_ROBOT)
     if hosted.lower() not in HOSTED:
         raise ParameterError(f"{PARAMETERS}/controllers: {hosted}; expected {', '.join(HOSTED)}")
     settings = Settings(
@@ -136,9 +136,20 @@ def _read_settings() -> Settings:
             f"{PARAMETERS}/robots: {num_robots}; expected {scenario.num_robots}, the length of the robots' list in"
             f" {name}"
         )
+    if hosted.lower() == PER_ROBOT:
+        _check_people(scenario, name)
     if settings.teleop not in range(NOT_SET, settings.num_robots):
         raise ParameterError(f"{PARAMETERS}/teleop: {settings.teleop}; expected 0 to {settings.num_robots - 1}")
     return read_seed(settings)
+
+
+def _check_people(scenario: Scenario, name: str) -> None:
+    """Raise ParameterError if a launch starts controllers for another number of firefighters and command centres."""
+    people, expected = parameter(f"{PARAMETERS}/people", NOT_SET), scenario.team_size - scenario.num_robots
+    if people not in (NOT_SET, expected):
+        raise ParameterError(
+            f"{PARAMETERS}/people: {people}; expected {expected}, the firefighters and the centre of {name}"
+        )
 
 
 def _check_tf(settings: Settings) -> None:
