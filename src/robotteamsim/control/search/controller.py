@@ -316,6 +316,7 @@ class SearchController:
             start,
             self._places.candidates,
             self._team.claims,
+            self._team.prior_claims,
             knowledge.victims_per_share,
             time_s,
         )

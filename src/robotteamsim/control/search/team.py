@@ -43,6 +43,15 @@ class Teammates:
         return [update.goal for update in self.updates if update.goal >= 0 and update.work != "voice"]
 
     @property
+    def prior_claims(self) -> list[int]:
+        """Those of teammates with lower ids: of robots that share a goal, the one with the lowest id keeps it."""
+        return [
+            update.goal
+            for update in self.updates
+            if update.goal >= 0 and update.work != "voice" and update.robot_id < self._robot_id
+        ]
+
+    @property
     def all_wait(self) -> bool:
         """Whether all have nothing to do."""
         return all(update.work == "wait" for update in self._updates.values())
