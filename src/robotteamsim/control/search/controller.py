@@ -230,10 +230,7 @@ class SearchController:
         of_team_db = [update.noise_db for update in self._team.updates if update.noise_db is not None]
         if knowledge.agree_on_noise(of_team_db):
             self._space_places()
-        if self._voice is not None and any(
-            math.dist(place, self._voice.source_m) <= self._tuning.same_voice_m
-            for place in knowledge.found[self._num_found :]
-        ):
+        if self._voice is not None and self._is_found(self._voice.source_m, knowledge.found[self._num_found :]):
             self._hunt.forget()
         self._num_found = len(knowledge.found)
         mass = knowledge.mass() if voice.heard or self._hunt.is_on else self._places.prior
@@ -242,6 +239,10 @@ class SearchController:
         if start != NO_CELL:
             knowledge.listen(start, voice)
         self._choose(position, start, time_s)
+
+    def _is_found(self, source_m: Vector, found: Sequence[Vector]) -> bool:
+        """Whether one of the found victims is where a voice came from."""
+        return any(math.dist(place, source_m) <= self._tuning.same_voice_m for place in found)
 
     def _space_places(self) -> None:
         """Choose the places to listen at: the farther a robot hears, the fewer."""
@@ -270,8 +271,10 @@ class SearchController:
         What is expected there must be worth the delay of the end: the path to the last area, shared by the team.
         """
         shut = self._shut
-        if self._voice is not None and shut[self._all_paths.start_of(self._voice.source_m)]:
-            return True
+        if self._voice is not None:
+            source = self._all_paths.start_of(self._voice.source_m)
+            if source != NO_CELL and shut[source]:
+                return True
         for update in self._team.updates:
             cells = [cell for cell in (update.at, update.goal) if cell != NO_CELL]
             if update.work in ("search", "voice") and any(shut[cell] for cell in cells):
@@ -447,7 +450,9 @@ class SearchController:
             self._idle_since_s = time_s
         self._work, self._goal, self._target = "wait", NO_CELL, None
         if self._areas.is_possible:
-            if self._areas.is_last and start != NO_CELL and self._is_nearest(start, ("wait",)):
+            if start != NO_CELL and self._areas.nearest_outside(position) != position:
+                self._target = self._paths.place_of(start)  # It was pushed into the last area.
+            elif self._areas.is_last and start != NO_CELL and self._is_nearest(self._at, ("wait",)):
                 beside = self._areas.cell_beside(self._paths, start)
                 if beside not in (NO_CELL, start):
                     self._target = self._paths.ahead(position, beside, _AHEAD_M)
@@ -470,7 +475,7 @@ class SearchController:
         share = f"{self._knowledge.remaining:.1%} of the floor is unheard, which is worth less than the time"
         if self._areas.next is not None:
             return f"{self._areas.next.name} cannot be reached; {share}"
-        if self._lost_voice_m is not None:
+        if self._lost_voice_m is not None and not self._is_found(self._lost_voice_m, self._knowledge.found):
             x_m, y_m = self._lost_voice_m
             return f"a voice near ({x_m:.1f}, {y_m:.1f}) cannot be reached; {share}"
         return share
