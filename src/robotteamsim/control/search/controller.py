@@ -319,7 +319,7 @@ class SearchController:
             start,
             self._places.candidates,
             self._team.claims,
-            self._team.prior_claims,
+            self._team.prior_claims(listening.cell, self._at, self._all_paths),
             knowledge.victims_per_share,
             time_s,
         )

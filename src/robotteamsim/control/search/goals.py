@@ -82,7 +82,7 @@ class ListeningGoal:
         """Return the cell to drive to; NO_CELL if no place is worth the time.
 
         Args: start: the cell of the robot.  claims: cells at which teammates will listen.
-              prior_claims: those before which the robot gives up its own goal.
+              prior_claims: those of them that compete with the robot's own goal.
               victims_per_share: expected victims per share of the prior.
         """
         least = 1.0 / (self._tuning.victim_worth_s * victims_per_share)
