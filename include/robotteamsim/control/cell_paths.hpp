@@ -55,6 +55,7 @@ class CellPaths {
 
   void FindPlaces();
   void Link(int row, int col);
+  bool IsInSight(const base::Point& from, int cell) const;
   bool IsLinked(int cell) const;
   bool IsAllowed(const base::Point& a, const base::Point& b) const;
 

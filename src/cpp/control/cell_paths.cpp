@@ -126,7 +126,7 @@ int CellPaths::StartOf(const base::Point& point) const {
     for (int c = std::max(col - kReach, 0); c <= std::min(col + kReach, cells_.cols - 1); ++c) {
       const int other = r * cells_.cols + c;
       if (!places_[other] || !IsLinked(other)) continue;
-      const bool is_in_sight = from && fine_->IsLineFree(*from, *places_[other]);
+      const bool is_in_sight = from && IsInSight(*from, other);
       // A place behind a wall is nearer than it seems.
       near.push_back({Distance(point, *places_[other]) + (is_in_sight ? 0.0 : reach), other, is_in_sight});
     }
@@ -137,6 +137,11 @@ int CellPaths::StartOf(const base::Point& point) const {
       return place.cell;
   }
   return kNone;
+}
+
+/// Beside a place, the line to it may cross a corner of a blocked cell, but no wall.
+bool CellPaths::IsInSight(const base::Point& from, int cell) const {
+  return Distance(from, *places_[cell]) < fine_->shape().resolution || fine_->IsLineFree(from, *places_[cell]);
 }
 
 bool CellPaths::IsLinked(int cell) const {
@@ -182,7 +187,7 @@ std::optional<base::Point> CellPaths::Ahead(const base::Point& position, int goa
   base::Point ahead = *places_[at];
   // A robot that is too near to a wall is in no free cell.
   const base::Point from = fine_->NearestFree(position, cells_.resolution).value_or(position);
-  bool is_first = fine_->IsLineFree(from, ahead);
+  bool is_first = IsInSight(from, at);
   while (at != goal && lengths[at] > least) {
     int best = at;
     float total = kNoPath;
