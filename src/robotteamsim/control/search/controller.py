@@ -445,21 +445,30 @@ class SearchController:
         return self._idle_since_s is not None and time_s - self._idle_since_s >= for_s
 
     def _wait(self, position: Vector, start: int, time_s: float) -> None:
-        """Have nothing to do: wait beside the last area, or end the search if no area is left."""
+        """Have nothing to do: wait at a later area, or end the search if no area is left."""
         if self._idle_since_s is None:
             self._idle_since_s = time_s
         self._work, self._goal, self._target = "wait", NO_CELL, None
         if self._areas.is_possible:
+            cell = self._cell_to_wait_at(start)
             if start != NO_CELL and self._areas.nearest_outside(position) != position:
                 self._target = self._paths.place_of(start)  # It was pushed into the last area.
-            elif self._areas.is_last and start != NO_CELL and self._is_nearest(self._at, ("wait",)):
-                beside = self._areas.cell_beside(self._paths, start)
-                if beside not in (NO_CELL, start):
-                    self._target = self._paths.ahead(position, beside, _AHEAD_M)
+            elif cell != NO_CELL:
+                self._target = self._paths.ahead(position, cell, _AHEAD_M) if cell != start else None
             elif self._areas.is_last and any(update.work == "area" for update in self._team.updates):
                 self._listen_meanwhile(position, start, time_s)
         elif self._team.all_wait and self._has_been_idle(_IDLE_S, time_s):
             self._done = self._reason()
+
+    def _cell_to_wait_at(self, start: int) -> int:
+        """Return where a robot waits for the turn of an area; NO_CELL if others wait at all of them."""
+        if start == NO_CELL:
+            return NO_CELL
+        if self._areas.is_last:
+            nearest = self._is_nearest(self._at, ("wait",))
+            return self._areas.cell_beside(self._paths, start) if nearest else NO_CELL
+        before = sum(update.work == "wait" and update.robot_id < self._robot_id for update in self._team.updates)
+        return self._areas.later_cell(before, self._outside, start)
 
     def _listen_meanwhile(self, position: Vector, start: int, time_s: float) -> None:
         """Listen where most is expected, however little, until a teammate ends the mission."""
