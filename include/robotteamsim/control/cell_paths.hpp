@@ -36,7 +36,8 @@ class CellPaths {
   /// Returns the cell that contains a point; the nearest one for a point beyond the grid.
   int CellOf(const base::Point& point) const;
 
-  /// Returns the cell nearest to a point, of those around it, whose place is linked to others; kNone without one.
+  /// Returns the cell nearest to a point, of those around it, whose place is linked to others and has a short path from
+  /// the point; kNone without one.
   int StartOf(const base::Point& point) const;
 
   /// Returns the free place of a cell [m]; nothing if it has none.
@@ -54,6 +55,8 @@ class CellPaths {
 
   void FindPlaces();
   void Link(int row, int col);
+  bool IsInSight(const base::Point& from, int cell) const;
+  bool IsLinked(int cell) const;
   bool IsAllowed(const base::Point& a, const base::Point& b) const;
 
   std::shared_ptr<const plan::PlanningGrid> fine_;

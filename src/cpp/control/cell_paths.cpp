@@ -22,6 +22,8 @@ constexpr float kNoPath = std::numeric_limits<float>::infinity();
 constexpr double kLongestLink = 2.0;
 /// A cell's place is at most this far from its centre, in cells.
 constexpr double kPlaceOffCenter = 0.6;
+/// The path to the first cell around a corner is at most this many times the distance within which cells are tried.
+constexpr double kLongestDetour = 4.0;
 
 struct CellStep {
   int row, col;
@@ -110,25 +112,41 @@ int CellPaths::CellOf(const base::Point& point) const {
 int CellPaths::StartOf(const base::Point& point) const {
   base::Check(point, "point_m");
   constexpr int kReach = 2;
+  const double reach = kReach * cells_.resolution;
+  // A robot that is too near to a wall is in no free cell.
+  const std::optional<base::Point> from = fine_->NearestFree(point, cells_.resolution);
   const int cell = CellOf(point), row = cell / cells_.cols, col = cell % cells_.cols;
-  int best = kNone;
-  double least = std::numeric_limits<double>::infinity();
+  struct Near {
+    double distance;
+    int cell;
+    bool is_in_sight;
+  };
+  std::vector<Near> near;
   for (int r = std::max(row - kReach, 0); r <= std::min(row + kReach, cells_.rows - 1); ++r) {
     for (int c = std::max(col - kReach, 0); c <= std::min(col + kReach, cells_.cols - 1); ++c) {
       const int other = r * cells_.cols + c;
-      if (!places_[other]) continue;
-      const bool is_linked =
-          std::any_of(links_[other].begin(), links_[other].end(), [](float l) { return l < kNoPath; });
+      if (!places_[other] || !IsLinked(other)) continue;
+      const bool is_in_sight = from && IsInSight(*from, other);
       // A place behind a wall is nearer than it seems.
-      const double detour = fine_->IsLineFree(point, *places_[other]) ? 0.0 : kReach * cells_.resolution;
-      const double distance = Distance(point, *places_[other]) + detour;
-      if ((is_linked || links_.size() == 1) && distance < least) {
-        least = distance;
-        best = other;
-      }
+      near.push_back({Distance(point, *places_[other]) + (is_in_sight ? 0.0 : reach), other, is_in_sight});
     }
   }
-  return best;
+  std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.distance < b.distance; });
+  for (const Near& place : near) {
+    if (place.is_in_sight || !from || !fine_->ShortestPath(*from, *places_[place.cell], kLongestDetour * reach).empty())
+      return place.cell;
+  }
+  return kNone;
+}
+
+/// Beside a place, the line to it may cross a corner of a blocked cell, but no wall.
+bool CellPaths::IsInSight(const base::Point& from, int cell) const {
+  return Distance(from, *places_[cell]) < fine_->shape().resolution || fine_->IsLineFree(from, *places_[cell]);
+}
+
+bool CellPaths::IsLinked(int cell) const {
+  const auto& links = links_[cell];
+  return links_.size() == 1 || std::any_of(links.begin(), links.end(), [](float length) { return length < kNoPath; });
 }
 
 const std::vector<float>& CellPaths::LengthsFrom(int cell) const {
@@ -169,7 +187,7 @@ std::optional<base::Point> CellPaths::Ahead(const base::Point& position, int goa
   base::Point ahead = *places_[at];
   // A robot that is too near to a wall is in no free cell.
   const base::Point from = fine_->NearestFree(position, cells_.resolution).value_or(position);
-  bool is_first = fine_->IsLineFree(from, ahead);
+  bool is_first = IsInSight(from, at);
   while (at != goal && lengths[at] > least) {
     int best = at;
     float total = kNoPath;

@@ -13,7 +13,7 @@ from typing import Any
 
 from robotteamsim import scenario
 from robotteamsim.campaign.design import Cell, Design
-from robotteamsim.control import ALGORITHMS, make_controller
+from robotteamsim.control import make_controller
 from robotteamsim.errors import CampaignError, PlacementError, RobotTeamSimError, ScenarioError
 from robotteamsim.recording.idleness import PATROLLING
 from robotteamsim.scenario.patrol import Patrol
@@ -37,10 +37,11 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
 }
 """Controllers that differ from a registered one by keys of `control`."""
 
-_BASELINES = (
-    *("rdpso_published", "rdpso_adapted", "pso", "greedy", "random_walk", "cover", "sebs", "infotaxis"),
+_CONTROLLERS = (
+    *("search", "rdpso_published", "rdpso_adapted", "pso", "greedy", "random_walk", "cover", "sebs", "infotaxis"),
     "boustrophedon",
 )
+"""Those of the search protocol; the first is the reference of all comparisons."""
 
 _LEAST_LATTICE = 6.0
 """Number of places along the side of a square building, at least, in the lattice that is patrolled."""
@@ -93,20 +94,15 @@ class PatrolProtocol:
     seed: int = 1
 
 
-def default_controllers() -> tuple[str, ...]:
-    """Return the controllers of the search protocol: `search` first, as soon as it is registered."""
-    return (*(("search",) if "search" in ALGORITHMS else ()), *_BASELINES)
-
-
 def quick_search() -> SearchProtocol:
     """Return a small search protocol, which runs within a minute on two cores."""
-    return SearchProtocol(default_controllers(), ("garage", "warehouse"), (20.0,), (3,), trials=2)
+    return SearchProtocol(_CONTROLLERS, ("garage", "warehouse"), (20.0,), (3,), trials=2)
 
 
 def full_search() -> SearchProtocol:
     """Return the full search protocol with the shipped buildings."""
     noises_db, robots = (10.0, 20.0, 30.0, 40.0), (1, 2, 4, 8, 16)
-    return SearchProtocol(default_controllers(), tuple(BUILDINGS), noises_db, robots, trials=100)
+    return SearchProtocol(_CONTROLLERS, tuple(BUILDINGS), noises_db, robots, trials=100)
 
 
 def quick_patrol(building: str = "garage", graph: str | None = None) -> PatrolProtocol:

@@ -13,13 +13,11 @@ from robotteamsim.campaign.protocol import (
     PatrolProtocol,
     SearchProtocol,
     control_of,
-    default_controllers,
     full_search,
     patrol_design,
     quick_search,
     search_design,
 )
-from robotteamsim.control import ALGORITHMS
 from robotteamsim.errors import CampaignError, RobotTeamSimError
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
@@ -35,11 +33,10 @@ def test_printed_rdpso_has_the_switches_of_the_published_scenario():
     assert control_of("rdpso_adapted", {}).adaptation == "fuzzy"
 
 
-def test_search_is_the_reference_as_soon_as_it_is_registered():
-    names = default_controllers()
-    assert ("search" in names) == ("search" in ALGORITHMS)
-    assert names[0] == ("search" if "search" in ALGORITHMS else "rdpso_published")
-    assert {"rdpso_adapted", "pso", "greedy", "random_walk", "cover", "sebs", "infotaxis", "boustrophedon"} < set(names)
+def test_search_is_the_reference_of_both_protocols():
+    assert quick_search().controllers == full_search().controllers
+    assert quick_search().controllers[0] == "search"
+    assert len(set(quick_search().controllers)) == 10
 
 
 def test_cells_are_all_combinations_with_random_victims_in_place_of_the_scenarios_own():

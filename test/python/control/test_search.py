@@ -142,6 +142,18 @@ def test_robots_that_never_hear_each_other_save_all_and_explore_all(hall_scenari
     assert _end(simulation) == "areas_explored"
 
 
+def test_robots_that_start_together_choose_different_goals():
+    simulation = Simulation(load("garage_sar", ["control.algorithm=search", "robots.count=8", "voice.noise_db=30"]))
+    simulation.mission.start()
+    goals: dict[int, int] = {}
+    num_iterations = 0
+    while num_iterations < 10:
+        updates = [update_of(message) for message in _sent(simulation.step())]
+        num_iterations += bool(updates)
+        goals |= {update.robot_id: update.goal for update in updates if update is not None}
+    assert len(set(goals.values())) == 8
+
+
 def test_garage_team_saves_all_and_explores_all_at_30_db():
     simulation = Simulation(load("garage_sar", ["control.algorithm=search", "voice.noise_db=30", "run.seed=3"]))
     result = simulation.run()

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from robotteamsim import _core
+from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.control.search.cells import cell_grid, cell_paths, places, unheard, voice_losses
 from robotteamsim.control.search.listening import ListeningLog, entries_in
 from robotteamsim.control.search.noise import NoiseEstimate
 from robotteamsim.propagation import VoiceField, VoiceSource
+from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Door, Wall
 from robotteamsim.scenario.sections import Voice
 from robotteamsim.sensing.readings import VoiceReading
@@ -209,3 +211,13 @@ def test_robot_that_receives_every_third_message_learns_all_in_time():
 @pytest.mark.parametrize("text", ["0", "zz", "00c8ff", "00010", "é"])
 def test_text_that_does_not_fit_the_grid_is_no_entry(text):
     assert entries_in(text, 200) is None
+
+
+def test_robot_beside_the_place_of_a_cell_drives_on_to_the_next_one():
+    # The straight line to the place, 6 mm away, touches a cell that is too near to a pillar.
+    garage = load("garage_sar")
+    paths = cell_paths(garage.plan, body_of(0, garage).reach_m, cell_grid(garage), (), None)
+    position, goal = (29.4945, 10.4983), (51.5, 1.5)
+    target = paths.ahead(position, paths.cell_of(goal), 8.0)
+    assert paths.start_of(position) == paths.cell_of((29.55, 10.55))
+    assert math.dist(position, target) > 0.5

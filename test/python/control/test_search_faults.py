@@ -46,6 +46,14 @@ def _wall(x_m: float, from_m: float, to_m: float) -> Wall:
     return Wall(name=f"wall_{x_m:g}_{from_m:g}", start=(x_m, from_m), end=(x_m, to_m))
 
 
+def _box(x_m: float, y_m: float, half_m: float) -> list[Wall]:
+    corners = [(x_m + a * half_m, y_m + b * half_m) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))]
+    return [
+        Wall(name=f"{half_m:.2f}_{i}", start=start, end=end)
+        for i, (start, end) in enumerate(itertools.pairwise(corners))
+    ]
+
+
 def test_network_that_loses_most_messages_costs_no_victim(mission):
     # At 10 m the signal is about -60 dBm, so most messages are lost as soon as the robots part.
     lossy = Network(loss="signal", endangered_below_dbm=-30.0, lost_below_dbm=-70.0)
@@ -93,13 +101,16 @@ def test_area_behind_a_door_that_closes_for_good_ends_the_search_with_its_name(m
 
 def test_robot_without_a_free_cell_around_it_ends_the_search_with_a_reason(mission):
     # Rings of walls that leave no room between them.
-    walls = []
-    for ring in range(8):
-        low, high = 5.0 - 0.35 - 0.4 * ring, 5.0 + 0.35 + 0.4 * ring
-        corners = [(low, low), (high, low), (high, high), (low, high), (low, low)]
-        walls += [Wall(name=f"{ring}_{i}", start=a, end=b) for i, (a, b) in enumerate(itertools.pairwise(corners))]
+    walls = [wall for ring in range(8) for wall in _box(5.0, 5.0, 0.35 + 0.4 * ring)]
     ended, detail = mission(walls=walls, robots=(PlacedRobot(start_pose=(5.0, 5.0, 0.0)),), areas=())
     assert ended.status.end == "search_over"
+    assert "no free place can be reached" in detail
+
+
+def test_robot_in_a_box_beside_free_floor_ends_the_search_with_a_reason(mission):
+    ended, detail = mission(walls=_box(5.0, 5.0, 0.45), robots=(PlacedRobot(start_pose=(5.0, 5.0, 0.0)),), areas=())
+    assert ended.status.end == "search_over"
+    assert ended.status.time_s < 30.0
     assert "no free place can be reached" in detail
 
 

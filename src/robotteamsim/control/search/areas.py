@@ -33,6 +33,8 @@ class Areas:
         self._center: Vector | None = None
         self.cell = NO_CELL
         """The cell from which the next area can be explored; NO_CELL if there is none."""
+        self._later_cells: list[int] = []
+        """The cells of the areas after the next one."""
         self._tour_m = 0.0
 
     def follow(self, task: Task) -> bool:
@@ -89,6 +91,7 @@ class Areas:
         """Find the cells of the remaining areas that a robot can reach from a cell, and the length of the tour."""
         cells = [self._cell_in(area, paths, start) for area in self._areas[self._next :]]
         self.cell = cells[0] if cells else NO_CELL
+        self._later_cells = cells[1:]
         reached = [cell for cell in cells if cell != NO_CELL]
         legs_m = [paths.length_m(a, b) for a, b in itertools.pairwise(reached)]
         self._tour_m = sum(length_m for length_m in legs_m if math.isfinite(length_m))
@@ -103,15 +106,22 @@ class Areas:
         """Whether there is a next area, and a robot can reach it."""
         return self.cell != NO_CELL
 
-    def cell_beside(self, paths: _core.control.CellPaths, start: int) -> int:
-        """Return the reachable cell that is nearest to the next area; NO_CELL if there is none.
+    def later_cell(self, index: int, outside: _core.control.CellPaths, start: int) -> int:
+        """Return the cell of a later area, or beside it if it is the last one; NO_CELL if there is none.
 
-        Args: paths: outside the area.  start: the cell of the robot.
+        Args: index: 0 for the area after the next one.  outside: paths outside the last area.  start: of the robot.
         """
-        area = self.next
-        if area is None:
-            return NO_CELL
-        reached = np.flatnonzero(np.isfinite(paths.lengths_from(start)))
+        if index == self.num_left - 2:
+            return self.cell_beside(outside, start)
+        return self._later_cells[index] if index < len(self._later_cells) else NO_CELL
+
+    def cell_beside(self, outside: _core.control.CellPaths, start: int) -> int:
+        """Return the reachable cell that is nearest to the last area; NO_CELL if there is none.
+
+        Args: outside: paths outside the area.  start: the cell of the robot.
+        """
+        area = self._areas[-1]
+        reached = np.flatnonzero(np.isfinite(outside.lengths_from(start)))
         if not reached.size:
             return NO_CELL
         rows, columns = np.divmod(reached, self._grid.columns)

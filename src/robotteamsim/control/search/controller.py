@@ -230,10 +230,7 @@ class SearchController:
         of_team_db = [update.noise_db for update in self._team.updates if update.noise_db is not None]
         if knowledge.agree_on_noise(of_team_db):
             self._space_places()
-        if self._voice is not None and any(
-            math.dist(place, self._voice.source_m) <= self._tuning.same_voice_m
-            for place in knowledge.found[self._num_found :]
-        ):
+        if self._voice is not None and self._is_found(self._voice.source_m, knowledge.found[self._num_found :]):
             self._hunt.forget()
         self._num_found = len(knowledge.found)
         mass = knowledge.mass() if voice.heard or self._hunt.is_on else self._places.prior
@@ -242,6 +239,10 @@ class SearchController:
         if start != NO_CELL:
             knowledge.listen(start, voice)
         self._choose(position, start, time_s)
+
+    def _is_found(self, source_m: Vector, found: Sequence[Vector]) -> bool:
+        """Whether one of the found victims is where a voice came from."""
+        return any(math.dist(place, source_m) <= self._tuning.same_voice_m for place in found)
 
     def _space_places(self) -> None:
         """Choose the places to listen at: the farther a robot hears, the fewer."""
@@ -270,8 +271,10 @@ class SearchController:
         What is expected there must be worth the delay of the end: the path to the last area, shared by the team.
         """
         shut = self._shut
-        if self._voice is not None and shut[self._all_paths.start_of(self._voice.source_m)]:
-            return True
+        if self._voice is not None:
+            source = self._all_paths.start_of(self._voice.source_m)
+            if source != NO_CELL and shut[source]:
+                return True
         for update in self._team.updates:
             cells = [cell for cell in (update.at, update.goal) if cell != NO_CELL]
             if update.work in ("search", "voice") and any(shut[cell] for cell in cells):
@@ -316,6 +319,7 @@ class SearchController:
             start,
             self._places.candidates,
             self._team.claims,
+            self._team.prior_claims(listening.cell, self._at, self._all_paths),
             knowledge.victims_per_share,
             time_s,
         )
@@ -441,19 +445,30 @@ class SearchController:
         return self._idle_since_s is not None and time_s - self._idle_since_s >= for_s
 
     def _wait(self, position: Vector, start: int, time_s: float) -> None:
-        """Have nothing to do: wait beside the last area, or end the search if no area is left."""
+        """Have nothing to do: wait at a later area, or end the search if no area is left."""
         if self._idle_since_s is None:
             self._idle_since_s = time_s
         self._work, self._goal, self._target = "wait", NO_CELL, None
         if self._areas.is_possible:
-            if self._areas.is_last and start != NO_CELL and self._is_nearest(start, ("wait",)):
-                beside = self._areas.cell_beside(self._paths, start)
-                if beside not in (NO_CELL, start):
-                    self._target = self._paths.ahead(position, beside, _AHEAD_M)
+            cell = self._cell_to_wait_at(start)
+            if start != NO_CELL and self._areas.nearest_outside(position) != position:
+                self._target = self._paths.place_of(start)  # It was pushed into the last area.
+            elif cell != NO_CELL:
+                self._target = self._paths.ahead(position, cell, _AHEAD_M) if cell != start else None
             elif self._areas.is_last and any(update.work == "area" for update in self._team.updates):
                 self._listen_meanwhile(position, start, time_s)
         elif self._team.all_wait and self._has_been_idle(_IDLE_S, time_s):
             self._done = self._reason()
+
+    def _cell_to_wait_at(self, start: int) -> int:
+        """Return where a robot waits for the turn of an area; NO_CELL if others wait at all of them."""
+        if start == NO_CELL:
+            return NO_CELL
+        if self._areas.is_last:
+            nearest = self._is_nearest(self._at, ("wait",))
+            return self._areas.cell_beside(self._paths, start) if nearest else NO_CELL
+        before = sum(update.work == "wait" and update.robot_id < self._robot_id for update in self._team.updates)
+        return self._areas.later_cell(before, self._outside, start)
 
     def _listen_meanwhile(self, position: Vector, start: int, time_s: float) -> None:
         """Listen where most is expected, however little, until a teammate ends the mission."""
@@ -469,7 +484,7 @@ class SearchController:
         share = f"{self._knowledge.remaining:.1%} of the floor is unheard, which is worth less than the time"
         if self._areas.next is not None:
             return f"{self._areas.next.name} cannot be reached; {share}"
-        if self._lost_voice_m is not None:
+        if self._lost_voice_m is not None and not self._is_found(self._lost_voice_m, self._knowledge.found):
             x_m, y_m = self._lost_voice_m
             return f"a voice near ({x_m:.1f}, {y_m:.1f}) cannot be reached; {share}"
         return share

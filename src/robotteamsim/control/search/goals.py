@@ -75,19 +75,21 @@ class ListeningGoal:
         start: int,
         candidates: Sequence[int],
         claims: list[int],
+        prior_claims: list[int],
         victims_per_share: float,
         time_s: float,
     ) -> int:
         """Return the cell to drive to; NO_CELL if no place is worth the time.
 
         Args: start: the cell of the robot.  claims: cells at which teammates will listen.
+              prior_claims: those of them that compete with the robot's own goal.
               victims_per_share: expected victims per share of the prior.
         """
         least = 1.0 / (self._tuning.victim_worth_s * victims_per_share)
         speed_mps, delay_s = self._speed_mps, self._tuning.delay_s
         rate = 0.0
         if self.cell != NO_CELL:
-            _, _, rate = belief.worth(paths, start, self.cell, claims, speed_mps, delay_s)
+            _, _, rate = belief.worth(paths, start, self.cell, prior_claims, speed_mps, delay_s)
             stuck = self._progress.is_stuck(paths.length_m(self.cell, start), time_s)
             if rate < least or start == self.cell or stuck:
                 if rate >= least:

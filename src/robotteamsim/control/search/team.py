@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from robotteamsim import _core
+from robotteamsim.control.search.areas import NO_CELL
 from robotteamsim.control.search.update import SearchUpdate
 from robotteamsim.swarm import Vector
 
@@ -40,7 +42,24 @@ class Teammates:
     @property
     def claims(self) -> list[int]:
         """Cells at which teammates will listen."""
-        return [update.goal for update in self.updates if update.goal >= 0 and update.work != "voice"]
+        return [update.goal for update in self._listening]
+
+    @property
+    def _listening(self) -> list[SearchUpdate]:
+        """The last updates of those that will listen somewhere."""
+        return [update for update in self.updates if update.goal != NO_CELL and update.work != "voice"]
+
+    def prior_claims(self, goal: int, at: int, paths: _core.control.CellPaths) -> list[int]:
+        """Return those that are nearer to their robots than a goal to this one; of equally near ones, the id decides.
+
+        Args: at: the cell of this robot.
+        """
+        own = (_length_m(paths, goal, at), self._robot_id)
+        return [
+            update.goal
+            for update in self._listening
+            if (_length_m(paths, update.goal, update.at), update.robot_id) < own
+        ]
 
     @property
     def all_wait(self) -> bool:
@@ -55,3 +74,8 @@ class Teammates:
             and (update.voice.path_m, update.robot_id) < (path_m, self._robot_id)
             for update in self._updates.values()
         )
+
+
+def _length_m(paths: _core.control.CellPaths, goal: int, at: int) -> float:
+    """Return the length of a path [m]; infinity if there is none."""
+    return paths.length_m(goal, at) if NO_CELL not in (goal, at) else math.inf
