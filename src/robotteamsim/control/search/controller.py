@@ -90,13 +90,11 @@ class SearchController:
 
         self._observation: Observation | None = None
         self._task = Task()
-        self._iteration = -1
-        self._elapsed_ns = 0
+        self._iteration, self._elapsed_ns = -1, 0
         self._last_ns: int | None = None
         """The stamp of the last step in which the mission was running."""
-        self._at = NO_CELL
+        self._at = self._goal = NO_CELL
         self._work: Work = "search"
-        self._goal = NO_CELL
         self._target: Vector | None = None
         self._voice: Hunted | None = None
         self._num_found = 0
@@ -110,8 +108,7 @@ class SearchController:
         self._given_up: list[tuple[Vector, float]] = []
         """Sources of voices that the robot could not reach, and until when it ignores them [s]."""
         self._idle_since_s: float | None = None
-        self._done = ""
-        self._next_shown_s = 0.0
+        self._done, self._next_shown_s = "", 0.0
         self._standing = Decision()
         """The decision to stand still in this iteration."""
 

@@ -100,6 +100,22 @@ class Canvas:
         return self._output.num_subscribers > 0
 
 
+_LAYERS = (
+    "building",
+    "doors",
+    "fire",
+    "smoke",
+    "voice",
+    "areas",
+    "victims",
+    "trails",
+    "links",
+    "robots",
+    "headline",
+    *SENSORS,
+)
+
+
 class Scene:
     """Publishes markers when something has changed."""
 
@@ -111,21 +127,7 @@ class Scene:
         self._gaits = {victim.name: gait_of(victim) for victim in scenario.mission.victims}
         self._fallen: frozenset[str] = frozenset()
         self._enclosed: frozenset[str] = frozenset()
-        layers = (
-            "building",
-            "doors",
-            "fire",
-            "smoke",
-            "voice",
-            "areas",
-            "victims",
-            "trails",
-            "links",
-            "robots",
-            "headline",
-            *SENSORS,
-        )
-        self._canvas = {layer: Canvas(f"/scene/{layer}") for layer in layers}
+        self._canvas = {layer: Canvas(f"/scene/{layer}") for layer in _LAYERS}
         self._laser = Output("/scene/laser", PointCloud2)
         self._transforms = roscpp.TransformListener() if scenario.control.localisation == "tf" else None
         self._robots: dict[int, RobotFeed] = {}
