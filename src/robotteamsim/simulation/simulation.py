@@ -152,7 +152,7 @@ class Simulation:
         base_inbox = () if self._base is None else inboxes[self._base]
         world = self.world
         news = world.mishaps, world.loads
-        if any(now is not before for now, before in zip(news, self._team_news, strict=True)):
+        if news != self._team_news:
             self._team_news = news
             self.mission.follow_team(*news)
         events = self.mission.step(
