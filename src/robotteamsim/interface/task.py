@@ -7,11 +7,16 @@ from robotteamsim.interface.payload import Index
 
 
 class Assistance(msgspec.Struct, frozen=True, gc=False):
-    """A firefighter who helps a victim. moving: whether both are on their way; before, the victim is picked up."""
+    """A firefighter who helps a victim.
+
+    moving:    whether both are on their way; before, the victim is picked up.
+    collapsed: whether the victim has collapsed, and is carried even if they could walk before.
+    """
 
     robot_id: Index
     victim: str
     moving: bool
+    collapsed: bool = False
 
 
 class Task(msgspec.Struct, frozen=True, gc=False):

@@ -104,6 +104,8 @@ class Rescue:
         self._collapsed.add(name)
         if state == "dead":
             self._helps.pop(index, None)
+        elif index in self._helps:
+            self._helps[index] = msgspec.structs.replace(self._helps[index], collapsed=True)
 
     def forget(self, index: int, name: str) -> None:
         """Forget everything about a victim, who is somewhere else now."""
@@ -207,7 +209,7 @@ class Rescue:
             if near and min(near)[0] <= self._reach_m:
                 index = min(near)[1]
                 name = victims[index].name
-                self._helps[index] = Assistance(robot_id, name, moving=False)
+                self._helps[index] = Assistance(robot_id, name, moving=False, collapsed=name in self._collapsed)
                 self._reached_s[index] = time_s
                 yield VictimNews(
                     index, "reached", "victim_reached", robot_id, f"{self._member(robot_id)} reaches {name}"
@@ -217,7 +219,7 @@ class Rescue:
         for index, assistance in list(self._helps.items()):
             if not assistance.moving and time_s - self._reached_s[index] >= self._section.pick_up_s:
                 self._helps[index] = msgspec.structs.replace(assistance, moving=True)
-                walks = victims[index].can_walk and assistance.victim not in self._collapsed
+                walks = victims[index].can_walk and not assistance.collapsed
                 does = "leads" if walks else "carries"
                 detail = f"{self._member(assistance.robot_id)} {does} {assistance.victim}"
                 yield VictimNews(index, "carried", "victim_carried", assistance.robot_id, detail)

@@ -46,8 +46,10 @@ class PeopleStage:
               field: fire and smoke; None if nothing can burn.
         """
         states = list(zip(self._people.names, victims, strict=False))
-        for name, state in states:
-            if state == "collapsed" and name not in self._collapsed:
+        collapsed = [name for name, state in states if state == "collapsed"]
+        collapsed += [helped.victim for helped in assistance if helped.collapsed]
+        for name in collapsed:
+            if name not in self._collapsed:
                 self._collapsed.add(name)
                 self._people.collapse(name)
         if field is not None:

@@ -127,7 +127,7 @@ def gait_of(victim: Victim) -> Gait:
 def gait_now(name: str, gait: Gait, fallen: Collection[str], enclosed: Collection[str]) -> Gait:
     """Return how a victim moves who moved otherwise at the start.
 
-    Args: fallen: names of those who have been in the state collapsed.  enclosed: of those who wait, for no path to an
+    Args: fallen: names of those who have collapsed.  enclosed: of those who wait, for no path to an
           exit is open.
     """
     if name in fallen:
@@ -135,9 +135,21 @@ def gait_now(name: str, gait: Gait, fallen: Collection[str], enclosed: Collectio
     return "walks" if gait == "flees" and name in enclosed else gait
 
 
-def fallen_of(names: Iterable[str], states: Iterable[str]) -> frozenset[str]:
-    """Return the names of the victims who have collapsed and are not yet located."""
-    return frozenset(name for name, state in zip(names, states, strict=True) if state == "collapsed")
+class AnyEvent(Protocol):
+    """An event of the mission, or a message on /mission/events."""
+
+    @property
+    def kind(self) -> str:
+        """As in `Event`."""
+
+    @property
+    def subject(self) -> str:
+        """As in `Event`."""
+
+
+def fallen_of(events: Iterable[AnyEvent]) -> frozenset[str]:
+    """Return the names of the victims who collapse in these events."""
+    return frozenset(event.subject for event in events if event.kind == "victim_collapsed")
 
 
 class MovingPerson(Protocol):

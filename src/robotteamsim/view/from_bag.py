@@ -151,8 +151,8 @@ def _scans(scene: Scene, layers: BagLayers, stamp_ns: int) -> tuple[list[float],
 def _fallen_ns(run: RecordedRun) -> dict[str, int]:
     """Return since when victims have collapsed [ns], by name."""
     found: dict[str, int] = {}
-    for stamp_ns, victims in run.victims:
-        for name in fallen_of((victim.name for victim in victims), (victim.state for victim in victims)):
+    for stamp_ns, event in run.events:
+        for name in fallen_of([event]):
             found.setdefault(name, stamp_ns)
     return found
 

@@ -307,7 +307,7 @@ class LiveMission:
 
     def _note(self, record: StepRecord) -> None:
         self._events += shown_events(record.events, record.sim_time_s)
-        self._fallen |= fallen_of((victim.name for victim in record.victims), record.mission.victims)
+        self._fallen |= fallen_of(record.events)
         if record.hazards is not None:
             self._hazards = record.hazards
 

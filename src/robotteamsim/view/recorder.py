@@ -67,7 +67,7 @@ class FrameRecorder:
         if record.hazards is not None:
             found.hazards.add_fire(fire_layer(record.sim_time_s, record.hazards))
             found.hazards.add_smoke(smoke_layer(record.sim_time_s, record.hazards))
-        self._fallen |= fallen_of((victim.name for victim in record.victims), record.mission.victims)
+        self._fallen |= fallen_of(record.events)
         if index % self._every and record.mission.state != "ended":
             return
         with_scans = self._has_scans and index % self._every_scan == 0

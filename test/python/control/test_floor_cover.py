@@ -80,6 +80,17 @@ def test_best_place_is_uncovered_and_near():
     assert np.hypot(place[0] - 3.0, place[1] - 5.0) < 6.0
 
 
+def test_best_place_is_not_hot_and_does_not_look_at_hot_cells():
+    cover, start = _cover(), (3.0, 5.0)
+    hot = {(row, column) for row in range(10) for column in range(12)}
+    outside = {(0, 20), (10, 0), (99, 99)}
+    assert cover.best_place(start, [], 4.0, hot=hot | outside)[0] > 12.0
+    cold = {(0, 19)}
+    everything = {(row, column) for row in range(10) for column in range(20)}
+    assert cover.best_place(start, [], 4.0, hot=everything - cold) == pytest.approx((19.5, 0.5), abs=0.4)
+    assert cover.best_place(start, [], 4.0, hot=everything) is None
+
+
 def test_best_place_keeps_out_of_discs_and_within_cells():
     cover = _cover()
     assert cover.best_place((3.0, 5.0), [((3.0, 5.0), 8.0)], 4.0)[0] > 9.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import known_map
@@ -47,6 +48,21 @@ def test_map_follows_hot_places_seen_and_heard_at_most_every_five_seconds():
     places.look(reading())  # what it sees no longer may still be hot
     assert places.in_sight == ()
     assert not places.update(60 * 10**9)
+
+
+def test_way_out_is_the_nearest_cold_place_for_a_robot_that_heat_surrounds():
+    plan = load_floor_plan("garage")
+    places = HotPlaces(plan)
+    assert places.way_out(known_map(plan, 0.2).grid, (20.5, 7.5)) is None
+    places.hear((row, column) for row in range(4, 11) for column in range(18, 22))
+    assert places.is_hot((20.5, 7.5))
+    places.update(10**9)
+    grid = known_map(plan, 0.2, (), places.blocked).grid
+    way_out = places.way_out(grid, (20.5, 7.5))
+    assert not places.is_hot(way_out)
+    assert way_out[0] == pytest.approx(22.3, abs=0.15)  # half a metre of body and margin beside the blocks
+    assert way_out[1] == pytest.approx(7.5, abs=0.1)
+    assert places.way_out(grid, (25.0, 7.5)) is None
 
 
 def test_robots_tell_their_team_where_it_is_hot_and_nothing_without_a_fire():

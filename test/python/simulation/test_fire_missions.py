@@ -127,6 +127,24 @@ def test_robots_keep_away_from_heat_that_they_see():
     assert closest_m(sees=True) > 1.0
 
 
+@pytest.mark.parametrize("algorithm", ["cover", "rdpso", "greedy", "relay", "search"])
+def test_robots_that_heat_surrounds_leave_it(algorithm: str):
+    scenario = mission(
+        {"heat": {"robot_limit_c": 1000.0}},
+        robots=[{"start_pose": [10.2, 3.2, 0.0], "heat": {"range_m": 5.0}}],
+        mission={"areas": [{"name": "end", "center": [18, 3], "radius_m": 1.0}], "autostart": False},
+        control={"algorithm": algorithm},
+    )
+    simulation = Simulation(scenario)
+    steps(simulation, 600)
+    place = simulation.fire.field.temperature_c(np.array([[10.2, 3.2]]))
+    assert place[0] > simulation.fire.field.fire.heat.block_c
+    simulation.mission.start()
+    pose = steps(simulation, 200)[-1].readings[0].ground_truth
+    assert abs(pose.x_m - 10.0) > 1.2
+    assert simulation.fire.field.temperature_c(np.array([[pose.x_m, pose.y_m]]))[0] < scenario.fire.heat.block_c
+
+
 def test_victims_collapse_and_die_and_fall_silent():
     victims = [{"name": "ann", "position": [9.2, 4.8]}, {"name": "bob", "position": [1.0, 1.0]}]
     scenario = mission({}, mission={"victims": victims, "time_limit_s": 900.0, "save_distance_m": 0.1})

@@ -291,6 +291,43 @@ def test_collapsed_victim_is_carried_even_if_they_could_walk():
     assert event.detail == f"firefighter {event.robot_id} carries bob"
 
 
+def test_victim_who_collapses_while_a_firefighter_leads_them_is_carried_from_then_on():
+    ignition = {"at_s": 5.0, "position": [14.0, 5.0]}
+    fire = {**PILE, "ignitions": [ignition], "casualties": {"collapse_dose": 1e-9}}
+    bob = {"name": "bob", "position": [12.0, 2.0], "can_walk": True}
+    simulation = Simulation(rescue(fire=fire, mission={"victims": [bob], "rescue": {"pick_up_s": 1.0}}))
+    simulation.mission.start()
+    led, carried = [], []
+    while True:
+        record = simulation.step()
+        if record.mission.victims == ("safe",):
+            break
+        for assistance in record.mission.task.assistance:
+            helper = record.readings[assistance.robot_id].true_pose
+            apart_m = math.dist(record.victims[0].position, (helper.x_m, helper.y_m))
+            if assistance.moving:
+                (carried if assistance.collapsed else led).append(apart_m)
+    assert min(led) > 0.3
+    assert min(carried[10:]) < 1e-6
+
+
+def test_firefighter_without_an_order_leaves_a_place_that_becomes_hot():
+    simulation = near_the_pile(
+        fire={**PILE, "casualties": {"collapse_dose": 100.0, "lethal_dose": 100.0}},
+        robots={"count": 0},
+        firefighters={"start": [12.0, 4.6, 0.0], "heat": {"range_m": 8.0}},
+    )
+    for _ in range(1200):
+        simulation.step()
+    before = simulation.world.poses()[0]
+    assert simulation.fire.field.temperature_c(np.array([[before.x_m, before.y_m]]))[0] > 100.0
+    simulation.mission.start()
+    for _ in range(300):
+        simulation.step()
+    after = simulation.world.poses()[0]
+    assert simulation.fire.field.temperature_c(np.array([[after.x_m, after.y_m]]))[0] < 60.0
+
+
 @pytest.mark.parametrize(
     ("changes", "line"),
     [

@@ -118,12 +118,19 @@ class CoverController:
             hot = self._hot.in_sight or msgspec.UNSET
             update = CoverUpdate(self._robot_id, position, self._goal, covered, self.found, hot)
             outbox = (Message(self._robot_id, EVERYBODY, update.to_json()),)
-        if self._target is None:
+        goal, target, speed_mps = self._goal, self._target, self._speed_mps
+        if self._is_base:
+            return Decision(outbox=outbox)
+        leave = self._hot.shelter if target is None else self._hot.way_out
+        cold = leave(self._map.grid, (pose.x_m, pose.y_m))
+        if cold is not None:
+            goal, target, speed_mps = cold, cold, self._control.max_step_speed_mps
+        if target is None:
             return Decision(outbox=outbox)
         twist = self._navigator.drive(
-            self._map.grid, pose, robot.ranges_m, self._target, self._speed_mps, sim_time_ns, lambda: self._teammates
+            self._map.grid, pose, robot.ranges_m, target, speed_mps, sim_time_ns, lambda: self._teammates
         )
-        return Decision(twist=twist, outbox=outbox, goal_m=self._goal)
+        return Decision(twist=twist, outbox=outbox, goal_m=goal)
 
     def _note_victim(self, observation: Observation) -> None:
         """Note a victim that the robot has reached: a voice next to it that falls silent."""
@@ -163,7 +170,9 @@ class CoverController:
             if self._goal is None or math.dist(self._goal, loudest) > self._tuning.avoided_m:
                 self._goal_m, self._goal_since_s = math.inf, time_s
             self._goal = loudest
-        elif self._goal is not None and (self._cover.is_covered(self._goal) or self._is_taken(self._goal, position)):
+        elif self._goal is not None and (
+            self._cover.is_covered(self._goal) or self._hot.is_hot(self._goal) or self._is_taken(self._goal, position)
+        ):
             self._goal = None
         if self._goal is not None:
             length_m = self._route.first_stretch(self._map, position, self._goal)[1]
@@ -191,12 +200,13 @@ class CoverController:
         left_out = [(place, self._tuning.avoided_m) for place, _ in self._avoided]
         left_out += [(update.goal, self._tuning.apart_m) for _, update in self._team.values() if update.goal]
         in_reach = self._links.in_reach([update.position for _, update in self._team.values()], CELL_M)
+        hot = self._hot.known
         if in_reach is not None:
-            place = self._cover.best_place(position, left_out, self._tuning.nearness_m, in_reach)
+            place = self._cover.best_place(position, left_out, self._tuning.nearness_m, in_reach, hot)
             if place:
                 return place
         # No uncovered place has a good enough link: extend the team towards one.
-        return self._cover.best_place(position, left_out, self._tuning.nearness_m)
+        return self._cover.best_place(position, left_out, self._tuning.nearness_m, hot=hot)
 
     def _velocity(self, position: Vector, time_s: float) -> Vector:
         """Return v[t+1] of eq. (22) [m per iteration]: a full step towards the local best, and the weighted x_CB."""

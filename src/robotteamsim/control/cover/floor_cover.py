@@ -2,16 +2,17 @@
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
+from robotteamsim.control.driving.hot_places import BLOCK_M, Block
 from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, known_map
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.swarm import Vector
 
-CELL_M = 1.0
-"""Updates contain one bit per cell: 600 hexadecimal digits for a garage of 60 x 40 m."""
+CELL_M = BLOCK_M
+"""Cells are the blocks of `HotPlaces`. Updates contain one bit per cell: 600 hexadecimal digits for 60 x 40 m."""
 
 Disc = tuple[Vector, float]
 """Centre in `map` and radius [m]."""
@@ -91,17 +92,26 @@ class FloorCover:
             self._covered[row, column] = place is not None and self._floor.grid.is_line_free(start, place)
 
     def best_place(
-        self, position: Vector, left_out: Sequence[Disc], nearness_m: float, within: np.ndarray | None = None
+        self,
+        position: Vector,
+        left_out: Sequence[Disc],
+        nearness_m: float,
+        within: np.ndarray | None = None,
+        hot: Collection[Block] = (),
     ) -> Vector | None:
         """Return the place with the most newly covered floor / (distance + `nearness_m`); the first one of ties.
 
         Args: left_out: discs, centre and radius [m], whose cells are not considered.
               within: the only cells to consider, bool, shape (rows, cols); None for all.
+              hot: cells that are not considered; those outside the plan are ignored.
         """
         lengths_m = self._floor.lengths_m(self._cell_of(position))
         missing = self._floor.open & ~self._covered
         if within is not None:
             missing &= within
+        for block in hot:
+            if block[0] < missing.shape[0] and block[1] < missing.shape[1]:
+                missing[block] = False
         for center, radius_m in left_out:
             away_m = self._floor.middles_m - center
             missing &= away_m[..., 0] ** 2 + away_m[..., 1] ** 2 > radius_m**2

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, OccupancyGrid
 from robotteamsim.sensing.readings import RobotReading
@@ -17,6 +18,11 @@ BLOCK_M = 1.0
 REPLAN_NS = 5 * 10**9
 """A map with new blocks is made at most once in this time, because it is expensive."""
 
+_NEAR_M = 0.5
+"""A robot with free floor within this distance finds paths; otherwise it would drive straight to its goal."""
+
+_FARTHEST_WAY_OUT_M = 10.0
+
 Block = tuple[int, int]
 """Row and column of a square of BLOCK_M, counted from the lower left corner of the plan."""
 
@@ -26,7 +32,8 @@ class HotPlaces:
 
     def __init__(self, plan: FloorPlan) -> None:
         self._origin_m = plan.bounds.min
-        self._known: set[Block] = set()
+        self.known: set[Block] = set()
+        """All known blocks, also those that paths do not avoid yet."""
         self._next_ns = 0
         self.in_sight: tuple[Block, ...] = ()
         """The blocks of the last reading, sorted."""
@@ -38,19 +45,36 @@ class HotPlaces:
         heat = robot.further.heat
         if heat is not None:
             self.in_sight = tuple(sorted({self._block_at(place) for place in heat.hot_m}))
-            self._known.update(self.in_sight)
+            self.known.update(self.in_sight)
 
     def hear(self, blocks: Iterable[Block]) -> None:
         """Note the hot places that teammates see."""
-        self._known.update(blocks)
+        self.known.update(blocks)
 
     def update(self, sim_time_ns: int) -> bool:
         """Let paths avoid all known blocks, unless they have changed shortly before; return whether they change."""
-        if len(self._known) == len(self.blocked) or sim_time_ns < self._next_ns:
+        if len(self.known) == len(self.blocked) or sim_time_ns < self._next_ns:
             return False
         self._next_ns = sim_time_ns + REPLAN_NS
-        self.blocked = tuple(sorted(self._known))
+        self.blocked = tuple(sorted(self.known))
         return True
+
+    def is_hot(self, place: tuple[float, float]) -> bool:
+        """Whether a place in `map` [m] is in a known block."""
+        return self._block_at(place) in self.known
+
+    def way_out(self, grid: _core.plan.PlanningGrid, position: tuple[float, float]) -> tuple[float, float] | None:
+        """Return the nearest free place, in `map` [m], for a robot that heat surrounds; None if it does not.
+
+        Args: grid: free space for the robot, with `blocked` occupied.
+        """
+        if not self.blocked or grid.nearest_free(position, _NEAR_M) is not None:
+            return None
+        return grid.nearest_free(position, _FARTHEST_WAY_OUT_M)
+
+    def shelter(self, grid: _core.plan.PlanningGrid, position: tuple[float, float]) -> tuple[float, float] | None:
+        """Return the nearest free place, in `map` [m], for a robot that stands in a hot place; None if it does not."""
+        return grid.nearest_free(position, _FARTHEST_WAY_OUT_M) if self.is_hot(position) else None
 
     def _block_at(self, place: tuple[float, float]) -> Block:
         (x, y), (min_x, min_y) = place, self._origin_m

@@ -14,11 +14,6 @@ from robotteamsim.network.messages import Message
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.swarm import Vector
 
-_NEAR_M = 0.5
-"""A robot with free floor within this distance finds paths; otherwise it would drive straight to its goal."""
-
-_FARTHEST_WAY_OUT_M = 10.0
-
 
 class PathController:
     """Base class of a controller that chooses goals; it drives there, or wanders if there is no goal."""
@@ -68,11 +63,10 @@ class PathController:
         """Return the pose that the robot uses as its own, in `map`."""
         return self._localiser.map_T_base_link(self.observation.robot)
 
-    def _way_out_of_heat(self, position: Vector) -> Vector | None:
-        """Return the nearest place that is not hot for a robot that is surrounded by heat; None: it is not."""
-        if not self._hot.blocked or self.map.grid.nearest_free(position, _NEAR_M) is not None:
-            return None
-        return self.map.grid.nearest_free(position, _FARTHEST_WAY_OUT_M)
+    def stand(self, pose: Pose, outbox: tuple[Message, ...] = ()) -> Decision:
+        """Return the decision to stand still or, in a hot place, to leave it."""
+        shelter = self._hot.shelter(self.map.grid, (pose.x_m, pose.y_m))
+        return Decision(outbox=outbox) if shelter is None else self.drive(pose, shelter, outbox)
 
     def drive(
         self,
@@ -88,7 +82,7 @@ class PathController:
             goal = self._wander.goal(self.map, (pose.x_m, pose.y_m), self.time_s)
         else:
             self._wander.stop()
-        goal = self._way_out_of_heat((pose.x_m, pose.y_m)) or goal
+        goal = self._hot.way_out(self.map.grid, (pose.x_m, pose.y_m)) or goal
         observation = self.observation
         twist = self._navigator.drive(
             self.map.grid,

@@ -80,7 +80,7 @@ class FirefighterController(PathController):
         goal = self._goal(position)
         outbox = self._messages(position)
         if goal is None or math.dist(position, goal) < self.scenario.control.navigator.arrived_m:
-            return Decision(outbox=outbox)
+            return self.stand(pose, outbox) if self._assistance is None else Decision(outbox=outbox)
         return self.drive(pose, goal, outbox)
 
     def _follow(self, order: Order | None) -> None:
@@ -123,7 +123,7 @@ class FirefighterController(PathController):
             if math.dist(position, self._contact_place) <= _ARRIVED_M:
                 self._contact_place = self._centre
             return self._contact_place
-        return self._search.choose(position, self.time_s) if self._section.searches else None
+        return self._search.choose(position, self.time_s, self._hot) if self._section.searches else None
 
     def _target(self, position: Point) -> Point | None:
         """Return the place of the victim to go to: that of the order or, without contact, the nearest one seen."""

@@ -8,7 +8,7 @@ import msgspec
 
 from robotteamsim.control.cover.floor_cover import FloorCover
 from robotteamsim.control.cover.update import CoverUpdate
-from robotteamsim.control.driving.hot_places import Block
+from robotteamsim.control.driving.hot_places import Block, HotPlaces
 from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.scenario import Scenario
@@ -47,16 +47,16 @@ class FloorSearch:
         """Note what is seen from a place in `map` [m]."""
         self._cover.look(position)
 
-    def choose(self, position: Point, time_s: float) -> Point | None:
-        """Return the place to search next; None: everything is searched."""
+    def choose(self, position: Point, time_s: float, hot: HotPlaces) -> Point | None:
+        """Return the place to search next, which is not hot; None: everything else is searched."""
         self._avoided = [(place, until_s) for place, until_s in self._avoided if until_s > time_s]
         if self.goal is not None and time_s > self._give_up_s:
             self._avoided.append((self.goal, time_s + self._tuning.avoided_s))
             self.goal = None
-        if self.goal is None or self._cover.is_covered(self.goal):
+        if self.goal is None or self._cover.is_covered(self.goal) or hot.is_hot(self.goal):
             left_out = [(place, self._tuning.avoided_m) for place, _ in self._avoided]
             left_out += [(other.goal, self._tuning.apart_m) for other in self._others.values() if other.goal]
-            self.goal = self._cover.best_place(position, left_out, self._tuning.nearness_m)
+            self.goal = self._cover.best_place(position, left_out, self._tuning.nearness_m, hot=hot.known)
             if self.goal is not None:
                 walk_s = math.dist(position, self.goal) / _SLOWEST_MPS
                 self._give_up_s = time_s + self._tuning.goal_timeout_s + walk_s

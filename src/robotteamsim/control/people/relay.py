@@ -74,8 +74,10 @@ class RelayController(PathController):
             self._goal = self._place() or self._goal
             update = RelayUpdate(self.robot_id, position)
             outbox = (Message(self.robot_id, EVERYBODY, update.to_json()),)
-        if self._goal is None or self.scenario.base == self.robot_id:
+        if self.scenario.base == self.robot_id:
             return Decision(outbox=outbox)
+        if self._goal is None or self._hot.is_hot(self._goal):
+            return self.stand(pose, outbox)
         return self.drive(pose, self._goal, outbox)
 
     def _place(self) -> Point | None:

@@ -128,6 +128,9 @@ class RdpsoController:
         if goal is None:
             goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), sim_time_ns * 1e-9)
             speed_mps = self._control.max_step_speed_mps
+        way_out = self._hot.way_out(self._map.grid, (pose.x_m, pose.y_m))
+        if way_out is not None:
+            goal, speed_mps = way_out, self._control.max_step_speed_mps
         teammates = partial(self._team.positions, without=self._robot_id)
         twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, goal_m=goal)

@@ -250,13 +250,13 @@ class Scene:
         areas, victims, people = self._areas.newest(), self._victims.newest(), self._people.newest()
         if areas is not None:
             self._draw_areas(areas.areas)
+        events = self._events.take()
         enclosed = self._enclosed if people is None else enclosed_of(people.people)
-        if victims is not None or enclosed != self._enclosed:
-            self._enclosed = enclosed
-            shown = self._shown_victims if victims is None else victims.victims
-            self._fallen |= fallen_of((victim.name for victim in shown), (victim.state for victim in shown))
-            self._draw_victims(shown)
-        changes = dict(filter(None, map(scene_plan.door_change, self._events.take())))
+        fallen = self._fallen | fallen_of(events)
+        if victims is not None or (enclosed, fallen) != (self._enclosed, self._fallen):
+            self._enclosed, self._fallen = enclosed, fallen
+            self._draw_victims(self._shown_victims if victims is None else victims.victims)
+        changes = dict(filter(None, map(scene_plan.door_change, events)))
         doors = self._doors.newest()
         if doors is not None:
             self._has_doors, changes = True, {door.name: door.opening for door in doors.doors}

@@ -237,7 +237,7 @@ def task(message: robotteamsim.msg.MissionStatus) -> Task:
             Discovery(find.kind, find.name, find.robot_id, _point(find.position), find.time_s)
             for find in message.undelivered
         ),
-        assistance=tuple(Assistance(one.robot_id, one.victim, one.moving) for one in message.assistance),
+        assistance=tuple(Assistance(one.robot_id, one.victim, one.moving, one.collapsed) for one in message.assistance),
     )
 
 
