@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -14,7 +13,6 @@ from running import ROSCORE, Program, environment, running, wait_for_port
 
 from robotteamsim.scenario.scenario import Scenario
 
-sys.path.append(str(Path(__file__).parents[1] / "python" / "world" / "conformance"))
 for suite in ("motion", "doors_and_objects", "team"):
     pytest.register_assert_rewrite(f"test_contract_of_{suite}")
 

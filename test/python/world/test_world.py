@@ -3,10 +3,11 @@ import math
 import numpy as np
 import pytest
 import shapely
+from two_rooms import two_rooms
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
-from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
+from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.sections import Drive, PlacedRobot, Run
 from robotteamsim.world import World
@@ -14,23 +15,7 @@ from robotteamsim.world import World
 RUN = Run()
 FORWARD = Twist(0.7)
 TOUCH_M = 0.005
-PLAN = FloorPlan(
-    name="two rooms",
-    bounds=Bounds(max=(12.0, 6.0)),
-    walls=(
-        Wall(name="south", start=(0.0, 0.1), end=(12.0, 0.1)),
-        Wall(name="north", start=(0.0, 5.9), end=(12.0, 5.9)),
-        Wall(name="west", start=(0.1, 0.2), end=(0.1, 5.8)),
-        Wall(name="east", start=(11.9, 0.2), end=(11.9, 5.8)),
-        Wall(name="middle south", start=(6.0, 0.2), end=(6.0, 2.5), thickness_m=0.1),
-        Wall(name="middle north", start=(6.0, 3.5), end=(6.0, 5.8), thickness_m=0.1),
-    ),
-    blocks=(
-        Block(name="core", polygon=((8.0, 1.0), (10.0, 1.0), (10.0, 1.5), (8.5, 1.5), (8.5, 3.0), (8.0, 3.0))),
-        Block(name="pillar", kind="pillar", polygon=((3.0, 4.0), (3.0, 4.5), (3.5, 4.5), (3.5, 4.0))),
-    ),
-    doors=(Door(name="gate", start=(6.0, 2.5), end=(6.0, 3.5)),),
-)
+PLAN = two_rooms()
 
 
 def world_of(*poses: tuple[float, float, float], run: Run = RUN, plan: FloorPlan = PLAN) -> World:
