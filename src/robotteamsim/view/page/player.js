@@ -41,6 +41,14 @@ export class Player {
 
   draw() { this.dirty = true; }
 
+  /** Wait until the first picture can be seen; what the browser compiles for it would delay the first seek. */
+  async begin() {
+    for (let i = 0; i < 3; i++) { // drawn, put into the page, shown
+      await new Promise((done) => requestAnimationFrame(done));
+      await Promise.all(this.views.map((view) => view.finished()));
+    }
+  }
+
   /** Show what a live mission reports about itself. */
   follow(status) {
     this.playing = status.playing;

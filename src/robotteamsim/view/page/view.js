@@ -20,12 +20,12 @@ export class View {
   selected = null;
   selectedVictim = null; // by name
 
-  /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw(). */
-  constructor(container, mission, callbacks) {
+  /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw().  isSlow: no graphics processor draws. */
+  constructor(container, mission, callbacks, isSlow) {
     Object.assign(this, { container, mission, callbacks });
-    this.surface = new Surface();
+    this.surface = new Surface(isSlow);
     this.renderer = this.surface.renderer;
-    container.append(this.renderer.domElement);
+    container.append(...this.surface.elements);
     this.camera = new PerspectiveCamera(42, 1, 0.1, 5000);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
@@ -103,8 +103,9 @@ export class View {
   }
 
   _resize() {
-    const { clientWidth, clientHeight } = this.container;
-    if (!clientWidth || !clientHeight) return;
+    const { clientWidth, clientHeight } = this.container, size = `${clientWidth} ${clientHeight}`;
+    if (!clientWidth || !clientHeight || size === this.size) return;
+    this.size = size;
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();
@@ -159,6 +160,8 @@ export class View {
     this.labels.show(frame, this.mission.scene, this.camera, shown.names, this.selected);
     this._report(frame);
   }
+
+  finished() { return this.surface.finished(); }
 
   /** Keep the selected robot in the middle of the view. */
   _follow(frame) {
