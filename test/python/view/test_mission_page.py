@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,15 @@ from robotteamsim.scenario.sections import Mission, Victim
 from robotteamsim.simulation import Simulation
 from robotteamsim.view.html import mission_page
 from robotteamsim.view.recorder import FrameRecorder, Recording
+
+
+@pytest.fixture(scope="module")
+def browser_without_webgl(browser: Browser) -> Iterator[Browser]:
+    """Start the same browser, which refuses to draw in three dimensions."""
+    with browser.browser_type.launch(
+        executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
+    ) as started:
+        yield started
 
 
 def test_page_shows_the_numbers_of_the_recording_and_makes_no_request(
@@ -70,6 +80,26 @@ def test_compared_missions_are_shown_at_the_same_time(browser: Browser, recordin
         seek(page, 10.1)
         times = page.eval_on_selector_all(".view", "all => all.map((one) => one.dataset.time)")
         assert times == ["10.1", "10.1"]
+
+
+def test_without_webgl_the_page_shows_the_same_numbers_from_above(
+    browser_without_webgl: Browser, recording: Recording, tmp_path: Path
+) -> None:
+    with shown(browser_without_webgl, tmp_path, [recording], fragment="#layers=voice,radio") as page:
+        assert "no WebGL" in page.inner_text("#note")
+        pictures = set()
+        for index in (0, len(recording.frames) // 2, len(recording.frames) - 1):
+            _check_numbers(seek(page, recording.frames[index].time_s + 0.01), recording, index)
+            pictures.add(page.locator(".view canvas").screenshot())
+        assert len(pictures) == 3
+        label = page.locator(".label.robot:not([hidden])").first.bounding_box()
+        assert label is not None
+        page.mouse.click(label["x"] + label["width"] / 2, label["y"] + label["height"] + 9)
+        assert page.inner_text("#robot h2") == recording.scene.robots[0].name
+        assert page.is_visible("#curves canvas")
+        page.locator("#events li").first.click()
+        begin = f"{recording.events[0].time_s:.1f}"
+        page.wait_for_selector(f".view[data-time='{begin}']")
 
 
 def test_damaged_data_show_one_line(browser: Browser, recording: Recording, tmp_path: Path) -> None:

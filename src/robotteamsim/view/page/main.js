@@ -3,6 +3,7 @@
 import { LiveControls } from "viewer/controls";
 import { LiveMission } from "viewer/live";
 import { make } from "viewer/panel";
+import { PlanView } from "viewer/plan_view";
 import { Player } from "viewer/player";
 import { decodeMissions } from "viewer/recording";
 import { webgl } from "viewer/surface";
@@ -16,6 +17,8 @@ export async function start() {
     if (window.innerWidth < 500) document.body.classList.add("narrow");
     const data = element("missions");
     const kind = webgl();
+    element("note").hidden = kind !== null;
+    document.body.classList.toggle("plan", kind === null);
     const player = data ? await startRecorded(data, kind) : await startLive(kind);
     await player.begin();
     document.body.dataset.ready = "true";
@@ -35,7 +38,8 @@ function addView(kind, mission, player, name, floor = () => false, door = () => 
     onDoor: door,
     onFloor: floor,
   };
-  const view = new View(container, mission, callbacks, kind === "software");
+  const view = kind === null
+    ? new PlanView(container, mission, callbacks) : new View(container, mission, callbacks, kind === "software");
   if (name) container.append(make("div", name, { className: "name" }));
   return view;
 }
@@ -60,7 +64,7 @@ function applyOptions(player, options) {
   const { t, play, layers, theme } = Object.fromEntries(options);
   for (const name of layers?.split(",") ?? []) {
     const box = element(`layer-${name}`);
-    if (box && !box.checked) box.click();
+    if (box && !box.checked && !box.parentElement.hidden) box.click();
   }
   if (theme === "light") element("theme").click();
   if (Number.isFinite(Number(t ?? NaN))) player.seek(player.start + Number(t));
