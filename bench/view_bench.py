@@ -72,7 +72,6 @@ def _seek_ms(browser: Browser, text: str, duration_s: float) -> list[float]:
         page = browser.new_page(viewport={"width": 1600, "height": 900})
         page.goto(f"file://{path}")
         page.wait_for_selector("body[data-ready]", state="attached", timeout=120_000)
-        page.screenshot()  # the slider is dragged when the page can be seen
         shares = np.random.default_rng(1).permutation(np.linspace(0.0, 1.0, 15))
         found = [float(page.evaluate(_SEEK, share * duration_s)) for share in shares.tolist()]
         page.close()

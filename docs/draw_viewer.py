@@ -18,6 +18,7 @@ from robotteamsim.view.recorder import FrameRecorder, Recording
 
 IMAGES = Path(__file__).parent / "images"
 _FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+_WITHOUT_WEBGL = ["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
 _TIMEOUT_MS = 120_000
 
 
@@ -34,6 +35,9 @@ def main() -> None:
         _draw(browser, "garage_rescue", [rescue], "#t=190", (1600, 900))
         _draw(browser, "office_fire", [fire], "#t=50", (1600, 900))
         _draw(browser, "viewer_phone", [quiet], "#t=150", (390, 844))
+        browser.close()
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=_WITHOUT_WEBGL)
+        _draw(browser, "viewer_plan", [rescue], "#t=190", (1600, 720))
         browser.close()
 
 

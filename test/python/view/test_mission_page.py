@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser
+from shown_page import READY_MS, seek, shown
 
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Mission, Victim
@@ -16,60 +17,30 @@ from robotteamsim.simulation import Simulation
 from robotteamsim.view.html import mission_page
 from robotteamsim.view.recorder import FrameRecorder, Recording
 
-_READY_MS = 120_000
 
-
-def _open(
-    browser: Browser, path: Path, fragment: str = "", size: tuple[int, int] = (1600, 900)
-) -> tuple[Page, list[str]]:
-    """Open a page; return it and what the browser complained about or asked for besides the file."""
-    page = browser.new_page(viewport={"width": size[0], "height": size[1]})
-    page.set_default_timeout(_READY_MS)
-    wrong: list[str] = []
-    page.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
-    page.on("pageerror", lambda error: wrong.append(str(error)))
-    page.on("dialog", lambda dialog: wrong.append(dialog.message))
-    page.on("request", lambda request: _note_request(request.url, wrong))
-    page.goto(f"file://{path}{fragment}")
-    page.wait_for_selector("body[data-ready]", state="attached")
-    return page, wrong
-
-
-def _note_request(url: str, wrong: list[str]) -> None:
-    if not url.startswith(("file:", "data:", "blob:")):
-        wrong.append(url)
-
-
-def _seek(page: Page, time_s: float) -> dict[str, Any]:
-    """Move the slider to a time, and return the numbers of the first view once it is drawn."""
-    page.evaluate(
-        """async (time) => {
-            const slider = document.getElementById("time");
-            slider.value = time;
-            slider.dispatchEvent(new Event("input"));
-            await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-        }""",
-        time_s,
-    )
-    found: dict[str, Any] = page.evaluate("({...document.querySelector('.view').dataset})")
-    return found
+@pytest.fixture(scope="module")
+def browser_without_webgl(browser: Browser) -> Iterator[Browser]:
+    """Start the same browser, which refuses to draw in three dimensions."""
+    with browser.browser_type.launch(
+        executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
+    ) as started:
+        yield started
 
 
 def test_page_shows_the_numbers_of_the_recording_and_makes_no_request(
     browser: Browser, recording: Recording, tmp_path: Path
 ) -> None:
-    path = tmp_path / "mission.html"
-    path.write_text(mission_page([recording], recording.title), encoding="utf-8")
-    page, wrong = _open(browser, path)
-    for index in (0, len(recording.frames) // 2, len(recording.frames) - 1):
-        frame = recording.frames[index]
-        shown = _seek(page, frame.time_s + 0.01)
-        assert int(shown["robots"]) == sum(pose is not None for pose in frame.poses)
-        assert int(shown["links"]) == len(frame.links)
-        assert int(shown["victims"]) == len(frame.victims)
-        assert int(shown["saved"]) == sum(victim.state == "saved" for victim in frame.victims)
-    assert wrong == []
-    page.close()
+    with shown(browser, tmp_path, [recording]) as page:
+        for index in (0, len(recording.frames) // 2, len(recording.frames) - 1):
+            _check_numbers(seek(page, recording.frames[index].time_s + 0.01), recording, index)
+
+
+def _check_numbers(found: dict[str, str], recording: Recording, index: int) -> None:
+    frame = recording.frames[index]
+    assert int(found["robots"]) == sum(pose is not None for pose in frame.poses)
+    assert int(found["links"]) == len(frame.links)
+    assert int(found["victims"]) == len(frame.victims)
+    assert int(found["saved"]) == sum(victim.state == "saved" for victim in frame.victims)
 
 
 def test_names_with_markup_are_shown_as_text(
@@ -81,46 +52,54 @@ def test_names_with_markup_are_shown_as_text(
     simulation = Simulation(scenario)
     recorder = FrameRecorder(simulation)
     simulation.run([recorder])
-    path = tmp_path / "mission.html"
-    path.write_text(mission_page([recorder.recording], f"</title>{name}"), encoding="utf-8")
-    page, wrong = _open(browser, path)
-    _seek(page, 4.0)
-    labels = page.eval_on_selector_all(".label.victim", "all => all.map((one) => one.textContent)")
-    assert labels == [f"? {name}"]
-    assert page.title() == f"</title>{name}"
-    assert wrong == []
-    page.close()
+    with shown(browser, tmp_path, [recorder.recording], title=f"</title>{name}") as page:
+        seek(page, 4.0)
+        labels = page.eval_on_selector_all(".label.victim", "all => all.map((one) => one.textContent)")
+        assert labels == [f"? {name}"]
+        assert page.title() == f"</title>{name}"
 
 
 @pytest.mark.parametrize("size", [(1600, 900), (390, 844)])
 def test_labels_do_not_overlap(browser: Browser, recording: Recording, tmp_path: Path, size: tuple[int, int]) -> None:
-    path = tmp_path / "mission.html"
-    path.write_text(mission_page([recording], recording.title), encoding="utf-8")
-    page, wrong = _open(browser, path, size=size)
-    for share in (0.0, 0.3, 0.8):
-        _seek(page, share * recording.frames[-1].time_s)
-        boxes = page.evaluate(
-            """[...document.querySelectorAll(".label")].filter((one) => !one.hidden).map((one) => {
-                const box = one.getBoundingClientRect();
-                return [box.left, box.top, box.right, box.bottom];
-            })"""
-        )
-        assert boxes
-        for (ax0, ay0, ax1, ay1), (bx0, by0, bx1, by1) in itertools.combinations(boxes, 2):
-            assert ax1 <= bx0 or bx1 <= ax0 or ay1 <= by0 or by1 <= ay0
-    assert wrong == []
-    page.close()
+    with shown(browser, tmp_path, [recording], size=size) as page:
+        for share in (0.0, 0.3, 0.8):
+            seek(page, share * recording.frames[-1].time_s)
+            boxes = page.evaluate(
+                """[...document.querySelectorAll(".label")].filter((one) => !one.hidden).map((one) => {
+                    const box = one.getBoundingClientRect();
+                    return [box.left, box.top, box.right, box.bottom];
+                })"""
+            )
+            assert boxes
+            for (ax0, ay0, ax1, ay1), (bx0, by0, bx1, by1) in itertools.combinations(boxes, 2):
+                assert ax1 <= bx0 or bx1 <= ax0 or ay1 <= by0 or by1 <= ay0
 
 
 def test_compared_missions_are_shown_at_the_same_time(browser: Browser, recording: Recording, tmp_path: Path) -> None:
-    path = tmp_path / "both.html"
-    path.write_text(mission_page([recording, recording], "both", compare=True), encoding="utf-8")
-    page, wrong = _open(browser, path, "#t=10")
-    _seek(page, 10.1)
-    times = page.eval_on_selector_all(".view", "all => all.map((one) => one.dataset.time)")
-    assert times == ["10.1", "10.1"]
-    assert wrong == []
-    page.close()
+    with shown(browser, tmp_path, [recording, recording], compare=True, fragment="#t=10") as page:
+        seek(page, 10.1)
+        times = page.eval_on_selector_all(".view", "all => all.map((one) => one.dataset.time)")
+        assert times == ["10.1", "10.1"]
+
+
+def test_without_webgl_the_page_shows_the_same_numbers_from_above(
+    browser_without_webgl: Browser, recording: Recording, tmp_path: Path
+) -> None:
+    with shown(browser_without_webgl, tmp_path, [recording], fragment="#layers=voice,radio") as page:
+        assert "no WebGL" in page.inner_text("#note")
+        pictures = set()
+        for index in (0, len(recording.frames) // 2, len(recording.frames) - 1):
+            _check_numbers(seek(page, recording.frames[index].time_s + 0.01), recording, index)
+            pictures.add(page.locator(".view canvas").screenshot())
+        assert len(pictures) == 3
+        label = page.locator(".label.robot:not([hidden])").first.bounding_box()
+        assert label is not None
+        page.mouse.click(label["x"] + label["width"] / 2, label["y"] + label["height"] + 9)
+        assert page.inner_text("#robot h2") == recording.scene.robots[0].name
+        assert page.is_visible("#curves canvas")
+        page.locator("#events li").first.click()
+        begin = f"{recording.events[0].time_s:.1f}"
+        page.wait_for_selector(f".view[data-time='{begin}']")
 
 
 def test_damaged_data_show_one_line(browser: Browser, recording: Recording, tmp_path: Path) -> None:
@@ -130,6 +109,6 @@ def test_damaged_data_show_one_line(browser: Browser, recording: Recording, tmp_
     path.write_text(whole[:begin] + "AAAA" + whole[begin + 40 :], encoding="utf-8")
     page = browser.new_page()
     page.goto(f"file://{path}")
-    page.wait_for_selector("#failure:not([hidden])", timeout=_READY_MS)
+    page.wait_for_selector("#failure:not([hidden])", timeout=READY_MS)
     assert "cannot be shown" in str(page.text_content("#failure"))
     page.close()

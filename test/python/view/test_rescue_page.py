@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser
 from rosbags.rosbag1 import Reader, Writer
+from shown_page import opened, seek, shown
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.hazards import BURNING
@@ -22,12 +23,11 @@ from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
 from robotteamsim.view.from_bag import recording_of_bag
-from robotteamsim.view.html import live_page, mission_page
+from robotteamsim.view.html import live_page
 from robotteamsim.view.live import LiveMission, SetLayers, Step, Subscription, Update
 from robotteamsim.view.recorder import FrameRecorder, Recording
 from robotteamsim.view.server import ViewServer
 
-_READY_MS = 120_000
 _LIMIT_S = 40.0
 
 
@@ -108,104 +108,69 @@ def mission(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, _Truth
     return recorder.recording, truth, bag
 
 
-def _open(browser: Browser, path: Path) -> tuple[Page, list[str]]:
-    page = browser.new_page(viewport={"width": 1200, "height": 800})
-    page.set_default_timeout(_READY_MS)
-    wrong: list[str] = []
-    page.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
-    page.on("pageerror", lambda error: wrong.append(str(error)))
-    page.goto(f"file://{path}")
-    page.wait_for_selector("body[data-ready]", state="attached")
-    return page, wrong
-
-
-def _seek(page: Page, time_s: float) -> dict[str, Any]:
-    page.evaluate(
-        """async (time) => {
-            const slider = document.getElementById("time");
-            slider.value = time;
-            slider.dispatchEvent(new Event("input"));
-            await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-        }""",
-        time_s,
-    )
-    found: dict[str, Any] = page.evaluate("({...document.querySelector('.view').dataset})")
-    return found
-
-
 def test_page_shows_the_burning_cells_and_the_states_of_the_mission_at_any_time(
     browser: Browser, mission: tuple[Recording, _Truth, Path], tmp_path: Path
 ) -> None:
     recording, truth, _ = mission
-    path = tmp_path / "rescue.html"
-    path.write_text(mission_page([recording], "rescue"), encoding="utf-8")
-    page, wrong = _open(browser, path)
-    end_s = recording.frames[-1].time_s
-    for time_s in (35.05, 5.05, 20.05, end_s, 10.05):  # forwards and backwards
-        shown = _seek(page, time_s)
-        shown_s = float(shown["time"])
-        frame = [frame for frame in recording.frames if frame.time_s <= shown_s + 1e-9][-1]
-        states = _last(truth.states, frame.time_s)
-        assert int(shown["burning"]) == _last(truth.burning, shown_s)
-        flees = [victim.gait == "flees" for victim in frame.victims]
-        expected = [
-            "fleeing" if away and s in ("waiting", "heard") else s for s, away in zip(states, flees, strict=True)
-        ]
-        assert shown["states"].split() == expected
-    assert int(_seek(page, 30.0)["smoky"]) > int(_seek(page, 10.0)["smoky"]) > 0
-    assert max(count for _, count in truth.burning) > 3
-    assert wrong == []
-    page.close()
+    with shown(browser, tmp_path, [recording]) as page:
+        end_s = recording.frames[-1].time_s
+        for time_s in (35.05, 5.05, 20.05, end_s, 10.05):  # forwards and backwards
+            found = seek(page, time_s)
+            shown_s = float(found["time"])
+            frame = [frame for frame in recording.frames if frame.time_s <= shown_s + 1e-9][-1]
+            states = _last(truth.states, frame.time_s)
+            assert int(found["burning"]) == _last(truth.burning, shown_s)
+            flees = [victim.gait == "flees" for victim in frame.victims]
+            expected = [
+                "fleeing" if away and s in ("waiting", "heard") else s for s, away in zip(states, flees, strict=True)
+            ]
+            assert found["states"].split() == expected
+        assert int(seek(page, 30.0)["smoky"]) > int(seek(page, 10.0)["smoky"]) > 0
+        assert max(count for _, count in truth.burning) > 3
 
 
 def test_key_names_the_states_and_roles_and_layers_can_be_hidden(
     browser: Browser, mission: tuple[Recording, _Truth, Path], tmp_path: Path
 ) -> None:
-    path = tmp_path / "rescue.html"
-    path.write_text(mission_page([mission[0]], "rescue"), encoding="utf-8")
-    page, wrong = _open(browser, path)
-    words = str(page.text_content(".key"))
-    for word in ("carried", "fleeing", "dead", "firefighter", "command centre", "burning", "smoke"):
-        assert word in words
-    _seek(page, 30.0)
-    shown = page.locator(".view canvas").screenshot()
-    page.uncheck("#layer-fire")
-    page.uncheck("#layer-smoke")
-    _seek(page, 30.0)
-    assert page.locator(".view canvas").screenshot() != shown
-    labels = page.eval_on_selector_all(".label.robot:not([hidden])", "all => all.map((one) => one.textContent)")
-    assert {"F2", "centre"} <= set(labels)
-    assert wrong == []
-    page.close()
+    with shown(browser, tmp_path, [mission[0]]) as page:
+        words = str(page.text_content(".key"))
+        for word in ("carried", "fleeing", "dead", "firefighter", "command centre", "burning", "smoke"):
+            assert word in words
+        seek(page, 30.0)
+        picture = page.locator(".view").screenshot()
+        page.uncheck("#layer-fire")
+        page.uncheck("#layer-smoke")
+        seek(page, 30.0)
+        assert page.locator(".view").screenshot() != picture
+        labels = page.eval_on_selector_all(".label.robot:not([hidden])", "all => all.map((one) => one.textContent)")
+        assert {"F2", "centre"} <= set(labels)
 
 
 def test_click_on_a_victim_shows_their_states_with_times(
     browser: Browser, mission: tuple[Recording, _Truth, Path], tmp_path: Path
 ) -> None:
     recording, truth, _ = mission
-    path = tmp_path / "rescue.html"
-    path.write_text(mission_page([recording], "rescue"), encoding="utf-8")
-    page, wrong = _open(browser, path)
-    _seek(page, 30.0)
-    label = page.locator(".label.victim", has_text="tom").bounding_box()
-    assert label is not None
-    x, y = label["x"] + label["width"] / 2, label["y"] + label["height"]
-    for down in range(4, 60, 4):
-        page.mouse.click(x, y + down)
-        _seek(page, 30.0)
-        if page.is_visible("#victim"):
-            break
-    rows = page.eval_on_selector_all("#victim tr", "all => all.map((one) => [...one.cells].map((c) => c.textContent))")
-    begins: dict[str, float] = {}
-    for time_s, states in truth.states:
-        if time_s <= 30.0:
-            begins.setdefault(states[3], time_s)
-    assert str(page.text_content("#victim h2")) == "tom"
-    assert [state for state, _ in rows[:-1]] == list(begins)
-    for (_, text), time_s in zip(rows[:-1], begins.values(), strict=True):
-        assert float(text.removesuffix(" s")) == pytest.approx(time_s, abs=0.25)
-    assert wrong == []
-    page.close()
+    with shown(browser, tmp_path, [recording]) as page:
+        seek(page, 30.0)
+        label = page.locator(".label.victim", has_text="tom").bounding_box()
+        assert label is not None
+        x, y = label["x"] + label["width"] / 2, label["y"] + label["height"]
+        for down in range(4, 60, 4):
+            page.mouse.click(x, y + down)
+            seek(page, 30.0)
+            if page.is_visible("#victim"):
+                break
+        rows = page.eval_on_selector_all(
+            "#victim tr", "all => all.map((one) => [...one.cells].map((c) => c.textContent))"
+        )
+        begins: dict[str, float] = {}
+        for time_s, states in truth.states:
+            if time_s <= 30.0:
+                begins.setdefault(states[3], time_s)
+        assert str(page.text_content("#victim h2")) == "tom"
+        assert [state for state, _ in rows[:-1]] == list(begins)
+        for (_, text), time_s in zip(rows[:-1], begins.values(), strict=True):
+            assert float(text.removesuffix(" s")) == pytest.approx(time_s, abs=0.25)
 
 
 def test_a_bag_shows_the_same_fire_and_smoke(mission: tuple[Recording, _Truth, Path]) -> None:
@@ -282,16 +247,12 @@ def test_live_page_shows_the_burning_cells(browser: Browser, server: ViewServer)
         hazards = alone.step().hazards or hazards
     assert hazards is not None
     assert server.mission is not None
-    page = browser.new_page(viewport={"width": 1200, "height": 800})
-    page.goto(server.url)
-    page.wait_for_selector("body[data-ready]", state="attached", timeout=_READY_MS)
-    for _ in range(101):
-        server.mission.execute(Step())
-    wanted = {"time": "10.2", "burning": str(np.count_nonzero(hazards.states == BURNING))}
-    wanted["smoky"] = str(np.count_nonzero((smoke_cells(hazards) + 2) // 4))
-    page.wait_for_function(
-        f"(() => {{ const found = document.querySelector('.view').dataset, wanted = {json.dumps(wanted)};"
-        "return Object.keys(wanted).every((key) => found[key] === wanted[key]); })()",
-        timeout=_READY_MS,
-    )
-    page.close()
+    with opened(browser, server.url) as page:
+        for _ in range(101):
+            server.mission.execute(Step())
+        wanted = {"time": "10.2", "burning": str(np.count_nonzero(hazards.states == BURNING))}
+        wanted["smoky"] = str(np.count_nonzero((smoke_cells(hazards) + 2) // 4))
+        page.wait_for_function(
+            f"(() => {{ const found = document.querySelector('.view').dataset, wanted = {json.dumps(wanted)};"
+            "return Object.keys(wanted).every((key) => found[key] === wanted[key]); })()"
+        )

@@ -4,15 +4,23 @@ import {
   BufferAttribute, BufferGeometry, Color, ConeGeometry, DoubleSide, Group, InstancedMesh, Mesh, MeshBasicMaterial, Object3D,
 } from "three";
 
-const HOT = 1, BURNT = 2, BURNING = 3; // values of the layer `fire`, see hazard_layers.py
+export const HOT = 1, BURNT = 2, BURNING = 3; // values of the layer `fire`, see hazard_layers.py
 const GROUND_Z = 0.025, FLAME_M = 1.2;
 const SHEETS = [[0.04, 0.55], [1.25, 0.5]]; // height [m] and opacity of smoke without any visibility
+
+/** Numbers of cells in maps of fire and smoke, which may be null. */
+export function countCells(fire, smoke) {
+  const count = { [HOT]: 0, [BURNT]: 0, [BURNING]: 0 };
+  fire?.values.forEach((value) => { if (value) count[value] += 1; });
+  const smoky = smoke?.values.reduce((sum, value) => sum + (value > 0), 0) ?? 0;
+  return { burning: count[BURNING], burnt: count[BURNT], hot: count[HOT], smoky };
+}
 
 export class Hazards {
   constructor(palette) {
     this.palette = palette;
     this.group = new Group();
-    this.counts = { burning: 0, burnt: 0, hot: 0, smoky: 0 };
+    this.counts = countCells(null, null);
     this.ground = this._film(true);
     this.flames = this.tips = null;
     this.sheets = SHEETS.map(([z, opacity]) => ({ mesh: this._film(), z, opacity }));
@@ -21,6 +29,7 @@ export class Hazards {
   /** Draw the maps of a time; unchanged ones stay. */
   show(mission, frame, shown) {
     const fire = mission.layerAt("fire", frame.time), smoke = mission.layerAt("smoke", frame.time);
+    if (fire !== this.fire || smoke !== this.smoke) this.counts = countCells(fire, smoke);
     if (fire !== this.fire) this._showFire(fire);
     if (smoke !== this.smoke) this._showSmoke(smoke);
     for (const mesh of [this.ground, this.flames, this.tips]) if (mesh) mesh.visible = shown.fire && Boolean(fire);
@@ -39,10 +48,9 @@ export class Hazards {
     this.fire = map;
     const { burning, burnt, hot } = this.palette.fire;
     const looks = { [HOT]: [new Color(hot), 0.4], [BURNT]: [new Color(burnt), 0.95], [BURNING]: [new Color(burning).multiplyScalar(0.6), 0.95] };
-    const positions = [], colours = [], flames = [], count = { [HOT]: 0, [BURNT]: 0, [BURNING]: 0 };
+    const positions = [], colours = [], flames = [];
     map?.values.forEach((value, cell) => {
       if (!value) return;
-      count[value] += 1;
       const row = Math.floor(cell / map.columns), column = cell % map.columns;
       const [colour, opacity] = looks[value];
       for (const [i, j] of [[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1]]) {
@@ -52,7 +60,6 @@ export class Hazards {
       if (value === BURNING) flames.push([...place(map, column + 0.5, row + 0.5), (3 * row + 5 * column) % 7]);
     });
     fill(this.ground, positions, colours);
-    Object.assign(this.counts, { burning: count[BURNING], burnt: count[BURNT], hot: count[HOT] });
     this._showFlames(flames, map?.cell_m ?? 0);
   }
 
@@ -94,10 +101,8 @@ export class Hazards {
       Math.min(Math.max(row, 0), map.rows - 1) * map.columns + Math.min(Math.max(column, 0), map.columns - 1)]) / 400;
     const corner = (column, row) =>
       value(column - 1, row - 1) + value(column, row - 1) + value(column - 1, row) + value(column, row);
-    this.counts.smoky = 0;
     map?.values.forEach((here, cell) => {
       if (!here) return;
-      this.counts.smoky += 1;
       const row = Math.floor(cell / map.columns), column = cell % map.columns;
       for (const [i, j] of [[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1]]) {
         positions.push(place(map, column + i, row + j));

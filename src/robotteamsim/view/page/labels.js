@@ -1,6 +1,5 @@
 // Names next to robots, victims and areas. A label that would cover another one is left out.
 
-import { Vector3 } from "three";
 import { shownState } from "viewer/people";
 
 export const MARK = {
@@ -16,12 +15,13 @@ export class Labels {
     this.elements = new Map();
   }
 
-  show(frame, scene, camera, visible, selected) {
+  /** Args: project: see Annotations. */
+  show(frame, scene, project, visible, selected) {
     const wanted = visible ? this._wanted(frame, scene, selected) : [];
     const sizes = this._sizes(wanted), taken = [], places = new Map();
     const view = [this.container.clientWidth, this.container.clientHeight];
     wanted.forEach(({ key, at }, index) => {
-      const boxes = boxesNextTo(at, camera, view, sizes[index]);
+      const boxes = boxesNextTo(project(at), view, sizes[index]);
       const box = boxes.find((one) => !taken.some((other) => overlap(one, other)));
       if (!box) return;
       taken.push(box);
@@ -81,10 +81,9 @@ export class Labels {
 }
 
 /** Rectangles for a label of a size next to a point, above it first, that are inside the view. */
-function boxesNextTo(at, camera, [viewWidth, viewHeight], [width, height]) {
-  const point = new Vector3(...at).project(camera);
-  if (point.z > 1) return [];
-  const x = Math.round((point.x + 1) / 2 * viewWidth), y = Math.round((1 - point.y) / 2 * viewHeight);
+function boxesNextTo(point, [viewWidth, viewHeight], [width, height]) {
+  if (!point) return [];
+  const x = Math.round(point[0] * viewWidth), y = Math.round(point[1] * viewHeight);
   const corners = [
     [x - width / 2, y - height - NEAR_PX], [x + NEAR_PX, y - height / 2], [x - width - NEAR_PX, y - height / 2],
     [x - width / 2, y + NEAR_PX],

@@ -3,8 +3,10 @@
 import { LiveControls } from "viewer/controls";
 import { LiveMission } from "viewer/live";
 import { make } from "viewer/panel";
+import { PlanView } from "viewer/plan_view";
 import { Player } from "viewer/player";
 import { decodeMissions } from "viewer/recording";
+import { webgl } from "viewer/surface";
 import { View } from "viewer/view";
 
 const element = (id) => document.getElementById(id);
@@ -14,7 +16,11 @@ export async function start() {
     document.documentElement.dataset.theme = "dark";
     if (window.innerWidth < 500) document.body.classList.add("narrow");
     const data = element("missions");
-    if (data) await startRecorded(data); else await startLive();
+    const kind = webgl();
+    element("note").hidden = kind !== null;
+    document.body.classList.toggle("plan", kind === null);
+    const player = data ? await startRecorded(data, kind) : await startLive(kind);
+    await player.begin();
     document.body.dataset.ready = "true";
   } catch (error) {
     element("failure").hidden = false;
@@ -23,20 +29,22 @@ export async function start() {
   }
 }
 
-function addView(mission, player, name, floor = () => false, door = () => false) {
+function addView(kind, mission, player, name, floor = () => false, door = () => false) {
   const container = make("div", "", { className: "view" });
   element("views").append(container);
-  const view = new View(container, mission, {
+  const callbacks = {
     onDraw: () => player()?.draw(),
     onSelect: (selected, robot) => { selected.selected = robot; player()?.draw(); },
     onDoor: door,
     onFloor: floor,
-  });
+  };
+  const view = kind === null
+    ? new PlanView(container, mission, callbacks) : new View(container, mission, callbacks, kind === "software");
   if (name) container.append(make("div", name, { className: "name" }));
   return view;
 }
 
-async function startRecorded(data) {
+async function startRecorded(data, kind) {
   const missions = await decodeMissions(data.textContent);
   const compare = data.dataset.mode === "compare";
   element("title").textContent = compare ? "Comparison" : missions[0].title;
@@ -44,10 +52,11 @@ async function startRecorded(data) {
   const shown = compare ? missions : missions.slice(0, 1);
   document.body.classList.toggle("side-by-side", compare);
   const views = shown.map((mission, index) =>
-    addView(mission, () => player, compare ? `${"AB"[index] ?? index}: ${mission.title}` : ""));
+    addView(kind, mission, () => player, compare ? `${"AB"[index] ?? index}: ${mission.title}` : ""));
   player = new Player(views);
   if (!compare && missions.length > 1) chooseAmong(missions, player);
   applyOptions(player, new URLSearchParams(location.hash.slice(1)));
+  return player;
 }
 
 /** The address may end with #t=120&layers=voice,laser&theme=light&play=1. */
@@ -55,7 +64,7 @@ function applyOptions(player, options) {
   const { t, play, layers, theme } = Object.fromEntries(options);
   for (const name of layers?.split(",") ?? []) {
     const box = element(`layer-${name}`);
-    if (box && !box.checked) box.click();
+    if (box && !box.checked && !box.parentElement.hidden) box.click();
   }
   if (theme === "light") element("theme").click();
   if (Number.isFinite(Number(t ?? NaN))) player.seek(player.start + Number(t));
@@ -76,11 +85,11 @@ function chooseAmong(missions, player) {
   });
 }
 
-async function startLive() {
+async function startLive(kind) {
   const mission = await LiveMission.connect();
   let player = null, controls = null;
   element("title").textContent = mission.title;
-  const view = addView(mission, () => player, "", (x, y) => controls.floor(x, y), (name) => controls.door(name));
+  const view = addView(kind, mission, () => player, "", (x, y) => controls.floor(x, y), (name) => controls.door(name));
   player = new Player([view]);
   player.following = true;
   player.follow(mission.status);
@@ -102,4 +111,5 @@ async function startLive() {
     element("failure").hidden = false;
     element("failure").textContent = "The simulation has ended, or its program was closed.";
   };
+  return player;
 }

@@ -41,6 +41,14 @@ export class Player {
 
   draw() { this.dirty = true; }
 
+  /** Wait until the first picture can be seen; what the browser compiles for it would delay the first seek. */
+  async begin() {
+    for (let i = 0; i < 3; i++) { // drawn, put into the page, shown
+      await new Promise((done) => requestAnimationFrame(done));
+      await Promise.all(this.views.map((view) => view.finished()));
+    }
+  }
+
   /** Show what a live mission reports about itself. */
   follow(status) {
     this.playing = status.playing;
@@ -146,6 +154,7 @@ export class Player {
 
   /** Whether there are data of a layer; a live mission computes all but fire and smoke. */
   _has(name) {
+    if (this.views.some((view) => view.lacks?.includes(name))) return false;
     if (name === "fire" || name === "smoke") return this.missions.some((mission) => mission.scene.has_fire);
     if (this.isLive) return true;
     if (name === "laser") return this.missions.some((mission) => mission.scans.length > 0);

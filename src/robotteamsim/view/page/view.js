@@ -3,13 +3,11 @@
 import {
   DirectionalLight, HemisphereLight, OrbitControls, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3,
 } from "three";
+import { Annotations } from "viewer/annotations";
 import { Building } from "viewer/building";
 import { Hazards } from "viewer/hazards";
-import { showKey } from "viewer/key";
-import { Labels } from "viewer/labels";
-import { Layers, scale } from "viewer/layers";
-import { People, shownState } from "viewer/people";
-import { isSaved } from "viewer/recording";
+import { Layers } from "viewer/layers";
+import { People } from "viewer/people";
 import { Surface } from "viewer/surface";
 import { Team, enlarged } from "viewer/team";
 
@@ -20,23 +18,18 @@ export class View {
   selected = null;
   selectedVictim = null; // by name
 
-  /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw(). */
-  constructor(container, mission, callbacks) {
+  /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw().  isSlow: no graphics processor draws. */
+  constructor(container, mission, callbacks, isSlow) {
     Object.assign(this, { container, mission, callbacks });
-    this.surface = new Surface();
+    this.surface = new Surface(isSlow);
     this.renderer = this.surface.renderer;
-    container.append(this.renderer.domElement);
+    container.append(...this.surface.elements);
     this.camera = new PerspectiveCamera(42, 1, 0.1, 5000);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.maxPolarAngle = 1.5;
     this.controls.addEventListener("change", () => callbacks.onDraw());
-    this.labels = new Labels(container);
-    this.legend = document.createElement("div");
-    this.legend.className = "legend";
-    this.key = document.createElement("div");
-    this.key.className = "key";
-    container.append(this.legend, this.key);
+    this.annotations = new Annotations(container);
     this._build();
     this._listen();
     new ResizeObserver(() => this._resize()).observe(container);
@@ -57,7 +50,7 @@ export class View {
     this.hazards = new Hazards(palette);
     this.scene.add(
       this.building.group, this.team.group, this.people.group, this.layers.group, this.hazards.group);
-    showKey(this.key, scene, palette);
+    this.annotations.explain(scene, palette);
     this.paint();
     this.fit();
   }
@@ -103,8 +96,9 @@ export class View {
   }
 
   _resize() {
-    const { clientWidth, clientHeight } = this.container;
-    if (!clientWidth || !clientHeight) return;
+    const { clientWidth, clientHeight } = this.container, size = `${clientWidth} ${clientHeight}`;
+    if (!clientWidth || !clientHeight || size === this.size) return;
+    this.size = size;
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();
@@ -153,12 +147,19 @@ export class View {
     this.hazards.show(this.mission, frame, shown);
     this.team.mark(frame, this.selected, this.camera);
     this.layers.show(this.mission, frame, shown, this.selected);
-    this._showLegend(shown);
     this._follow(frame);
     this.surface.render(this.scene, this.camera);
-    this.labels.show(frame, this.mission.scene, this.camera, shown.names, this.selected);
-    this._report(frame);
+    this.annotations.show(this.mission, frame, shown, {
+      project: (place) => this._project(place), selected: this.selected, cells: this.hazards.counts,
+    });
   }
+
+  _project(place) {
+    const point = new Vector3(...place).project(this.camera);
+    return point.z > 1 ? null : [(point.x + 1) / 2, (1 - point.y) / 2];
+  }
+
+  finished() { return this.surface.finished(); }
 
   /** Keep the selected robot in the middle of the view. */
   _follow(frame) {
@@ -170,30 +171,5 @@ export class View {
     this.camera.position.add(shift);
     this.camera.updateMatrixWorld();
     this.controls.update();
-  }
-
-  /** A scale of colours for each layer that has one. */
-  _showLegend(shown) {
-    const names = ["voice", "radio"].filter((name) => shown[name]);
-    this.legend.hidden = !names.length;
-    if (this.legend.dataset.names === names.join()) return;
-    this.legend.dataset.names = names.join();
-    this.legend.replaceChildren(...names.map((name) => {
-      const { low, high, css } = scale(this.mission.palette, name), row = document.createElement("div");
-      const bar = document.createElement("i");
-      bar.style.background = css;
-      row.append(`${name} ${low}`, bar, high);
-      return row;
-    }));
-  }
-
-  /** Numbers of what is drawn, as attributes, for tests and screen readers. */
-  _report(frame) {
-    const saved = (frame.victims ?? []).filter((victim) => isSaved(victim)).length;
-    Object.assign(this.container.dataset, {
-      time: frame.time.toFixed(1), robots: frame.poses.filter(Boolean).length, links: frame.links.length,
-      victims: (frame.victims ?? []).length, saved, ...this.hazards.counts,
-      states: (frame.victims ?? []).map(shownState).join(" "),
-    });
   }
 }
