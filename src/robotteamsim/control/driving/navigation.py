@@ -1,22 +1,23 @@
 """Driving to a point: along the known map, around obstacles that the laser sees, and out of jams."""
 
-from collections.abc import Callable, Mapping
 from typing import Literal
 
-import numpy as np
-
 from robotteamsim import _core
-from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.control_tuning import NavigatorTuning
 from robotteamsim.scenario.sections import Laser, Robot
-from robotteamsim.swarm import Vector
 
 
-class Navigator:
-    """Drives one robot to a goal that may change in any step. `src/cpp/control/navigator.cpp` describes how."""
+class Navigator(_core.control.Navigator):
+    """Drives one robot to a goal that may change in any step. `src/cpp/control/navigator.cpp` describes how.
+
+    `drive` returns the command of a step. Its arguments are the grid of the known map, the robot's pose, the ranges of
+    its laser, the goal in `map` [m] (one inside an obstacle is replaced by the nearest reachable point), the limit of
+    the speed, the stamp of the observation, and a function that returns the last known positions of other robots, in
+    `map` [m], which is called if the robot is stuck.
+    """
 
     def __init__(self, body: Robot, robot_id: int, mode: Literal["path", "straight"], tuning: NavigatorTuning) -> None:
-        self._core = _core.control.Navigator(
+        super().__init__(
             robot_id=robot_id,
             radius_m=body.reach_m,
             laser=laser_layout(body.laser),
@@ -26,25 +27,6 @@ class Navigator:
             by_path=mode == "path",
             parameters=_core.control.NavigatorParameters(**tuning.model_dump()),
         )
-
-    def drive(
-        self,
-        grid: _core.plan.PlanningGrid,
-        pose: Pose,
-        ranges_m: np.ndarray,
-        goal: Vector,
-        speed_mps: float,
-        sim_time_ns: int,
-        teammates: Callable[[], Mapping[int, Vector]],
-    ) -> Twist:
-        """Return the command of this step.
-
-        Args: grid: of the known map.
-              goal: in `map` [m]; one inside an obstacle is replaced by the nearest reachable point.
-              speed_mps: limit of the speed.  sim_time_ns: stamp of the observation.
-              teammates: returns the last known positions of other robots, in `map` [m]; called if the robot is stuck.
-        """
-        return self._core.drive(grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates)
 
 
 def laser_layout(laser: Laser) -> _core.control.LaserLayout:
