@@ -43,6 +43,9 @@ class Physics(Protocol):
     def doors_version(self) -> int:
         """Return a number that grows with each change of a door."""
 
+    def step(self, twists: Sequence[Twist] | np.ndarray) -> None:
+        """Advance by one step."""
+
     def poses(self) -> np.ndarray:
         """Return the poses of the robots."""
 
@@ -133,10 +136,6 @@ class BaseWorld(ABC):
         """Return the physics at the start, with `_robots` and `_objects`."""
 
     @abstractmethod
-    def _advance(self, twists: Sequence[Twist] | np.ndarray) -> None:
-        """Advance the physics by one step, as `step` describes."""
-
-    @abstractmethod
     def _add_body(self, obj: MovableObject) -> None:
         """Add an object to the physics."""
 
@@ -153,7 +152,7 @@ class BaseWorld(ABC):
     def step(self, twists: Sequence[Twist] | np.ndarray) -> None:
         """See `AnyWorld.step`."""
         self._follow_schedule()
-        self._advance(twists)
+        self._physics.step(twists)
         self.step_index += 1
         self.sim_time_ns += self._step_ns
         if self._have_leaves:

@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import numpy as np
-
 from robotteamsim import _core
-from robotteamsim.geometry import Twist
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sections import Run
 from robotteamsim.world.base_world import BaseWorld
@@ -38,9 +33,6 @@ class World(BaseWorld):
         bodies, models = [core_robot(robot) for robot in self._robots], [core_object(obj) for obj in self._objects]
         self.core = _core.world.World(still, leaves, bodies, run.step_s, run.physics_substeps, models)
         return self.core
-
-    def _advance(self, twists: Sequence[Twist] | np.ndarray) -> None:
-        self.core.step(twists)
 
     def _add_body(self, obj: MovableObject) -> None:
         self.core.add_object(core_object(obj))

@@ -41,12 +41,13 @@ class MujocoWorld(BaseWorld):
         self._reaches_m = np.array([robot.reach_m for robot in self._robots])
         return self.engine
 
-    def _advance(self, twists: Sequence[Twist] | np.ndarray) -> None:
-        self.engine.step(twists)
-        self._note_mishaps()
-
     def _add_body(self, obj: MovableObject) -> None:
         self.engine.add_object(obj)
+
+    def step(self, twists: Sequence[Twist] | np.ndarray) -> None:
+        """See `AnyWorld.step`."""
+        super().step(twists)
+        self._note_mishaps()
 
     def lift_object(self, robot_id: int, name: str) -> None:
         """See `AnyWorld.lift_object`."""
