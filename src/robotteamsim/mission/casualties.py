@@ -6,16 +6,16 @@ from collections.abc import Sequence
 
 from robotteamsim.hazards import Doses, HazardField
 from robotteamsim.mission.status import OUT_OF_DANGER, VictimState
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.victims import Victim
 
 
 class Casualties:
-    """The doses of the victims who are not yet saved."""
+    """The doses of the victims who are not yet saved, in a scenario with fire."""
 
-    def __init__(self, scenario: Scenario) -> None:
-        self._doses = None if scenario.fire is None else Doses(scenario.fire)
-        self._update_s = 0.0 if scenario.fire is None else scenario.fire.update_s
+    def __init__(self, fire: Fire) -> None:
+        self._doses = Doses(fire)
+        self._update_s = fire.update_s
         self._field: HazardField | None = None
 
     def follow(self, field: HazardField | None) -> None:
@@ -24,13 +24,12 @@ class Casualties:
 
     def forget(self, name: str) -> None:
         """Start with no dose again, for a victim who was moved."""
-        if self._doses is not None:
-            self._doses.forget(name)
+        self._doses.forget(name)
 
     def judge(self, victims: Sequence[Victim], states: Sequence[VictimState]) -> list[tuple[int, VictimState, str]]:
         """Add the doses of an update; return index, new state and dose, as a text, of each victim whom they harm."""
         field, self._field = self._field, None
-        if field is None or self._doses is None:
+        if field is None:
             return []
         exposed = [victim for victim, state in zip(victims, states, strict=True) if state not in OUT_OF_DANGER]
         changed = self._doses.expose(
@@ -40,6 +39,5 @@ class Casualties:
         return [(indices[name], state, self._text(name)) for name, state in changed.items() if state != "well"]
 
     def _text(self, name: str) -> str:
-        assert self._doses is not None
         dose = self._doses.of(name)
         return f"FED {dose.gas:.2f} by gas, {dose.heat:.2f} by heat"

@@ -67,7 +67,8 @@ class Mission:
         self._step_ns = scenario.run.step_ns
         self._upcoming = Upcoming(scenario.schedule, ("noise_db", "victim"))
         self._walkers = Walkers(scenario)
-        self._casualties = Casualties(scenario)
+        self._casualties = None if scenario.fire is None else Casualties(scenario.fire)
+        """None if nothing can burn."""
         self.failed: frozenset[int] = frozenset()
         """Ids of the absent robots that have failed by heat, and of firefighters who have collapsed."""
         self._member, self._role = scenario.name_of, scenario.role_of
@@ -175,7 +176,8 @@ class Mission:
 
         Args: field: None if fire and smoke have not advanced in this step.
         """
-        self._casualties.follow(field)
+        if self._casualties is not None:
+            self._casualties.follow(field)
         if self._rescue is not None and field is not None:
             self._rescue.follow_smoke(field)
         self.failed = failed
@@ -189,7 +191,8 @@ class Mission:
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
         """Add a victim, or move an existing one, who no longer walks; they then wait (again) to be heard and saved."""
         self._walkers.stop(name)
-        self._casualties.forget(name)
+        if self._casualties is not None:
+            self._casualties.forget(name)
         victim = Victim(name=name, position=position_m)
         names = [known.name for known in self.victims]
         index = names.index(name) if name in names else len(names)
@@ -236,10 +239,12 @@ class Mission:
             self._judge_places(positions_m)
             if self._rescue is not None:
                 self._judge_rescue(self._rescue, positions_m, voices, present)
-            self._judge_harm()
+            if self._casualties is not None:
+                self._judge_harm(self._casualties)
             if self._base.undelivered:
                 self._judge_deliveries(base_inbox)
-            self._judge_links(network)
+            for link, detail in self._links.news(network):
+                self._add_event("link_endangered", link, NOBODY, detail)
             if network.traffic.refused:
                 self._judge_messages(network.traffic)
             for change in self._team.changes(decisions, present):
@@ -281,8 +286,8 @@ class Mission:
             self._places = self._all_places()
             self._heard_places_m.clear()
 
-    def _judge_harm(self) -> None:
-        for index, state, dose in self._casualties.judge(self.victims, self._victim_states):
+    def _judge_harm(self, casualties: Casualties) -> None:
+        for index, state, dose in casualties.judge(self.victims, self._victim_states):
             name = self.victims[index].name
             self._harm(index, state)
             self._note_who_calls()
@@ -308,9 +313,12 @@ class Mission:
                 self._hear(robot_id, voice.local_best_m, voice.local_best_level_db)
 
     def _judge_places(self, positions_m: np.ndarray) -> None:
+        reached = self._places.reached(positions_m)
+        if not reached:
+            return
         num_victims = len(self._saved_on_reach)
         area = num_victims + self._num_explored
-        for place, robot_id in self._places.reached(positions_m):
+        for place, robot_id in reached:
             if place == area:
                 self._explore(robot_id)
             elif place < num_victims and self._victim_states[place] not in OUT_OF_DANGER:
@@ -398,10 +406,6 @@ class Mission:
             self._victim_states[index] = "reported"
             detail = f"the command centre knows where {found.name} is"
             self._add_event("victim_reported", found.name, found.robot_id, detail)
-
-    def _judge_links(self, network: NetworkState) -> None:
-        for link, detail in self._links.news(network):
-            self._add_event("link_endangered", link, NOBODY, detail)
 
     def _judge_messages(self, traffic: Traffic) -> None:
         for refusal in traffic.refused:
