@@ -81,7 +81,7 @@ def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
     if not isinstance(decision, Decision):
         return f"decide returned {_shown(decision)}; expected a Decision"
     twist = decision.twist
-    if not isinstance(twist, Twist) or not _is_finite(twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps):
+    if not _is_twist(twist):
         return f"decide returned {twist!r:.120}; expected a Twist of finite numbers"
     if decision.goal_m is not None and not _is_point(decision.goal_m):
         return f"decide returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
@@ -129,9 +129,11 @@ def _problem_of_status(
     return ""
 
 
-def _is_finite(*numbers: float) -> bool:
+def _is_twist(value: Any) -> bool:
     try:
-        return isfinite(hypot(*numbers))
+        return isinstance(value, Twist) and isfinite(
+            hypot(value.linear_x_mps, value.linear_y_mps, value.angular_z_radps)
+        )
     except TypeError:
         return False
 
@@ -146,7 +148,7 @@ def _is_context(value: Any) -> bool:
 def _is_field(value: Any) -> bool:
     try:
         numbers = (*value.origin_m, value.resolution_m, float(np.sum(value.values)))
-        return isinstance(value, FieldMap) and value.values.ndim == 2 and _is_finite(*numbers)
+        return isinstance(value, FieldMap) and value.values.ndim == 2 and isfinite(hypot(*numbers))
     except (TypeError, ValueError, AttributeError):
         return False
 
