@@ -139,7 +139,8 @@ class RobotReading(msgspec.Struct, frozen=True, gc=False, eq=False):
     @property
     def true_pose(self) -> Pose:
         """The true pose in `map` with its yaw in (-pi, pi]."""
-        return pose_of(*self.row[:4])
+        x_m, y_m, qz, qw = self.row[:4]
+        return pose_of(x_m, y_m, qz, qw)
 
     @property
     def twist(self) -> Twist:
@@ -222,12 +223,12 @@ class TeamReadings(Sequence[RobotReading]):
         Raises: ValueError: the arrays have different lengths.
         """
         if not self._readings:
-            n, further = len(self), self.further or (NOTHING_FURTHER,) * len(self)
+            rows, angles = self.rows.tolist(), self.contact_angles_rad
+            n, further = len(rows), self.further or (NOTHING_FURTHER,) * len(rows)
             if len(self.ranges_m) != n or len(further) != n:
                 raise ValueError(f"{n} rows, {len(self.ranges_m)} scans and {len(further)} further readings")
-            angles = self.contact_angles_rad
             angles_rad = [angles.get(robot_id, ()) for robot_id in range(n)] if angles else repeat((), n)
-            self._readings = tuple(map(RobotReading, self.rows.tolist(), self.ranges_m, angles_rad, further))
+            self._readings = tuple(map(RobotReading, rows, self.ranges_m, angles_rad, further))
         return self._readings
 
 

@@ -91,7 +91,7 @@ class Tally:
         if not self._pending:
             return
         steps = self._pending
-        rows = np.stack([step.rows for step in steps])
+        rows = np.array([step.rows for step in steps])
         self._hash.update_all([step.sim_time_ns for step in steps], rows[:, :, :4])
         self._totals.update(
             np.ascontiguousarray(rows[:, :, :2]),
