@@ -71,7 +71,7 @@ class Walkers:
         They are those of the update's time, a multiple of `mission.walk_update_s`, and not of the stamp [ns].
         """
         updates = sim_time_ns // self._update_ns
-        if updates == self._updates:
+        if not self._walks or updates == self._updates:
             return {}
         self._updates = updates
         time_s = updates * self._update_ns / 1e9
