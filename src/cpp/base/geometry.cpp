@@ -10,6 +10,7 @@ constexpr double kPi = 3.14159265358979323846;
 }  // namespace
 
 double NormaliseAngle(double angle) {
+  if (-kPi < angle && angle <= kPi) return angle;  // as almost always
   const double wrapped = std::remainder(angle, 2.0 * kPi);
   return wrapped == -kPi ? kPi : wrapped;
 }
