@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import partial
 
 import msgspec
 import numpy as np
@@ -128,12 +127,14 @@ class RdpsoController:
         if goal is None:
             goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), sim_time_ns * 1e-9)
             speed_mps = self._control.max_step_speed_mps
-        way_out = self._hot.way_out(self._map.grid, (pose.x_m, pose.y_m))
-        if way_out is not None:
+        if self._hot.blocked and (way_out := self._hot.way_out(self._map.grid, (pose.x_m, pose.y_m))) is not None:
             goal, speed_mps = way_out, self._control.max_step_speed_mps
-        teammates = partial(self._team.positions, without=self._robot_id)
-        twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates)
+        twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, self._teammates)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, goal_m=goal)
+
+    def _teammates(self) -> Mapping[int, Vector]:
+        """Return the last known positions of the other robots, in `map` [m], by id."""
+        return self._team.positions(without=self._robot_id)
 
     def _has_waited_enough(self, sim_time_ns: int) -> bool:
         """Whether all senders of the last iteration have sent an update in this one, or the timeout has expired."""
