@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import functools
 from collections import Counter
+from collections.abc import Mapping
 from functools import cached_property
+from types import MappingProxyType
 
 from robotteamsim.control.rdpso.common_view import CommonView
 from robotteamsim.control.rdpso.update import RdpsoUpdate, update_of
@@ -19,10 +21,12 @@ class TeamMemory:
     robot's own update may be included, because the network delivers it to its teammates in the same batch.
     """
 
-    def __init__(self, updates: tuple[RdpsoUpdate, ...] = ()) -> None:
-        """Args: updates: one per robot, in the order of ids."""
-        self.updates = updates
-        self._hash = hash(updates)
+    def __init__(self, by_id: Mapping[int, RdpsoUpdate] = MappingProxyType({})) -> None:
+        """Args: by_id: the last update of each robot."""
+        self.by_id = by_id
+        self.updates = tuple([by_id[robot_id] for robot_id in sorted(by_id)])
+        """The updates in the order of ids."""
+        self._hash = hash(self.updates)
         self._views: dict[int, CommonView] = {}
 
     def __eq__(self, other: object) -> bool:
@@ -30,11 +34,6 @@ class TeamMemory:
 
     def __hash__(self) -> int:
         return self._hash
-
-    @cached_property
-    def by_id(self) -> dict[int, RdpsoUpdate]:
-        """The updates by robot id."""
-        return {update.robot_id: update for update in self.updates}
 
     @cached_property
     def swarm_ids(self) -> frozenset[int]:
@@ -53,7 +52,7 @@ class TeamMemory:
         """Return the memory after an update."""
         if self.by_id.get(update.robot_id) == update:
             return self
-        return _of({**self.by_id, update.robot_id: update})
+        return TeamMemory({**self.by_id, update.robot_id: update})
 
     def has_others_of(self, iteration: int, robot_id: int) -> bool:
         """Whether the last update of any other robot is from an iteration."""
@@ -71,12 +70,8 @@ class TeamMemory:
         return {update.robot_id: update.position for update in self.updates if update.robot_id != without}
 
 
-def _of(updates: dict[int, RdpsoUpdate]) -> TeamMemory:
-    return TeamMemory(tuple(updates[robot_id] for robot_id in sorted(updates)))
-
-
 # Cached, because all robots in one part of the network ask for the same values.
 @functools.lru_cache(maxsize=256)
 def _after(team: TeamMemory, batch: Batch) -> TeamMemory:
     arrived = {update.robot_id: update for update in map(update_of, batch.messages) if update is not None}
-    return _of(team.by_id | arrived) if arrived else team
+    return TeamMemory({**team.by_id, **arrived}) if arrived else team
