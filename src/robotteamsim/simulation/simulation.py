@@ -77,6 +77,7 @@ class Simulation:
         self._decisions = self._decide(readings.one_by_one(), voices, inboxes)
         events = self._judge(positions_m, voices, network, inboxes)
         world, mission = self.world, self.mission
+        # Python builds a dictionary for a call with more than 15 keywords.
         return StepRecord(
             world.step_index,
             world.sim_time_ns,
