@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tomllib
+from pathlib import Path
 
 IMPORT_ALL = """
 import importlib, pkgutil, sys
@@ -31,3 +33,12 @@ def test_every_module_but_those_for_ros_is_imported_without_posix_modules():
     done = subprocess.run([sys.executable, "-c", IMPORT_ALL], capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     assert int(done.stdout) > 150
+
+
+def test_wheels_are_configured_for_three_systems_and_three_versions_of_python():
+    root = Path(__file__).parents[2]
+    settings = tomllib.loads((root / "pyproject.toml").read_text())["tool"]["cibuildwheel"]
+    assert settings["build"] == "cp311-* cp312-* cp313-*"
+    for system in ("linux", "macos", "windows"):
+        _, script, _ = settings[system]["before-all"].split()
+        assert (root / script).is_file()

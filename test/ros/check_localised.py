@@ -134,6 +134,12 @@ class LocalisedTest(unittest.TestCase):
         published, _, _ = rosgraph.Master("/localised_test").getSystemState()
         self.assertEqual([name for name, _ in published if "ground_truth" in name], [])
 
+    def test_matrices_are_not_published_where_that_is_switched_off(self) -> None:
+        published, _, _ = rosgraph.Master("/localised_test").getSystemState()
+        names = [name for name, _ in published]
+        self.assertIn("/network/links", names)
+        self.assertNotIn("/network/state", names)
+
     def test_transform_that_does_not_arrive_is_reported_once_with_its_name_and_the_wait(self) -> None:
         lines = [line.msg for line in self.log.messages if line.msg.startswith("/tf: waited")]
         self.assertEqual(len(lines), 1, lines)

@@ -1,7 +1,8 @@
-"""The homework of the tutorial in Python and in C++: built, started and driven towards a wall."""
+"""The homework of the tutorial in Python and in C++: built and started as printed, and driven towards a wall."""
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -10,7 +11,10 @@ from pathlib import Path
 import pytest
 from running import ROSLAUNCH, running
 
-TEMPLATES = Path(__file__).parents[2] / "templates"
+ROOT = Path(__file__).parents[2]
+TEMPLATES = ROOT / "templates"
+(IN_CPP,) = re.findall(r"```sh\n(mkdir.*?)```", (ROOT / "docs" / "tutorial.md").read_text(), re.DOTALL)
+*BUILD, SOURCE, START = IN_CPP.splitlines()
 
 DRIVE = """
 import math
@@ -32,38 +36,36 @@ def stands_at_the_wall():
     return 0.25 in commands and commands[-1] == 0.0 and abs(speeds[-1]) < 1e-6
 
 
-for _ in range(6000):
-    wanted.publish(Twist(linear=Vector3(0.5, 0.0, 0.0)))
-    rospy.rostime.wallsleep(0.02)
-    if commands and speeds and nearest and stands_at_the_wall():
-        break
+def drive(speed_mps, is_done):
+    for _ in range(6000):
+        wanted.publish(Twist(linear=Vector3(speed_mps, 0.0, 0.0)))
+        rospy.rostime.wallsleep(0.02)
+        if commands and speeds and nearest and is_done():
+            return
+
+
+drive(0.5, stands_at_the_wall)
 print("commands", sorted(set(commands)), "nearest", round(nearest[-1], 3))
+drive(-0.4, lambda: speeds[-1] < -0.1)
+print("backs away at", commands[-1])
 """
 
 
 @pytest.fixture(scope="module")
 def cpp_driver(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The program that the C++ template is built into."""
-    build = tmp_path_factory.mktemp("cpp_controller")
-    configure = (
-        "cmake",
-        "-S",
-        str(TEMPLATES / "cpp_controller"),
-        "-B",
-        str(build),
-        "-DPYTHON_EXECUTABLE=/usr/bin/python3",
-    )
-    for command in (configure, ("cmake", "--build", str(build))):
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    """The folder in which the C++ template is built."""
+    folder = tmp_path_factory.mktemp("cpp_controller")
+    for command in BUILD:
+        done = subprocess.run(command, shell=True, cwd=folder, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout + done.stderr
-    return build / "devel" / "lib" / "cpp_controller" / "careful_driver"
+    return folder
 
 
 @pytest.mark.parametrize("language", ["python", "cpp"])
 def test_careful_driver_halves_the_speed_and_stops_before_the_wall(language, tmp_path, request):
     command: Sequence[str] = (sys.executable, str(TEMPLATES / "controller" / "careful_driver.py"))
     if language == "cpp":
-        command = (str(request.getfixturevalue("cpp_driver")),)
+        command = ("bash", "-c", f"cd {request.getfixturevalue('cpp_driver')}; {SOURCE}; exec env {START}")
     (tmp_path / "drive.py").write_text(DRIVE)
     world = (*ROSLAUNCH, "robotteamsim", "world.launch", "scenario:=tutorial_arena", "speed:=3")
     with running(world, tmp_path) as program:
@@ -72,5 +74,6 @@ def test_careful_driver_halves_the_speed_and_stops_before_the_wall(language, tmp
         with running((*shared, *command), tmp_path), running((*shared, sys.executable, "drive.py"), tmp_path) as driver:
             assert driver.wait() == 0, driver.output
     assert "commands [0.0, 0.25, 0.5]" in driver.output, driver.output
-    nearest_m = float(driver.output.split("nearest")[1])
+    assert "backs away at -0.2" in driver.output, driver.output
+    nearest_m = float(re.findall(r"nearest (\S+)", driver.output)[0])
     assert 0.2 < nearest_m < 0.3

@@ -18,7 +18,9 @@ from running import GRACE_S, ROSLAUNCH, TIMEOUT_S, Program, running
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "tutorial.md").read_text()
 FILES = re.findall(r"```yaml\n(.*?)```", TEXT, re.DOTALL)
-COMMANDS = [line for block in re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL) for line in block.splitlines()]
+BLOCKS = re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL)
+COMMANDS = [line for block in BLOCKS if "catkin_make" not in block for line in block.splitlines()]
+"""Without those for the node in C++, which test_templates.py runs."""
 LAUNCHES = [command for command in COMMANDS if " scenario.launch" in command]
 
 SPEED = """
@@ -32,6 +34,9 @@ for _ in range(2000):
         print("it moves")
         break
 """
+
+
+SEE = "rostopic echo -n 1 --noarr /scene/robots"
 
 
 @pytest.fixture
@@ -99,6 +104,7 @@ def test_commands_of_the_tutorial_are_those_that_are_tested_here():
         ["rostopic", "echo"],
         ["rostopic", "pub"],
         ["roslaunch", "robotteamsim"],
+        ["roslaunch", "robotteamsim"],
         ["python3", "my_node.py"],
         ["python3", "careful_driver.py"],
         ["roslaunch", "robotteamsim"],
@@ -113,14 +119,24 @@ def test_files_are_checked_and_drawn(folder):
     assert (folder / "plan.png").stat().st_size > 1000
 
 
+def test_misspelt_key_is_reported_as_printed(folder):
+    (message,) = re.findall(r"^robotteamsim: .*$", TEXT, re.MULTILINE)
+    (folder / "arena.yaml").write_text(FILES[1].replace("beams", "beems"))
+    checked = subprocess.run(COMMANDS[1], shell=True, cwd=folder, capture_output=True, text=True, check=False)
+    assert checked.returncode == 2
+    assert checked.stderr.strip() == message
+
+
 def test_robot_is_driven_by_command_keyboard_and_nodes(folder):
-    topics, scan, publish, keyboard, my_node, careful, careful_keyboard = COMMANDS[4:11]
+    topics, scan, publish, keyboard, view, my_node, careful, careful_keyboard = COMMANDS[4:12]
     with running((*ROSLAUNCH, *LAUNCHES[0].split()[1:]), folder) as world:
         world.wait_for(lambda line: "process[mission" in line, "the mission's start")
         for command, expected in ((scan, "range_max: 5.0"), (topics, "/robot_0/base_scan")):
             with running(at_master(world, command), folder) as program:
                 assert program.wait() == 0, program.output
                 assert expected in program.output
+        with running(at_master(world, view), folder), running(at_master(world, SEE), folder) as program:
+            assert program.wait() == 0, program.output
         for command in (publish, my_node):
             put_back(world, folder)
             with running(at_master(world, command.replace("python3", sys.executable)), folder):
@@ -134,7 +150,7 @@ def test_robot_is_driven_by_command_keyboard_and_nodes(folder):
 
 def test_mission_has_the_same_result_headless_and_in_ros(folder):
     (folder / "arena.yaml").write_text(FILES[1] + FILES[2])
-    headless = subprocess.run(f"{COMMANDS[11]} --json", shell=True, cwd=folder, check=True, capture_output=True)
+    headless = subprocess.run(f"{COMMANDS[12]} --json", shell=True, cwd=folder, check=True, capture_output=True)
     with running((*ROSLAUNCH, *LAUNCHES[1].split()[1:], "out:=out"), folder) as program:
         assert program.wait() == 0, program.output
     in_ros = json.loads((folder / "out" / "mission.json").read_text())["result"]

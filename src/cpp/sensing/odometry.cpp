@@ -10,6 +10,10 @@ namespace {
 
 double Square(double value) { return value * value; }
 
+// Below this a motion has no heading that is charged as a turn [m]: wheels slip by micrometres while a robot turns on the
+// spot.
+constexpr double kLeastHeadedDistance = 1e-4;
+
 /// A straight motion: its length [m], negative if backwards, and its heading in [-pi/2, pi/2].
 struct StraightMotion {
   double distance;
@@ -88,8 +92,9 @@ void Odometry::Step(const base::Pose& motion, const base::Twist& twist, const No
   const StraightMotion straight = StraightMotionOf(motion);
   const double turn = twist.angular_z * step_;
   const double rest = turn - straight.heading;
-  const double first2 = Square(std::min(std::abs(straight.heading), std::abs(turn)));
-  const double second2 = Square(std::min(std::abs(rest), std::abs(turn)));
+  const double first_turn = std::abs(straight.distance) < kLeastHeadedDistance ? 0.0 : straight.heading;
+  const double first2 = Square(std::min(std::abs(first_turn), std::abs(turn)));
+  const double second2 = Square(std::min(std::abs(turn - first_turn), std::abs(turn)));
   const double distance2 = Square(straight.distance);
   const double first_variance = model_.alpha1 * first2 + model_.alpha2 * distance2;
   const double distance_variance = model_.alpha3 * distance2 + model_.alpha4 * (first2 + second2);

@@ -55,6 +55,7 @@ class SaysNonsense(Sound):
         (["control.c2=2.5"], "--set: control.c2: 2.5 is above 2"),
         (["control.c4=.nan"], "--set: control.c4: .nan is not a finite number"),
         (["control.alpha=1.2"], "--set: control.alpha: 1.2 is above 1"),
+        (["control.adaptation=neural"], "--set: control.adaptation: 'neural' is not one of none, crisp, fuzzy"),
         (["control.alpha=-0.1"], "--set: control.alpha: -0.1 is below 0"),
         (["control.inertia=2"], "--set: control.inertia: 2 is above 1"),
         (["control.swarms.min=3"], "--set: control.swarms.initial: 1 is below min, 3"),

@@ -63,7 +63,7 @@ def test_ray_along_an_oblique_face_through_a_crossing_pays_that_wall_once_or_not
     core = radio_faces(plan_of(turned(THICK, degrees), turned(LONG, degrees)), Radio()).core()
     start, end = turned(((14.010, 2.142), (15.750, 2.350)), degrees)
     assert core.weight_between(start, end) == core.weight_between(end, start)
-    assert core.weight_between(start, end) in (0, 57)
+    assert core.weight_between(start, end) in ((57,) if degrees == 0 else (0, 57))
 
 
 def test_ray_inside_a_wall_pays_nothing_however_near_to_its_face():

@@ -96,6 +96,12 @@ def test_turn_on_the_spot_is_charged_once_whatever_the_sign_of_its_zeros(x_m, y_
     assert readings.tolist() == drive([usual] * 100, MODEL, robots=3, omni=omni).tolist()
 
 
+@pytest.mark.parametrize(("x_m", "y_m"), [(1e-5, 1e-5), (-1e-5, 1e-5), (7e-6, -1e-5)])
+def test_turn_on_the_spot_is_charged_once_however_the_wheels_slip(x_m, y_m):
+    readings = drive([(Pose(x_m, y_m, 0.05), Twist(0.0, 0.0, 0.5))] * 100, MODEL)
+    assert readings[0, 12] == pytest.approx(0.01, rel=1e-4)
+
+
 def test_drift_has_no_bias_over_a_long_straight_way():
     motion, twist = arc(0.5, 0.0)
     model = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.02, alpha4=0.0)

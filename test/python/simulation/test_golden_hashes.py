@@ -57,12 +57,12 @@ GOLDEN = {
     "61ff4a26c1f2": {
         "garage_sar": "00261494eca73b2104c526119f77c129d9f3e5097c02a5e771f861901685d221",
         "tutorial_arena": "ab1a8fc655ab9c2f1ac593b3a922e6525ba45629091d1f949ddb44f5e537e85e",
-        "crowd": "18311b3a387e6166265213b8b7151f547fa241a6fb3ac72ed27ebea1ee3e44f5",
+        "crowd": "496781a347472c3b65f3c17ac0621f966adca46d5539c021de7e0b44c9dd0680",
     },
     "5aa001dd2fd4": {
         "garage_sar": "9c0ae70f41d1887affb33ab4821fc54790a5648cd05758f66ed373abf5122fcf",
         "tutorial_arena": "1becd6c3d4543bbca5039fa9efc969a295745a71b4ea8bd302b438c0e73e3b67",
-        "crowd": "9ac86db52f51f1d85400dcfcfbeb1050e8061a85935b7b35d7eb07cc5a282943",
+        "crowd": "529c6fa3846c5399dad3a0218008d30bbb5a5ddc78b581c2e75b8b99f003f266",
     },
 }
 """By what the probe prints."""

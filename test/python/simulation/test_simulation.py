@@ -258,6 +258,17 @@ def test_equal_seeds_give_equal_trajectories_and_others_do_not(hall_scenario):
     assert hashes[0] != hashes[2]
 
 
+@pytest.mark.parametrize(
+    "switch", ["communication.gated=false", "rule_out_places=false", "navigation=straight", "memory_of=commands"]
+)
+def test_each_addition_to_rdpso_that_is_switched_off_changes_the_mission(switch):
+    def driven(*keys: str) -> str:
+        limits = ["run.seed=7", "mission.time_limit_s=100"]  # the first place is ruled out after 20 s
+        return Simulation(scenario.load("garage_sar", [*limits, *keys])).run().trajectory_hash
+
+    assert driven(f"control.{switch}") != driven()
+
+
 def test_observers_do_not_change_the_trajectories(hall_scenario):
     alone = Simulation(short(hall_scenario)).run()
     watched = Simulation(short(hall_scenario)).run([Witness()])

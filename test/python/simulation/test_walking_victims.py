@@ -48,6 +48,8 @@ def test_saved_victim_is_silent_and_walks_no_more(hall_scenario):
     saved = next(i for i, record in enumerate(records) if record.mission.victims == ("saved",))
     assert len({record.victims[0].position for record in records[saved:]}) == 1
     assert not any(voice.heard for record in records[saved + 1 :] for voice in record.voices)
+    last_map = [record.voice_map for record in records[saved:] if record.voice_map is not None][-1]
+    assert not last_map.values.any()
 
 
 def test_silent_victim_is_never_heard_but_saved_by_a_robot_that_comes_near(hall_scenario):

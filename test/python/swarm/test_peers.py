@@ -29,6 +29,12 @@ def test_damped_swarms_and_differential_evolution_leave_the_undamped_pso_behind(
     assert median(optimiser, ackley) < 0.3 * median("PSO (11)", ackley)
 
 
+def test_differential_evolution_updates_each_point_at_once():
+    # With updates per generation the median is about 4e-4.
+    found = [bench.best_found("SciPy DE", sphere, [(-60.0, 40.0)] * 10, 3000, seed) for seed in range(9)]
+    assert np.median(found) < 1e-4
+
+
 def test_interval_of_the_median_cuts_nine_of_thirty_values_at_each_end():
     # P(Binomial(30, 1/2) <= 9) = 0.021, <= 10: 0.049
     assert bench.median_interval(np.arange(30.0)) == (14.5, 9.0, 20.0)

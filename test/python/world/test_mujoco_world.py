@@ -3,6 +3,7 @@
 import math
 
 import mujoco
+import numpy as np
 import pytest
 
 from robotteamsim.geometry import Pose, Twist
@@ -10,7 +11,7 @@ from robotteamsim.scenario import load
 from robotteamsim.scenario.drives import CarDrive, Drive, OmniDrive
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.mujoco import Mujoco, Wheels
-from robotteamsim.scenario.sections import Laser, PlacedRobot, Run
+from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot, Run
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation import Simulation
 from robotteamsim.world.mujoco.model import make_spec
@@ -40,6 +41,22 @@ def test_tyres_with_little_friction_slip():
     # Two thirds of the weight or so is on the driven wheels: at most 0.05 g, for half a second.
     assert reached_m[1] < 0.5 * 0.05 * 9.81 * 0.5**2
     assert reached_m[0] > 3.0 * reached_m[1]
+
+
+@pytest.mark.parametrize("turn_radps", [0.1, 2.0])
+def test_odometry_charges_a_turn_on_the_spot_once_although_the_wheels_slip(turn_radps):
+    only_turns = Odometry(alpha1=0.04, alpha2=0.0, alpha3=0.0, alpha4=0.0)
+    robots = [PlacedRobot(start_pose=(4.0 * i + 2.0, 5.0, float(i)), odometry=only_turns) for i in range(3)]
+    world = world_of(*robots)
+    sensors = RobotSensors(world, robots, 1)
+    charged_rad2 = 0.0
+    for _ in range(50):
+        before = [pose.yaw_rad for pose in world.poses()]
+        world.step([Twist(0.0, 0.0, turn_radps)] * 3)
+        turned = [after.yaw_rad - yaw for after, yaw in zip(world.poses(), before, strict=True)]
+        charged_rad2 += 0.04 * np.array([math.remainder(turn, math.tau) ** 2 for turn in turned])
+        readings = sensors.read()
+    assert readings.odometry[:, 12] == pytest.approx(charged_rad2, rel=0.02)
 
 
 def test_robot_that_brakes_leans_forward():

@@ -1,0 +1,53 @@
+"""Numbers in the documentation are those that the benchmarks and the report have written."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+
+
+def rows(path: str) -> list[dict[str, str]]:
+    with (ROOT / path).open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def text(path: str) -> str:
+    return " ".join((ROOT / path).read_text(encoding="utf-8").split())
+
+
+def cell(row: dict[str, str], key: str, digits: int) -> str:
+    mean, low, high = (f"{float(row[key + end]):.{digits}f}" for end in ("", "_low_95", "_high_95"))
+    return f"{mean} [{low}, {high}]"
+
+
+def share(row: dict[str, str]) -> str:
+    return f"{100.0 * float(row['complete']):.0f} %"
+
+
+@pytest.mark.parametrize("row", rows("bench/results/adaptation.csv"), ids=lambda row: row["row"])
+def test_table_of_adaptation_is_that_of_the_benchmark(row):
+    numbers = [cell(row, "time_s", 0), *(cell(row, key, 1) for key in ("victims", "areas", "endangered_links"))]
+    assert f"| {row['row']} | {' | '.join(numbers)} | {share(row)} |" in text("docs/swarm.md")
+
+
+def test_table_of_additions_is_that_of_the_benchmark():
+    measured = {(row["row"], row["noise_db"]): row for row in rows("bench/results/additions.csv")}
+    page = text("docs/swarm.md").replace("`", "")
+    for name in sorted({name for name, _ in measured}):
+        both = [measured[name, noise_db] for noise_db in ("20.0", "10.0")]
+        numbers = [f"{cell(row, 'time_s', 0)} | {cell(row, 'victims', 1)} | {share(row)}" for row in both]
+        assert f"| {name} | {' | '.join(numbers)} |" in page
+
+
+def test_readme_begins_with_the_verdicts_of_the_shipped_report():
+    verdicts = [row["verdict"] for row in rows("docs/report/tables/claims.csv") if row["basis"] == "not fitted"]
+    yes, no = verdicts.count("reproduced"), verdicts.count("not reproduced")
+    counts = f"finds {yes} reproduced, {no} not, and {len(verdicts) - yes - no} undecided"
+    page = text("README.md")
+    for words in ("calibration, not confirmation", f"Of these {len(verdicts)} claims", counts):
+        assert page.index(words) < page.index(" ## ")
+    assert f"Of these {len(verdicts)} claims, {yes} are reproduced, {no} are not" in text("docs/report/report.html")
