@@ -64,22 +64,26 @@ class VictimBelief {
   ListeningPlace Worth(const CellPaths& paths, int start, int cell, const Plan& plan) const;
 
  private:
-  /// Probabilities of cells, and their sums.
-  class Weights;
+  static constexpr int kLevels = 4;
+  class Sums;
   struct Window;
 
   void FindReach();
+  Window All() const;
   Window Around(int cell) const;
   void CheckCell(int cell) const;
   void CheckPlan(const CellPaths& paths, const Plan& plan) const;
-  Weights Unclaimed(const std::vector<int>& claims) const;
-  double Gain(const Weights& left, int cell) const;
+  std::vector<float> Unclaimed(const std::vector<int>& claims, const Window& window) const;
+  double Most(const Sums& sums, int cell) const;
+  double Gain(const std::vector<float>& left, int cell) const;
 
   std::shared_ptr<const VoiceLosses> losses_;
   std::vector<float> prior_;
   std::vector<std::uint8_t> least_;
   Unheard unheard_{};
   int reach_ = 0;  ///< farther away, in rows or columns, no voice is heard
+  /// Number of columns, by rows apart, in which a voice without walls is heard with a probability above i / kLevels.
+  std::vector<std::array<int, kLevels>> spans_;
 };
 
 }  // namespace robotteamsim::control

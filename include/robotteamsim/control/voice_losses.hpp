@@ -37,6 +37,10 @@ class VoiceLosses {
   /// Returns the losses from one cell to all cells. Throws std::invalid_argument if there is no such cell.
   const std::vector<std::uint8_t>& From(int cell) const;
 
+  /// Returns the loss between cells that are so many rows and columns apart, if no wall is between them: no loss at
+  /// this distance is smaller. Throws std::out_of_range if the grid is smaller.
+  std::uint8_t WithoutWalls(int rows, int cols) const;
+
   /// Returns the largest number of rows or columns between two cells whose loss is below some steps.
   int ReachOf(int steps) const;
 
@@ -47,7 +51,8 @@ class VoiceLosses {
   propagation::FaceSet faces_;
   plan::GridShape grid_;
   AssumedFading fading_;
-  std::vector<float> over_distance_;  ///< loss over the distance of cells that are (rows, cols) apart, row by row [dB]
+  /// Loss over the distance of cells that are (row, col) apart, row by row, col from 1 - cols to cols - 1 [dB].
+  std::vector<float> over_distance_;
   mutable std::vector<std::vector<std::uint8_t>> rows_;
 };
 

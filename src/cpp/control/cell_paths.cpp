@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <queue>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -119,19 +117,29 @@ int CellPaths::StartOf(const base::Point& point) const {
   struct Near {
     double distance;
     int cell;
-    bool is_in_sight;
+    bool is_in_sight = false;
   };
   std::vector<Near> near;
   for (int r = std::max(row - kReach, 0); r <= std::min(row + kReach, cells_.rows - 1); ++r) {
     for (int c = std::max(col - kReach, 0); c <= std::min(col + kReach, cells_.cols - 1); ++c) {
       const int other = r * cells_.cols + c;
-      if (!places_[other] || !IsLinked(other)) continue;
-      const bool is_in_sight = from && IsInSight(*from, other);
-      // A place behind a wall is nearer than it seems.
-      near.push_back({Distance(point, *places_[other]) + (is_in_sight ? 0.0 : reach), other, is_in_sight});
+      if (places_[other] && IsLinked(other)) near.push_back({Distance(point, *places_[other]), other});
     }
   }
-  std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.distance < b.distance; });
+  const auto is_nearer = [](const Near& a, const Near& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.cell < b.cell;
+  };
+  std::sort(near.begin(), near.end(), is_nearer);
+  // A place behind a wall is nearer than it seems. Places behind the first one in sight come after it in any case.
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    near[i].is_in_sight = from && IsInSight(*from, near[i].cell);
+    if (!near[i].is_in_sight) {
+      near[i].distance += reach;
+    } else {
+      near.resize(i + 1);
+    }
+  }
+  std::sort(near.begin(), near.end(), is_nearer);
   for (const Near& place : near) {
     if (place.is_in_sight || !from || !fine_->ShortestPath(*from, *places_[place.cell], kLongestDetour * reach).empty())
       return place.cell;
@@ -157,23 +165,32 @@ const std::vector<float>& CellPaths::LengthsFrom(int cell) const {
   if (!lengths.empty()) return lengths;
   lengths.assign(places_.size(), kNoPath);
   if (!places_[cell]) return lengths;
-  using Reached = std::pair<float, int>;
-  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next;
-  lengths[cell] = 0.0F;
-  next.emplace(0.0F, cell);
-  while (!next.empty()) {
-    const auto [length, at] = next.top();
-    next.pop();
-    if (length > lengths[at]) continue;
-    for (int k = 0; k < kNeighbours; ++k) {
-      if (!(links_[at][k] < kNoPath)) continue;
-      const int other = at + kSteps[k].row * cells_.cols + kSteps[k].col;
-      const float through = length + links_[at][k];
-      if (through < lengths[other]) {
-        lengths[other] = through;
-        next.emplace(through, other);
+  // As in PlanningGrid::DistanceMap, but a link may be shorter than a bucket is wide: a cell whose path becomes shorter
+  // is in its bucket again. A link is shorter than four cells.
+  std::array<std::vector<Reached>, 16>& buckets = buckets_;  // all empty
+  const float per_m = 2.0F / static_cast<float>(cells_.resolution);
+  std::array<int, kNeighbours> offsets{};
+  for (int k = 0; k < kNeighbours; ++k) offsets[k] = kSteps[k].row * cells_.cols + kSteps[k].col;
+  std::size_t num_open = 0;
+  const auto reach = [&](int other, float length) {
+    if (length >= lengths[other]) return;
+    lengths[other] = length;
+    buckets[static_cast<std::size_t>(length * per_m) % buckets.size()].push_back({length, other});
+    ++num_open;
+  };
+  reach(cell, 0.0F);
+  for (std::size_t current = 0; num_open > 0; current = (current + 1) % buckets.size()) {
+    std::vector<Reached>& bucket = buckets[current];
+    for (std::size_t i = 0; i < bucket.size(); ++i) {
+      const Reached at = bucket[i];
+      if (at.length > lengths[at.cell]) continue;  // a shorter path was found since
+      for (int k = 0; k < kNeighbours; ++k) {
+        const float link = links_[at.cell][k];
+        if (link < kNoPath) reach(at.cell + offsets[k], at.length + link);
       }
     }
+    num_open -= bucket.size();
+    bucket.clear();
   }
   return lengths;
 }

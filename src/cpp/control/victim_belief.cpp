@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -13,6 +14,8 @@ namespace {
 
 /// Cells with less probability than this are not counted in gains.
 constexpr float kNegligible = 1e-9F;
+/// More than the rounding errors of a gain: relative, and absolute.
+constexpr double kRelativeMargin = 1.0 + 1e-5, kMargin = 1e-7;
 
 }  // namespace
 
@@ -49,6 +52,19 @@ void VictimBelief::FindReach() {
   int loss = 0;
   while (loss < VoiceLosses::kSilent && unheard_[loss] < 1.0F) ++loss;
   reach_ = losses_->ReachOf(loss);
+  std::array<float, kNumLosses> heard{};  // the probability that a voice is heard after a loss, or a larger one
+  float most = 0.0F;
+  for (int i = kNumLosses - 1; i >= 0; --i) heard[i] = most = std::max(most, 1.0F - unheard_[i]);
+  const int most_rows = std::min(reach_ + 1, losses_->grid().rows),
+            most_cols = std::min(reach_ + 1, losses_->grid().cols);
+  spans_.assign(most_rows, {});
+  for (int rows = 0; rows < most_rows; ++rows) {
+    for (int level = 0; level < kLevels; ++level) {
+      int cols = 0;
+      while (cols < most_cols && heard[losses_->WithoutWalls(rows, cols)] * kLevels > static_cast<float>(level)) ++cols;
+      spans_[rows][level] = cols;
+    }
+  }
 }
 
 void VictimBelief::CheckCell(int cell) const {
@@ -80,52 +96,14 @@ std::vector<float> VictimBelief::Mass() const {
   return mass;
 }
 
-class VictimBelief::Weights {
- public:
-  Weights(std::vector<float> cells, int rows, int cols)
-      : cells_(std::move(cells)), cols_(cols), sums_(static_cast<std::size_t>(rows + 1) * (cols + 1), 0.0) {
-    for (int row = 0; row < rows; ++row) {
-      double in_row = 0.0;
-      for (int col = 0; col < cols; ++col) {
-        in_row += cells_[static_cast<std::size_t>(row) * cols + col];
-        Sum(row + 1, col + 1) = Sum(row, col + 1) + in_row;
-      }
-    }
-  }
-
-  const std::vector<float>& cells() const { return cells_; }
-
-  /// Returns the sum over rows [row, row_end) and columns [col, col_end).
-  double Within(int row, int row_end, int col, int col_end) const {
-    return At(row_end, col_end) - At(row, col_end) - At(row_end, col) + At(row, col);
-  }
-
- private:
-  double& Sum(int row, int col) { return sums_[static_cast<std::size_t>(row) * (cols_ + 1) + col]; }
-  double At(int row, int col) const { return sums_[static_cast<std::size_t>(row) * (cols_ + 1) + col]; }
-
-  std::vector<float> cells_;
-  int cols_;
-  std::vector<double> sums_;  ///< over all cells below and to the left
-};
-
-VictimBelief::Weights VictimBelief::Unclaimed(const std::vector<int>& claims) const {
-  std::vector<std::uint8_t> least = least_;
-  for (const int claim : claims) {
-    CheckCell(claim);
-    const std::vector<std::uint8_t>& losses = losses_->From(claim);
-    for (std::size_t i = 0; i < least.size(); ++i) least[i] = std::min(least[i], losses[i]);
-  }
-  std::vector<float> cells(least.size());
-  for (std::size_t i = 0; i < least.size(); ++i) cells[i] = prior_[i] * unheard_[least[i]];
-  return {std::move(cells), losses_->grid().rows, losses_->grid().cols};
-}
-
-/// The cells from which a voice may be heard at a cell.
+/// A rectangle of cells.
 struct VictimBelief::Window {
   int row, row_end, col, col_end;
 };
 
+VictimBelief::Window VictimBelief::All() const { return {0, losses_->grid().rows, 0, losses_->grid().cols}; }
+
+/// The cells from which a voice may be heard at a cell.
 VictimBelief::Window VictimBelief::Around(int cell) const {
   const plan::GridShape& grid = losses_->grid();
   const int row = cell / grid.cols, col = cell % grid.cols;
@@ -133,7 +111,70 @@ VictimBelief::Window VictimBelief::Around(int cell) const {
           std::min(col + reach_ + 1, grid.cols)};
 }
 
-double VictimBelief::Gain(const Weights& left, int cell) const {
+/// Returns the probability of each cell in a window after the claims, and 0 for the others.
+std::vector<float> VictimBelief::Unclaimed(const std::vector<int>& claims, const Window& window) const {
+  for (const int claim : claims) CheckCell(claim);
+  const int cols = losses_->grid().cols, width = window.col_end - window.col;
+  std::vector<float> left(least_.size());
+  std::vector<std::uint8_t> least(width);
+  for (int row = window.row; row < window.row_end; ++row) {
+    const std::size_t first = static_cast<std::size_t>(row) * cols + window.col;
+    std::copy_n(&least_[first], width, least.data());
+    for (const int claim : claims) {
+      const std::uint8_t* const losses = &losses_->From(claim)[first];
+      for (int i = 0; i < width; ++i) least[i] = std::min(least[i], losses[i]);
+    }
+    for (int i = 0; i < width; ++i) left[first + i] = prior_[first + i] * unheard_[least[i]];
+  }
+  return left;
+}
+
+/// Sums over rectangles of cells.
+class VictimBelief::Sums {
+ public:
+  Sums(const std::vector<float>& cells, const plan::GridShape& grid)
+      : stride_(grid.cols + 1), sums_(static_cast<std::size_t>(grid.rows + 1) * stride_, 0.0) {
+    std::size_t cell = 0;
+    for (int row = 0; row < grid.rows; ++row) {
+      const double* const below = &sums_[row * stride_];
+      double* const sums = &sums_[(row + 1) * stride_];
+      double in_row = 0.0;
+      for (int col = 0; col < grid.cols; ++col) {
+        in_row += cells[cell++];
+        sums[col + 1] = below[col + 1] + in_row;
+      }
+    }
+  }
+
+  double Within(const Window& window) const {
+    return At(window.row_end, window.col_end) - At(window.row, window.col_end) - At(window.row_end, window.col) +
+           At(window.row, window.col);
+  }
+
+  double Within(int row, int col, int col_end) const { return Within({row, row + 1, col, col_end}); }
+
+ private:
+  double At(int row, int col) const { return sums_[row * stride_ + col]; }
+
+  std::size_t stride_;
+  std::vector<double> sums_;  ///< over all cells below and to the left
+};
+
+/// Returns a number that no gain at a cell exceeds: what would be heard without walls.
+double VictimBelief::Most(const Sums& sums, int cell) const {
+  const Window near = Around(cell);
+  const int cols = losses_->grid().cols, at_row = cell / cols, at_col = cell % cols;
+  double sum = 0.0;
+  for (int row = near.row; row < near.row_end; ++row) {
+    for (const int span : spans_[std::abs(row - at_row)]) {
+      if (span == 0) break;
+      sum += sums.Within(row, std::max(at_col - span + 1, 0), std::min(at_col + span, cols));
+    }
+  }
+  return kRelativeMargin * sum / kLevels + kMargin;
+}
+
+double VictimBelief::Gain(const std::vector<float>& left, int cell) const {
   const std::vector<std::uint8_t>& losses = losses_->From(cell);
   const Window near = Around(cell);
   const int cols = losses_->grid().cols;
@@ -142,7 +183,7 @@ double VictimBelief::Gain(const Weights& left, int cell) const {
     const std::size_t first = static_cast<std::size_t>(row) * cols;
     float in_row = 0.0F;
     for (std::size_t i = first + near.col; i < first + near.col_end; ++i) {
-      in_row += std::max(left.cells()[i] - prior_[i] * unheard_[losses[i]], 0.0F);
+      in_row += std::max(left[i] - prior_[i] * unheard_[losses[i]], 0.0F);
     }
     sum += in_row;
   }
@@ -158,7 +199,8 @@ void VictimBelief::CheckPlan(const CellPaths& paths, const Plan& plan) const {
 std::optional<ListeningPlace> VictimBelief::Best(const CellPaths& paths, int start, const std::vector<int>& candidates,
                                                  const Plan& plan) const {
   CheckPlan(paths, plan);
-  const Weights left = Unclaimed(plan.claims);
+  const std::vector<float> left = Unclaimed(plan.claims, All());
+  const Sums sums(left, losses_->grid());
   const std::vector<float>& lengths = paths.LengthsFrom(start);
   struct Candidate {
     int cell;
@@ -171,16 +213,21 @@ std::optional<ListeningPlace> VictimBelief::Best(const CellPaths& paths, int sta
     CheckCell(cell);
     if (!std::isfinite(lengths[cell])) continue;
     const double time_s = lengths[cell] / plan.speed_mps + plan.delay_s;
-    const Window near = Around(cell);
-    const double most = left.Within(near.row, near.row_end, near.col, near.col_end);
+    const double most = sums.Within(Around(cell));
     if (most > kNegligible) open.push_back({cell, time_s, most / time_s});
   }
-  std::sort(open.begin(), open.end(), [](const Candidate& a, const Candidate& b) {
-    return a.most_per_s != b.most_per_s ? a.most_per_s > b.most_per_s : a.cell < b.cell;
-  });
+  const auto is_worse = [](const Candidate& a, const Candidate& b) {
+    return a.most_per_s != b.most_per_s ? a.most_per_s < b.most_per_s : a.cell > b.cell;
+  };
+  // A heap instead of a sorted list: few candidates are compared.
+  std::make_heap(open.begin(), open.end(), is_worse);
   std::optional<ListeningPlace> best;
-  for (const Candidate& candidate : open) {
+  while (!open.empty()) {
+    const Candidate candidate = open.front();
     if (best && candidate.most_per_s <= best->rate_per_s) break;
+    std::pop_heap(open.begin(), open.end(), is_worse);
+    open.pop_back();
+    if (best && Most(sums, candidate.cell) <= best->rate_per_s * candidate.time_s) continue;
     const double gain = Gain(left, candidate.cell);
     if (gain <= kNegligible || (best && gain <= best->rate_per_s * candidate.time_s)) continue;
     best = ListeningPlace{candidate.cell, gain, gain / candidate.time_s};
@@ -194,7 +241,7 @@ ListeningPlace VictimBelief::Worth(const CellPaths& paths, int start, int cell, 
   // Paths are as long in the other direction, and those to a goal are known.
   const double length = paths.LengthsFrom(cell)[start];
   if (!std::isfinite(length)) return {cell, 0.0, 0.0};
-  const double gain = Gain(Unclaimed(plan.claims), cell);
+  const double gain = Gain(Unclaimed(plan.claims, Around(cell)), cell);
   return {cell, gain, gain / (length / plan.speed_mps + plan.delay_s)};
 }
 

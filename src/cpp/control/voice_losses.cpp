@@ -34,14 +34,21 @@ AssumedFading CheckedFading(const AssumedFading& fading) {
   return fading;
 }
 
+/// Returns a number of steps rounded up, from 0 to kSilent. Unlike with std::ceil, loops of it are vectorised.
+std::uint8_t RoundedUp(float steps) {
+  const float limited = std::min(std::max(0.0F, steps), static_cast<float>(VoiceLosses::kSilent));
+  const auto whole = static_cast<int>(limited);
+  return static_cast<std::uint8_t>(whole + (static_cast<float>(whole) < limited ? 1 : 0));
+}
+
 }  // namespace
 
 VoiceLosses::VoiceLosses(propagation::FaceSet faces, const plan::GridShape& grid, const AssumedFading& fading)
     : faces_(std::move(faces)), grid_(CheckedGrid(grid)), fading_(CheckedFading(fading)) {
   rows_.resize(static_cast<std::size_t>(grid_.rows) * grid_.cols);
-  over_distance_.reserve(rows_.size());
+  over_distance_.reserve(static_cast<std::size_t>(grid_.rows) * (2 * grid_.cols - 1));
   for (int row = 0; row < grid_.rows; ++row) {
-    for (int col = 0; col < grid_.cols; ++col) {
+    for (int col = 1 - grid_.cols; col < grid_.cols; ++col) {
       const double apart = grid_.resolution * base::Hypot(1.0 * col, 1.0 * row);
       const double distance = std::max(apart - fading_.nearer_m, fading_.min_distance_m);
       over_distance_.push_back(static_cast<float>(fading_.slope_db * base::Log10(distance)));
@@ -59,15 +66,22 @@ const std::vector<std::uint8_t>& VoiceLosses::From(int cell) const {
   const std::vector<float> walls_db = WallsFromDb(propagation::CellCenter(grid_, from_row, from_col));
   const auto steps_per_db = static_cast<float>(1.0 / fading_.step_db);
   losses.resize(rows_.size());
+  const int middle = grid_.cols - 1;  // of a row of over_distance_
   for (int row = 0; row < grid_.rows; ++row) {
-    const float* const over_distance = &over_distance_[static_cast<std::size_t>(std::abs(row - from_row)) * grid_.cols];
-    for (int col = 0; col < grid_.cols; ++col) {
-      const std::size_t to = static_cast<std::size_t>(row) * grid_.cols + col;
-      const float steps = std::ceil((over_distance[std::abs(col - from_col)] + walls_db[to]) * steps_per_db);
-      losses[to] = static_cast<std::uint8_t>(base::ClampedInt(steps, 0, kSilent));
-    }
+    const std::size_t apart = static_cast<std::size_t>(std::abs(row - from_row)) * (2 * grid_.cols - 1);
+    const float* const over_distance = &over_distance_[apart + middle - from_col];
+    const std::size_t first = static_cast<std::size_t>(row) * grid_.cols;
+    const float* const walls = &walls_db[first];
+    std::uint8_t* const in_row = &losses[first];
+    for (int col = 0; col < grid_.cols; ++col)
+      in_row[col] = RoundedUp((over_distance[col] + walls[col]) * steps_per_db);
   }
   return losses;
+}
+
+std::uint8_t VoiceLosses::WithoutWalls(int rows, int cols) const {
+  const std::size_t middle = static_cast<std::size_t>(rows) * (2 * grid_.cols - 1) + grid_.cols - 1;
+  return RoundedUp(over_distance_.at(middle + cols) * static_cast<float>(1.0 / fading_.step_db));
 }
 
 int VoiceLosses::ReachOf(int steps) const {

@@ -36,6 +36,8 @@ class Areas:
         self._later_cells: list[int] = []
         """The cells of the areas after the next one."""
         self._tour_m = 0.0
+        self.last_leg_m = 0.0
+        """The length of the path from the area before the last one to the last one [m]."""
 
     def follow(self, task: Task) -> bool:
         """Adopt the mission's next area; return whether it has changed."""
@@ -95,6 +97,12 @@ class Areas:
         reached = [cell for cell in cells if cell != NO_CELL]
         legs_m = [paths.length_m(a, b) for a, b in itertools.pairwise(reached)]
         self._tour_m = sum(length_m for length_m in legs_m if math.isfinite(length_m))
+        self.last_leg_m = legs_m[-1] if legs_m and math.isfinite(legs_m[-1]) else 0.0
+
+    @property
+    def last_cell(self) -> int:
+        """The cell from which the last area can be explored; NO_CELL if there is none."""
+        return self._later_cells[-1] if self._later_cells else self.cell
 
     @property
     def tour_m(self) -> float:
@@ -106,14 +114,10 @@ class Areas:
         """Whether there is a next area, and a robot can reach it."""
         return self.cell != NO_CELL
 
-    def later_cell(self, index: int, outside: _core.control.CellPaths, start: int) -> int:
-        """Return the cell of a later area, or beside it if it is the last one; NO_CELL if there is none.
-
-        Args: index: 0 for the area after the next one.  outside: paths outside the last area.  start: of the robot.
-        """
-        if index == self.num_left - 2:
-            return self.cell_beside(outside, start)
-        return self._later_cells[index] if index < len(self._later_cells) else NO_CELL
+    def middle_cell(self, index: int) -> int:
+        """Return the cell of an area between the next and the last one, the first at 0; NO_CELL if there is none."""
+        middle = self._later_cells[:-1]
+        return middle[index] if index < len(middle) else NO_CELL
 
     def cell_beside(self, outside: _core.control.CellPaths, start: int) -> int:
         """Return the reachable cell that is nearest to the last area; NO_CELL if there is none.

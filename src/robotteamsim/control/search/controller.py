@@ -19,6 +19,7 @@ from robotteamsim.control.search.cells import cell_grid, cell_paths, places
 from robotteamsim.control.search.goals import ListeningGoal, Progress
 from robotteamsim.control.search.hunt import Hunt, Hunted
 from robotteamsim.control.search.knowledge import Knowledge
+from robotteamsim.control.search.last_area import EarlyDrive
 from robotteamsim.control.search.team import Teammates
 from robotteamsim.control.search.update import LONGEST_PATH_M, HeardVoice, SearchUpdate, Work, update_of
 from robotteamsim.geometry import Pose
@@ -82,7 +83,7 @@ class SearchController:
         self._places = self._find_places(1)
         self._knowledge = Knowledge(scenario, self._grid, self._places)
         self._space_places()
-        self._hunt = Hunt(scenario, self._grid)
+        self._hunt, self._early_drive = Hunt(scenario, self._grid), EarlyDrive()
         self._team = Teammates(robot_id, self._tuning.given_up_s)
         self._listening = ListeningGoal(self._tuning, self._speed_mps)
         self._meanwhile = ListeningGoal(self._tuning.model_copy(update={"victim_worth_s": math.inf}), self._speed_mps)
@@ -285,7 +286,7 @@ class SearchController:
         self._done = ""
         self._choose_paths()
         urgent = self._is_urgent(start)
-        allowed = self._paths.start_of(position)
+        allowed = start if self._paths is self._all_paths else self._paths.start_of(position)
         if self._voice is not None and not urgent and self._approach_voice(self._voice, position, allowed, time_s):
             self._listening.clear()
             self._idle_since_s = None
@@ -296,7 +297,12 @@ class SearchController:
             ends = self._areas.is_last or allowed == NO_CELL
             ends = ends or not math.isfinite(self._paths.length_m(self._areas.cell, allowed))
             self._set_goal("area", self._areas.cell, position, self._all_paths if ends else self._paths)
-        elif goal != NO_CELL:
+            return
+        is_early = self._early_drive.is_needed(self._areas, self._team, self._all_paths, start, self._search_m)
+        if is_early and not urgent and allowed != NO_CELL:
+            goal = self._areas.cell_beside(self._outside, allowed)
+            self._listening.clear()
+        if goal != NO_CELL:
             self._idle_since_s = None
             self._set_goal("search", goal, position, self._paths)
         else:
@@ -315,7 +321,7 @@ class SearchController:
             self._paths,
             start,
             self._places.candidates,
-            self._team.claims,
+            self._team.nearer_claims(self._at, self._all_paths) if self._work == "wait" else self._team.claims,
             self._team.prior_claims(listening.cell, self._at, self._all_paths),
             knowledge.victims_per_share,
             time_s,
@@ -384,25 +390,14 @@ class SearchController:
         """Whether the time left is needed to explore the areas."""
         if not self._areas.is_possible:
             return False
-        nearest_m = min((length_m for length_m, _ in self._lengths_to_area(start)), default=math.inf)
+        nearest_m, _ = min(self._team.lengths_m(self._areas.cell, start, self._all_paths))
         tour_s = (nearest_m + self._areas.tour_m) / self._speed_mps
         left_s = self._scenario.mission.time_limit_s - self._elapsed_ns * 1e-9
         return left_s < self._tuning.reserve * tour_s + self._tuning.reserve_s
 
-    def _lengths_to_area(self, start: int, works: tuple[Work, ...] = ()) -> list[tuple[float, int]]:
-        """Return the path lengths from the robot and its teammates to the next area [m], with their ids.
-
-        Args: works: of the teammates to consider; empty for all.
-        """
-        paths, cell = self._all_paths, self._areas.cell
-        robots = [(paths.length_m(cell, start) if start != NO_CELL else math.inf, self._robot_id)]
-        for update in self._team.updates:
-            if update.at != NO_CELL and (not works or update.work in works):
-                robots.append((paths.length_m(cell, update.at), update.robot_id))
-        return robots
-
     def _is_nearest(self, start: int, works: tuple[Work, ...] = ()) -> bool:
-        return min(self._lengths_to_area(start, works))[1] == self._robot_id
+        """Whether no teammate is nearer to the next area. Args: works: of the teammates to consider; empty for all."""
+        return min(self._team.lengths_m(self._areas.cell, start, self._all_paths, works))[1] == self._robot_id
 
     def _goes_to_area(self, start: int, goal: int, urgent: bool, time_s: float) -> bool:
         """Whether this robot explores the next area now.
@@ -427,12 +422,16 @@ class SearchController:
         if goal == NO_CELL:
             return self._is_nearest(start, ("wait", "area"))
         to_area_m = self._all_paths.length_m(areas.cell, start)
-        search_s = self._knowledge.remaining * self._knowledge.open_m2
-        search_s /= 2.0 * self._knowledge.hearing_m * self._speed_mps * (1 + len(self._team.updates))
-        if (to_area_m + areas.tour_m) / self._speed_mps >= search_s:
+        if to_area_m + areas.tour_m >= self._search_m:
             return self._is_nearest(start, ("search", "wait", "area"))
         detour_m = to_area_m + self._all_paths.length_m(areas.cell, goal) - self._all_paths.length_m(goal, start)
         return detour_m / self._speed_mps <= self._tuning.detour_s
+
+    @property
+    def _search_m(self) -> float:
+        """How far each robot drives until the team has searched the remaining floor, if all goes well [m]."""
+        open_m2 = self._knowledge.remaining * self._knowledge.open_m2
+        return open_m2 / (2.0 * self._knowledge.hearing_m * (1 + len(self._team.updates)))
 
     def _is_all_done(self, goal: int) -> bool:
         """Whether no robot searches or approaches a voice. Args: goal: where this robot would listen."""
@@ -461,11 +460,15 @@ class SearchController:
         """Return where a robot waits for the turn of an area; NO_CELL if others wait at all of them."""
         if start == NO_CELL:
             return NO_CELL
-        if self._areas.is_last:
-            nearest = self._is_nearest(self._at, ("wait",))
-            return self._areas.cell_beside(self._paths, start) if nearest else NO_CELL
-        before = sum(update.work == "wait" and update.robot_id < self._robot_id for update in self._team.updates)
-        return self._areas.later_cell(before, self._outside, start)
+        areas = self._areas
+        if areas.last_cell == NO_CELL:
+            return NO_CELL
+        waiting = self._team.lengths_m(areas.last_cell, self._at, self._all_paths, ("wait",))
+        nearest = min(waiting)[1]
+        if nearest == self._robot_id:
+            return areas.cell_beside(self._outside, start)
+        before = sum(robot_id < self._robot_id and robot_id != nearest for _, robot_id in waiting)
+        return areas.middle_cell(before)
 
     def _listen_meanwhile(self, position: Vector, start: int, time_s: float) -> None:
         """Listen where most is expected, however little, until a teammate ends the mission."""

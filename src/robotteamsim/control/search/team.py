@@ -3,28 +3,35 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from robotteamsim import _core
 from robotteamsim.control.search.areas import NO_CELL
-from robotteamsim.control.search.update import SearchUpdate
+from robotteamsim.control.search.update import SearchUpdate, Work
 from robotteamsim.swarm import Vector
+
+_MUCH_SHORTER = 0.8
+"""A robot without work takes over the goal of a teammate if its own path to it is at most this share of theirs."""
 
 
 class Teammates:
     """The last update of each teammate that was heard recently."""
 
     def __init__(self, robot_id: int, given_up_s: float) -> None:
-        self._robot_id = robot_id
+        self.robot_id = robot_id
         self._given_up_s = given_up_s
         self._heard_s: dict[int, float] = {}
         self._updates: dict[int, SearchUpdate] = {}
+        """In the order of ids."""
         self.positions: Mapping[int, Vector] = {}
         """The last position of each, in `map` [m], by id."""
 
     def hear(self, update: SearchUpdate, time_s: float) -> None:
         """Store an update. Args: time_s: of its arrival [s]."""
+        is_new = update.robot_id not in self._updates
         self._updates[update.robot_id] = update
+        if is_new:
+            self._updates = dict(sorted(self._updates.items()))
         self._heard_s[update.robot_id] = time_s
         self.positions = {**self.positions, update.robot_id: update.position}
 
@@ -37,12 +44,20 @@ class Teammates:
     @property
     def updates(self) -> list[SearchUpdate]:
         """The last updates, in the order of ids."""
-        return [self._updates[robot_id] for robot_id in sorted(self._updates)]
+        return list(self._updates.values())
 
     @property
     def claims(self) -> list[int]:
         """Cells at which teammates will listen."""
         return [update.goal for update in self._listening]
+
+    def nearer_claims(self, at: int, paths: _core.control.CellPaths) -> list[int]:
+        """Return those to which this robot does not have a much shorter path. Args: at: the cell of this robot."""
+        return [
+            update.goal
+            for update in self._listening
+            if _length_m(paths, update.goal, at) >= _MUCH_SHORTER * _length_m(paths, update.goal, update.at)
+        ]
 
     @property
     def _listening(self) -> list[SearchUpdate]:
@@ -54,12 +69,23 @@ class Teammates:
 
         Args: at: the cell of this robot.
         """
-        own = (_length_m(paths, goal, at), self._robot_id)
+        own = (_length_m(paths, goal, at), self.robot_id)
         return [
             update.goal
             for update in self._listening
             if (_length_m(paths, update.goal, update.at), update.robot_id) < own
         ]
+
+    def lengths_m(
+        self, cell: int, at: int, paths: _core.control.CellPaths, works: Sequence[Work] = ()
+    ) -> list[tuple[float, int]]:
+        """Return the path lengths to a cell from this robot and its teammates [m], with their ids.
+
+        Args: at: the cell of this robot.  works: of the teammates to consider; empty for all.
+        """
+        others = [update for update in self.updates if update.at != NO_CELL and (not works or update.work in works)]
+        lengths_m = [(paths.length_m(cell, update.at), update.robot_id) for update in others]
+        return [(_length_m(paths, cell, at), self.robot_id), *lengths_m]
 
     @property
     def all_wait(self) -> bool:
@@ -71,7 +97,7 @@ class Teammates:
         return any(
             update.voice is not None
             and math.dist(update.voice.source, source_m) <= same_voice_m
-            and (update.voice.path_m, update.robot_id) < (path_m, self._robot_id)
+            and (update.voice.path_m, update.robot_id) < (path_m, self.robot_id)
             for update in self._updates.values()
         )
 
