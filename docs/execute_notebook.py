@@ -27,6 +27,7 @@ def main() -> None:
         client = NotebookClient(
             notebook,
             timeout=_TIMEOUT_S,
+            coalesce_streams=True,  # A busy kernel sends what a cell prints in several pieces.
             resources={"metadata": {"path": folder}},
             config=Config(KernelManager=kernel),
         )
