@@ -10,8 +10,7 @@ namespace {
 
 double Square(double value) { return value * value; }
 
-// Below this a motion has no heading that is charged as a turn [m]: wheels slip by micrometres while a robot turns on the
-// spot.
+// A shorter motion has no heading that is charged as a turn [m]: wheels slip by micrometres as a robot turns on the spot.
 constexpr double kLeastHeadedDistance = 1e-4;
 
 /// A straight motion: its length [m], negative if backwards, and its heading in [-pi/2, pi/2].
