@@ -10,7 +10,7 @@ namespace {
 
 double Square(double value) { return value * value; }
 
-// A shorter motion has no heading that is charged as a turn [m]: wheels slip by micrometres as a robot turns on the spot.
+// A shorter motion [m] has no heading that is charged as a turn: wheels slip by micrometres in a turn on the spot.
 constexpr double kLeastHeadedDistance = 1e-4;
 
 /// A straight motion: its length [m], negative if backwards, and its heading in [-pi/2, pi/2].
