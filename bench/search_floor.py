@@ -5,7 +5,7 @@ the last area, and drives at most at `max_step_speed_mps`. Printed per number of
 interval, the time of one robot divided by the number, the bound, and when each area was explored and the last victim
 saved.
 
-python bench/search_floor.py --missions 20 --noise 30 --robots 1 2 3 4 6 8
+python bench/search_floor.py --missions 20 --noise 30 --robots 1 2 3 4 6 8 --seed 5001
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Simulation
 from robotteamsim.world.placement import placed_robots
 
-FIRST_SEED = 3001
 TIME_LIMIT_S = 1200.0
 """One robot needs longer than the scenario allows."""
 
@@ -109,12 +108,13 @@ def main() -> None:
     parser.add_argument("--missions", type=int, default=20, help="at least 2; default %(default)s")
     parser.add_argument("--noise", type=float, default=30.0, help="background noise [dB]; default %(default)s")
     parser.add_argument("--robots", type=int, nargs="+", default=[1, 2, 3, 4, 6, 8], help="default 1 2 3 4 6 8")
+    parser.add_argument("--seed", type=int, default=5001, help="of the first mission; default %(default)s")
     options = parser.parse_args()
     print("robots time [s]         one / n   bound ratio saved last[s]   areas explored [s]")
     with multiprocessing.Pool() as pool:
         one_s = math.nan
         for robots in options.robots:
-            tasks = [(robots, options.noise, FIRST_SEED + index) for index in range(options.missions)]
+            tasks = [(robots, options.noise, options.seed + index) for index in range(options.missions)]
             outcomes = pool.map(_mission, tasks, chunksize=1)
             if robots == 1:
                 one_s = statistics.fmean(outcome.end_s for outcome in outcomes)
