@@ -90,10 +90,7 @@ garage_sar: build ## run the garage mission with roslaunch, and rviz if there is
 run: build ## run the garage mission headless
 	@$(VENV)/bin/robotteamsim run garage_sar $(ARGS)
 
-test: lint test_cpp ## run every test: linters, GoogleTest, pytest, rostest
-	@# Tests in ROS mostly wait for processes, so they run beside those of Python.
-	@echo "-- tests of Python and tests in ROS, side by side"
-	@$(MAKE) --no-print-directory -j2 test_python test_ros
+test: lint test_cpp test_python test_ros ## run every test: linters, GoogleTest, pytest, rostest
 
 test_cpp: build_tests ## GoogleTest
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_test > $(BUILD)/build_test.log 2>&1 || { cat $(BUILD)/build_test.log; exit 1; }
