@@ -98,8 +98,8 @@ def _line(robots: int, outcomes: list[Outcome], one_s: float, bound_s: float) ->
     explored = " ".join(f"{statistics.fmean(times[i] for times in complete):6.1f}" for i in range(num_areas))
     last_s = statistics.fmean(max(outcome.saved_s, default=math.nan) for outcome in outcomes)
     saved = statistics.fmean(len(outcome.saved_s) for outcome in outcomes)
-    share = f"{robots:6d} {mean_s:7.1f} +-{half_s:5.1f} {one_s / robots:8.1f} {bound_s:7.1f} {mean_s / bound_s:5.2f}"
-    return f"{share} {saved:5.2f} {last_s:7.1f}   {explored}"
+    times = f"{robots:6d} {mean_s:7.1f} +-{half_s:5.1f} {one_s / robots:8.1f} {bound_s:7.1f} {mean_s / bound_s:5.2f}"
+    return f"{times} {saved:5.2f} {last_s:7.1f}   {explored}"
 
 
 def main() -> None:
@@ -110,6 +110,8 @@ def main() -> None:
     parser.add_argument("--robots", type=int, nargs="+", default=[1, 2, 3, 4, 6, 8], help="default 1 2 3 4 6 8")
     parser.add_argument("--seed", type=int, default=5001, help="of the first mission; default %(default)s")
     options = parser.parse_args()
+    if options.missions < 2:
+        parser.error(f"--missions: {options.missions} is below 2")
     print("robots time [s]         one / n   bound ratio saved last[s]   areas explored [s]")
     with multiprocessing.Pool() as pool:
         one_s = math.nan

@@ -136,6 +136,16 @@ class CommandsTest(unittest.TestCase):
         self.assertTrue(call("/set_victim", SetVictim, name="eve", position=Point(6.0, 5.0, 0.0)).success)
         self.victims.wait_for_after(0, lambda message: "eve" in [victim.name for victim in message.victims], "eve")
 
+    def test_environment_and_mission_refuse_what_cannot_be(self) -> None:
+        for node in ("", "/mission"):
+            refusals = (
+                call(f"{node}/set_noise", SetNoise, noise_db=math.nan),
+                call(f"{node}/set_door", SetDoor, name="no_such_door", closed=True),
+                call(f"{node}/set_victim", SetVictim, name="eve", position=Point(math.nan, 0.0, 0.0)),
+            )
+            self.assertEqual([refused.success for refused in refusals], [False] * 3)
+        self.assertTrue(math.isfinite(self.status.next().noise_db))
+
     def test_victims_are_added_while_the_mission_goes_on(self) -> None:
         # They come while the node publishes: a status from before beside the victims of after would end it.
         names = [f"caller_{index}" for index in range(40)]

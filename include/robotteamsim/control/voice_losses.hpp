@@ -38,7 +38,7 @@ class VoiceLosses {
   const std::vector<std::uint8_t>& From(int cell) const;
 
   /// Returns the loss between cells that are so many rows and columns apart, if no wall is between them: no loss at
-  /// this distance is smaller. Throws std::out_of_range if the grid is smaller.
+  /// this distance is smaller. Both numbers must be from 0 to below those of the grid.
   std::uint8_t WithoutWalls(int rows, int cols) const;
 
   /// Returns the largest number of rows or columns between two cells whose loss is below some steps.

@@ -154,6 +154,10 @@ def _fallen_ns(run: RecordedRun) -> dict[str, int]:
     for stamp_ns, event in run.events:
         for name in fallen_of([event]):
             found.setdefault(name, stamp_ns)
+    for stamp_ns, victims in run.victims:  # a bag may begin after a collapse
+        for victim in victims:
+            if victim.state == "collapsed":
+                found[victim.name] = min(stamp_ns, found.get(victim.name, stamp_ns))
     return found
 
 

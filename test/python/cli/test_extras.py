@@ -85,3 +85,9 @@ def test_named_extras_exist() -> None:
     named = set(re.findall(r'": "(\w+)",', text))
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert named <= set(project["optional-dependencies"])
+
+
+def test_core_has_no_other_dependencies_than_those_whose_size_was_measured():
+    named = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    measured = {"filelock", "msgspec", "numpy", "pydantic", "pyyaml", "rich", "rosbags", "shapely", "shtab"}
+    assert {re.match(r"[\w-]+", name)[0] for name in named} == measured

@@ -48,5 +48,5 @@ def test_robot_without_work_ignores_a_claim_to_which_it_has_a_much_shorter_path(
     goal, claimer = grid.cell_of((15.5, 5.5)), grid.cell_of((2.5, 5.5))
     team = Teammates(robot_id=1, given_up_s=30.0)
     team.hear(_update(0, claimer, "search", goal), 0.0)
-    assert team.nearer_claims(grid.cell_of((10.5, 5.5)), paths) == []
-    assert team.nearer_claims(grid.cell_of((3.5, 5.5)), paths) == team.claims == [goal]
+    assert team.kept_claims(grid.cell_of((10.5, 5.5)), paths) == []
+    assert team.kept_claims(grid.cell_of((3.5, 5.5)), paths) == team.claims == [goal]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -27,3 +28,13 @@ def test_lock_has_the_versions_of_the_requirements_and_hashes_of_all(names):
     assert len(blocks) == len(locked)
     assert all("--hash=sha256:" in block for block in blocks)
     assert "file:" not in text
+
+
+def test_notices_of_compiled_libraries_are_there_and_in_the_wheel():
+    root = SETUP.parent
+    wheel = tomllib.loads((root / "pyproject.toml").read_text())["tool"]["scikit-build"]["wheel"]
+    assert {"LICENSE", "LICENSES/*"} <= set(wheel["license-files"])
+    page = (root / "LICENSES" / "README.md").read_text()
+    for library in ("Box2D", "Eigen", "Spectra", "nanobind", "robin-map", "three.js"):
+        (notice,) = re.findall(rf"^\| \[{re.escape(library)}\].*?\]\((\w[^:)]*\.txt)\)", page, re.MULTILINE)
+        assert (root / "LICENSES" / notice).stat().st_size > 500

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 from pathlib import Path
 
@@ -52,3 +53,8 @@ def test_hook_changes_nothing_where_ros_environment_has_set_the_package_path(tmp
 def test_hook_of_an_installation_adds_its_share_folder(tmp_path):
     (tmp_path / ".catkin").touch()
     assert package_path(tmp_path, "/opt/share") == f"/opt/share:{tmp_path}/share:/usr/share"
+
+
+def test_long_step_shows_its_progress(tmp_path):
+    done = step(tmp_path, "echo '[ 50%] Building'; sleep 11")
+    assert re.search(r"^--   \[2/5\] a step: 50 %, 1\d s$", done.stdout, re.MULTILINE)

@@ -127,7 +127,7 @@ def test_robots_keep_away_from_heat_that_they_see():
     assert closest_m(sees=True) > 1.0
 
 
-@pytest.mark.parametrize("algorithm", ["cover", "rdpso", "greedy", "relay", "search"])
+@pytest.mark.parametrize("algorithm", ["cover", "rdpso", "greedy", "relay"])
 def test_robots_that_heat_surrounds_leave_it(algorithm: str):
     scenario = mission(
         {"heat": {"robot_limit_c": 1000.0}},

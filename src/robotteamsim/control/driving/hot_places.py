@@ -22,6 +22,7 @@ _NEAR_M = 0.5
 """A robot with free floor within this distance finds paths; otherwise it would drive straight to its goal."""
 
 _FARTHEST_WAY_OUT_M = 10.0
+"""How far away a robot looks for a cold place [m]: about the depth of the largest fire that it may be overtaken by."""
 
 Block = tuple[int, int]
 """Row and column of a square of BLOCK_M, counted from the lower left corner of the plan."""

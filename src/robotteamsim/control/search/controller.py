@@ -300,8 +300,10 @@ class SearchController:
             return
         is_early = self._early_drive.is_needed(self._areas, self._team, self._all_paths, start, self._search_m)
         if is_early and not urgent and allowed != NO_CELL:
-            goal = self._areas.cell_beside(self._outside, allowed)
-            self._listening.clear()
+            beside = self._areas.cell_beside(self._outside, allowed)
+            if beside != NO_CELL:
+                goal = NO_CELL if beside == allowed else beside  # there it waits, so that others may explore
+                self._listening.clear()
         if goal != NO_CELL:
             self._idle_since_s = None
             self._set_goal("search", goal, position, self._paths)
@@ -321,7 +323,7 @@ class SearchController:
             self._paths,
             start,
             self._places.candidates,
-            self._team.nearer_claims(self._at, self._all_paths) if self._work == "wait" else self._team.claims,
+            self._team.kept_claims(self._at, self._all_paths) if self._work == "wait" else self._team.claims,
             self._team.prior_claims(listening.cell, self._at, self._all_paths),
             knowledge.victims_per_share,
             time_s,

@@ -51,8 +51,8 @@ class Teammates:
         """Cells at which teammates will listen."""
         return [update.goal for update in self._listening]
 
-    def nearer_claims(self, at: int, paths: _core.control.CellPaths) -> list[int]:
-        """Return those to which this robot does not have a much shorter path. Args: at: the cell of this robot."""
+    def kept_claims(self, at: int, paths: _core.control.CellPaths) -> list[int]:
+        """Return the claims without those to which this robot has a much shorter path. Args: at: its cell."""
         return [
             update.goal
             for update in self._listening

@@ -252,7 +252,9 @@ class Scene:
             self._draw_areas(areas.areas)
         events = self._events.take()
         enclosed = self._enclosed if people is None else enclosed_of(people.people)
-        fallen = self._fallen | fallen_of(events)
+        seen = () if victims is None else victims.victims
+        # Events are not latched: a scene that starts late knows earlier collapses by the states.
+        fallen = self._fallen | fallen_of(events) | {victim.name for victim in seen if victim.state == "collapsed"}
         if victims is not None or (enclosed, fallen) != (self._enclosed, self._fallen):
             self._enclosed, self._fallen = enclosed, fallen
             self._draw_victims(self._shown_victims if victims is None else victims.victims)

@@ -66,18 +66,20 @@ export class Building {
     this.edge.material.color.set(style.getPropertyValue("--floor-edge").trim());
   }
 
-  /** Move the doors; the open leaf of an instant door, which does not exist, is drawn transparent at its hinge. */
+  /** Move the doors. */
   show(openings) {
     this.doors.forEach(({ door, hinge, leaf }, index) => {
-      const opening = openings?.[index] ?? 1;
-      const [x, y] = door.hinge_m, [dx, dy] = door.shift_m;
-      hinge.position.set(x + dx * opening, y + dy * opening, 0);
-      hinge.rotation.z = opening * (door.is_instant ? Math.PI / 2 : door.angle_rad);
-      const transparent = door.is_instant && opening > 0;
-      if (leaf.material.transparent === transparent) return;
-      leaf.material.transparent = transparent;
-      leaf.material.opacity = transparent ? 0.45 : 1;
-      leaf.material.needsUpdate = true;
+      const { pose: [x, y, angle], opacity } = leafAt(door, openings?.[index] ?? 1), { material } = leaf;
+      hinge.position.set(x, y, 0);
+      hinge.rotation.z = angle;
+      if (material.opacity === opacity) return;
+      Object.assign(material, { opacity, transparent: opacity < 1, needsUpdate: true });
     });
   }
+}
+
+/** Pose of a door's hinge, and opacity of its leaf: the open leaf of an instant door does not exist, and is transparent. */
+export function leafAt({ hinge_m: [x, y], shift_m: [dx, dy], angle_rad, is_instant }, opening) {
+  const angle = opening * (is_instant ? Math.PI / 2 : angle_rad);
+  return { pose: [x + dx * opening, y + dy * opening, angle], opacity: is_instant && opening > 0 ? 0.45 : 1 };
 }

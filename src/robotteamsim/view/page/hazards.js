@@ -5,6 +5,7 @@ import {
 } from "three";
 
 export const HOT = 1, BURNT = 2, BURNING = 3; // values of the layer `fire`, see hazard_layers.py
+export const OPACITY = { [HOT]: 0.4, [BURNT]: 0.95, [BURNING]: 0.95 };
 const GROUND_Z = 0.025, FLAME_M = 1.2;
 const SHEETS = [[0.04, 0.55], [1.25, 0.5]]; // height [m] and opacity of smoke without any visibility
 
@@ -47,12 +48,12 @@ export class Hazards {
   _showFire(map) {
     this.fire = map;
     const { burning, burnt, hot } = this.palette.fire;
-    const looks = { [HOT]: [new Color(hot), 0.4], [BURNT]: [new Color(burnt), 0.95], [BURNING]: [new Color(burning).multiplyScalar(0.6), 0.95] };
+    const tints = { [HOT]: new Color(hot), [BURNT]: new Color(burnt), [BURNING]: new Color(burning).multiplyScalar(0.6) };
     const positions = [], colours = [], flames = [];
     map?.values.forEach((value, cell) => {
       if (!value) return;
       const row = Math.floor(cell / map.columns), column = cell % map.columns;
-      const [colour, opacity] = looks[value];
+      const colour = tints[value], opacity = OPACITY[value];
       for (const [i, j] of [[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1]]) {
         positions.push(...place(map, column + i, row + j), GROUND_Z);
         colours.push(colour.r, colour.g, colour.b, opacity);
@@ -63,7 +64,7 @@ export class Hazards {
     this._showFlames(flames, map?.cell_m ?? 0);
   }
 
-  /** Cones of different heights, the inner ones brighter; how high follows from the cell, without chance. */
+  /** Cones of different heights, the inner ones brighter; their height depends on the cell only. */
   _showFlames(places, cell) {
     if (!this.flames || this.flames.instanceMatrix.count < places.length) {
       for (const old of [this.flames, this.tips]) if (old) { this.group.remove(old); old.dispose(); }

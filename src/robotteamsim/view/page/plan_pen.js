@@ -9,7 +9,7 @@ export class PlanPen {
 
   /** Begin a picture. Args: metre: its length [px].  left, bottom: where the place [0, 0] is [px]. */
   begin(metre, [left, bottom], ground) {
-    const { canvas: { width, height }, pen } = this, ratio = window.devicePixelRatio;
+    const { canvas: { width, height, clientWidth }, pen } = this, ratio = width / clientWidth; // as `fit` chose it
     this.metre = metre;
     pen.resetTransform();
     pen.fillStyle = ground;
@@ -33,7 +33,7 @@ export class PlanPen {
     return this;
   }
 
-  /** Draw a map, a cell as a pixel that is enlarged. Args: look: colour and opacity of a cell by its value. */
+  /** Draw a map: each cell is one pixel of an image, which is enlarged. Args: look: colour and opacity of a cell by its value. */
   cells({ rows, columns, cell_m, origin_m: [x, y], values }, look) {
     const image = document.createElement("canvas");
     Object.assign(image, { width: columns, height: rows });

@@ -1,13 +1,15 @@
 // One mission from above, drawn without WebGL. It has the methods of View, but no camera and fewer layers.
 
 import { Annotations } from "viewer/annotations";
-import { BURNING, BURNT, HOT, countCells } from "viewer/hazards";
+import { leafAt } from "viewer/building";
+import { BURNING, BURNT, HOT, OPACITY, countCells } from "viewer/hazards";
 import { shownState } from "viewer/people";
 import { PlanPen } from "viewer/plan_pen";
 import { MOST_TRAILS, TRAIL_S, linkColour } from "viewer/team";
 
 const LEAST_PX = 6, PERSON_M = 0.34; // smaller bodies are enlarged
 const NEAR_PX = 14; // of a click
+const SMOKE_OPACITY = 0.75; // where one sees nothing, about as that of both sheets of the 3D view together
 const FILLED = 0.92; // share of the view that the building takes
 
 export class PlanView {
@@ -62,7 +64,7 @@ export class PlanView {
     if (shown.links) this._links(frame);
     this._team(frame);
     this._victims(frame);
-    if (shown.smoke && smoke) this.pen.cells(smoke, (value) => [mission.palette.smoke, value / 133]);
+    if (shown.smoke && smoke) this.pen.cells(smoke, (value) => [mission.palette.smoke, SMOKE_OPACITY * value / 100]);
     const { clientWidth: width, clientHeight: height } = this.container, cells = countCells(fire, smoke);
     const project = ([x, y]) => [(left + metre * x) / width, (bottom - metre * y) / height];
     this.annotations.show(mission, frame, shown, { project, selected, cells });
@@ -73,10 +75,9 @@ export class PlanView {
     this.pen.path([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]).fill(ground);
     for (const bay of bays) this.pen.path(bay).stroke(palette.bay);
     for (const { outline, colour } of solids) this.pen.path(outline, true).fill(colour).stroke(palette.edge);
-    doors.forEach(({ outline, hinge_m: [x, y], shift_m: [dx, dy], angle_rad, is_instant, colour }, index) => {
-      const opening = frame.doors?.[index] ?? 1, angle = opening * (is_instant ? Math.PI / 2 : angle_rad);
-      const leaf = outline.map(([px, py]) => [px - x, py - y]);
-      this.pen.body([x + dx * opening, y + dy * opening, angle], leaf, 0).fill(colour);
+    doors.forEach((door, index) => {
+      const { pose, opacity } = leafAt(door, frame.doors?.[index] ?? 1), [x, y] = door.hinge_m;
+      this.pen.body(pose, door.outline.map(([px, py]) => [px - x, py - y]), 0).fill(door.colour, opacity);
     });
   }
 
@@ -95,8 +96,8 @@ export class PlanView {
 
   _fireLooks() {
     const { burning, burnt, hot } = this.mission.palette.fire;
-    const looks = { [HOT]: [hot, 0.4], [BURNT]: [burnt, 0.95], [BURNING]: [burning, 0.95] };
-    return (value) => looks[value];
+    const colours = { [HOT]: hot, [BURNT]: burnt, [BURNING]: burning };
+    return (value) => [colours[value], OPACITY[value]];
   }
 
   _trails(frame) {
@@ -118,8 +119,9 @@ export class PlanView {
       const body = this.pen.body([x, y, yaw], outline.map(([px, py]) => [factor * px, factor * py]), r);
       body.fill(frame.swarms?.[id] === -1 ? palette.excluded : colour);
       if (role === "firefighter") body.stroke(palette.people.helmet, 2);
-      if (role !== "command_centre") this.pen.path([[x, y], [x + r * Math.cos(yaw), y + r * Math.sin(yaw)]]).stroke(palette.nose, 2);
       if (id === this.selected) this.pen.body([x, y], [], 1.5 * r).stroke(this.ink, 2);
+      if (role === "command_centre") return;
+      this.pen.path([[x, y], [x + r * Math.cos(yaw), y + r * Math.sin(yaw)]]).stroke(palette.nose, 2);
     });
   }
 

@@ -35,6 +35,7 @@ export class Surface {
   _mean() {
     const canvas = document.createElement("canvas");
     canvas.className = "mean";
+    canvas.hidden = true;
     this.mean = canvas.getContext("2d", { alpha: false });
     return canvas;
   }
@@ -63,6 +64,7 @@ export class Surface {
   /** Wait until the graphics processor, or the software in its place, has done all that it was asked to. */
   async finished() {
     const context = this.renderer.getContext(), fence = context.fenceSync(context.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    if (!fence) return; // the context is lost
     context.flush();
     while (context.clientWaitSync(fence, 0, 0) === context.TIMEOUT_EXPIRED) await new Promise((done) => setTimeout(done, 4));
     context.deleteSync(fence);
