@@ -130,7 +130,8 @@ int CellPaths::StartOf(const base::Point& point) const {
     return a.distance != b.distance ? a.distance < b.distance : a.cell < b.cell;
   };
   std::sort(near.begin(), near.end(), is_nearer);
-  // A place behind a wall is nearer than it seems. No place farther away than the first one in sight can come before it.
+  // A place behind a wall is nearer than it seems. No place farther away than the first one in sight can come before
+  // it.
   for (std::size_t i = 0; i < near.size(); ++i) {
     near[i].is_in_sight = from && IsInSight(*from, near[i].cell);
     if (!near[i].is_in_sight) {
