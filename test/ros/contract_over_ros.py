@@ -36,7 +36,8 @@ def master(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Program]:
             variables.setenv(name, wanted[name])
         rospy.init_node("contract_over_ros", disable_rostime=True, disable_signals=True)
         yield core
-        rospy.signal_shutdown("the tests have ended")
+        # The node lives as long as the process: after a shutdown, rospy's server closes its socket, but goes on to wait
+        # for it, which takes a whole processor.
         gc.collect()  # what rospy has left open, while warnings about it are ignored
 
 

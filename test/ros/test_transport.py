@@ -49,7 +49,8 @@ def ros(tmp_path_factory) -> Iterator[None]:
         roscpp.start_node("transport_test", ["test", f"/remapped:={NODE}/elsewhere"])
         rospy.init_node("peer", disable_signals=True, disable_rostime=True)
         yield
-        rospy.signal_shutdown("the tests are done")
+        # The node of rospy lives as long as the process: after a shutdown, its server would wait for a closed socket
+        # without a pause, which takes a whole processor.
         roscpp.shut_down()
     gc.collect()  # while its warnings are ignored
 
