@@ -53,11 +53,6 @@ class CellPaths {
  private:
   static constexpr int kNeighbours = 8;
 
-  struct Reached {
-    float length;
-    int cell;
-  };
-
   void FindPlaces();
   void Link(int row, int col);
   bool IsInSight(const base::Point& from, int cell) const;
@@ -70,7 +65,6 @@ class CellPaths {
   std::vector<std::optional<base::Point>> places_;
   std::vector<std::array<float, kNeighbours>> links_;  ///< lengths to the neighbours [m]; infinite if not linked
   mutable std::vector<std::vector<float>> lengths_;
-  mutable std::array<std::vector<Reached>, 16> buckets_;  ///< of a search for paths; empty between searches
 };
 
 }  // namespace robotteamsim::control

@@ -168,7 +168,11 @@ const std::vector<float>& CellPaths::LengthsFrom(int cell) const {
   if (!places_[cell]) return lengths;
   // As in PlanningGrid::DistanceMap, but a link may be shorter than a bucket is wide: a cell whose path becomes shorter
   // is in its bucket again. A link is shorter than four cells.
-  std::array<std::vector<Reached>, 16>& buckets = buckets_;  // all empty
+  struct Reached {
+    float length;
+    int cell;
+  };
+  std::array<std::vector<Reached>, 16> buckets;
   const float per_m = 2.0F / static_cast<float>(cells_.resolution);
   std::array<int, kNeighbours> offsets{};
   for (int k = 0; k < kNeighbours; ++k) offsets[k] = kSteps[k].row * cells_.cols + kSteps[k].col;

@@ -78,16 +78,14 @@ class Mission:
 
         self._state: MissionState = "waiting"
         self._end: MissionEnd = ""
-        self._elapsed_ns = 0
-        self._last_step_ns = 0
+        self._elapsed_ns = self._last_step_ns = 0
         self._team_was_running = False
-        self._num_explored = 0
+        self._num_explored = self._epoch = 0
         self._victim_states: list[VictimState] = ["waiting"] * len(self.victims)
         self._note_who_calls()
         self._places = self._all_places()
         self._heard_places_m: set[tuple[float, float]] = set()
         """Loudest places that have been processed since the victims last changed."""
-        self._epoch = 0
         self._links = LinkMonitor()
         base = () if scenario.base is None else (scenario.base,)
         self._team = TeamMonitor({*base, *scenario.firefighter_ids})
@@ -235,12 +233,7 @@ class Mission:
         if present is not self._present:
             self._judge_presence(present)
         if self._state == "running":
-            self._judge_voices(voices)
-            self._judge_places(positions_m)
-            if self._rescue is not None:
-                self._judge_rescue(self._rescue, positions_m, voices, present)
-            if self._casualties is not None:
-                self._judge_harm(self._casualties)
+            self._judge_victims_and_areas(positions_m, voices, present)
             if self._base.undelivered:
                 self._judge_deliveries(base_inbox)
             for link, detail in self._links.news(network):
@@ -258,6 +251,16 @@ class Mission:
         self.status = self._make_status()
         events, self._events = tuple(self._events), []
         return events
+
+    def _judge_victims_and_areas(
+        self, positions_m: np.ndarray, voices: Sequence[VoiceReading], present: np.ndarray | None
+    ) -> None:
+        self._judge_voices(voices)
+        self._judge_places(positions_m)
+        if self._rescue is not None:
+            self._judge_rescue(self._rescue, positions_m, voices, present)
+        if self._casualties is not None:
+            self._judge_harm(self._casualties)
 
     def _follow_schedule(self, begin_ns: int) -> None:
         """Change noise and victims as the schedule says for a step that begins at this time [ns]."""
@@ -313,12 +316,9 @@ class Mission:
                 self._hear(robot_id, voice.local_best_m, voice.local_best_level_db)
 
     def _judge_places(self, positions_m: np.ndarray) -> None:
-        reached = self._places.reached(positions_m)
-        if not reached:
-            return
         num_victims = len(self._saved_on_reach)
         area = num_victims + self._num_explored
-        for place, robot_id in reached:
+        for place, robot_id in self._places.reached(positions_m):
             if place == area:
                 self._explore(robot_id)
             elif place < num_victims and self._victim_states[place] not in OUT_OF_DANGER:

@@ -77,18 +77,17 @@ class Simulation:
         self._decisions = self._decide(readings.one_by_one(), voices, inboxes)
         events = self._judge(positions_m, voices, network, inboxes)
         world, mission = self.world, self.mission
-        # Python builds a dictionary for a call with more than 15 keywords.
         return StepRecord(
-            world.step_index,
-            world.sim_time_ns,
-            readings,
-            voices,
-            network,
-            inboxes,
-            self._decisions,
-            mission.status,
-            events,
-            mission.victims,
+            step_index=world.step_index,
+            sim_time_ns=world.sim_time_ns,
+            readings=readings,
+            voices=voices,
+            network=network,
+            inboxes=inboxes,
+            decisions=self._decisions,
+            mission=mission.status,
+            events=events,
+            victims=mission.victims,
             noise_db=mission.noise_db,
             voice_map=self._fresh_voice_map(),
             doors=world.door_states(),

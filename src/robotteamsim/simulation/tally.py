@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import ROW_LENGTH, reading_rows
+from robotteamsim.sensing.readings import reading_rows
 from robotteamsim.simulation.record import Result, StepRecord
 from robotteamsim.simulation.team_totals import TeamTotals
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
@@ -91,7 +91,7 @@ class Tally:
         if not self._pending:
             return
         steps = self._pending
-        rows = np.concatenate([step.rows for step in steps]).reshape(len(steps), -1, ROW_LENGTH)
+        rows = np.stack([step.rows for step in steps])
         self._hash.update_all([step.sim_time_ns for step in steps], rows[:, :, :4])
         self._totals.update(
             np.ascontiguousarray(rows[:, :, :2]),

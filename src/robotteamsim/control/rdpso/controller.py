@@ -127,7 +127,8 @@ class RdpsoController:
         if goal is None:
             goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), sim_time_ns * 1e-9)
             speed_mps = self._control.max_step_speed_mps
-        if self._hot.blocked and (way_out := self._hot.way_out(self._map.grid, (pose.x_m, pose.y_m))) is not None:
+        way_out = self._hot.way_out(self._map.grid, (pose.x_m, pose.y_m))
+        if way_out is not None:
             goal, speed_mps = way_out, self._control.max_step_speed_mps
         twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, self._teammates)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, goal_m=goal)
