@@ -5,6 +5,8 @@ colour blindness can tell apart. States also differ in shape, because no palette
 codes such as "#56b4e9", which also suit a browser; `css` gives them as custom properties of a style sheet.
 """
 
+from collections.abc import Mapping
+
 BLACK, WHITE = "#000000", "#ffffff"
 ORANGE, SKY_BLUE, GREEN, YELLOW = "#e69f00", "#56b4e9", "#009e73", "#f0e442"
 BLUE, VERMILLION, PURPLE = "#0072b2", "#d55e00", "#cc79a7"
@@ -72,6 +74,31 @@ BOX, TAPE, BARREL, HOOP = "#c9924f", "#ecd9ae", "#6f93a8", "#d8dee2"
 HEADLINE = "#f4f1ea"
 
 
+# The viewer's page, light and dark.
+LIGHT_PAGE = {
+    "back": FLOOR,
+    "card": PAPER,
+    "ink": INK,
+    "soft": SOFT_INK,
+    "line": GRID,
+    "accent": BLUE,
+    "floor": "#e9e7e1",
+    "floor-edge": "#cfccc3",
+    "sky-light": WHITE,
+    "ground-light": "#8a8f98",
+}
+DARK_PAGE = LIGHT_PAGE | {
+    "back": BACKGROUND,
+    "card": "#1d232b",
+    "ink": "#eef1f4",
+    "soft": "#a3adb9",
+    "line": "#333c47",
+    "accent": SKY_BLUE,
+    "floor": DARK_FLOOR,
+    "floor-edge": DARK_FLOOR_EDGE,
+}
+
+
 def robot_colour(index: int) -> str:
     """Return the colour of a robot, or of a swarm, by its index >= 0; the first 30 differ.
 
@@ -102,23 +129,29 @@ def rgb(code: str) -> tuple[float, float, float]:
 
 
 def css() -> str:
-    """Return the colours of a page as custom properties, such as "--saved: #009e73;"."""
-    names = {
-        "ink": INK,
-        "soft": SOFT_INK,
-        "line": GRID,
-        "paper": PAPER,
-        "card": CARD,
-        "link": BLUE,
-        "reproduced": REPRODUCED,
-        "contradicted": CONTRADICTED,
-        "undecided": UNDECIDED,
-        **VICTIMS,
-        "floor": FLOOR,
-        "explored": EXPLORED_AREA,
-        "strong-link": STRONG_LINK,
-        "weak-link": WEAK_LINK,
-        "endangered-link": ENDANGERED_LINK,
-        **{f"robot-{index}": code for index, code in enumerate(ROBOTS)},
-    }
-    return " ".join(f"--{name}: {code};" for name, code in names.items())
+    """Return the colours of a report as custom properties, such as "--saved: #009e73;"."""
+    return properties(
+        {
+            "ink": INK,
+            "soft": SOFT_INK,
+            "line": GRID,
+            "paper": PAPER,
+            "card": CARD,
+            "link": BLUE,
+            "reproduced": REPRODUCED,
+            "contradicted": CONTRADICTED,
+            "undecided": UNDECIDED,
+            **VICTIMS,
+            "floor": FLOOR,
+            "explored": EXPLORED_AREA,
+            "strong-link": STRONG_LINK,
+            "weak-link": WEAK_LINK,
+            "endangered-link": ENDANGERED_LINK,
+            **{f"robot-{index}": code for index, code in enumerate(ROBOTS)},
+        }
+    )
+
+
+def properties(colours: Mapping[str, str]) -> str:
+    """Return colours by name as custom properties of a style sheet."""
+    return " ".join(f"--{name}: {code};" for name, code in colours.items())

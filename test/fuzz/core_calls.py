@@ -40,6 +40,8 @@ def new(name: str, *args: Any, **named: Any) -> Call:
 def evaluate(node: Any, filled: list[Any]) -> Any:
     """Make the calls of a tree and return the result of its root; `filled` collects everything that they returned."""
     match node:
+        case float() | int() | str():  # most nodes
+            return node
         case Call():
             target: Any = _core
             for part in node.name.split("."):
@@ -369,7 +371,7 @@ _THREE = np.full((2, 3), 0.1)
 
 
 def _sensors() -> Iterator[Call]:
-    yield _LASER.of(("scan", _WORLD, [0, 1], np.full((2, 7), 0.01)), ("nearest", _WORLD, [0, 1], np.full((2, 1), 0.01)))
+    yield _LASER.of(("scan", _WORLD, [0, 1], np.full((2, 7), 0.01)), ("nearest", _WORLD, [0, 1], np.full(2, 0.01)))
     yield _ODOMETRY.of(("step", _THREE, _THREE, _THREE), ("follow", _WORLD, _THREE), ("restart", 0))
     sensors = new("sensing.TeamSensors", _ODOMETRY, [(_LASER, [0, 1])])
     readings, ranges_m = Output((2, 24), np.float64), [Output((2, 7), np.float32)]

@@ -103,11 +103,11 @@ def main() -> None:
 
         if "robotteamsim" not in sys.modules:
             use_core(Path(options.core))
-    from core_calls import calls
+    from core_calls import calls, evaluate
 
     valid = calls()
     for call in valid:
-        check(call)
+        evaluate(call, [])
     count = 0
     some = each_once(valid) if options.seconds is None else at_random(valid, options.seconds, options.seed)
     for count, call in enumerate(some, 1):  # noqa: B007

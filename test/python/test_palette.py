@@ -16,7 +16,12 @@ from robotteamsim import palette
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = [path for top in ("src", "docs", "bench", "templates") for path in (ROOT / top).rglob("*.py")]
-PAGES = list((ROOT / "src").rglob("*.html"))
+PAGES = [
+    path
+    for path in (ROOT / "src").rglob("*")
+    if path.suffix in {".html", ".css", ".js"} and path.name != "three.min.js"  # a library
+]
+CODE = re.compile(r"(?<!&)#(?:[0-9a-fA-F]{3}){1,2}\b")
 COLOURED = re.compile(r"(\w*color|\w*colors|c|foreground|fill)$")
 
 # Linear RGB as seen with severe anomalies (Machado, Oliveira and Fernandes 2009, Table 1).
@@ -103,7 +108,7 @@ def named_colours(path: Path) -> Iterator[str]:
 
 def test_colours_are_written_in_the_palette_and_nowhere_else():
     files = [path for path in [*SOURCES, *PAGES] if path.name != "palette.py"]
-    codes = {str(path): re.findall(r"#[0-9a-fA-F]{6}\b", path.read_text(encoding="utf-8")) for path in files}
+    codes = {str(path): CODE.findall(path.read_text(encoding="utf-8")) for path in files}
     words = {str(path): list(named_colours(path)) for path in files if path.suffix == ".py"}
     assert {path: found for path, found in codes.items() if found} == {}
     assert {path: found for path, found in words.items() if found} == {}

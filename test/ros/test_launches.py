@@ -13,6 +13,7 @@ import sys
 import time
 import xmlrpc.client
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
@@ -221,6 +222,22 @@ def test_launches_one_after_another_at_one_master_do_not_inherit_parameters(tmp_
                 else:
                     wait_for_topic(core.port, "/odom")
                 assert "FATAL" not in program.output, program.output
+
+
+def test_roswtf_has_no_warning_about_a_world_whose_robots_are_commanded(tmp_path: Path) -> None:
+    world = (*ROSLAUNCH, "robotteamsim", "world.launch", "scenario:=tutorial_arena", "robots:=2")
+    still = ("geometry_msgs/Twist", "{}", "-r", "5")
+    with ExitStack() as stack:
+        core = stack.enter_context(running(ROSCORE, tmp_path))
+        wait_for_port(core.port)
+        for command in (world, *(("rostopic", "pub", f"/robot_{index}/cmd_vel", *still) for index in range(2))):
+            stack.enter_context(running(command, tmp_path, core.port))
+        for topic in ("/robot_0/cmd_vel", "/robot_1/cmd_vel", "/robot_1/odom"):
+            wait_for_topic(core.port, topic)
+        with running(("roswtf",), tmp_path, core.port) as program:
+            program.wait()
+    _, _, online = program.output.partition("Online checks summary:")
+    assert online.strip() == "No errors or warnings", program.output
 
 
 def wait_for_topic(port: int, name: str) -> None:

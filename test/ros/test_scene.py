@@ -190,6 +190,19 @@ def near(picture: np.ndarray, tint: tuple[float, ...]) -> int:
     return int((np.abs(picture - 255.0 * np.array(tint[:3])).max(axis=2) < 12).sum())
 
 
+def test_rviz_is_announced_before_its_window_appears(master, tmp_path):
+    rviz = tmp_path / "rviz"
+    rviz.write_text('#!/bin/sh\necho "rviz $1"\n')
+    rviz.chmod(0o755)
+    command = [sys.executable, str(ROOT / "scripts" / "rviz_view")]
+    path = f"{tmp_path}:{master['PATH']}"
+    answer = subprocess.run(command, env=master | {"PATH": path}, check=True, capture_output=True, timeout=TIMEOUT_S)
+    assert answer.stdout.decode().splitlines() == [
+        "rviz_view: rviz starts; without a graphics card, its window takes some 20 s to appear",
+        "rviz -d",
+    ]
+
+
 def test_rviz_shows_floor_walls_and_robots(master, tmp_path):
     reader, writer = os.pipe()
     screen = ["-screen", "0", f"{WIDTH}x{HEIGHT}x24", "-nolisten", "tcp", "-displayfd", str(writer)]

@@ -1,15 +1,22 @@
 """`robotteamsim report`: make one page with figures, tables and verdicts from the store of a campaign."""
 
+from __future__ import annotations
+
 import argparse
 import json
 import textwrap
+from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from robotteamsim.campaign import read_store
+from robotteamsim.campaign import StoredCampaign, read_store
 from robotteamsim.cli.parser import path_of
 from robotteamsim.cli.run_command import add_code_option
 from robotteamsim.errors import CampaignError
+from robotteamsim.recording.files import prepare_folder, remove_empty
+
+if TYPE_CHECKING:
+    from robotteamsim.analysis.report import Report
 
 _DESCRIPTION = """\
 Make the report of a campaign: report.html, which needs no other file, the figures as PNG,
@@ -50,8 +57,25 @@ def run(options: argparse.Namespace) -> None:
     if len(options.folders) > 1 and options.out is None:
         raise CampaignError("--out: missing; expected a folder for the report of several campaigns")
     stored = [read_store(folder) for folder in options.folders]
+    out = options.out or options.folders[0]
+    created = prepare_folder(out)  # first, because the report takes long
+    try:
+        report = _report(stored, options)
+        path = report.write(out)
+    finally:
+        remove_empty(created)
+    if options.json:
+        claims = [asdict(claim) for claim in report.claims]
+        document = {"report": str(path), "opening": report.opening, "notes": report.notes, "claims": claims}
+        print(json.dumps(document, ensure_ascii=False))
+    else:
+        _print(report, len(options.folders) > 1)
+        print(f"{chr(10) if report.claims or report.notes else ''}written {path}")
+
+
+def _report(stored: Sequence[StoredCampaign], options: argparse.Namespace) -> Report:
     # Imported late, because Matplotlib and statsmodels take longer to load than a short mission takes to run.
-    from robotteamsim.analysis.report import make_report, passed_text
+    from robotteamsim.analysis.report import make_report
 
     places = [str(folder) for folder in options.folders]
     missions = None
@@ -59,13 +83,12 @@ def run(options: argparse.Namespace) -> None:
         from robotteamsim.view.campaign_missions import shown_missions
 
         missions = shown_missions(stored, places, allow_code=options.allow_code)
-    report = make_report(stored, places, missions)
-    path = report.write(options.out or options.folders[0])
-    if options.json:
-        claims = [asdict(claim) for claim in report.claims]
-        document = {"report": str(path), "opening": report.opening, "notes": report.notes, "claims": claims}
-        print(json.dumps(document, ensure_ascii=False))
-        return
+    return make_report(stored, places, missions)
+
+
+def _print(report: Report, of_several: bool) -> None:
+    from robotteamsim.analysis.report import passed_text
+
     for paragraph in (*report.opening, *report.notes):
         print(textwrap.fill(paragraph, 100))
     width = max((len(claim.verdict) for claim in report.claims), default=0)
@@ -74,6 +97,5 @@ def run(options: argparse.Namespace) -> None:
         if shown:
             print(f"\n{title}")
         for claim in shown:
-            passed = f"{passed_text(claim):10}  " if len(options.folders) > 1 else ""
+            passed = f"{passed_text(claim):10}  " if of_several else ""
             print(f"{claim.verdict:<{width}}  {passed}{claim.text}")
-    print(f"{chr(10) if report.claims or report.notes else ''}written {path}")

@@ -87,6 +87,7 @@ class Model(BaseModel):
     """A frozen section of a scenario: unknown keys, wrong types, NaN and infinity are errors."""
 
     model_config = ConfigDict(
+        defer_build=True,
         frozen=True,
         extra="forbid",
         strict=True,

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from string import Template
 
+from robotteamsim import palette
 from robotteamsim.view.columns import packed
 from robotteamsim.view.recorder import Recording
 
@@ -39,6 +40,8 @@ def _page(title: str, modules: dict[str, str], data: str) -> str:
     template = Template((PAGE / "viewer.html").read_text(encoding="utf-8"))
     return template.substitute(
         title=html.escape(title),
+        light=palette.properties(palette.LIGHT_PAGE),
+        dark=palette.properties(palette.DARK_PAGE),
         style=(PAGE / "style.css").read_text(encoding="utf-8"),
         imports=json.dumps({"imports": modules}),
         data=data,

@@ -30,7 +30,7 @@ def campaign_folder(tmp_path, outcome_of):
 
 def test_report_goes_beside_the_store_or_where_it_is_wanted(capsys, campaign_folder, tmp_path):
     folder = campaign_folder(4)
-    assert main(["report", str(folder)]) == 0
+    assert main(["report", str(folder), "--no-players"]) == 0
     captured = capsys.readouterr()
     assert captured.out.startswith("The floor plan is ours, because that of the dissertation is lost")
     lines = captured.out.splitlines()
@@ -38,7 +38,7 @@ def test_report_goes_beside_the_store_or_where_it_is_wanted(capsys, campaign_fol
     assert tested < fitted
     assert lines[fitted + 1].startswith("not reproduced  With 10 dB of noise all four victims")
     assert captured.out.endswith(f"\n\nwritten {folder}/report.html\n")
-    assert main(["report", str(folder), "--out", str(tmp_path / "docs"), "--json"]) == 0
+    assert main(["report", str(folder), "--no-players", "--out", str(tmp_path / "docs"), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["report"] == str(tmp_path / "docs" / "report.html")
     assert document["opening"][0].startswith("The floor plan is ours")
@@ -58,7 +58,7 @@ def test_unfinished_campaign_gets_a_report_that_says_so(capsys, campaign_folder)
 def test_several_campaigns_get_one_report_with_their_pass_rates(capsys, refusal, campaign_folder, tmp_path):
     folders = [str(campaign_folder(4, seed)) for seed in (1, 2)]
     assert refusal("report", *folders) == "--out: missing; expected a folder for the report of several campaigns"
-    assert main(["report", *folders, "--out", str(tmp_path / "docs")]) == 0
+    assert main(["report", *folders, "--no-players", "--out", str(tmp_path / "docs")]) == 0
     assert "\nnot reproduced  0 of 2      With 10 dB of noise all four victims" in capsys.readouterr().out
     assert "4 trials each in 2 campaigns, seeds 1, 2." in (tmp_path / "docs" / "report.html").read_text()
 
@@ -82,7 +82,10 @@ def test_folders_without_a_campaign_are_refused(refusal, tmp_path):
     assert os.listdir(tmp_path) == ["campaign.sqlite"]
 
 
-def test_folder_that_cannot_be_written_is_refused(refusal, campaign_folder, tmp_path):
+def test_folder_that_cannot_be_written_is_refused_before_the_report_is_made(
+    refusal, campaign_folder, monkeypatch, tmp_path
+):
+    monkeypatch.setattr("robotteamsim.analysis.report.make_report", None)
     folder = campaign_folder(1)
     (tmp_path / "file").touch()
     assert refusal("report", folder, "--out", tmp_path / "file" / "x").startswith(

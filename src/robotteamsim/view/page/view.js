@@ -39,8 +39,10 @@ export class View {
   _build() {
     const { scene, palette } = this.mission;
     this.scene = new Scene();
-    this.scene.add(new HemisphereLight("#ffffff", "#8a8f98", 2.2));
-    const sun = new DirectionalLight("#ffffff", 1.6);
+    const style = getComputedStyle(document.documentElement);
+    const sky = style.getPropertyValue("--sky-light").trim(), ground = style.getPropertyValue("--ground-light").trim();
+    this.scene.add(new HemisphereLight(sky, ground, 2.2));
+    const sun = new DirectionalLight(sky, 1.6);
     sun.position.set(-0.5, -0.3, 1);
     this.scene.add(sun);
     this.building = new Building(scene, palette);

@@ -6,13 +6,17 @@ import io
 import re
 
 import pytest
+from matplotlib.text import Text
 from PIL import Image
 
 from robotteamsim.analysis.report import make_report
+from robotteamsim.analysis.report.maps import draw_voices
 from robotteamsim.analysis.report.opening import DISSERTATION
 from robotteamsim.campaign.factors import Factor
+from robotteamsim.scenario import load
 
 NOISES_DB = (10.0, 20.0, 30.0)
+PHONE_PX = 390
 
 
 @pytest.fixture(scope="module")
@@ -209,3 +213,30 @@ def test_written_files_are_those_of_the_report(garage_report, tmp_path):
     assert garage_report.write(tmp_path / "a" / "b") == tmp_path / "a" / "b" / "report.html"
     written = {str(p.relative_to(tmp_path / "a" / "b")): p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()}
     assert written == garage_report.files
+
+
+@pytest.fixture
+def phone(browser, garage_report, tmp_path):
+    """Open the report on a screen as wide as a phone's."""
+    (tmp_path / "report.html").write_bytes(garage_report.files["report.html"])
+    page = browser.new_page(viewport={"width": PHONE_PX, "height": 844})
+    page.goto(f"file://{tmp_path}/report.html")
+    yield page
+    page.close()
+
+
+def test_tables_fit_a_phone(phone):
+    right_px = phone.evaluate("[...document.querySelectorAll('td')].map((cell) => cell.getBoundingClientRect().right)")
+    assert len(right_px) > 100
+    assert max(right_px) <= PHONE_PX
+    assert phone.evaluate("document.documentElement.scrollWidth") <= PHONE_PX
+
+
+@pytest.mark.parametrize("voice_range", ["lowest", "highest"])
+def test_names_on_voice_maps_are_legible_on_a_phone(phone, voice_range):
+    figure = draw_voices(load("garage_sar"), NOISES_DB, voice_range)
+    names = [text for text in figure.findobj(Text) if re.search(r"[a-z]{3}| dB", text.get_text())]
+    assert len(names) > 7
+    shown_px = phone.locator(f"img[alt^='{voice_range.capitalize()} voice']").bounding_box()["width"]
+    px_per_point = shown_px / (72.0 * figure.get_figwidth())
+    assert min(text.get_fontsize() for text in names) * px_per_point > 9.0
