@@ -20,6 +20,8 @@ ARGS ?=
 PIP_INSTALL = $(PYTHON) -m pip install --disable-pip-version-check --require-hashes
 # The environment for ROS and Python, independent of the user's shell.
 ENV := source $(BUILD)/devel/setup.bash &&
+# Otherwise each of the many processes of launches and tests compiles all modules anew.
+unexport PYTHONDONTWRITEBYTECODE
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
 .PHONY: help announce setup build build_tests compile garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage gazebo wheel pictures docs notebook man lock clean
