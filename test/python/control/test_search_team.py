@@ -1,15 +1,18 @@
-"""How a team that searches shares its last goals: who drives to the last area early, and who takes over a goal."""
+"""Goals of a searching team: who drives to the last area early or takes over a goal, where voices are looked for."""
 
 from __future__ import annotations
 
+import itertools
+
 import pytest
 
-from robotteamsim.control.search.areas import NO_CELL, Areas
-from robotteamsim.control.search.cells import cell_grid, cell_paths
+from robotteamsim.control.search.areas import Areas
+from robotteamsim.control.search.cells import NO_CELL, cell_grid, cell_paths, reachable_cell
 from robotteamsim.control.search.last_area import EarlyDrive
 from robotteamsim.control.search.team import Teammates
 from robotteamsim.control.search.update import SearchUpdate
 from robotteamsim.interface import Task
+from robotteamsim.scenario.floor_plan import Wall
 from robotteamsim.scenario.sections import Area, Mission
 
 NEXT, LAST = (3.5, 5.5), (16.5, 5.5)
@@ -50,3 +53,16 @@ def test_robot_without_work_ignores_a_claim_to_which_it_has_a_much_shorter_path(
     team.hear(_update(0, claimer, "search", goal), 0.0)
     assert team.kept_claims(grid.cell_of((10.5, 5.5)), paths) == []
     assert team.kept_claims(grid.cell_of((3.5, 5.5)), paths) == team.claims == [goal]
+
+
+def test_voice_in_a_cell_without_a_path_is_looked_for_from_the_nearest_cell_with_one(hall):
+    scenario, grid, _ = hall
+    corners = [(14.0, 3.0), (18.0, 3.0), (18.0, 7.0), (14.0, 7.0), (14.0, 3.0)]
+    walls = [Wall(name=f"box_{i}", start=a, end=b) for i, (a, b) in enumerate(itertools.pairwise(corners))]
+    plan = scenario.plan.model_copy(update={"walls": (*scenario.plan.walls, *walls)})
+    paths, start = cell_paths(plan, 0.2, grid, (), None), grid.cell_of((2.5, 5.5))
+    at_the_wall, beside, inside = (14.5, 5.5), (13.5, 5.5), (16.0, 5.0)
+    assert reachable_cell(paths, grid, beside, start) == grid.cell_of(beside)
+    assert reachable_cell(paths, grid, at_the_wall, start) == grid.cell_of(beside)
+    assert reachable_cell(paths, grid, inside, start) == NO_CELL
+    assert reachable_cell(paths, grid, beside, NO_CELL) == NO_CELL

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.control.search.cells import CellGrid, Disc
+from robotteamsim.control.search.cells import NO_CELL, CellGrid, Disc
 from robotteamsim.interface import Task
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Area
@@ -16,8 +16,6 @@ from robotteamsim.swarm import Vector
 
 _KEPT_OUT_M = 0.3
 """Clearance from the last area, which ends the mission [m]."""
-
-NO_CELL = -1
 
 
 class Areas:
@@ -124,14 +122,8 @@ class Areas:
 
         Args: outside: paths outside the area.  start: the cell of the robot.
         """
-        area = self._areas[-1]
         reached = np.flatnonzero(np.isfinite(outside.lengths_from(start)))
-        if not reached.size:
-            return NO_CELL
-        rows, columns = np.divmod(reached, self._grid.columns)
-        x_m = self._grid.origin_m[0] + (columns + 0.5) * self._grid.cell_m - area.center[0]
-        y_m = self._grid.origin_m[1] + (rows + 0.5) * self._grid.cell_m - area.center[1]
-        return int(reached[np.argmin(x_m**2 + y_m**2)])
+        return self._grid.nearest(reached, self._areas[-1].center)
 
     def _cell_in(self, area: Area, paths: _core.control.CellPaths, start: int) -> int:
         """Return the reachable cell whose place is nearest to the middle of an area and inside it; else NO_CELL."""

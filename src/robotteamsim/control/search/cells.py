@@ -20,8 +20,13 @@ Doors = tuple[tuple[str, bool], ...]
 Disc = tuple[Vector, float]
 """Centre in `map` and radius [m]."""
 
+NO_CELL = -1
+
 NUM_LOSSES = 256
 """Losses are whole numbers of steps from 0 to 255."""
+
+_NEAR_CELLS = 2.0
+"""How far from the most probable cell of a voice a robot may look for it, in sides of a cell."""
 
 _HALF_MM_DB = 20.0 * math.log10(math.e) * 0.05
 """Loss of half a millimetre of a wall with mu = 1/cm, eq. (5) [dB]."""
@@ -51,6 +56,30 @@ class CellGrid:
         """Return the centre of a cell in `map` [m]."""
         row, column = divmod(cell, self.columns)
         return self.origin_m[0] + (column + 0.5) * self.cell_m, self.origin_m[1] + (row + 0.5) * self.cell_m
+
+    def nearest(self, cells: np.ndarray, place: Vector) -> int:
+        """Return the cell of several whose centre is nearest to a place in `map` [m]; NO_CELL if there are none."""
+        if not cells.size:
+            return NO_CELL
+        rows, columns = np.divmod(cells, self.columns)
+        x_m = self.origin_m[0] + (columns + 0.5) * self.cell_m - place[0]
+        y_m = self.origin_m[1] + (rows + 0.5) * self.cell_m - place[1]
+        return int(cells[np.argmin(x_m**2 + y_m**2)])
+
+
+def reachable_cell(paths: _core.control.CellPaths, grid: CellGrid, source_m: Vector, start: int) -> int:
+    """Return the cell from which to look for a voice; NO_CELL if a robot in the cell `start` can reach none.
+
+    The most probable cell of the voice may be one that is too tight for a robot, beside the cell of the victim.
+    """
+    if start == NO_CELL:
+        return NO_CELL
+    cell = paths.start_of(source_m)
+    if cell != NO_CELL and math.isfinite(paths.length_m(cell, start)):
+        return cell
+    cell = grid.nearest(np.flatnonzero(np.isfinite(paths.lengths_from(start))), source_m)
+    is_near = cell != NO_CELL and math.dist(grid.centre_of(cell), source_m) <= _NEAR_CELLS * grid.cell_m
+    return cell if is_near else NO_CELL
 
 
 def cell_grid(scenario: Scenario) -> CellGrid:

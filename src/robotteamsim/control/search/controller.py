@@ -14,8 +14,8 @@ from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.localisation import Localiser, body_of
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
-from robotteamsim.control.search.areas import NO_CELL, Areas, shut_cells
-from robotteamsim.control.search.cells import cell_grid, cell_paths, places
+from robotteamsim.control.search.areas import Areas, shut_cells
+from robotteamsim.control.search.cells import NO_CELL, cell_grid, cell_paths, places, reachable_cell
 from robotteamsim.control.search.goals import ListeningGoal, Progress
 from robotteamsim.control.search.hunt import Hunt, Hunted
 from robotteamsim.control.search.knowledge import Knowledge
@@ -351,8 +351,8 @@ class SearchController:
             return False
         if math.dist(self._areas.nearest_outside(voice.source_m), voice.source_m) > self._save_distance_m:
             return False  # To save this victim would end the mission.
-        goal = self._paths.start_of(voice.source_m)
-        length_m = self._paths.length_m(goal, start) if NO_CELL not in (goal, start) else math.inf
+        goal = reachable_cell(self._paths, self._grid, voice.source_m, start)
+        length_m = self._paths.length_m(goal, start) if goal != NO_CELL else math.inf
         if self._team.approaches(voice.source_m, length_m, same_m):
             return False
         if self._approached_m is None or self._work != "voice":

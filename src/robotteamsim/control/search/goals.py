@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from robotteamsim import _core
-from robotteamsim.control.search.areas import NO_CELL
+from robotteamsim.control.search.cells import NO_CELL
 from robotteamsim.scenario.search_tuning import SearchTuning
 
 _PROGRESS_M = 0.5

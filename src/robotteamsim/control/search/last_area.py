@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from robotteamsim import _core
-from robotteamsim.control.search.areas import NO_CELL, Areas
+from robotteamsim.control.search.areas import Areas
+from robotteamsim.control.search.cells import NO_CELL
 from robotteamsim.control.search.team import Teammates
 
 _OVERHEAD = 4.0

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from robotteamsim import _core
-from robotteamsim.control.search.areas import NO_CELL
+from robotteamsim.control.search.cells import NO_CELL
 from robotteamsim.control.search.update import SearchUpdate, Work
 from robotteamsim.swarm import Vector
 
