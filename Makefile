@@ -99,7 +99,8 @@ test_cpp: build_tests ## GoogleTest
 	@$(BUILD)/devel/lib/robotteamsim/robotteamsim_test --gtest_brief=1
 
 test_python: build_tests ## pytest
-	@$(ENV) $(PYTHON) -m pytest test/python -n $(JOBS) --dist loadfile $(ARGS)
+	@# One more than cores, because some of these tests wait for processes and browsers.
+	@$(ENV) $(PYTHON) -m pytest test/python -n $$(($(JOBS) + 1)) --dist loadfile $(ARGS)
 
 test_ros: build_tests ## rostest, each test with its own master
 	@# Twice as many as cores, because half of the time these tests wait for timeouts and for processes to end.
