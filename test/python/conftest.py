@@ -143,9 +143,12 @@ def two_workers() -> Iterator[object]:
         yield client
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """Start Debian's Chromium with software rendering."""
+    """Start Debian's Chromium with software rendering.
+
+    Until it ends, Playwright has an event loop running in this thread, in which others cannot run theirs.
+    """
     from playwright.sync_api import sync_playwright
 
     chromium = shutil.which("chromium")

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from matplotlib.colors import CSS4_COLORS
 
 from robotteamsim import palette
 
@@ -21,7 +22,8 @@ PAGES = [
     for path in (ROOT / "src").rglob("*")
     if path.suffix in {".html", ".css", ".js"} and path.name != "three.min.js"  # a library
 ]
-CODE = re.compile(r"(?<!&)#(?:[0-9a-fA-F]{3}){1,2}\b")
+CODE = re.compile(r"(?<!&)#(?:[0-9a-fA-F]{3,4}){1,2}\b")
+WORD = re.compile(rf'"({"|".join(CSS4_COLORS)})"|: *({"|".join(CSS4_COLORS)});|\b((?:rgb|hsl)a?\()')
 COLOURED = re.compile(r"(\w*color|\w*colors|c|foreground|fill)$")
 
 # Linear RGB as seen with severe anomalies (Machado, Oliveira and Fernandes 2009, Table 1).
@@ -109,7 +111,8 @@ def named_colours(path: Path) -> Iterator[str]:
 def test_colours_are_written_in_the_palette_and_nowhere_else():
     files = [path for path in [*SOURCES, *PAGES] if path.name != "palette.py"]
     codes = {str(path): CODE.findall(path.read_text(encoding="utf-8")) for path in files}
-    words = {str(path): list(named_colours(path)) for path in files if path.suffix == ".py"}
+    words = {str(path): list(named_colours(path)) for path in SOURCES}
+    words |= {str(path): WORD.findall(path.read_text(encoding="utf-8")) for path in PAGES}
     assert {path: found for path, found in codes.items() if found} == {}
     assert {path: found for path, found in words.items() if found} == {}
 

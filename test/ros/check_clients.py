@@ -62,10 +62,11 @@ class ClientsTest(unittest.TestCase):
         cls.scan = Topic("/robot_0/base_scan", LaserScan)
         for topic in (cls.tf, cls.odometry, cls.scan):
             topic.wait_for_count(1)
-        # Scans may come before the first transform.
-        begin = len(cls.scan.messages)
         cls.driven = drive(cls.command, FORWARD, cls.odometry, SCANS)
-        cls.scans = cls.scan.wait_for_count(begin + SCANS)[begin:]
+        cls.scan.wait_for_after(0, lambda scan: stamp_ns(scan) >= stamp_ns(cls.driven[-1]), "the last step's stamp")
+        # Scans may come before the first transform.
+        first_ns = min(stamp_ns(link) for link in cls.tf.messages[0].transforms)
+        cls.scans = [scan for scan in cls.scan.messages if stamp_ns(scan) >= first_ns][:SCANS]
         cls.links = [link for message in cls.tf.messages for link in message.transforms]
 
     def locate(self, robot_name: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from pathlib import Path
 
 import pytest
 
@@ -12,9 +13,12 @@ from robotteamsim.control.search.last_area import EarlyDrive
 from robotteamsim.control.search.team import Teammates
 from robotteamsim.control.search.update import SearchUpdate
 from robotteamsim.interface import Task
+from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Wall
-from robotteamsim.scenario.sections import Area, Mission
+from robotteamsim.scenario.sections import Area, Control, Mission, Victim, Voice
+from robotteamsim.simulation import Simulation
 
+CUMBERLAND = Path(__file__).parents[2] / "data" / "scenarios" / "cumberland.yaml"
 NEXT, LAST = (3.5, 5.5), (16.5, 5.5)
 
 
@@ -57,12 +61,37 @@ def test_robot_without_work_ignores_a_claim_to_which_it_has_a_much_shorter_path(
 
 def test_voice_in_a_cell_without_a_path_is_looked_for_from_the_nearest_cell_with_one(hall):
     scenario, grid, _ = hall
-    corners = [(14.0, 3.0), (18.0, 3.0), (18.0, 7.0), (14.0, 7.0), (14.0, 3.0)]
-    walls = [Wall(name=f"box_{i}", start=a, end=b) for i, (a, b) in enumerate(itertools.pairwise(corners))]
-    plan = scenario.plan.model_copy(update={"walls": (*scenario.plan.walls, *walls)})
+    plan = scenario.plan.model_copy(update={"walls": (*scenario.plan.walls, *_box())})
     paths, start = cell_paths(plan, 0.2, grid, (), None), grid.cell_of((2.5, 5.5))
-    at_the_wall, beside, inside = (14.5, 5.5), (13.5, 5.5), (16.0, 5.0)
-    assert reachable_cell(paths, grid, beside, start) == grid.cell_of(beside)
-    assert reachable_cell(paths, grid, at_the_wall, start) == grid.cell_of(beside)
-    assert reachable_cell(paths, grid, inside, start) == NO_CELL
-    assert reachable_cell(paths, grid, beside, NO_CELL) == NO_CELL
+
+    def cell_for(source_m, start=start):
+        return reachable_cell(paths, grid, source_m, start, save_distance_m=1.0)
+
+    at_the_wall, beside, inside = (14.5, 5.5), (13.5, 5.5), (15.5, 5.5)
+    assert cell_for(beside) == cell_for(at_the_wall) == grid.cell_of(beside)
+    assert cell_for(inside) == cell_for(beside, start=NO_CELL) == NO_CELL
+
+
+def _box():
+    corners = [(14.0, 3.0), (18.0, 3.0), (18.0, 7.0), (14.0, 7.0), (14.0, 3.0)]
+    return [Wall(name=f"box_{i}", start=a, end=b) for i, (a, b) in enumerate(itertools.pairwise(corners))]
+
+
+@pytest.mark.parametrize(("x_m", "saved"), [(14.5, 1), (15.2, 0), (15.5, 0)])
+def test_victim_in_a_closed_room_is_saved_if_near_its_wall_and_else_does_not_hold_up_the_end(hall_scenario, x_m, saved):
+    hall = hall_scenario().plan
+    plan = hall.model_copy(update={"walls": (*hall.walls, *_box())})
+    mission = Mission(victims=(Victim(name="eve", position=(x_m, 5.0)),), time_limit_s=600.0)
+    scenario = hall_scenario(mission=mission, control=Control(algorithm="search"), voice=Voice(noise_db=40.0))
+    simulation = Simulation(scenario.model_copy(update={"plan": plan}))
+    result = simulation.run()
+    status = simulation.mission.status
+    assert (status.end, status.victims_saved) == ("search_over", saved)
+    assert result.time_s < 200.0
+
+
+def test_victim_beside_a_cell_too_tight_for_a_robot_is_saved():
+    settings = ["control.algorithm=search", "voice.noise_db=30", "mission.random_victims=4", "mission.victims=[]"]
+    simulation = Simulation(load(str(CUMBERLAND), [*settings, "run.seed=4682939054865940"]))
+    simulation.run()
+    assert simulation.mission.status.victims_saved == 4

@@ -25,9 +25,6 @@ NO_CELL = -1
 NUM_LOSSES = 256
 """Losses are whole numbers of steps from 0 to 255."""
 
-_NEAR_CELLS = 2.0
-"""How far from the most probable cell of a voice a robot may look for it, in sides of a cell."""
-
 _HALF_MM_DB = 20.0 * math.log10(math.e) * 0.05
 """Loss of half a millimetre of a wall with mu = 1/cm, eq. (5) [dB]."""
 
@@ -67,10 +64,13 @@ class CellGrid:
         return int(cells[np.argmin(x_m**2 + y_m**2)])
 
 
-def reachable_cell(paths: _core.control.CellPaths, grid: CellGrid, source_m: Vector, start: int) -> int:
-    """Return the cell from which to look for a voice; NO_CELL if a robot in the cell `start` can reach none.
+def reachable_cell(
+    paths: _core.control.CellPaths, grid: CellGrid, source_m: Vector, start: int, save_distance_m: float
+) -> int:
+    """Return the cell to drive to from the cell `start` for a voice at a place in `map` [m]; NO_CELL if there is none.
 
-    The most probable cell of the voice may be one that is too tight for a robot, beside the cell of the victim.
+    A cell without a path may be too tight for a robot, or behind a wall. Then it is the nearest one with a path, if a
+    victim somewhere in the cell of the voice can be saved from there.
     """
     if start == NO_CELL:
         return NO_CELL
@@ -78,8 +78,8 @@ def reachable_cell(paths: _core.control.CellPaths, grid: CellGrid, source_m: Vec
     if cell != NO_CELL and math.isfinite(paths.length_m(cell, start)):
         return cell
     cell = grid.nearest(np.flatnonzero(np.isfinite(paths.lengths_from(start))), source_m)
-    is_near = cell != NO_CELL and math.dist(grid.centre_of(cell), source_m) <= _NEAR_CELLS * grid.cell_m
-    return cell if is_near else NO_CELL
+    within_m = save_distance_m + math.sqrt(0.5) * grid.cell_m
+    return cell if cell != NO_CELL and math.dist(grid.centre_of(cell), source_m) <= within_m else NO_CELL
 
 
 def cell_grid(scenario: Scenario) -> CellGrid:

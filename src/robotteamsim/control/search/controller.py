@@ -270,7 +270,7 @@ class SearchController:
         """
         shut = self._shut
         if self._voice is not None:
-            source = self._all_paths.start_of(self._voice.source_m)
+            source = reachable_cell(self._all_paths, self._grid, self._voice.source_m, self._at, self._save_distance_m)
             if source != NO_CELL and shut[source]:
                 return True
         for update in self._team.updates:
@@ -351,7 +351,7 @@ class SearchController:
             return False
         if math.dist(self._areas.nearest_outside(voice.source_m), voice.source_m) > self._save_distance_m:
             return False  # To save this victim would end the mission.
-        goal = reachable_cell(self._paths, self._grid, voice.source_m, start)
+        goal = reachable_cell(self._paths, self._grid, voice.source_m, start, self._save_distance_m)
         length_m = self._paths.length_m(goal, start) if goal != NO_CELL else math.inf
         if self._team.approaches(voice.source_m, length_m, same_m):
             return False

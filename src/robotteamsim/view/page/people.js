@@ -27,7 +27,7 @@ export class People {
 
   /** A green ground in front of each exit. */
   _exit({ center_m: [x, y], radius_m }) {
-    const ground = disc(this.palette.victims.safe, radius_m, 0.35);
+    const ground = disc(radius_m, 0.35, this.palette.victims.safe);
     ground.position.set(x, y, RING_Z - 0.01);
     this.group.add(ground);
   }
@@ -36,7 +36,7 @@ export class People {
     const isCentre = robot.role === "command_centre";
     const figure = isCentre ? centre(this.palette.people, robot.colour) : firefighter(this.palette.people);
     Object.assign(figure.userData, { robot: id, isCentre });
-    if (!isCentre) figure.add(disc(robot.colour, 0.46, 0.7));
+    if (!isCentre) figure.add(disc(0.46, 0.7, robot.colour));
     this.group.add(figure);
     return figure;
   }
@@ -60,7 +60,7 @@ export class People {
 
   _victim(index) {
     const figure = new Group(), { person: body, marks } = figure.userData = {
-      person: person(this.palette.people), marks: { dashed: ring(DASHES), whole: ring(1), disc: disc("white", 0.95, 0.55) },
+      person: person(this.palette.people), marks: { dashed: ring(DASHES), whole: ring(1), disc: disc(0.95, 0.55) },
     };
     body.userData.victim = index;
     figure.add(body, ...Object.values(marks));
@@ -105,8 +105,9 @@ function visible(object) {
   return true;
 }
 
-function disc(colour, radius, opacity) {
-  const material = new MeshBasicMaterial({ color: colour, transparent: true, opacity, depthWrite: false });
+function disc(radius, opacity, colour = undefined) {
+  const material = new MeshBasicMaterial({ transparent: true, opacity, depthWrite: false });
+  if (colour) material.color.set(colour);
   const mesh = new Mesh(new CylinderGeometry(radius, radius, 0.01, 28).rotateX(Math.PI / 2), material);
   mesh.position.z = RING_Z;
   return mesh;

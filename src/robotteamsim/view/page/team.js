@@ -45,7 +45,7 @@ export class Team {
     this.group.add(this.links.object, this.trails.object);
     this.areas = scene.areas.map((area) => this._area(area));
     this.objects = scene.objects.map((object) => this._object(object));
-    this.ring = new Mesh(new RingGeometry(1.15, 1.5, 40), new MeshBasicMaterial({ color: "white", side: DoubleSide }));
+    this.ring = new Mesh(new RingGeometry(1.15, 1.5, 40), new MeshBasicMaterial({ side: DoubleSide }));
     this.ring.visible = false;
     this.group.add(this.ring);
   }
@@ -70,7 +70,7 @@ export class Team {
   }
 
   _instances(geometry, count, coloured) {
-    const mesh = new InstancedMesh(geometry, new MeshLambertMaterial({ color: coloured ? "white" : this.palette.nose }), count);
+    const mesh = new InstancedMesh(geometry, new MeshLambertMaterial(coloured ? {} : { color: this.palette.nose }), count);
     mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     mesh.frustumCulled = false;
     this.group.add(mesh);
