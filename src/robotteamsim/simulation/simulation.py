@@ -78,11 +78,11 @@ class Simulation:
         events = self._judge(positions_m, voices, network, inboxes)
         world, mission = self.world, self.mission
         return StepRecord(
-            step_index=world.step_index,
-            sim_time_ns=world.sim_time_ns,
-            readings=readings,
-            voices=voices,
-            network=network,
+            world.step_index,
+            world.sim_time_ns,
+            readings,
+            voices,
+            network,
             inboxes=inboxes,
             decisions=self._decisions,
             mission=mission.status,

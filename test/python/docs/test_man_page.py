@@ -16,7 +16,8 @@ DOCS = Path(__file__).parents[3] / "docs"
 def test_man_page_is_that_of_the_command_line(monkeypatch):
     monkeypatch.setenv("COLUMNS", "100")
     page = runpy.run_path(str(DOCS / "make_man_page.py"))["man_page"]()
-    assert page == (DOCS / "robotteamsim.1").read_text(encoding="utf-8"), "run `make man`"
+    # Python 3.13 breaks the lines of a usage at other words.
+    assert page.split() == (DOCS / "robotteamsim.1").read_text(encoding="utf-8").split(), "run `make man`"
     for word in ("campaign", "import\\-stage", "\\-\\-scheduler", "\\-\\-debug"):
         assert word in page
 
