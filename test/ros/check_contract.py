@@ -1,4 +1,7 @@
-"""Our own world behind ROS: the tests of the contract of worlds that make sense over topics and services."""
+"""Our own world behind ROS: the tests of the contract of worlds that make sense over topics and services.
+
+Run by test_contract.py in a process of its own.
+"""
 
 from __future__ import annotations
 
