@@ -20,7 +20,7 @@ ARGS ?=
 PIP_INSTALL = $(PYTHON) -m pip install --disable-pip-version-check --require-hashes
 # The environment for ROS and Python, independent of the user's shell.
 ENV := source $(BUILD)/devel/setup.bash &&
-# Otherwise each of the many processes of launches and tests compiles all modules anew.
+# Otherwise each of the many processes of launches and tests compiles all modules again.
 unexport PYTHONDONTWRITEBYTECODE
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
