@@ -237,6 +237,7 @@ def test_names_on_voice_maps_are_legible_on_a_phone(phone, voice_range):
     figure = draw_voices(load("garage_sar"), NOISES_DB, voice_range)
     names = [text for text in figure.findobj(Text) if re.search(r"[a-z]{3}| dB", text.get_text())]
     assert len(names) > 7
-    shown_px = phone.locator(f"img[alt^='{voice_range.capitalize()} voice']").bounding_box()["width"]
-    px_per_point = shown_px / (72.0 * figure.get_figwidth())
+    image = phone.locator(f"img[alt^='{voice_range.capitalize()} voice']")
+    inches = float(image.evaluate("(image) => image.style.getPropertyValue('--inches')"))
+    px_per_point = image.bounding_box()["width"] / (72.0 * inches)
     assert min(text.get_fontsize() for text in names) * px_per_point > 9.0
