@@ -73,6 +73,9 @@ def test_late_subscriber_gets_the_last_message_of_a_latched_topic_once():
     assert output.wanted
     for text in ("first", "last"):
         output.publish(String(text))
+    early = Wire("/latched", String)
+    while early.next() != serialized(String("last")):
+        pass  # roscpp has not yet sent what was published
     peer = Peer("/latched", String)
     message = peer.next()
     assert message.data == "last"
