@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
 
 from rosbags import rosbag1, rosbag2
-from rosbags.interfaces import MessageDefinitionFormat
+from rosbags.interfaces import MessageDefinition, MessageDefinitionFormat
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
@@ -49,7 +50,9 @@ class Ros1Format:
 
     def decoder(self, connection: Any) -> Decode | None:
         """Return a function that reads messages; types that are not ours are read as the bag defines them."""
-        types = self._typestore if self._is_ours(connection) else self._own_types(connection)
+        if self._is_ours(connection):
+            return self._typestore.deserialize_ros1
+        types = _own_types(Stores.ROS1_NOETIC, connection.msgtype, connection.msgdef)
         return None if types is None else types.deserialize_ros1
 
     def _is_ours(self, connection: Any) -> bool:
@@ -57,13 +60,6 @@ class Ros1Format:
             return False
         _, digest = self._typestore.generate_msgdef(connection.msgtype)
         return connection.digest in (digest, "*")
-
-    def _own_types(self, connection: Any) -> Typestore | None:
-        """Return ROS's types and those that the bag defines itself, such as older versions of this package's types."""
-        types = get_typestore(Stores.ROS1_NOETIC)
-        if connection.msgtype in types.types:
-            return None  # ROS's own types never change, so this is a different type of the same name.
-        return types if _defined(connection, types) else None
 
     def complaint(self, path: Path, error: Exception) -> str:
         """Return one line; `rosbag reindex` is the remedy."""
@@ -89,9 +85,10 @@ class McapFormat:
 
     def decoder(self, connection: Any) -> Decode | None:
         """Return a function that reads messages; None for messages of another encoding than CDR."""
-        types = get_typestore(Stores.EMPTY)
-        is_cdr = connection.ext.serialization_format == "cdr"
-        return types.deserialize_cdr if is_cdr and _defined(connection, types) else None
+        if connection.ext.serialization_format != "cdr":
+            return None
+        types = _own_types(Stores.EMPTY, connection.msgtype, connection.msgdef)
+        return None if types is None else types.deserialize_cdr
 
     def complaint(self, path: Path, error: Exception) -> str:
         """Return one line; `mcap recover` is the remedy."""
@@ -103,15 +100,22 @@ class McapFormat:
         return f"{path}: {why}; `mcap recover {path} -o recovered{SUFFIX}` saves what can be read"
 
 
-def _defined(connection: Any, types: Typestore) -> bool:
-    """Add the types that a connection defines; return whether its own type is known then."""
-    definition = connection.msgdef
+# Cached, because rosbags compiles code for each type, which takes longer than reading a short recording.
+@functools.lru_cache(maxsize=1024)
+def _own_types(ros: Stores, message_type: str, definition: MessageDefinition) -> Typestore | None:
+    """Return the types of a version of ROS and those that a connection defines, such as older ones of this package.
+
+    None: the definition cannot be read, or differs from ROS's own type of this name, which never changes.
+    """
+    types = get_typestore(ros)
+    if message_type in types.types:
+        return None
     try:
         if definition.format is MessageDefinitionFormat.IDL:
             defined = get_types_from_idl(definition.data)
         else:
-            defined = get_types_from_msg(definition.data, connection.msgtype)
+            defined = get_types_from_msg(definition.data, message_type)
         types.register({name: kind for name, kind in defined.items() if name not in types.types})
     except Exception:  # rosbags turns definitions into Python code: any error of that, such as SyntaxError
-        return False
-    return connection.msgtype in types.types
+        return None
+    return types if message_type in types.types else None

@@ -45,8 +45,9 @@ class Ros2Types(BagTypes):
         return super().__call__(type_name, **attributes)
 
 
+@cache
 def bag_typestore(ros: Stores = Stores.ROS1_NOETIC) -> Typestore:
-    """Return the types of a version of ROS and of this package, for reading and writing bags.
+    """Return the types of a version of ROS and of this package, for reading and writing bags; add none to them.
 
     Raises: RecordingError: the message definitions of the package are not installed.
     """
