@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import os
 import shutil
@@ -25,6 +26,12 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 _CHROMIUM_FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+
+
+def pytest_collection_finish() -> None:
+    """Exempt modules and tests, which live until the end, from garbage collection: statsmodels calls it often."""
+    gc.collect()
+    gc.freeze()
 
 
 def _hall() -> FloorPlan:

@@ -33,7 +33,7 @@ class Picture:
 def picture(name: str, title: str, caption: str, figure: Figure) -> Picture:
     """Return a drawn figure as a picture; the same figure gives the same bytes."""
     raw = io.BytesIO()
-    figure.savefig(raw, format="png", metadata={"Software": None}, bbox_inches="tight", pad_inches=0.08)
+    figure.savefig(raw, format="png", bbox_inches="tight", pad_inches=0.08, pil_kwargs={"compress_level": 0})
     image = Image.open(raw).convert("RGB")
     if image.getcolors(_FEW) is not None:
         image = image.quantize(_COLOURS, dither=Image.Dither.NONE)
