@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import pytest
 from rosbags.rosbag1 import Reader
@@ -20,12 +19,14 @@ def shown(events: list[Event]) -> list[tuple[float, str, str, int, str]]:
     return [(e.time_s, e.kind, e.subject, e.robot_id, e.detail) for e in events]
 
 
-@pytest.mark.parametrize(("name", "time_s"), [("garage_rescue", 36), ("office_fire", 49)])
-def test_rescue_in_lockstep_has_the_bits_events_and_topics_of_the_headless_mission(name, time_s, tmp_path: Path):
+@pytest.mark.parametrize(
+    ("name", "time_s", "hosted"), [("garage_rescue", 36, "per_robot"), ("office_fire", 49, "team")]
+)
+def test_rescue_in_lockstep_has_the_bits_events_and_topics_of_the_headless_mission(name, time_s, hosted, tmp_path):
     settings = (f"mission.time_limit_s={time_s}", "network.publish_matrices=false")
     command = (*ROSLAUNCH, "robotteamsim", f"{name}.launch", "rviz:=false", "lockstep:=true", "speed:=0")
-    files = ("out:=results", "record:=true", "bag:=run.bag")
-    with running((*command, f"set:={' '.join(settings)}", *files), tmp_path) as program:
+    options = (f"controllers:={hosted}", "out:=results", "record:=true", "bag:=run.bag")
+    with running((*command, f"set:={' '.join(settings)}", *options), tmp_path) as program:
         assert program.wait() == 0, program.output
     found = json.loads((tmp_path / "results" / "mission.json").read_text())
     events = EventList()
