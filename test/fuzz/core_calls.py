@@ -39,9 +39,9 @@ def new(name: str, *args: Any, **named: Any) -> Call:
 
 def evaluate(node: Any, filled: list[Any]) -> Any:
     """Make the calls of a tree and return the result of its root; `filled` collects everything that they returned."""
+    if isinstance(node, (float, int, str)):  # most nodes
+        return node
     match node:
-        case float() | int() | str():  # most nodes
-            return node
         case Call():
             target: Any = _core
             for part in node.name.split("."):
@@ -58,7 +58,7 @@ def evaluate(node: Any, filled: list[Any]) -> Any:
         case Pose():
             return node
         case tuple() | list():
-            return type(node)(evaluate(item, filled) for item in node)
+            return type(node)([evaluate(item, filled) for item in node])
         case dict():
             return {key: evaluate(item, filled) for key, item in node.items()}
     return node

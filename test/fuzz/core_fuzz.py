@@ -14,6 +14,7 @@ import math
 import os
 import random
 import resource
+import signal
 import struct
 import sys
 import time
@@ -59,13 +60,13 @@ def check(call: Any, expected: tuple[type[Exception], ...] = EXPECTED) -> None:
     from core_calls import evaluate
 
     filled: list[Any] = []
-    faulthandler.dump_traceback_later(TIME_LIMIT_S, exit=True)
+    signal.setitimer(signal.ITIMER_REAL, TIME_LIMIT_S)
     try:
         evaluate(call, filled)
     except expected:
         return
     finally:
-        faulthandler.cancel_dump_traceback_later()
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
     if MAY_BE_INFINITE.isdisjoint({call.name, *(method[0] for method in call.then)}):
         assert is_finite(filled), f"{call} returned {filled}"
 
@@ -105,6 +106,7 @@ def main() -> None:
             use_core(Path(options.core))
     from core_calls import calls
 
+    faulthandler.register(signal.SIGALRM, chain=True)  # a traceback, and then the signal ends the process
     valid = calls()
     for call in valid:
         check(call, expected=())
