@@ -163,7 +163,6 @@ void BindBurningFloor(nb::module_& m) {
       .def("advance", &Floor::Advance, "seconds"_a)
       .def("is_burnt_through", &Floor::IsBurntThrough, "door"_a)
       .def_prop_ro("heat_release_kw", [](const Floor& floor) { return floor.fire().heat_release_rate(); })
-      .def_prop_ro("num_burning", [](const Floor& floor) { return floor.fire().num_burning(); })
       .def("states",
            [](const Floor& floor) {
              const hazards::Links& links = floor.links();
@@ -184,25 +183,15 @@ void BindBurningFloor(nb::module_& m) {
 }
 
 void BindHaze(nb::module_& m) {
-  nb::class_<hazards::Haze>(m, "Haze")
-      .def(
-          "__init__",
-          [](hazards::Haze* self, const base::Point& origin_m, double resolution_m,
-             const Array<const float, -1, -1>& soot_g_m3, double extinction_m2_g, double limit) {
-            const plan::GridShape shape{origin_m, resolution_m, static_cast<int>(soot_g_m3.shape(0)),
-                                        static_cast<int>(soot_g_m3.shape(1))};
-            new (self) hazards::Haze(shape, ListOf(soot_g_m3), extinction_m2_g, limit);
-          },
-          "origin_m"_a, "resolution_m"_a, "soot_g_m3"_a, "extinction_m2_g"_a, "limit"_a)
-      .def(
-          "sight_m",
-          [](const hazards::Haze& haze, const base::Point& point_m, double direction_rad, double length_m) {
-            base::Check(point_m, "point_m");
-            base::Check(direction_rad, "direction_rad");
-            base::CheckNotNegative(length_m, "length_m");
-            return haze.Sight(point_m, {std::cos(direction_rad), std::sin(direction_rad)}, std::min(length_m, 1e4));
-          },
-          "point_m"_a, "direction_rad"_a, "length_m"_a);
+  nb::class_<hazards::Haze>(m, "Haze").def(
+      "__init__",
+      [](hazards::Haze* self, const base::Point& origin_m, double resolution_m,
+         const Array<const float, -1, -1>& soot_g_m3, double extinction_m2_g, double limit) {
+        const plan::GridShape shape{origin_m, resolution_m, static_cast<int>(soot_g_m3.shape(0)),
+                                    static_cast<int>(soot_g_m3.shape(1))};
+        new (self) hazards::Haze(shape, ListOf(soot_g_m3), extinction_m2_g, limit);
+      },
+      "origin_m"_a, "resolution_m"_a, "soot_g_m3"_a, "extinction_m2_g"_a, "limit"_a);
 }
 
 }  // namespace

@@ -32,11 +32,6 @@ void BindNetwork(nb::module_& m) {
           "faces"_a, "model"_a, nb::kw_only(), "by_distance"_a, "lost_below_dbm"_a, "max_distance_m"_a,
           "endangered_below_dbm"_a)
       .def("step", &network::TeamLinks::Step, "positions_m"_a, "rssi_dbm"_a, "link"_a)
-      .def(
-          "step",
-          [](network::TeamLinks& links, const Eigen::Ref<const propagation::Positions>& positions_m,
-             Eigen::Ref<propagation::CellValues> rssi_dbm) { return links.Step(positions_m, rssi_dbm, rssi_dbm); },
-          "positions_m"_a, "rssi_dbm"_a)
       .def_prop_ro("fiedler_value", &network::TeamLinks::fiedler_value)
       .def("adjacency", &network::TeamLinks::adjacency, nb::rv_policy::copy)
       .def("hop_count", &network::TeamLinks::hops, nb::rv_policy::copy)

@@ -145,13 +145,7 @@ void BindOdometry(nb::module_& m) {
             return RowsOf<16>(odometry.Step(RecordsOf<base::Pose>(motions), RecordsOf<base::Twist>(twists),
                                             RecordsOf<sensing::Odometry::Noise>(noise)));
           },
-          "motions"_a, "twists"_a, "noise"_a)
-      .def(
-          "follow",
-          [](sensing::TeamOdometry& odometry, const world::World& world, const Triples& noise) {
-            return RowsOf<16>(odometry.Follow(world, RecordsOf<sensing::Odometry::Noise>(noise)));
-          },
-          "world"_a, "noise"_a);
+          "motions"_a, "twists"_a, "noise"_a);
 }
 
 void BindTeam(nb::module_& m) {

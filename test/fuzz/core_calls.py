@@ -279,7 +279,6 @@ def _signals() -> Iterator[Call]:
     square = Output((3, 3), np.float64)
     yield links.of(
         ("step", _TEAM, square, square),
-        ("step", _TEAM, square),
         *((name,) for name in ("fiedler_value", "adjacency", "hop_count")),
         ("endangered",),
     )
@@ -372,7 +371,7 @@ _THREE = np.full((2, 3), 0.1)
 
 def _sensors() -> Iterator[Call]:
     yield _LASER.of(("scan", _WORLD, [0, 1], np.full((2, 7), 0.01)), ("nearest", _WORLD, [0, 1], np.full(2, 0.01)))
-    yield _ODOMETRY.of(("step", _THREE, _THREE, _THREE), ("follow", _WORLD, _THREE), ("restart", 0))
+    yield _ODOMETRY.of(("step", _THREE, _THREE, _THREE), ("restart", 0))
     sensors = new("sensing.TeamSensors", _ODOMETRY, [(_LASER, [0, 1])])
     readings, ranges_m = Output((2, 24), np.float64), [Output((2, 7), np.float32)]
     yield sensors.of(("read", _WORLD, _THREE, [np.full((2, 7), 0.01)], readings, ranges_m))
@@ -406,10 +405,9 @@ _HAZE = new("hazards.Haze", (-1.0, 2.0), 0.5, _MAP, 8.7, 1.5)
 
 def _hazards() -> Iterator[Call]:
     state = (("states",), ("soot_g_m2",), ("soot_g_m3", 2.6), ("temperature_c", 20.0, 820.0))
-    numbers = (("heat_release_kw",), ("num_burning",), ("is_burnt_through", 0))
+    numbers = (("heat_release_kw",), ("is_burnt_through", 0))
     burn = (("ignite", 40), ("advance", 1.0), ("set_door", 0, False), ("advance", 5.0))
     yield _BURNING.of(*burn, *state, *numbers)
-    yield _HAZE.of(("sight_m", (0.0, 3.0), 0.5, 4.0))
     yield new("hazards.values_at", _MAP, (-1.0, 2.0), 0.5, np.array([[0.0, 3.0], [9.0, 9.0]]), 1.0)
     yield new("hazards.hot_in_sight", _MAP, (-1.0, 2.0), 0.5, 2.0, _GRID, _FROM, 4.0)
     yield _LASER.of(("dim", _WORLD, [0, 1], _HAZE, Output((2, 7))))

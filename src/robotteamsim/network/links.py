@@ -39,12 +39,8 @@ class TeamLinks:
         """
         core, n = self._core, len(positions_m)
         rssi_dbm = np.empty((n, n))
-        if self._by_distance:
-            link = np.empty((n, n))
-            has_changed = core.step(positions_m, rssi_dbm, link)
-        else:
-            link = rssi_dbm
-            has_changed = core.step(positions_m, rssi_dbm)
+        link = np.empty((n, n)) if self._by_distance else rssi_dbm
+        has_changed = core.step(positions_m, rssi_dbm, link)
         if has_changed or len(self._adjacency) != n:
             self._adjacency, self._hop_count = _read_only(core.adjacency()), _read_only(core.hop_count())
             self._endangered, self._no_break = _read_only(core.endangered()), _read_only(np.zeros((n, n)))

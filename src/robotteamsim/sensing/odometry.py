@@ -6,7 +6,6 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.scenario.sections import Odometry as OdometryModel
-from robotteamsim.world import World
 
 _STEPS_PER_DRAW = 64
 
@@ -63,10 +62,6 @@ class TeamOdometry:
               twists: their mean velocities, in `base_link`, shape (n, 3).
         """
         return self.core.step(motions, twists, self.next_noise())
-
-    def follow(self, world: World) -> np.ndarray:
-        """Return the readings, as `step` does, after the last step of a world with as many robots."""
-        return self.core.follow(world.core, self.next_noise())
 
     def restart(self, robot_id: int, generator: np.random.Generator) -> None:
         """Restart the odometry of a robot that has arrived (again) at (0, 0, 0), with a new generator."""

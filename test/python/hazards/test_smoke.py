@@ -78,16 +78,6 @@ def test_leak_of_a_closed_door_lets_less_smoke_through_than_an_open_one():
     assert beyond(True, 0.0) == 0.0
 
 
-def test_light_gets_as_far_as_the_optical_depth_allows():
-    extinction = np.full((20, 40), 0.5, dtype=np.float32)
-    extinction[:, 20:] = 0.0
-    haze = _core.hazards.Haze((0.0, 0.0), 0.5, extinction, 1.0, 1.5)
-    assert haze.sight_m((1.2, 5.1), 0.0, 30.0) == pytest.approx(3.0, abs=1e-9)
-    assert haze.sight_m((7.5, 5.1), 0.0, 10.0) == 10.0  # 2.5 m of smoke, then clear
-    assert haze.sight_m((7.5, 5.1), math.pi, 10.0) == pytest.approx(3.0, abs=1e-9)
-    assert haze.sight_m((1.2, 5.1), 0.0, 2.0) == 2.0
-
-
 @pytest.mark.parametrize("soot", [-1.0, math.nan, math.inf])
 def test_soot_must_be_a_number_of_at_least_0(soot):
     with pytest.raises(ValueError, match="soot must be finite and >= 0"):

@@ -12,7 +12,6 @@ from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.sensing.odometry import TeamOdometry
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
-from robotteamsim.world.placement import placed_robots
 
 EXACT = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0)
 MODEL = OdometryModel(alpha1=0.004, alpha2=0.001, alpha3=0.002, alpha4=0.003)
@@ -48,23 +47,10 @@ def test_without_noise_it_is_the_true_way_to_a_nanometre_over_five_minutes_of_co
     assert len(touched) >= 10
 
 
-def test_following_a_world_is_stepping_with_its_motions_and_twists():
-    plan, generator = load("garage_sar").plan, np.random.default_rng(32)
-    robots = [PlacedRobot(start_pose=robot.start_pose) for robot in placed_robots(load("garage_sar"))]
-    world = World(plan, robots, Run())
-    one, other = (
-        TeamOdometry([MODEL] * len(robots), 0.1, [np.random.default_rng(seed) for seed in range(len(robots))])
-        for _ in range(2)
-    )
-    for _ in range(200):
-        world.step(random_twists(len(robots), generator))
-        assert np.array_equal(one.follow(world), other.step(world.core.motions(), world.core.twists()))
-
-
-def test_following_a_world_of_another_number_of_robots_is_refused():
-    world = World(CORRIDOR, [PlacedRobot(start_pose=(5.0, 1.0, 0.0))], Run())
+def test_motions_of_another_number_of_robots_are_refused():
+    odometry = TeamOdometry([MODEL] * 2, 0.1, [np.random.default_rng(seed) for seed in range(2)])
     with pytest.raises(ValueError, match="one row of three numbers per robot"):
-        TeamOdometry([MODEL] * 2, 0.1, [np.random.default_rng(seed) for seed in range(2)]).follow(world)
+        odometry.step(np.zeros((1, 3)), np.zeros((1, 3)))
 
 
 def test_robot_that_slides_along_a_wall_reckons_with_the_way_it_really_went():
