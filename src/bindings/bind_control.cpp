@@ -13,8 +13,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <stdexcept>
-#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -200,27 +198,11 @@ void BindPaths(nb::module_& m) {
           nb::kw_only(), "grid"_a, "origin_m"_a, "cell_m"_a, "rows"_a, "columns"_a, "kept_out"_a.none())
       .def("cell_of", &control::CellPaths::CellOf, "point_m"_a)
       .def("start_of", &control::CellPaths::StartOf, "point_m"_a)
-      .def(
-          "place_of",
-          [](const control::CellPaths& paths, int cell) -> std::optional<base::Point> {
-            if (cell < 0 || static_cast<std::size_t>(cell) >= paths.Size()) {
-              throw std::invalid_argument("there is no cell " + std::to_string(cell));
-            }
-            return paths.PlaceOf(cell);
-          },
-          "cell"_a)
+      .def("place_of", &control::CellPaths::PlaceOf, "cell"_a)
       .def(
           "lengths_from", [](const control::CellPaths& paths, int cell) { return ArrayOf(paths.LengthsFrom(cell)); },
           "cell"_a)
-      .def(
-          "length_m",
-          [](const control::CellPaths& paths, int from, int to) {
-            if (to < 0 || static_cast<std::size_t>(to) >= paths.Size()) {
-              throw std::invalid_argument("there is no cell " + std::to_string(to));
-            }
-            return paths.LengthsFrom(from)[to];
-          },
-          "from_cell"_a, "to_cell"_a)
+      .def("length_m", &control::CellPaths::LengthBetween, "from_cell"_a, "to_cell"_a)
       .def("ahead", &control::CellPaths::Ahead, "position_m"_a, "goal_cell"_a, "longest_m"_a);
 }
 

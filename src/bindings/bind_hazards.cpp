@@ -3,11 +3,8 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <stdexcept>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -16,8 +13,8 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "geometry.hpp"
-#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/hazards/burning_floor.hpp"
+#include "robotteamsim/hazards/grid_values.hpp"
 #include "robotteamsim/hazards/haze.hpp"
 #include "robotteamsim/plan/grid.hpp"
 
@@ -52,86 +49,34 @@ hazards::Links LinksOf(const Mask& east, const Mask& north, const std::vector<st
           static_cast<int>(doors)};
 }
 
-/// The values of all cells without the border, as an array of rows.
-template <typename To, typename Function>
-Array<To, -1, -1> CellsOf(const hazards::Links& links, const Function& value_of) {
-  const int rows = links.rows(), cols = links.cols();
-  auto cells = NewArray<To, -1, -1>({static_cast<std::size_t>(rows), static_cast<std::size_t>(cols)});
-  To* __restrict to = cells.data();
-  for (int row = 1; row <= rows; ++row, to += cols) {
-    const int begin = row * links.stride() + 1;
-    for (int col = 0; col < cols; ++col) to[col] = value_of(begin + col);
-  }
+/// The values of all cells as an array of rows.
+template <typename To, typename Value>
+Array<To, -1, -1> CellsOf(const hazards::BurningFloor& floor, const std::vector<Value>& values) {
+  const auto rows = static_cast<std::size_t>(floor.links().rows()),
+             cols = static_cast<std::size_t>(floor.links().cols());
+  auto cells = NewArray<To, -1, -1>({rows, cols});
+  for (std::size_t i = 0; i < values.size(); ++i) cells.data()[i] = static_cast<To>(values[i]);
   return cells;
 }
 
-Array<float, -1, -1> SootOf(const hazards::BurningFloor& floor, double height_m) {
-  base::CheckPositive(height_m, "height_m");
-  const double* const soot = floor.air().soot().data();
-  const double share = 1.0 / height_m;
-  return CellsOf<float>(floor.links(), [=](int i) { return static_cast<float>(soot[i] * share); });
+hazards::GridValues ViewOf(const Array<const float, -1, -1>& values, const base::Point& origin_m, double resolution_m) {
+  return {{origin_m, resolution_m, static_cast<int>(values.shape(0)), static_cast<int>(values.shape(1))},
+          values.data()};
 }
 
-Array<float, -1, -1> TemperatureOf(const hazards::BurningFloor& floor, float ambient_c, float flame_c) {
-  base::Check(ambient_c, "ambient_c");
-  base::Check(flame_c, "flame_c");
-  const float* const excess = floor.air().excess().data();
-  auto cells = CellsOf<float>(floor.links(), [=](int i) { return ambient_c + excess[i]; });
-  for (const hazards::Release& release : floor.fire().releases()) {
-    const int padded = release.padded, stride = floor.links().stride();
-    if (floor.fire().states()[padded] != hazards::Burning::kBurns) continue;
-    float& cell = cells.data()[(padded / stride - 1) * floor.links().cols() + padded % stride - 1];
-    cell = std::max(cell, flame_c);
-  }
-  return cells;
-}
-
-// The values of the cells that contain some points; `outside` where there is none, also for NaN.
 Array<double, -1> ValuesAt(const Array<const float, -1, -1>& values, const base::Point& origin_m, double resolution_m,
                            const Points& positions_m, double outside) {
-  base::Check(origin_m, "origin_m");
-  base::CheckPositive(resolution_m, "resolution_m");
-  base::Check(outside, "outside");
-  auto found = NewArray<double, -1>({positions_m.shape(0)});
-  const auto rows = static_cast<double>(values.shape(0)), cols = static_cast<double>(values.shape(1));
-  for (std::size_t i = 0; i < positions_m.shape(0); ++i) {
-    const double col = std::floor((positions_m.data()[2 * i] - origin_m.x) / resolution_m);
-    const double row = std::floor((positions_m.data()[2 * i + 1] - origin_m.y) / resolution_m);
-    const bool is_inside = col >= 0.0 && col < cols && row >= 0.0 && row < rows;
-    found.data()[i] =
-        is_inside ? values.data()[static_cast<std::size_t>(row) * values.shape(1) + static_cast<std::size_t>(col)]
-                  : outside;
-    if (!std::isfinite(found.data()[i])) throw std::invalid_argument("values must be finite");
-  }
-  return found;
+  const std::vector<double> found =
+      hazards::ValuesAt(ViewOf(values, origin_m, resolution_m), PointsOf(positions_m), outside);
+  auto array = NewArray<double, -1>({found.size()});
+  std::copy(found.begin(), found.end(), array.data());
+  return array;
 }
 
-// The centres of the cells as hot as a limit within a range of a place, to which the straight line is free.
 std::vector<base::Point> HotInSight(const Array<const float, -1, -1>& temperatures_c, const base::Point& origin_m,
                                     double resolution_m, double limit_c, const plan::PlanningGrid& sight,
                                     const base::Point& place_m, double range_m) {
-  base::Check(origin_m, "origin_m");
-  base::CheckPositive(resolution_m, "resolution_m");
-  base::Check(place_m, "place_m");
-  base::CheckNotNegative(range_m, "range_m");
-  std::vector<base::Point> found;
-  const auto index = [&](double offset, std::size_t count) {
-    return base::ClampedInt(std::floor(offset / resolution_m), 0, static_cast<int>(count) - 1);
-  };
-  const std::size_t rows = temperatures_c.shape(0), cols = temperatures_c.shape(1);
-  if (rows == 0 || cols == 0) return found;
-  const int last_row = index(place_m.y + range_m - origin_m.y, rows);
-  const int first_col = index(place_m.x - range_m - origin_m.x, cols);
-  const int last_col = index(place_m.x + range_m - origin_m.x, cols);
-  for (int row = index(place_m.y - range_m - origin_m.y, rows); row <= last_row; ++row) {
-    for (int col = first_col; col <= last_col; ++col) {
-      if (!(temperatures_c.data()[static_cast<std::size_t>(row) * cols + col] >= limit_c)) continue;
-      const base::Point hot{origin_m.x + (col + 0.5) * resolution_m, origin_m.y + (row + 0.5) * resolution_m};
-      const double x = hot.x - place_m.x, y = hot.y - place_m.y;
-      if (x * x + y * y <= range_m * range_m && sight.IsLineFree(place_m, hot)) found.push_back(hot);
-    }
-  }
-  return found;
+  return hazards::HotInSight(ViewOf(temperatures_c, origin_m, resolution_m), limit_c, sight, place_m, range_m);
 }
 
 void BindBurningFloor(nb::module_& m) {
@@ -163,23 +108,18 @@ void BindBurningFloor(nb::module_& m) {
       .def("advance", &Floor::Advance, "seconds"_a)
       .def("is_burnt_through", &Floor::IsBurntThrough, "door"_a)
       .def_prop_ro("heat_release_kw", [](const Floor& floor) { return floor.fire().heat_release_rate(); })
-      .def("states",
-           [](const Floor& floor) {
-             const hazards::Links& links = floor.links();
-             const auto rows = static_cast<std::size_t>(links.rows()), cols = static_cast<std::size_t>(links.cols());
-             auto cells = NewArray<std::uint8_t, -1, -1>({rows, cols});
-             for (std::size_t row = 0; row < rows; ++row) {
-               std::memcpy(cells.data() + row * cols,
-                           floor.fire().states().data() + links.Padded(static_cast<int>(row * cols)), cols);
-             }
-             return cells;
-           })
-      .def("soot_g_m2",
-           [](const Floor& floor) {
-             return CellsOf<double>(floor.links(), [&](int i) { return floor.air().soot()[i]; });
-           })
-      .def("soot_g_m3", &SootOf, "height_m"_a)
-      .def("temperature_c", &TemperatureOf, "ambient_c"_a, "flame_c"_a);
+      .def("states", [](const Floor& floor) { return CellsOf<std::uint8_t>(floor, floor.States()); })
+      .def("soot_g_m2", [](const Floor& floor) { return CellsOf<double>(floor, floor.Soot()); })
+      .def(
+          "soot_g_m3",
+          [](const Floor& floor, double height_m) { return CellsOf<float>(floor, floor.SootDensity(height_m)); },
+          "height_m"_a)
+      .def(
+          "temperature_c",
+          [](const Floor& floor, float ambient_c, float flame_c) {
+            return CellsOf<float>(floor, floor.Temperature(ambient_c, flame_c));
+          },
+          "ambient_c"_a, "flame_c"_a);
 }
 
 void BindHaze(nb::module_& m) {

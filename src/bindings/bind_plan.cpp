@@ -76,12 +76,7 @@ void BindPlan(nb::module_& m) {
              double look_ahead_m) { return grid.Descend(distances.data(), distances.size(), start, look_ahead_m); },
           "distances_m"_a, "start_m"_a, "look_ahead_m"_a)
       .def("shortest_path", &plan::PlanningGrid::ShortestPath, "start_m"_a, "goal_m"_a, "max_length_m"_a)
-      .def(
-          "waypoints",
-          [](const plan::PlanningGrid& grid, const base::Point& start, const base::Point& goal, double max_length_m) {
-            return grid.Shortcut(grid.ShortestPath(start, goal, max_length_m));
-          },
-          "start_m"_a, "goal_m"_a, "max_length_m"_a)
+      .def("waypoints", &plan::PlanningGrid::Waypoints, "start_m"_a, "goal_m"_a, "max_length_m"_a)
       .def("first_stretch", &FirstStretch, "start_m"_a, "goal_m"_a, "max_length_m"_a)
       .def("along_path", &plan::PlanningGrid::AlongPath, "start_m"_a, "goal_m"_a, "max_length_m"_a)
       .def("least_reachable", &LeastReachable, "distances_m"_a, "start_m"_a, "radius_m"_a)

@@ -19,16 +19,6 @@ using namespace nb::literals;
 namespace robotteamsim::bindings {
 namespace {
 
-std::vector<propagation::FieldSource> RadioSources(const propagation::RadioModel& model,
-                                                   const std::vector<base::Point>& transmitters, int floors_crossed) {
-  const propagation::Fading fading = propagation::RadioFading(model, floors_crossed);
-  std::vector<propagation::FieldSource> sources;
-  sources.reserve(transmitters.size());
-  for (const base::Point& transmitter : transmitters)
-    sources.push_back({propagation::RoundToMm(transmitter, "tx_m"), fading});
-  return sources;
-}
-
 double PathLoss(const propagation::FaceSet& faces, const propagation::RadioModel& model, const base::Point& a,
                 const base::Point& b, int floors_crossed) {
   return propagation::PathLossDb(faces, model, propagation::RoundToMm(a, "a_m"), propagation::RoundToMm(b, "b_m"),
@@ -49,7 +39,7 @@ void WriteBestMap(const propagation::FaceSet& faces, const propagation::RadioMod
                   const std::vector<base::Point>& transmitters, int floors_crossed, const base::Point& origin,
                   double resolution_m, propagation::MapView map, int threads) {
   const nb::gil_scoped_release released;
-  propagation::WriteHighest(faces, RadioSources(model, transmitters, floors_crossed),
+  propagation::WriteHighest(faces, propagation::RadioSources(model, transmitters, floors_crossed),
                             GridOf(origin, resolution_m, map, 1), map, {threads});
 }
 
@@ -58,7 +48,7 @@ void WriteMaps(const propagation::FaceSet& faces, const propagation::RadioModel&
                double resolution_m, propagation::MapView maps, int threads) {
   const nb::gil_scoped_release released;
   const plan::GridShape grid = GridOf(origin, resolution_m, maps, transmitters.size());
-  propagation::WriteEach(faces, RadioSources(model, transmitters, floors_crossed), grid, maps, {threads});
+  propagation::WriteEach(faces, propagation::RadioSources(model, transmitters, floors_crossed), grid, maps, {threads});
 }
 
 void WriteVoices(const propagation::FaceSet& faces, const propagation::VoiceModel& model,

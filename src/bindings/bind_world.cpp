@@ -4,7 +4,6 @@
 #include <nanobind/stl/vector.h>
 
 #include <map>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,32 +19,6 @@ using namespace nb::literals;
 
 namespace robotteamsim::bindings {
 namespace {
-
-world::DriveKind ToKind(const std::string& name) {
-  if (name == "differential") return world::DriveKind::kDifferential;
-  if (name == "omni") return world::DriveKind::kOmni;
-  if (name == "car") return world::DriveKind::kCar;
-  throw std::invalid_argument("a drive must be differential, omni or car, got " + name);
-}
-
-const char* NameOf(world::LeafActivity activity) {
-  switch (activity) {
-    case world::LeafActivity::kOpens:
-      return "opens";
-    case world::LeafActivity::kCloses:
-      return "closes";
-    case world::LeafActivity::kHeld:
-      return "held";
-    case world::LeafActivity::kStill:
-      break;
-  }
-  return "still";
-}
-
-int CheckedObject(const world::World& world, int object) {
-  if (object < 0 || object >= static_cast<int>(world.objects().size())) throw std::out_of_range("no such object");
-  return object;
-}
 
 // The angles of contact of the robots that touch something, by id.
 using Angles = nb::typed<nb::tuple, double, nb::ellipsis>;
@@ -93,7 +66,7 @@ void BindParts(nb::module_& m) {
       .def_ro("closed", &world::DoorState::closed)
       .def_ro("opening", &world::DoorState::opening)
       .def_prop_ro(
-          "motion", [](const world::DoorState& state) { return NameOf(state.activity); },
+          "motion", [](const world::DoorState& state) { return world::NameOf(state.activity); },
           nb::for_getter(nb::sig("def motion(self) -> typing.Literal['still', 'opens', 'closes', 'held']")));
   nb::class_<world::DriveLimits>(m, "Drive")
       .def(
@@ -101,8 +74,9 @@ void BindParts(nb::module_& m) {
           [](world::DriveLimits* self, const std::string& kind, double max_speed, double max_acceleration,
              double max_turn, double max_turn_acceleration, double wheelbase, double max_steering,
              double max_steering_rate) {
-            new (self) world::DriveLimits{max_speed,    max_turn,  max_acceleration, max_turn_acceleration,
-                                          ToKind(kind), wheelbase, max_steering,     max_steering_rate};
+            new (self) world::DriveLimits{
+                max_speed, max_turn,     max_acceleration, max_turn_acceleration, world::DriveKindOf(kind),
+                wheelbase, max_steering, max_steering_rate};
           },
           nb::kw_only(), "kind"_a, "max_speed_mps"_a, "max_acceleration_mps2"_a, "max_turn_radps"_a = 0.0,
           "max_turn_acceleration_radps2"_a = 0.0, "wheelbase_m"_a = 0.0, "max_steering_rad"_a = 0.0,
@@ -181,15 +155,8 @@ void BindWorld(nb::module_& m) {
       .def_prop_ro("doors_version", &world::World::doors_version)
       .def("door_states", &world::World::door_states)
       .def("add_object", &world::World::AddObject, "added"_a)
-      .def(
-          "remove_object", [](world::World& world, int object) { world.RemoveObject(CheckedObject(world, object)); },
-          "index"_a)
-      .def(
-          "set_object_pose",
-          [](world::World& world, int object, const base::Pose& pose) {
-            world.SetObjectPose(CheckedObject(world, object), pose);
-          },
-          "index"_a, "pose"_a)
+      .def("remove_object", &world::World::RemoveObject, "index"_a)
+      .def("set_object_pose", &world::World::SetObjectPose, "index"_a, "pose"_a)
       .def("reset", &world::World::Reset);
 }
 

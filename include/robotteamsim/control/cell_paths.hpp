@@ -41,10 +41,15 @@ class CellPaths {
   int StartOf(const base::Point& point) const;
 
   /// Returns the free place of a cell [m]; nothing if it has none.
-  const std::optional<base::Point>& PlaceOf(int cell) const { return places_.at(cell); }
+  /// Throws std::invalid_argument if there is no such cell.
+  const std::optional<base::Point>& PlaceOf(int cell) const;
 
   /// Returns the lengths of the shortest paths from one cell's place to all others [m]; infinity where there is none.
+  /// Throws std::invalid_argument if there is no such cell.
   const std::vector<float>& LengthsFrom(int cell) const;
+
+  /// Returns one of these lengths.
+  float LengthBetween(int from, int to) const;
 
   /// Returns the farthest place on the path to a cell to which the straight line from a position is free, at most
   /// `longest` [m] of path ahead; if none is, the next one. Nothing without a path.
@@ -57,6 +62,7 @@ class CellPaths {
   void Link(int row, int col);
   bool IsInSight(const base::Point& from, int cell) const;
   bool IsLinked(int cell) const;
+  void CheckCell(int cell) const;
   bool IsAllowed(const base::Point& a, const base::Point& b) const;
 
   std::shared_ptr<const plan::PlanningGrid> fine_;

@@ -36,6 +36,20 @@ class BurningFloor {
   /// Lets everything burn, spread and cool for some time [s].
   void Advance(double seconds);
 
+  /// The state of each cell, row by row, as all values below.
+  std::vector<Burning> States() const;
+
+  /// Soot above each square metre [g/m^2].
+  std::vector<double> Soot() const;
+
+  /// Soot in the air if it fills a height [m] evenly [g/m^3]. Throws std::invalid_argument if the height is not above
+  /// 0.
+  std::vector<float> SootDensity(double height) const;
+
+  /// Temperature of the air [degC]; where it burns, at least that of flames.
+  /// Throws std::invalid_argument if a number is not finite.
+  std::vector<float> Temperature(float ambient, float flame) const;
+
   const Links& links() const { return links_; }
   const Fire& fire() const { return fire_; }
   const Air& air() const { return air_; }

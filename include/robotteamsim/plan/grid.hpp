@@ -65,6 +65,11 @@ class PlanningGrid {
   /// Returns the corners that remain of a path when every stretch with free line of sight becomes straight.
   std::vector<base::Point> Shortcut(const std::vector<base::Point>& path) const;
 
+  /// Returns the corners of a shortest path, its ends included: the Shortcut of ShortestPath.
+  std::vector<base::Point> Waypoints(const base::Point& from, const base::Point& to, double max_length) const {
+    return Shortcut(ShortestPath(from, to, max_length));
+  }
+
   /// Returns, of the cells within `radius` [m] of `from` that can be reached from it inside that disc, the centre of
   /// the cell with the least value of `distances` (a DistanceMap); nothing if `from` is blocked or all are infinite.
   std::optional<Valued> LeastReachable(const float* distances, std::size_t size, const base::Point& from,

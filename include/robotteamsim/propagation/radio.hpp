@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
 #include "robotteamsim/base/simd.hpp"
@@ -50,5 +51,10 @@ CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Ei
 
 /// Returns the fading of a transmitter's signal for maps [dBm]: tx power - L, within 4e-5 dB.
 Fading RadioFading(const RadioModel& model, int floors_crossed = 0);
+
+/// Returns the sources of transmitters' signals, with the fading of RadioFading.
+/// Throws std::invalid_argument if a position is not finite or beyond 1000 km.
+std::vector<FieldSource> RadioSources(const RadioModel& model, const std::vector<base::Point>& transmitters,
+                                      int floors_crossed = 0);
 
 }  // namespace robotteamsim::propagation

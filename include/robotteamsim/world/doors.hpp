@@ -27,6 +27,9 @@ struct MovingLeaf {
 /// The motion of a leaf.
 enum class LeafActivity { kStill, kOpens, kCloses, kHeld };
 
+/// Returns the name of an activity: still, opens, closes or held.
+const char* NameOf(LeafActivity activity);
+
 /// The state of a door after a step.
 struct DoorState {
   bool closed = true;                            ///< whether the leaf is all across its gap

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
@@ -13,6 +14,9 @@ enum class DriveKind {
   kOmni,          ///< moves in any direction and turns at the same time
   kCar,           ///< a bicycle with base_link in the middle of its rear axle: turns only while it drives
 };
+
+/// Returns the kind with a name: differential, omni or car. Throws std::invalid_argument for another name.
+DriveKind DriveKindOf(const std::string& name);
 
 /// The limits of a drive; all those of its kind are above 0. The limits of an omnidirectional drive apply to the length
 /// of its velocity in the plane and of the change of that velocity.

@@ -32,9 +32,10 @@ class MovableObjects {
 
   /// Adds an object at its start pose. Throws std::invalid_argument if it is invalid.
   void Add(MovableObject object);
-  /// Removes an object; the indices of those behind it decrease by one.
+  /// Removes an object; the indices of those behind it decrease by one. Throws std::out_of_range without such an
+  /// object.
   void Remove(int object);
-  /// Moves an object to a pose, at rest.
+  /// Moves an object to a pose, at rest. Throws std::out_of_range without such an object.
   void SetPose(int object, const base::Pose& pose);
   /// Takes over the poses that Box2D computed in a step.
   void FinishStep();
@@ -53,6 +54,7 @@ class MovableObjects {
 
  private:
   void Build(const MovableObject& object);
+  void CheckIndex(int object) const;
   void Changed();
 
   const std::vector<MovableObject> first_;

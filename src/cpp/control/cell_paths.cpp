@@ -87,8 +87,7 @@ void CellPaths::Link(int row, int col) {
     double length = Distance(*places_[cell], *places_[other]);
     if (!fine_->IsLineFree(*places_[cell], *places_[other])) {
       const double longest = kLongestLink * cells_.resolution;
-      const std::vector<base::Point> corners =
-          fine_->Shortcut(fine_->ShortestPath(*places_[cell], *places_[other], longest));
+      const std::vector<base::Point> corners = fine_->Waypoints(*places_[cell], *places_[other], longest);
       if (corners.size() < 2) continue;
       length = 0.0;
       for (std::size_t i = 1; i < corners.size(); ++i) length += Distance(corners[i - 1], corners[i]);
@@ -158,10 +157,24 @@ bool CellPaths::IsLinked(int cell) const {
   return links_.size() == 1 || std::any_of(links.begin(), links.end(), [](float length) { return length < kNoPath; });
 }
 
-const std::vector<float>& CellPaths::LengthsFrom(int cell) const {
+void CellPaths::CheckCell(int cell) const {
   if (cell < 0 || static_cast<std::size_t>(cell) >= places_.size()) {
     throw std::invalid_argument("there is no cell " + std::to_string(cell));
   }
+}
+
+const std::optional<base::Point>& CellPaths::PlaceOf(int cell) const {
+  CheckCell(cell);
+  return places_[cell];
+}
+
+float CellPaths::LengthBetween(int from, int to) const {
+  CheckCell(to);
+  return LengthsFrom(from)[to];
+}
+
+const std::vector<float>& CellPaths::LengthsFrom(int cell) const {
+  CheckCell(cell);
   std::vector<float>& lengths = lengths_[cell];
   if (!lengths.empty()) return lengths;
   lengths.assign(places_.size(), kNoPath);

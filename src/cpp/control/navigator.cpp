@@ -123,7 +123,7 @@ std::vector<base::Point> Navigator::FindRoute(const plan::PlanningGrid& grid, co
   if (grid.IsLineFree(position, goal)) return {goal};
   const std::optional<base::Point> start = grid.NearestFree(position, parameters_.nearest_free_start);
   if (!start) return {goal};
-  std::vector<base::Point> corners = grid.Shortcut(grid.ShortestPath(*start, goal, parameters_.longest_path));
+  std::vector<base::Point> corners = grid.Waypoints(*start, goal, parameters_.longest_path);
   if (corners.size() < 2) return {grid.ReachableTowards(position, goal)};
   corners.erase(corners.begin());
   corners.back() = goal;

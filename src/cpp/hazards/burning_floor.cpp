@@ -1,11 +1,29 @@
 #include "robotteamsim/hazards/burning_floor.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <stdexcept>
 #include <utility>
 
 #include "robotteamsim/base/checks.hpp"
 
 namespace robotteamsim::hazards {
+namespace {
+
+/// Returns the values of all cells without the border; value_of takes an index with it.
+template <typename Value, typename Function>
+std::vector<Value> WithoutBorder(const Links& links, const Function& value_of) {
+  const int rows = links.rows(), cols = links.cols();
+  std::vector<Value> values(static_cast<std::size_t>(rows) * cols);
+  Value* to = values.data();
+  for (int row = 1; row <= rows; ++row, to += cols) {
+    const int begin = row * links.stride() + 1;
+    for (int col = 0; col < cols; ++col) to[col] = value_of(begin + col);
+  }
+  return values;
+}
+
+}  // namespace
 
 BurningFloor::BurningFloor(Links links, Fire fire, const AirModel& air, const Yields& yields,
                            std::vector<DoorModel> doors)
@@ -56,6 +74,35 @@ void BurningFloor::Advance(double seconds) {
     Apply(door);
     fire_.FollowLinks(links_);
   }
+}
+
+std::vector<Burning> BurningFloor::States() const {
+  return WithoutBorder<Burning>(links_, [this](int i) { return fire_.states()[i]; });
+}
+
+std::vector<double> BurningFloor::Soot() const {
+  return WithoutBorder<double>(links_, [this](int i) { return air_.soot()[i]; });
+}
+
+std::vector<float> BurningFloor::SootDensity(double height) const {
+  base::CheckPositive(height, "height_m");
+  const double* const soot = air_.soot().data();
+  const double share = 1.0 / height;
+  return WithoutBorder<float>(links_, [=](int i) { return static_cast<float>(soot[i] * share); });
+}
+
+std::vector<float> BurningFloor::Temperature(float ambient, float flame) const {
+  base::Check(ambient, "ambient_c");
+  base::Check(flame, "flame_c");
+  const float* const excess = air_.excess().data();
+  std::vector<float> temperature = WithoutBorder<float>(links_, [=](int i) { return ambient + excess[i]; });
+  for (const Release& release : fire_.releases()) {
+    const int padded = release.padded, stride = links_.stride();
+    if (fire_.states()[padded] != Burning::kBurns) continue;
+    float& cell = temperature[(padded / stride - 1) * links_.cols() + padded % stride - 1];
+    cell = std::max(cell, flame);
+  }
+  return temperature;
 }
 
 void BurningFloor::Apply(int door) {

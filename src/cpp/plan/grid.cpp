@@ -427,7 +427,7 @@ PlanningGrid::Valued PlanningGrid::FirstStretch(const base::Point& from, const b
   if (IsLineFree(from, goal)) return straight;
   const std::optional<base::Point> start = NearestFree(from, kNearby), end = NearestFree(goal, kNearby);
   if (!start || !end) return straight;
-  const std::vector<base::Point> corners = Shortcut(ShortestPath(*start, *end, max_length));
+  const std::vector<base::Point> corners = Waypoints(*start, *end, max_length);
   if (corners.size() < 2) return straight;
   double length = 0.0;
   for (std::size_t i = 1; i < corners.size(); ++i) {

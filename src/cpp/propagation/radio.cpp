@@ -140,4 +140,13 @@ Fading RadioFading(const RadioModel& model, int floors_crossed) {
   return {constant_db, model.slope_db, 1.0 / kRadioUnitsPerDb, model.min_distance_m};
 }
 
+std::vector<FieldSource> RadioSources(const RadioModel& model, const std::vector<base::Point>& transmitters,
+                                      int floors_crossed) {
+  const Fading fading = RadioFading(model, floors_crossed);
+  std::vector<FieldSource> sources;
+  sources.reserve(transmitters.size());
+  for (const base::Point& transmitter : transmitters) sources.push_back({RoundToMm(transmitter, "tx_m"), fading});
+  return sources;
+}
+
 }  // namespace robotteamsim::propagation

@@ -43,6 +43,20 @@ Polygon FromHinge(const Polygon& outline, const base::Point& hinge) {
 
 }  // namespace
 
+const char* NameOf(LeafActivity activity) {
+  switch (activity) {
+    case LeafActivity::kOpens:
+      return "opens";
+    case LeafActivity::kCloses:
+      return "closes";
+    case LeafActivity::kHeld:
+      return "held";
+    case LeafActivity::kStill:
+      break;
+  }
+  return "still";
+}
+
 Doors::Doors(std::vector<Door> doors) : first_(Checked(std::move(doors))) {}
 
 void Doors::Place(b2World& box, const base::Point& origin) {

@@ -45,6 +45,13 @@ DriveSpeed ReachedCarSpeed(const DriveSpeed& now, const base::Twist& command, co
 
 }  // namespace
 
+DriveKind DriveKindOf(const std::string& name) {
+  if (name == "differential") return DriveKind::kDifferential;
+  if (name == "omni") return DriveKind::kOmni;
+  if (name == "car") return DriveKind::kCar;
+  throw std::invalid_argument("a drive must be differential, omni or car, got " + name);
+}
+
 void CheckDrive(const DriveLimits& limits) {
   const bool is_car = limits.kind == DriveKind::kCar;
   const double shared[] = {limits.max_speed, limits.max_acceleration};

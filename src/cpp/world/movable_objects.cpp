@@ -84,8 +84,13 @@ void MovableObjects::Build(const MovableObject& object) {
   poses_.push_back(Normalised(object.start));
 }
 
+void MovableObjects::CheckIndex(int object) const {
+  if (object < 0 || object >= static_cast<int>(objects_.size())) throw std::out_of_range("no such object");
+}
+
 void MovableObjects::Remove(int object) {
-  box_->DestroyBody(bodies_.at(object));
+  CheckIndex(object);
+  box_->DestroyBody(bodies_[object]);
   bodies_.erase(bodies_.begin() + object);
   poses_.erase(poses_.begin() + object);
   objects_.erase(objects_.begin() + object);
@@ -93,8 +98,9 @@ void MovableObjects::Remove(int object) {
 }
 
 void MovableObjects::SetPose(int object, const base::Pose& pose) {
+  CheckIndex(object);
   base::Check(pose, "the pose of an object");
-  poses_.at(object) = Normalised(pose);
+  poses_[object] = Normalised(pose);
   b2Body* const body = bodies_[object];
   body->SetTransform(ToBox(pose.x - origin_.x, pose.y - origin_.y), static_cast<float>(poses_[object].yaw));
   body->SetLinearVelocity(b2Vec2_zero);

@@ -121,6 +121,16 @@ TEST(PlanningGrid, ShortcutKeepsOnlyTheCorners) {
   EXPECT_EQ(grid.Shortcut(grid.ShortestPath({0.5, 0.5}, {1.5, 3.5}, 100.0)).size(), 2U);
 }
 
+TEST(PlanningGrid, WaypointsAreTheEndsAndCornersOfAPath) {
+  const PlanningGrid grid = Drawn(kWallWithGap);
+  const std::vector<base::Point> points = grid.Waypoints({0.5, 0.5}, {4.5, 0.5}, 100.0);
+  ASSERT_EQ(points.size(), 4U);
+  EXPECT_EQ(points[0].x, 0.5);
+  EXPECT_EQ(points[1].y, 3.5);
+  EXPECT_EQ(points[3].x, 4.5);
+  EXPECT_TRUE(grid.Waypoints({0.5, 0.5}, {4.5, 0.5}, 8.5).empty());
+}
+
 TEST(PlanningGrid, ReachableCellsEndAtAWallInsideTheDisc) {
   const PlanningGrid grid = Drawn(kWallWithGap);
   const std::vector<float> field = grid.DistanceMap({4.5, 0.5});

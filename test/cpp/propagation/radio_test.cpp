@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 #include <stdexcept>
+#include <vector>
 
 #include "scenes.hpp"
 
@@ -132,6 +133,17 @@ TEST(RadioFading, IsTheSignalOfPathLoss) {
       }
     }
   }
+}
+
+TEST(RadioSources, AreTheTransmittersInMillimetresWithTheFadingOfTheirSignal) {
+  const std::vector<FieldSource> sources = RadioSources(kModel, {{1.0, 2.0}, {-0.0015, 3.0}}, 1);
+  ASSERT_EQ(sources.size(), 2U);
+  EXPECT_EQ(sources[0].position.x, 1000);
+  EXPECT_EQ(sources[0].position.y, 2000);
+  EXPECT_EQ(sources[1].position.x, -2);
+  EXPECT_DOUBLE_EQ(sources[1].fading.constant_db, -47.4 - 18.3);
+  EXPECT_DOUBLE_EQ(sources[1].fading.slope_db, 23.2);
+  EXPECT_THROW(RadioSources(kModel, {{1.0, 2.0}, {2e6, 0.0}}), std::invalid_argument);
 }
 
 }  // namespace

@@ -188,6 +188,13 @@ TEST(Doors, AreTheSameAgainAfterAReset) {
   EXPECT_EQ(std::memcmp(first.data(), again.data(), first.size() * sizeof(base::Pose)), 0);
 }
 
+TEST(Doors, HaveANameForEachActivity) {
+  EXPECT_STREQ(NameOf(LeafActivity::kStill), "still");
+  EXPECT_STREQ(NameOf(LeafActivity::kOpens), "opens");
+  EXPECT_STREQ(NameOf(LeafActivity::kCloses), "closes");
+  EXPECT_STREQ(NameOf(LeafActivity::kHeld), "held");
+}
+
 TEST(Doors, WithAMotionThatCannotBeAreRefused) {
   Door door = SwingDoor(true);
   door.motion.time = -1.0;

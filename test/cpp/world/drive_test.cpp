@@ -81,6 +81,13 @@ TEST(SpeedBound, CountsSidewaysCommandsOfOmniDrivesOnly) {
   EXPECT_DOUBLE_EQ(SpeedBound({0.6, 0.0, 0.8}, {9.0, 0.0, 0.0}, OmniLimits()), 1.0);
 }
 
+TEST(DriveKindOf, KnowsThreeNames) {
+  EXPECT_EQ(DriveKindOf("differential"), DriveKind::kDifferential);
+  EXPECT_EQ(DriveKindOf("omni"), DriveKind::kOmni);
+  EXPECT_EQ(DriveKindOf("car"), DriveKind::kCar);
+  EXPECT_THROW(DriveKindOf("Car"), std::invalid_argument);
+}
+
 TEST(CheckDrive, RefusesCarsWithoutWheelbaseAndWheelsSteeredToARightAngle) {
   DriveLimits limits = CarLimits();
   EXPECT_NO_THROW(CheckDrive(limits));

@@ -104,6 +104,18 @@ TEST(MovableObjects, RepeatThemselvesToTheBitAfterAReset) {
   EXPECT_EQ(std::memcmp(rounds[0].data(), rounds[1].data(), 2 * sizeof(base::Pose)), 0);
 }
 
+TEST(MovableObjects, ThatDoNotExistAreNeitherMovedNorRemoved) {
+  World world = WorldOf({}, {{0.3, 2.0, 0.5, {1.0, 2.0, 0.0}, {}}});
+  for (const int object : {-1, 1}) {
+    EXPECT_THROW(world.RemoveObject(object), std::out_of_range);
+    EXPECT_THROW(world.SetObjectPose(object, {0.0, 0.0, 0.0}), std::out_of_range);
+  }
+  ASSERT_EQ(world.object_poses().size(), 1U);
+  EXPECT_EQ(world.object_poses()[0].x, 1.0);
+  world.RemoveObject(0);
+  EXPECT_THROW(world.RemoveObject(0), std::out_of_range);
+}
+
 TEST(MovableObjects, WithoutMassOrGroundAreRefused) {
   EXPECT_THROW(WorldOf({}, {{0.3, 0.0, 0.5, {}, {}}}), std::invalid_argument);
   EXPECT_THROW(WorldOf({}, {{0.3, 1.0, 0.0, {}, {}}}), std::invalid_argument);
