@@ -12,9 +12,6 @@
 #include "robotteamsim/base/hypot.hpp"
 #include "robotteamsim/base/nearest.hpp"
 
-namespace nb = nanobind;
-using namespace nb::literals;
-
 namespace robotteamsim::bindings {
 namespace {
 
@@ -27,7 +24,7 @@ Array<double, -1> HypotOf(const Array<const double, -1>& x, const Array<const do
 
 }  // namespace
 
-void BindBase(nb::module_& m) {
+void BindBase(nb::module_&& m) {
   m.def("hypot", &HypotOf, "x"_a, "y"_a);
   m.def("nearest_point", &base::NearestPoint, "position_m"_a, "points_m"_a);
   nb::class_<base::Places>(m, "Places")

@@ -30,9 +30,6 @@
 #include "robotteamsim/control/voice_fix.hpp"
 #include "robotteamsim/control/voice_losses.hpp"
 
-namespace nb = nanobind;
-using namespace nb::literals;
-
 namespace robotteamsim::bindings {
 namespace {
 
@@ -266,7 +263,7 @@ void BindFix(nb::module_& m) {
 
 }  // namespace
 
-void BindControl(nb::module_& m) {
+void BindControl(nb::module_&& m) {
   BindParameters(m);
   BindNavigator(m);
   nb::class_<control::Surroundings>(m, "Surroundings")

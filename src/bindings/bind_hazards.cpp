@@ -18,9 +18,6 @@
 #include "robotteamsim/hazards/haze.hpp"
 #include "robotteamsim/plan/grid.hpp"
 
-namespace nb = nanobind;
-using namespace nb::literals;
-
 namespace robotteamsim::bindings {
 namespace {
 
@@ -136,7 +133,7 @@ void BindHaze(nb::module_& m) {
 
 }  // namespace
 
-void BindHazards(nb::module_& m) {
+void BindHazards(nb::module_&& m) {
   BindBurningFloor(m);
   BindHaze(m);
   m.def("values_at", &ValuesAt, "values"_a, "origin_m"_a, "resolution_m"_a, "positions_m"_a, "outside"_a);

@@ -11,12 +11,9 @@
 #include "robotteamsim/network/hop_count.hpp"
 #include "robotteamsim/network/team_links.hpp"
 
-namespace nb = nanobind;
-using namespace nb::literals;
-
 namespace robotteamsim::bindings {
 
-void BindNetwork(nb::module_& m) {
+void BindNetwork(nb::module_&& m) {
   m.def("hop_count", &network::CountHops, "adjacency"_a);
   m.def("break_matrix", &network::BreakMatrix, "link"_a, "hops"_a);
   m.def("fiedler_value", &network::FiedlerValue, "adjacency"_a);

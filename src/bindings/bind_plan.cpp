@@ -14,9 +14,6 @@
 #include "geometry.hpp"
 #include "robotteamsim/plan/grid.hpp"
 
-namespace nb = nanobind;
-using namespace nb::literals;
-
 namespace robotteamsim::bindings {
 namespace {
 
@@ -51,7 +48,7 @@ std::optional<Valued> LeastReachable(const plan::PlanningGrid& grid, const Dista
 
 }  // namespace
 
-void BindPlan(nb::module_& m) {
+void BindPlan(nb::module_&& m) {
   nb::class_<plan::PlanningGrid>(m, "PlanningGrid")
       .def("__init__", &InitGrid, "occupied"_a, "origin_m"_a, "resolution_m"_a, "inflation_m"_a)
       .def("blocked", [](const plan::PlanningGrid& grid) { return CellsOf(grid.blocked(), grid.shape()); })

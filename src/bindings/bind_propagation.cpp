@@ -13,9 +13,6 @@
 #include "robotteamsim/propagation/radio.hpp"
 #include "robotteamsim/propagation/voice.hpp"
 
-namespace nb = nanobind;
-using namespace nb::literals;
-
 namespace robotteamsim::bindings {
 namespace {
 
@@ -132,7 +129,7 @@ void BindVoice(nb::module_& m) {
 
 }  // namespace
 
-void BindPropagation(nb::module_& m) {
+void BindPropagation(nb::module_&& m) {
   nb::class_<propagation::FaceSet>(m, "FaceSet")
       .def(nb::init<const std::vector<std::array<std::int64_t, 4>>&, const std::vector<std::int32_t>&>(), "ends_mm"_a,
            "weights"_a)

@@ -37,9 +37,6 @@ struct type_caster<robotteamsim::sensing::VoiceReading> {
 
 }  // namespace nanobind::detail
 
-namespace nb = nanobind;
-using namespace nb::literals;
-
 namespace robotteamsim::bindings {
 namespace {
 
@@ -182,7 +179,7 @@ void BindVoiceSensor(nb::module_& m) {
 
 }  // namespace
 
-void BindSensing(nb::module_& m) {
+void BindSensing(nb::module_&& m) {
   nb::class_<sensing::Laser>(m, "Laser")
       .def(
           "__init__",

@@ -8,9 +8,6 @@
 #include "bindings.hpp"
 #include "robotteamsim/simulation/team_totals.hpp"
 
-namespace nb = nanobind;
-using namespace nb::literals;
-
 namespace robotteamsim::bindings {
 namespace {
 
@@ -41,7 +38,7 @@ std::vector<simulation::RobotTotals> Totals(const simulation::TeamTotals& totals
 
 }  // namespace
 
-void BindSimulation(nb::module_& m) {
+void BindSimulation(nb::module_&& m) {
   nb::class_<simulation::RobotTotals>(m, "RobotTotals")
       .def_ro("distance_m", &simulation::RobotTotals::distance)
       .def_ro("contact_steps", &simulation::RobotTotals::contact_steps)

@@ -11,9 +11,6 @@
 #include "robotteamsim/swarm/attractors.hpp"
 #include "robotteamsim/swarm/velocity.hpp"
 
-namespace nb = nanobind;
-using namespace nb::literals;
-
 namespace robotteamsim::bindings {
 namespace {
 
@@ -28,7 +25,7 @@ base::Point VelocityOf(const base::Point& position, const base::Point& inertia,
 
 }  // namespace
 
-void BindSwarm(nb::module_& m) {
+void BindSwarm(nb::module_&& m) {
   m.def("next_velocity", &VelocityOf, "position"_a, "inertia"_a, "attractors"_a, "weights"_a, "numbers"_a);
   m.def("memory_term", &swarm::MemoryTerm, "coefficients"_a, "velocities"_a);
   m.def(

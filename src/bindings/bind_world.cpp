@@ -14,9 +14,6 @@
 #include "robotteamsim/world/crowd.hpp"
 #include "robotteamsim/world/world.hpp"
 
-namespace nb = nanobind;
-using namespace nb::literals;
-
 namespace robotteamsim::bindings {
 namespace {
 
@@ -129,7 +126,7 @@ void BindCrowd(nb::module_& m) {
 
 }  // namespace
 
-void BindWorld(nb::module_& m) {
+void BindWorld(nb::module_&& m) {
   BindParts(m);
   m.def("reached_speeds", &ReachedSpeeds, "drives"_a, "speeds"_a, "twists"_a, "dt_s"_a);
   BindCrowd(m);

@@ -4,16 +4,19 @@
 
 namespace robotteamsim::bindings {
 
-// Each binds one floor of the library as a submodule of `robotteamsim._core`.
-void BindBase(nanobind::module_& m);
-void BindPlan(nanobind::module_& m);
-void BindWorld(nanobind::module_& m);
-void BindPropagation(nanobind::module_& m);
-void BindHazards(nanobind::module_& m);
-void BindSensing(nanobind::module_& m);
-void BindNetwork(nanobind::module_& m);
-void BindSwarm(nanobind::module_& m);
-void BindControl(nanobind::module_& m);
-void BindSimulation(nanobind::module_& m);
+namespace nb = nanobind;
+using namespace nb::literals;
+
+// Each binds one floor of the library to a submodule of `robotteamsim._core`.
+void BindBase(nb::module_&& m);
+void BindPlan(nb::module_&& m);
+void BindWorld(nb::module_&& m);
+void BindPropagation(nb::module_&& m);
+void BindHazards(nb::module_&& m);
+void BindSensing(nb::module_&& m);
+void BindNetwork(nb::module_&& m);
+void BindSwarm(nb::module_&& m);
+void BindControl(nb::module_&& m);
+void BindSimulation(nb::module_&& m);
 
 }  // namespace robotteamsim::bindings
