@@ -5,9 +5,10 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
-#include "robotteamsim/base/geometry.hpp"
+#include "robotteamsim/base/table.hpp"
 
 namespace robotteamsim::bindings {
 
@@ -19,36 +20,56 @@ using Array =
 using Points = Array<const double, -1, 2>;
 using Triples = Array<const double, -1, 3>;
 
-/// A new array to be filled in through `data()`; its memory is freed with the last NumPy array that shows it.
-template <typename Value, nanobind::ssize_t... extents>
-Array<Value, extents...> NewArray(const std::array<std::size_t, sizeof...(extents)>& shape) {
-  std::size_t size = 1;
-  for (const std::size_t extent : shape) size *= extent;
-  auto* const data = new Value[size];
-  const nanobind::capsule owner(data, [](void* values) noexcept { delete[] static_cast<Value*>(values); });
-  return Array<Value, extents...>(data, shape.size(), shape.data(), owner);
+/// An array of the numbers in a vector, whose memory it takes over.
+template <typename Value, nanobind::ssize_t... extents, typename Stored>
+Array<Value, extents...> ArrayOf(std::vector<Stored> values, const std::array<std::size_t, sizeof...(extents)>& shape) {
+  static_assert(sizeof(Stored) % sizeof(Value) == 0);
+  auto* const kept = new std::vector<Stored>(std::move(values));
+  const nanobind::capsule owner(kept, [](void* memory) noexcept { delete static_cast<std::vector<Stored>*>(memory); });
+  return Array<Value, extents...>(reinterpret_cast<Value*>(kept->data()), shape.size(), shape.data(), owner);
+}
+
+template <typename Value>
+Array<Value, -1> ArrayOf(std::vector<Value> values) {
+  const std::size_t size = values.size();
+  return ArrayOf<Value, -1>(std::move(values), {size});
+}
+
+/// The values of a grid's cells; one row per row of cells.
+template <typename Value, typename Stored>
+Array<Value, -1, -1> CellsOf(std::vector<Stored> values, int rows, int cols) {
+  return ArrayOf<Value, -1, -1>(std::move(values), {static_cast<std::size_t>(rows), static_cast<std::size_t>(cols)});
 }
 
 /// One row of `count` numbers per record; records of doubles only.
 template <nanobind::ssize_t count, typename Record>
-Array<double, -1, count> RowsOf(const std::vector<Record>& records) {
+Array<double, -1, count> RowsOf(std::vector<Record> records) {
   static_assert(sizeof(Record) == count * sizeof(double));
-  auto rows = NewArray<double, -1, count>({records.size(), static_cast<std::size_t>(count)});
-  auto* const to = reinterpret_cast<Record*>(rows.data());
-  for (std::size_t i = 0; i < records.size(); ++i) to[i] = records[i];
-  return rows;
+  const std::size_t size = records.size();
+  return ArrayOf<double, -1, count>(std::move(records), {size, count});
 }
 
-/// The points of an array with one per row.
-inline std::vector<base::Point> PointsOf(const Points& rows) {
-  const auto* const points = reinterpret_cast<const base::Point*>(rows.data());
-  return {points, points + rows.shape(0)};
+/// The rows of an array of numbers as records; records of doubles only.
+template <typename Record, nanobind::ssize_t count>
+std::vector<Record> RecordsOf(const Array<const double, -1, count>& rows) {
+  static_assert(sizeof(Record) == count * sizeof(double));
+  const auto* const records = reinterpret_cast<const Record*>(rows.data());
+  return {records, records + rows.shape(0)};
+}
+
+/// All values of an array, row by row.
+template <typename Value, typename Values>
+std::vector<Value> ValuesOf(const Values& values) {
+  return std::vector<Value>(values.data(), values.data() + values.size());  // not {}: pointers convert to bool
+}
+
+template <typename Value>
+base::Table<Value> TableOf(const Array<Value, -1, -1>& rows) {
+  return {rows.data(), rows.shape(0), rows.shape(1)};
 }
 
 inline Array<bool, -1> FlagsOf(const std::vector<bool>& values) {
-  auto flags = NewArray<bool, -1>({values.size()});
-  for (std::size_t i = 0; i < values.size(); ++i) flags.data()[i] = values[i];
-  return flags;
+  return ArrayOf<bool, -1>(std::vector<unsigned char>(values.begin(), values.end()), {values.size()});
 }
 
 }  // namespace robotteamsim::bindings

@@ -3,12 +3,11 @@
 #include <nanobind/stl/vector.h>
 
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "geometry.hpp"
+#include "casters.hpp"
 #include "robotteamsim/base/hypot.hpp"
 #include "robotteamsim/base/nearest.hpp"
 
@@ -17,9 +16,9 @@ namespace {
 
 Array<double, -1> HypotOf(const Array<const double, -1>& x, const Array<const double, -1>& y) {
   if (x.size() != y.size()) throw std::invalid_argument("x and y must have the same length");
-  auto lengths = NewArray<double, -1>({x.size()});
-  for (std::size_t i = 0; i < x.size(); ++i) lengths.data()[i] = base::Hypot(x.data()[i], y.data()[i]);
-  return lengths;
+  std::vector<double> lengths(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) lengths[i] = base::Hypot(x.data()[i], y.data()[i]);
+  return ArrayOf(std::move(lengths));
 }
 
 }  // namespace
@@ -31,7 +30,9 @@ void BindBase(nb::module_&& m) {
       .def(nb::init<std::vector<base::Point>, std::vector<double>>(), "places_m"_a, "reaches_m"_a)
       .def(
           "reached",
-          [](const base::Places& places, const Points& points_m) { return places.Reached(PointsOf(points_m)); },
+          [](const base::Places& places, const Points& points_m) {
+            return places.Reached(RecordsOf<base::Point>(points_m));
+          },
           "points_m"_a);
 }
 

@@ -2,7 +2,6 @@
 #include <nanobind/eigen/dense.h>
 #include <nanobind/stl/shared_ptr.h>
 
-#include <cstdint>
 #include <memory>
 #include <utility>
 

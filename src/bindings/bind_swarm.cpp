@@ -7,7 +7,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "geometry.hpp"
+#include "casters.hpp"
 #include "robotteamsim/swarm/attractors.hpp"
 #include "robotteamsim/swarm/velocity.hpp"
 
@@ -31,7 +31,7 @@ void BindSwarm(nb::module_&& m) {
   m.def(
       "farthest_from",
       [](const Points& points_m, const base::Point& place_m, const Points& candidates_m) {
-        return swarm::FarthestFrom(PointsOf(points_m), place_m, PointsOf(candidates_m));
+        return swarm::FarthestFrom(RecordsOf<base::Point>(points_m), place_m, RecordsOf<base::Point>(candidates_m));
       },
       "points_m"_a, "place_m"_a, "candidates_m"_a);
 }

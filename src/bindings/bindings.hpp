@@ -7,7 +7,8 @@ namespace robotteamsim::bindings {
 namespace nb = nanobind;
 using namespace nb::literals;
 
-// Each binds one floor of the library to a submodule of `robotteamsim._core`.
+// Each binds one floor of the library to a submodule of `robotteamsim._core`. The `nb::init` of a struct has its
+// members in their order.
 void BindBase(nb::module_&& m);
 void BindPlan(nb::module_&& m);
 void BindWorld(nb::module_&& m);

@@ -11,12 +11,13 @@ namespace robotteamsim::control {
 /// Finds free places around a robot from some of its beams.
 class Surroundings {
  public:
-  /// Args: clearance: of each `stride`-th beam of a scan; headings: of the candidate places [rad, base_link].
-  Surroundings(ScanClearance clearance, int stride, double sensing_radius, const std::vector<double>& headings);
+  /// Args: laser: of each `stride`-th beam of a scan; headings: of the candidate places [rad, base_link].
+  Surroundings(const LaserLayout& laser, int stride, double sensing_radius, const std::vector<double>& headings);
 
   /// Returns, of the free places at half the sensing radius and at the whole radius and the robot's own, the place
-  /// farthest from all hits [m, base_link]; nothing without a hit within the radius.
-  std::optional<base::Point> ClearestPlace(const Ranges& ranges) const;
+  /// farthest from all hits [m, map]; nothing without a hit within the radius.
+  /// Args: pose: of the robot.  Throws std::invalid_argument if it is not finite.
+  std::optional<base::Point> ClearestPlace(const base::Pose& pose, const Ranges& ranges) const;
 
  private:
   ScanClearance clearance_;

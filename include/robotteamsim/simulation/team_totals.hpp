@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
+#include "robotteamsim/base/table.hpp"
 
 namespace robotteamsim::simulation {
 
@@ -20,13 +21,15 @@ class TeamTotals {
  public:
   explicit TeamTotals(int num_robots);
 
-  /// Adds one step of a robot. Staying counts only while the mission runs.
-  /// Args: at: its true position in `map` [m]; NaN if it is not there: then nothing counts.
-  void Add(int robot, const base::Point& at, bool in_contact, bool is_excluded, bool is_running);
+  /// Adds some steps: one row per step, one column per robot.
+  /// Args: positions: the true ones in `map` [m]; NaN for a robot that is not there: then nothing counts.
+  ///       running: whether the mission runs in each step; staying counts only then.
+  /// Throws std::invalid_argument if a table has another shape.
+  void AddSteps(const base::Table<const base::Point>& positions, const base::Table<const bool>& in_contact,
+                const base::Table<const bool>& excluded, const std::vector<bool>& running);
 
-  int num_robots() const { return static_cast<int>(logs_.size()); }
-  /// The sums so far.
-  const RobotTotals& of(int robot) const { return logs_[robot].sums; }
+  /// The sums so far, of each robot.
+  std::vector<RobotTotals> Totals() const;
 
  private:
   static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -37,6 +40,8 @@ class TeamTotals {
     base::Point anchor{kNaN, kNaN};  // centre of its current stay
     int stay = 0;                    // number of its steps
   };
+
+  static void Add(const base::Point& at, bool in_contact, bool is_excluded, bool is_running, Log* log);
 
   std::vector<Log> logs_;
 };

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <utility>
 
 #include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/swarm/attractors.hpp"
@@ -16,9 +15,9 @@ constexpr double kBeamWidth = 0.05;
 
 }  // namespace
 
-Surroundings::Surroundings(ScanClearance clearance, int stride, double sensing_radius,
+Surroundings::Surroundings(const LaserLayout& laser, int stride, double sensing_radius,
                            const std::vector<double>& headings)
-    : clearance_(std::move(clearance)),
+    : clearance_(laser),
       stride_(static_cast<std::size_t>(stride)),
       sensing_radius_(sensing_radius),
       directions_(headings.begin(), headings.end()) {
@@ -27,7 +26,8 @@ Surroundings::Surroundings(ScanClearance clearance, int stride, double sensing_r
   for (const double heading : headings) base::Check(heading, "a heading");
 }
 
-std::optional<base::Point> Surroundings::ClearestPlace(const Ranges& ranges) const {
+std::optional<base::Point> Surroundings::ClearestPlace(const base::Pose& pose, const Ranges& ranges) const {
+  base::Check(pose, "pose");
   std::vector<float> some;
   some.reserve(ranges.size / stride_ + 1);
   for (std::size_t beam = 0; beam < ranges.size; beam += stride_) some.push_back(ranges.data[beam]);
@@ -45,7 +45,9 @@ std::optional<base::Point> Surroundings::ClearestPlace(const Ranges& ranges) con
     }
   }
   const int best = swarm::FarthestFrom(hits, {0.0, 0.0}, candidates);
-  return best < 0 ? base::Point{0.0, 0.0} : candidates[static_cast<std::size_t>(best)];
+  const base::Point place = best < 0 ? base::Point{0.0, 0.0} : candidates[static_cast<std::size_t>(best)];
+  const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
+  return base::Point{pose.x + cos * place.x - sin * place.y, pose.y + sin * place.x + cos * place.y};
 }
 
 }  // namespace robotteamsim::control

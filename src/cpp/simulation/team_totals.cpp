@@ -27,21 +27,41 @@ std::size_t Checked(int num_robots) {
 
 TeamTotals::TeamTotals(int num_robots) : logs_(Checked(num_robots)) {}
 
-void TeamTotals::Add(int robot, const base::Point& at, bool in_contact, bool is_excluded, bool is_running) {
-  Log& log = logs_[robot];
+void TeamTotals::AddSteps(const base::Table<const base::Point>& positions, const base::Table<const bool>& in_contact,
+                          const base::Table<const bool>& excluded, const std::vector<bool>& running) {
+  const std::size_t steps = running.size(), robots = logs_.size();
+  if (!positions.HasShape(steps, robots) || !in_contact.HasShape(steps, robots) || !excluded.HasShape(steps, robots)) {
+    throw std::invalid_argument("positions and flags must have one row per robot in each step");
+  }
+  for (std::size_t step = 0; step < steps; ++step) {
+    const base::Point* const at = positions.Row(step);
+    const bool *const touches = in_contact.Row(step), *const is_excluded = excluded.Row(step);
+    const bool is_running = running[step];
+    for (std::size_t i = 0; i < robots; ++i) Add(at[i], touches[i], is_excluded[i], is_running, &logs_[i]);
+  }
+}
+
+void TeamTotals::Add(const base::Point& at, bool in_contact, bool is_excluded, bool is_running, Log* log) {
   if (!std::isnan(at.x)) base::Check(at, "a position");
-  const base::Point before = log.last;
-  log.last = at;
+  const base::Point before = log->last;
+  log->last = at;
   if (std::isnan(at.x)) return;
   const bool has_come = std::isnan(before.x);
-  if (!has_come) log.sums.distance += Distance(at, before);
-  if (has_come || Distance(at, log.anchor) > kStayRadius) {
-    log.anchor = at;
-    log.stay = 0;
+  if (!has_come) log->sums.distance += Distance(at, before);
+  if (has_come || Distance(at, log->anchor) > kStayRadius) {
+    log->anchor = at;
+    log->stay = 0;
   }
-  if (is_running) log.sums.longest_stay = std::max(log.sums.longest_stay, ++log.stay);
-  log.sums.contact_steps += in_contact;
-  log.sums.excluded_steps += is_excluded;
+  if (is_running) log->sums.longest_stay = std::max(log->sums.longest_stay, ++log->stay);
+  log->sums.contact_steps += in_contact;
+  log->sums.excluded_steps += is_excluded;
+}
+
+std::vector<RobotTotals> TeamTotals::Totals() const {
+  std::vector<RobotTotals> totals;
+  totals.reserve(logs_.size());
+  for (const Log& log : logs_) totals.push_back(log.sums);
+  return totals;
 }
 
 }  // namespace robotteamsim::simulation
