@@ -178,6 +178,8 @@ def main() -> None:
     parser.add_argument("--mission-seconds", type=float, default=120.0, help="0: no missions")
     parser.add_argument("--csv", type=Path, help="append the rows to this file, too")
     options = parser.parse_args()
+    if not Path(options.listener).is_file():
+        parser.error(f"{options.listener} does not exist; `make bench_ros` builds it")
     print(f"medians of {options.runs} runs, x real time")
     print("       robots    speed  messages/s  lost  world [s/s]  client [s/s]")
     for count in options.robots:
