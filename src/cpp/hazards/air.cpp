@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <stdexcept>
 
 #include "robotteamsim/base/checks.hpp"
@@ -165,9 +166,10 @@ void Air::Spread(const Links& links, double share, int passes) {
 void Air::Cool(int stride, double seconds) {
   // To the floor and to the ceiling.
   const double rate = 2.0 * seconds / model_.heat_capacity;
+  const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(first_) * stride;
   BestLoops().cool(static_cast<float>(rate * model_.convection),
                    static_cast<float>(rate * model_.emissivity * kStefanBoltzmann), static_cast<float>(model_.ambient),
-                   (last_ - first_ + 1) * stride, excess_.data() + first_ * stride);
+                   (last_ - first_ + 1) * stride, excess_.data() + first);
 }
 
 }  // namespace robotteamsim::hazards

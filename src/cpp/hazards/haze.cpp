@@ -47,8 +47,8 @@ bool Haze::IsClearAround(const base::Point& point, double length) const {
 double Haze::Sight(const base::Point& point, const base::Point& direction, double length) const {
   // Steps of at most a cell, each with the extinction at its middle.
   const double step = shape_.resolution;
-  double depth = 0.0;
-  for (double begin = 0.0; begin < length; begin += step) {
+  double depth = 0.0, begin = 0.0;
+  while (begin < length) {
     const double part = std::min(step, length - begin), middle = begin + 0.5 * part;
     const double x = (point.x + direction.x * middle - shape_.origin.x) / shape_.resolution;
     const double y = (point.y + direction.y * middle - shape_.origin.y) / shape_.resolution;
@@ -58,6 +58,7 @@ double Haze::Sight(const base::Point& point, const base::Point& direction, doubl
     const double extinction = extinction_ * soot_[cell];
     if (depth + extinction * part >= limit_) return begin + (limit_ - depth) / extinction;
     depth += extinction * part;
+    begin += step;
   }
   return length;
 }

@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 namespace robotteamsim::sensing {
-
 namespace {
 
 void CheckRanges(const Laser& laser, const std::vector<int>& robots, const base::Table<float>& ranges) {
