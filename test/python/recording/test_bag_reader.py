@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import shutil
+import struct
 from pathlib import Path
 
 import pytest
@@ -134,6 +135,18 @@ def test_bag_of_a_recording_that_was_interrupted_is_refused_with_its_remedy(tria
     writer.abandon()
     why = "has no index, because its recording was interrupted"
     assert refusal(broken) == f"{broken}: {why}; `rosbag reindex {broken}` recovers what can be read"
+
+
+def test_message_whose_connection_is_not_that_of_the_index_is_damage(bag):
+    with Reader(bag) as reader:
+        first = next(connection for connection, _, _ in reader.messages())
+        other = next(connection for connection in reader.connections if connection.topic != first.topic)
+    content = bag.read_bytes()
+    number, time = b"conn=" + struct.pack("<I", first.id), b"\x0d\0\0\0time="
+    assert number + time in content
+    bag.write_bytes(content.replace(number + time, b"conn=" + struct.pack("<I", other.id) + time, 1))
+    with BagReader([bag]) as damaged, pytest.raises(RecordingError, match=r"mission.bag: is damaged; `rosbag reindex"):
+        list(damaged.messages([first.topic]))
 
 
 def test_bytes_changed_anywhere_give_one_line_or_can_be_read(bag):
