@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -24,6 +25,9 @@ using Triples = Array<const double, -1, 3>;
 template <typename Value, nanobind::ssize_t... extents, typename Stored>
 Array<Value, extents...> ArrayOf(std::vector<Stored> values, const std::array<std::size_t, sizeof...(extents)>& shape) {
   static_assert(sizeof(Stored) % sizeof(Value) == 0);
+  std::size_t size = 1;
+  for (const std::size_t extent : shape) size *= extent;
+  if (size * sizeof(Value) != values.size() * sizeof(Stored)) throw std::logic_error("not the size of the array");
   auto* const kept = new std::vector<Stored>(std::move(values));
   const nanobind::capsule owner(kept, [](void* memory) noexcept { delete static_cast<std::vector<Stored>*>(memory); });
   return Array<Value, extents...>(reinterpret_cast<Value*>(kept->data()), shape.size(), shape.data(), owner);

@@ -14,7 +14,7 @@ struct GridValues {
 };
 
 /// Returns the values of the cells that contain some points; `outside` for a point beyond the grid, also for NaN.
-/// Throws std::invalid_argument if the shape cannot be used, or a value is not finite.
+/// Throws std::invalid_argument if the shape cannot be used, or a value or `outside` is not finite.
 std::vector<double> ValuesAt(const GridValues& values, const std::vector<base::Point>& points, double outside);
 
 /// Returns the centres of the cells that are at least as hot as `limit` and within `range` [m] of a place, and to which

@@ -54,7 +54,7 @@ class TeamSensors {
   /// Writes the readings after the last step of a world.
   /// Args: odometry_noise, readings: one per robot; laser_noise, ranges: of each kind of laser, as for ScanTeam; no
   ///       laser_noise at all: none has any.
-  /// Throws std::invalid_argument if a number or a shape is wrong; nothing is written then.
+  /// Throws std::invalid_argument if a shape is wrong; nothing is written then.
   void Read(const world::World& world, const std::vector<Odometry::Noise>& odometry_noise,
             const std::vector<base::Table<const double>>& laser_noise, RobotReading* readings,
             const std::vector<base::Table<float>>& ranges);

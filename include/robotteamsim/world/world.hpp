@@ -99,9 +99,10 @@ class World {
   void SetDoorClosed(int door, bool closed);
   /// Adds an object after the others. Throws std::invalid_argument if it is invalid.
   void AddObject(MovableObject object);
-  /// Removes an object; the indices of those behind it decrease by one.
+  /// Removes an object; the indices of those behind it decrease by one. Throws std::out_of_range without such an
+  /// object.
   void RemoveObject(int object);
-  /// Moves an object to a pose, at rest.
+  /// Moves an object to a pose, at rest. Throws std::out_of_range without such an object.
   void SetObjectPose(int object, const base::Pose& pose);
   /// Restarts the world, doors and objects included.
   void Reset();

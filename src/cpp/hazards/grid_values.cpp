@@ -12,6 +12,7 @@ namespace {
 void CheckShape(const plan::GridShape& shape) {
   base::Check(shape.origin, "origin_m");
   base::CheckPositive(shape.resolution, "resolution_m");
+  if (shape.rows < 0 || shape.cols < 0) throw std::invalid_argument("rows and columns must not be negative");
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ void TeamTotals::AddSteps(const base::Table<const base::Point>& positions, const
                           const base::Table<const bool>& excluded, const std::vector<bool>& running) {
   const std::size_t steps = running.size(), robots = logs_.size();
   if (!positions.HasShape(steps, robots) || !in_contact.HasShape(steps, robots) || !excluded.HasShape(steps, robots)) {
-    throw std::invalid_argument("positions and flags must have one row per robot in each step");
+    throw std::invalid_argument("positions and flags must have one row per step and one column per robot");
   }
   for (std::size_t step = 0; step < steps; ++step) {
     const base::Point* const at = positions.Row(step);

@@ -52,6 +52,8 @@ class Ros1Format:
         """Return a function that reads messages; types that are not ours are read as the bag defines them."""
         if self._is_ours(connection):
             return self._typestore.deserialize_ros1
+        if connection.msgtype in get_typestore(Stores.ROS1_NOETIC).types:
+            return None  # ROS's own types never change, so this is a different type of the same name.
         types = _own_types(Stores.ROS1_NOETIC, connection.msgtype, connection.msgdef)
         return None if types is None else types.deserialize_ros1
 
@@ -105,11 +107,9 @@ class McapFormat:
 def _own_types(ros: Stores, message_type: str, definition: MessageDefinition) -> Typestore | None:
     """Return the types of a version of ROS and those that a connection defines, such as older ones of this package.
 
-    None: the definition cannot be read, or differs from ROS's own type of this name, which never changes.
+    None: the definition cannot be read.
     """
     types = get_typestore(ros)
-    if message_type in types.types:
-        return None
     try:
         if definition.format is MessageDefinitionFormat.IDL:
             defined = get_types_from_idl(definition.data)

@@ -86,7 +86,8 @@ class BagReader:
                 continue  # rosbags reads all connections if none is chosen
             with _damage_reported(part):
                 for connection, time_ns, data in part.reader.messages(chosen):
-                    assert connection.topic in topics, "the index names another connection"
+                    if connection.topic not in topics:
+                        raise ValueError("the index names another connection")
                     decode = self._decoder(part, connection)
                     assert decode is not None, f"{connection.topic} is not known"
                     message: Any = decode(data, connection.msgtype)

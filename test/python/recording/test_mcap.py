@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import struct
 from collections import Counter
 from pathlib import Path
 
@@ -112,3 +113,17 @@ def test_file_of_another_program_without_ros_is_refused(tmp_path):
 def test_file_of_another_name_is_refused(mcap):
     path = mcap.rename(mcap.with_suffix(".bag"))
     assert refusal(path) == f"{path}: is an MCAP file; expected a name that ends in .mcap"
+
+
+def test_message_of_a_bare_stamp_is_read(tmp_path):
+    path = tmp_path / "stamps.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile="ros2", library="another")
+        schema = writer.register_schema("builtin_interfaces/msg/Time", "ros2msg", b"int32 sec\nuint32 nanosec")
+        channel = writer.register_channel("/stamp", "cdr", schema, {"offered_qos_profiles": ""})
+        writer.add_message(channel, 5, struct.pack("<IiI", 0x100, 3, 7), 5)
+        writer.finish()
+    with BagReader([path]) as reader:
+        [(topic, time_ns, stamp)] = reader.messages(reader.topics)
+    assert (topic, time_ns, stamp.sec, stamp.nanosec) == ("/stamp", 5, 3, 7)

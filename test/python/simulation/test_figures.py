@@ -91,5 +91,5 @@ def test_figures_of_random_walks_are_those_added_up_by_hand_in_one_go_and_in_par
 
 def test_rows_that_do_not_fit_the_team_are_refused():
     flags = np.zeros((1, 2), dtype=bool)
-    with pytest.raises(ValueError, match="one row per robot in each step"):
+    with pytest.raises(ValueError, match="one row per step and one column per robot"):
         TeamTotals(2, step_s=1.0).update(np.zeros((1, 3, 2)), flags, flags, np.array([True]))
