@@ -46,7 +46,7 @@ def drive(speed_mps, is_done):
 
 drive(0.5, stands_at_the_wall)
 print("commands", sorted(set(commands)), "nearest", round(nearest[-1], 3))
-drive(-0.4, lambda: speeds[-1] < -0.1)
+drive(-0.4, lambda: speeds[-1] < -0.1 and commands[-1] < 0.0)
 print("backs away at", commands[-1])
 """
 
