@@ -15,7 +15,8 @@ import rostest
 from geometry_msgs.msg import Pose2D
 from listening import Topic, call
 from robotteamsim.msg import MissionStatus, Robots
-from robotteamsim.srv import DropObject, LiftObject, SetObject, SetPose
+from robotteamsim.srv import DropObject, LiftObject, SetObject, SetPose, Step
+from std_srvs.srv import Trigger
 
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.simulation import Simulation
@@ -54,7 +55,8 @@ class MujocoTest(unittest.TestCase):
         self._check_gripper(robots, simulation.scenario)
 
     def _check_gripper(self, robots: Topic, scenario: Scenario) -> None:
-        """Lift and drop a crate with a robot that stands at its start again."""
+        """Lift and drop a crate with a robot that stands at its start again, while its controller waits."""
+        self.assertTrue(call("/pause", Trigger).success)
         x, y, yaw = placed_robots(scenario)[0].start_pose
         self.assertTrue(call("/set_pose", SetPose, robot_id=0, pose=Pose2D(x, y, yaw)).success)
         ahead = Pose2D(x + 0.4 * math.cos(yaw), y + 0.4 * math.sin(yaw), yaw)
@@ -62,14 +64,19 @@ class MujocoTest(unittest.TestCase):
         before = len(robots.messages)
         answer = call("/lift_object", LiftObject, robot_id=0, name="crate")
         self.assertEqual((answer.success, answer.message), (True, ""))
+        self._make_step()
         robots.wait_for_after(before, lambda message: list(message.loads)[:1] == ["crate"], "a robot with a crate")
         again = call("/lift_object", LiftObject, robot_id=0, name="crate")
         self.assertEqual((again.success, again.message), (False, "robot_0 already holds 'crate'"))
         before = len(robots.messages)
         self.assertTrue(call("/drop_object", DropObject, robot_id=0).success)
+        self._make_step()
         robots.wait_for_after(before, lambda message: not message.loads, "robots without objects")
         nothing = call("/drop_object", DropObject, robot_id=0)
         self.assertEqual((nothing.success, nothing.message), (False, "robot_0 holds nothing"))
+
+    def _make_step(self) -> None:
+        self.assertTrue(call("/step", Step, steps=1).success)
 
 
 if __name__ == "__main__":
