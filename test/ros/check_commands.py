@@ -10,11 +10,11 @@ import unittest
 import rospy
 import rostest
 from geometry_msgs.msg import Point, Twist, Vector3
-from listening import TIMEOUT_S, Topic, call, place_m, speed_mps
+from listening import Topic, call, latched_time, pause, place_m, speed_mps
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import FloatMap, MissionEvent, MissionStatus, Victims
 from robotteamsim.srv import SetDoor, SetNoise, SetVictim, Step
-from rosgraph_msgs.msg import Clock, Log
+from rosgraph_msgs.msg import Log
 from std_srvs.srv import Empty, Trigger
 
 FORWARD = Twist(linear=Vector3(0.5, 0.0, 0.0))
@@ -28,10 +28,6 @@ def stamp_s(message: Odometry) -> float:
 def turned_rad(message: Odometry) -> float:
     turn = message.pose.pose.orientation
     return 2.0 * math.atan2(turn.z, turn.w)
-
-
-def latched_time() -> rospy.Time:
-    return rospy.wait_for_message("/clock", Clock, TIMEOUT_S).clock
 
 
 class CommandsTest(unittest.TestCase):
@@ -95,13 +91,11 @@ class CommandsTest(unittest.TestCase):
 
     def test_paused_world_stands_still_steps_as_told_and_goes_on(self) -> None:
         self.assertFalse(call("/step", Step, steps=1).success)
-        self.assertTrue(call("/pause", Trigger).success)
+        before = pause(self.truth)
         self.assertFalse(call("/step", Step, steps=0).success)
-        before = latched_time()
         self.assertTrue(call("/step", Step, steps=3).success)
         self.assertEqual((latched_time() - before).to_nsec(), 300_000_000)
-        last = latched_time()
-        self.truth.wait_for_after(0, lambda message: message.header.stamp == last, "the last step's stamp")
+        self.truth.wait_for_step(latched_time())
         self.assertTrue(call("/resume", Trigger).success)
         self.truth.wait_for(lambda message: message.header.stamp > before + rospy.Duration(1), "a later stamp")
 

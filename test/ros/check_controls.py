@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import rospy
 import rostest
 from geometry_msgs.msg import Pose2D, Twist, Vector3
-from listening import TIMEOUT_S, Topic, call, drive, place_m, speed_mps
+from listening import TIMEOUT_S, Topic, call, drive, latched_time, pause, place_m, speed_mps
 from nav_msgs.msg import OccupancyGrid, Odometry
 from robotteamsim.msg import Areas, Doors, FloatMap, MissionStatus, Victims
 from robotteamsim.srv import RemoveObject, ResetSeed, SetObject, SetPose, SetSpeed
@@ -44,10 +44,6 @@ def stamp_s(message: Odometry) -> float:
     return message.header.stamp.to_sec()
 
 
-def latched_time() -> rospy.Time:
-    return rospy.wait_for_message("/clock", Clock, TIMEOUT_S).clock
-
-
 def places_m(message: MarkerArray) -> list[tuple[float, float]]:
     """Return where the objects are that a message shows."""
     return [(m.pose.position.x, m.pose.position.y) for m in message.markers if m.action == Marker.ADD]
@@ -65,7 +61,9 @@ class ControlsTest(unittest.TestCase):
         cls.starts = [place_m(truth.messages[0]) for truth in cls.truths]
 
     def setUp(self) -> None:
+        pause(*self.truths, self.odometry)
         self.assertTrue(call("/reset", Trigger).success)
+        self.assertTrue(call("/resume", Trigger).success)
         for truth in self.truths:
             truth.wait_for(lambda message: abs(speed_mps(message)) < 1e-3, "a robot that stands")
 
@@ -91,8 +89,10 @@ class ControlsTest(unittest.TestCase):
     def test_reset_begins_odometry_at_its_origin_again(self) -> None:
         self.drive_on(0, 8)
         self.assertGreater(place_m(self.odometry.next())[0], 0.05)
+        pause(self.odometry)
         begin = len(self.odometry.messages)
         self.assertTrue(call("/reset", Trigger).success)
+        self.assertTrue(call("/resume", Trigger).success)
         fresh = self.odometry.wait_for_after(begin, lambda message: stamp_s(message) < 0.3, "an early stamp")
         self.assertEqual(place_m(fresh), (0.0, 0.0))
 

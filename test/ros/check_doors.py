@@ -12,10 +12,9 @@ from typing import Any
 
 import rospy
 import rostest
-from listening import TIMEOUT_S, Topic, call
+from listening import Topic, call, pause
 from robotteamsim.msg import Doors, MissionStatus
 from robotteamsim.srv import SetDoor
-from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
 from robotteamsim.scenario import load
@@ -63,8 +62,7 @@ class DoorsTest(unittest.TestCase):
         cls.doors = Topic("/world/doors", Doors)
         cls.status = Topic("/mission/status", MissionStatus)
         cls.status.wait_for_count(5)
-        assert call("/pause", Trigger).success
-        cls.step_index = rospy.wait_for_message("/clock", Clock, TIMEOUT_S).clock.to_nsec() // STEP_NS
+        cls.step_index = pause().to_nsec() // STEP_NS
         cls.refused = call("/set_door", SetDoor, name="no_such_door", closed=True)
         assert call("/set_door", SetDoor, name=DOOR, closed=True).success
         assert call("/set_door", SetDoor, name=OTHER_DOOR, closed=False).success

@@ -9,10 +9,11 @@ import unittest
 import rospy
 import rostest
 from geometry_msgs.msg import Pose2D
-from listening import Topic, call, place_m, speed_mps
+from listening import Topic, call, pause, place_m, speed_mps
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import MissionStatus, NetworkState
 from robotteamsim.srv import RemoveRobot, SpawnRobot
+from std_srvs.srv import Trigger
 
 ROBOTS = range(3)
 
@@ -32,9 +33,11 @@ class FreeLeavingTest(unittest.TestCase):
         cls.status.wait_for(lambda message: message.state == "running", "state running")
 
     def test_others_go_on_without_a_robot_that_left_and_with_it_when_it_came(self) -> None:
-        self.assertTrue(call("/remove_robot", RemoveRobot, robot_id=1).success)
-        self.network.wait_for(has_row(1, there=False), "robot 1 gone")
+        pause(self.truths[1])
         silent_since = len(self.truths[1].messages)
+        self.assertTrue(call("/remove_robot", RemoveRobot, robot_id=1).success)
+        self.assertTrue(call("/resume", Trigger).success)
+        self.network.wait_for(has_row(1, there=False), "robot 1 gone")
         before = self.status.next().time_s
         self.status.wait_for(lambda message: message.time_s > before + 3.0, "3 s more of the mission")
         self.truths[0].wait_for(lambda message: abs(speed_mps(message)) > 0.1, "robot 0 driving")
@@ -42,7 +45,8 @@ class FreeLeavingTest(unittest.TestCase):
         place = Pose2D(10.0, 3.0, 0.5)
         self.assertTrue(call("/spawn_robot", SpawnRobot, robot_id=1, pose=place).success)
         self.network.wait_for(has_row(1, there=True), "robot 1 there")
-        self.assertEqual(place_m(self.truths[1].messages[silent_since]), (10.0, 3.0))
+        arrived = self.truths[1].wait_for_after(silent_since, lambda _: True, "robot 1")
+        self.assertEqual(place_m(arrived), (10.0, 3.0))
         self.truths[1].wait_for(lambda message: abs(speed_mps(message)) > 0.1, "robot 1 driving")
 
     def test_z_mission_ends_when_nobody_is_left(self) -> None:

@@ -13,11 +13,10 @@ from typing import Any
 import rospy
 import rostest
 from geometry_msgs.msg import Pose2D
-from listening import TIMEOUT_S, Topic, call, place_m
+from listening import Topic, call, pause, place_m
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import MissionStatus, Robots
 from robotteamsim.srv import GetRadioMap, RemoveRobot, SpawnRobot, Step
-from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
 from robotteamsim.geometry import Pose
@@ -76,8 +75,7 @@ class LeavingTest(unittest.TestCase):
         cls.status = Topic("/mission/status", MissionStatus)
         cls.odometry = [Topic(f"/robot_{i}/odom", Odometry) for i in range(4)]
         cls.status.wait_for_count(5)
-        assert call("/pause", Trigger).success
-        cls.step_index = rospy.wait_for_message("/clock", Clock, TIMEOUT_S).clock.to_nsec() // STEP_NS
+        cls.step_index = pause().to_nsec() // STEP_NS
         cls.refused = [
             call("/remove_robot", RemoveRobot, robot_id=4),
             call("/remove_robot", RemoveRobot, robot_id=3),

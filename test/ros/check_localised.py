@@ -11,11 +11,10 @@ import numpy as np
 import rosgraph
 import rospy
 import rostest
-from geometry_msgs.msg import TransformStamped, Twist
-from listening import Topic, call, speed_mps
+from geometry_msgs.msg import TransformStamped, TwistStamped
+from listening import Topic, call, make_step, pause, speed_mps
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import ControllerStatus, MissionEvent, MissionStatus, Voice
-from robotteamsim.srv import Step
 from rosgraph_msgs.msg import Log
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
@@ -85,7 +84,7 @@ class LocalisedTest(unittest.TestCase):
         cls.truths = [Topic(f"/hidden/robot_{i}", Odometry) for i in ROBOTS]
         cls.statuses = [Topic(f"/robot_{i}/controller/status", ControllerStatus) for i in ROBOTS]
         cls.voice = Topic("/robot_0/voice", Voice)
-        cls.commands = Topic(f"/robot_{LOST}/cmd_vel", Twist)
+        cls.answers = Topic(f"/robot_{LOST}/cmd_vel_stamped", TwistStamped)
         cls.events = Topic("/mission/events", MissionEvent)
         cls.mission = Topic("/mission/status", MissionStatus)
         cls.scene = Topic("/scene/robots", MarkerArray)
@@ -103,7 +102,7 @@ class LocalisedTest(unittest.TestCase):
         for truth in cls.truths:
             truth.wait_for_after(0, moves, "a robot that moves")
         cls.truths[LOST].wait_for(moves, "a robot that moves")
-        call("/pause", Trigger)
+        pause(cls.truths[LOST], cls.answers)
         for _ in range(5):  # until the controller is up to date
             cls.step()
         localisers[LOST].is_on = False
@@ -124,11 +123,8 @@ class LocalisedTest(unittest.TestCase):
 
         The world waits meanwhile, so that the time to stop does not depend on the machine.
         """
-        truths, commands = cls.truths[LOST], cls.commands
-        num_truths, num_commands = len(truths.messages), len(commands.messages)
-        call("/step", Step, steps=1)
-        commands.wait_for_count(num_commands + 1)
-        return truths.wait_for_count(num_truths + 1)[-1]
+        make_step(cls.truths[LOST], cls.answers)
+        return cls.truths[LOST].messages[-1]
 
     def test_nobody_publishes_ground_truth(self) -> None:
         published, _, _ = rosgraph.Master("/localised_test").getSystemState()

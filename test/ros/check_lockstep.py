@@ -13,7 +13,7 @@ from typing import Any
 
 import rospy
 import rostest
-from listening import Topic, call, place_m
+from listening import Topic, call, pause, place_m
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import MissionStatus
 from robotteamsim.srv import ResetSeed
@@ -66,6 +66,7 @@ class LockstepTest(unittest.TestCase):
         cls.first = cls.result_after(0)
         cls.again = cls.result_of("/reset", Trigger)
         cls.other = cls.result_of("/reset_seed", ResetSeed, seed=OTHER_SEED)
+        pause(*cls.odometry, *cls.scans)
 
     @classmethod
     def result_of(cls, service: str, service_class: type, **fields: object) -> dict[str, Any]:

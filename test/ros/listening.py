@@ -10,6 +10,7 @@ from typing import Any
 import rospy
 from geometry_msgs.msg import Twist
 from robotteamsim.srv import Step
+from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
 TIMEOUT_S = 120.0
@@ -67,6 +68,14 @@ class Topic:
         """Wait for a message yet to come."""
         return self.wait_for(lambda _: True, "anything")
 
+    def wait_for_step(self, stamp: rospy.Time) -> None:
+        """Wait until the newest message is that of a step."""
+        with self._changed:
+            if not self._changed.wait_for(
+                lambda: self.messages and self.messages[-1].header.stamp == stamp, timeout=TIMEOUT_S
+            ):
+                raise AssertionError(f"{self.name}: no message of {stamp.to_sec():g} s came")
+
 
 def call(name: str, service_class: type, /, **fields: Any) -> Any:
     """Call a service as soon as it is there."""
@@ -74,12 +83,40 @@ def call(name: str, service_class: type, /, **fields: Any) -> Any:
     return rospy.ServiceProxy(name, service_class)(**fields)
 
 
+def latched_time() -> rospy.Time:
+    """Return the time on the clock."""
+    return rospy.wait_for_message("/clock", Clock, TIMEOUT_S).clock
+
+
+def pause(*topics: Topic) -> rospy.Time:
+    """Pause the world, wait until topics with a message per step have told all its steps, and return its time.
+
+    Topics arrive in threads of their own: without this, messages of one may be older than those of another.
+    """
+    answer = call("/pause", Trigger)
+    assert answer.message == "paused", answer.message
+    return _wait_for_last_step(topics)
+
+
+def make_step(*topics: Topic) -> rospy.Time:
+    """Let a paused world take one step, wait until topics have told it, and return its time."""
+    assert call("/step", Step, steps=1).success
+    return _wait_for_last_step(topics)
+
+
+def _wait_for_last_step(topics: Sequence[Topic]) -> rospy.Time:
+    stamp = latched_time()
+    for topic in topics:
+        topic.wait_for_step(stamp)
+    return stamp
+
+
 def drive(command: rospy.Publisher, twist: Twist, topic: Topic, steps: int) -> Sequence[Any]:
     """Command every other step, which is 5 Hz, and return what a topic of every step tells meanwhile.
 
     The world is paused in between, so that the rate does not depend on the machine.
     """
-    call("/pause", Trigger)
+    pause(topic)
     begin = len(topic.messages)
     for _ in range(0, steps, 2):
         command.publish(twist)
