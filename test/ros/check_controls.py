@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import rospy
 import rostest
 from geometry_msgs.msg import Pose2D, Twist, Vector3
-from listening import TIMEOUT_S, Topic, call, drive, latched_time, pause, place_m, speed_mps
+from listening import TIMEOUT_S, Topic, call, drive, latched_time, pause, place_m, reset, speed_mps
 from nav_msgs.msg import OccupancyGrid, Odometry
 from robotteamsim.msg import Areas, Doors, FloatMap, MissionStatus, Victims
 from robotteamsim.srv import RemoveObject, ResetSeed, SetObject, SetPose, SetSpeed
@@ -61,15 +61,21 @@ class ControlsTest(unittest.TestCase):
         cls.starts = [place_m(truth.messages[0]) for truth in cls.truths]
 
     def setUp(self) -> None:
-        pause(*self.truths, self.odometry)
-        self.assertTrue(call("/reset", Trigger).success)
-        self.assertTrue(call("/resume", Trigger).success)
+        self.reset()
         for truth in self.truths:
             truth.wait_for(lambda message: abs(speed_mps(message)) < 1e-3, "a robot that stands")
+
+    def reset(self) -> None:
+        reset(*self.truths, self.odometry)
 
     def drive_on(self, robot_id: int, steps: int) -> Sequence[Odometry]:
         """Keep one robot's command alive for some steps and return its true motion."""
         return drive(self.commands[robot_id], FORWARD, self.truths[robot_id], steps)
+
+    def measured_m(self) -> tuple[float, float]:
+        """Pause the world and return where robot 0 is by its odometry."""
+        pause(self.odometry)
+        return place_m(self.odometry.messages[-1])
 
     def test_robot_that_is_silent_stops_while_the_one_that_is_commanded_goes_on(self) -> None:
         self.commands[0].publish(FORWARD)
@@ -81,18 +87,16 @@ class ControlsTest(unittest.TestCase):
     def test_odometry_stands_still_while_a_wall_blocks_the_robot(self) -> None:
         self.assertTrue(call("/set_pose", SetPose, robot_id=0, pose=AT_WALL).success)
         self.drive_on(0, 20)
-        before = place_m(self.odometry.next())
+        before = self.measured_m()
         truth = self.drive_on(0, 20)
         self.assertEqual({round(speed_mps(message), 3) for message in truth}, {0.0})
-        self.assertLess(math.dist(before, place_m(self.odometry.next())), 1e-3)
+        self.assertLess(math.dist(before, self.measured_m()), 1e-3)
 
     def test_reset_begins_odometry_at_its_origin_again(self) -> None:
         self.drive_on(0, 8)
-        self.assertGreater(place_m(self.odometry.next())[0], 0.05)
-        pause(self.odometry)
+        self.assertGreater(self.measured_m()[0], 0.05)
         begin = len(self.odometry.messages)
-        self.assertTrue(call("/reset", Trigger).success)
-        self.assertTrue(call("/resume", Trigger).success)
+        self.reset()
         fresh = self.odometry.wait_for_after(begin, lambda message: stamp_s(message) < 0.3, "an early stamp")
         self.assertEqual(place_m(fresh), (0.0, 0.0))
 
@@ -132,7 +136,7 @@ class ControlsTest(unittest.TestCase):
         self.assertTrue(call("/set_object", SetObject, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
         self.assertTrue(call("/remove_object", RemoveObject, name="crate").success)
         left = objects.wait_for_after(0, lambda message: places_m(message) == [(14.0, 4.5)], "the drum alone")
-        self.assertTrue(call("/reset", Trigger).success)
+        self.reset()
         self.assertFalse(call("/remove_object", RemoveObject, name="drum").success)
         self.assertEqual({marker.ns for marker in left.markers if marker.action == Marker.ADD}, {"objects"})
 
@@ -207,7 +211,7 @@ class ControlsTest(unittest.TestCase):
 
     def test_seed_of_a_reset_is_that_of_later_resets(self) -> None:
         self.assertTrue(call("/reset_seed", ResetSeed, seed=2**40).success)
-        self.assertTrue(call("/reset", Trigger).success)
+        self.reset()
         self.assertEqual(rospy.get_param("/robotteamsim/seed"), str(2**40))
 
 

@@ -177,6 +177,7 @@ class LocalisedTest(unittest.TestCase):
 
     def test_mission_explores_its_area(self) -> None:
         self.assertEqual(self.end.end, "areas_explored")
+        self.events.wait_for_after(0, lambda event: event.kind == "area_explored", "an explored area")
         explored = [event.subject for event in self.events.messages if event.kind == "area_explored"]
         self.assertEqual(explored, ["area_1"])
 

@@ -104,6 +104,14 @@ def make_step(*topics: Topic) -> rospy.Time:
     return _wait_for_last_step(topics)
 
 
+def reset(*topics: Topic) -> None:
+    """Begin anew, and wait until topics have told the first step, so that later messages are those of this run."""
+    pause(*topics)
+    assert call("/reset", Trigger).success
+    make_step(*topics)
+    assert call("/resume", Trigger).success
+
+
 def _wait_for_last_step(topics: Sequence[Topic]) -> rospy.Time:
     stamp = latched_time()
     for topic in topics:
