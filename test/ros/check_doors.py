@@ -68,6 +68,8 @@ class DoorsTest(unittest.TestCase):
         assert call("/set_door", SetDoor, name=OTHER_DOOR, closed=False).success
         call("/resume", Trigger)
         cls.result = cls.document_at_end()
+        pause(cls.doors)
+        call("/resume", Trigger)
         simulation = Simulation(load("garage_sar", SET))
         cls.expected = Closing(simulation, cls.step_index)
         cls.expected_result = simulation.run([cls.expected])

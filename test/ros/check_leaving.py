@@ -92,6 +92,8 @@ class LeavingTest(unittest.TestCase):
         assert call("/spawn_robot", SpawnRobot, robot_id=2, at_start=True).success
         call("/resume", Trigger)
         cls.result = cls.document_at_end(0)
+        pause(cls.who, cls.odometry[1])
+        call("/resume", Trigger)
         cls.expected = Course(Simulation(load("garage_sar", SET)), cls.step_index)
         cls.expected_result = cls.expected._simulation.run([cls.expected])
 

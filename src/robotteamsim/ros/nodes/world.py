@@ -1,6 +1,7 @@
 """The node `world`: moves the robots, simulates their sensors, and publishes the clock."""
 
 import logging
+import math
 import threading
 from collections.abc import Mapping
 from functools import partial
@@ -30,7 +31,7 @@ from robotteamsim.ros.transport.node import ParameterError, on_shutdown, paramet
 from robotteamsim.ros.transport.presence import ROBOTS
 from robotteamsim.ros.transport.services import Service, command
 from robotteamsim.ros.transport.settings import SEED, Settings, read_settings
-from robotteamsim.ros.transport.topics import Output, SendingPace
+from robotteamsim.ros.transport.topics import STALE_NS, Output, SendingPace
 from robotteamsim.scenario.published_map import published_map
 from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.robots import RobotSensors
@@ -52,7 +53,9 @@ QUIET_S = 1.0
 NAP_S = 0.1
 """While waiting, the world checks at this interval whether the speed has changed [s, wall]."""
 FIRST_STEPS = 2
-"""Steps before a reset, so that all nodes see stamps jump backwards."""
+"""In lockstep, steps before a reset, so that all nodes see stamps jump backwards."""
+FIRST_NS = 2 * STALE_NS
+"""Without lockstep, time before a reset: a shorter jump back could be a late message."""
 
 
 def main() -> None:
@@ -68,6 +71,7 @@ class WorldNode:
         self._settings = settings
         self._scenario = scenario
         self._step_ns = settings.step_ns
+        self._first_steps = FIRST_STEPS if settings.lockstep else math.ceil(FIRST_NS / settings.step_ns)
         self._robots = placed_robots(scenario)
         self._make = conversion.RosTypes()
         self._gate = Gate()
@@ -124,7 +128,7 @@ class WorldNode:
             twists = self._team.twists(self._world.step_index, self._world.sim_time_ns)
             if twists is None:
                 return
-            if self._world.step_index >= FIRST_STEPS and self._gate.reset_wanted:
+            if self._world.step_index >= self._first_steps and self._gate.reset_wanted:
                 self._reset()
                 self._gate.reset_done()
                 continue
@@ -191,12 +195,16 @@ class WorldNode:
         ticks = self._scenario.run.physics_substeps
         for tick in range(1, ticks + 1):
             time_ns = from_ns + tick * self._step_ns // ticks
-            while (delay_s := self._pacer.delay_s(time_ns)) > 0.0 and self._gate.sleep(min(delay_s, NAP_S)):
+            while (delay_s := self._delay_s(time_ns)) > 0.0 and self._gate.sleep(min(delay_s, NAP_S)):
                 pass
             if tick < ticks:
                 if self._motion is not None and self._motion.is_known:
                     self._outputs.publish_motion(time_ns, self._motion.at(tick / ticks), present)
                 self._publish_clock(time_ns)
+
+    def _delay_s(self, time_ns: int) -> float:
+        """Return how long to wait [s, wall] until a time is due; steps before a reset are due at once."""
+        return 0.0 if self._gate.reset_wanted else self._pacer.delay_s(time_ns)
 
     def _publish(
         self,
