@@ -10,7 +10,7 @@ import unittest
 import rospy
 import rostest
 from geometry_msgs.msg import Point, Twist, Vector3
-from listening import Topic, call, latched_time, pause, place_m, speed_mps
+from listening import Topic, call, latched_time, pause, place_m, reset, speed_mps
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import FloatMap, MissionEvent, MissionStatus, Victims
 from robotteamsim.srv import SetDoor, SetNoise, SetVictim, Step
@@ -102,12 +102,11 @@ class CommandsTest(unittest.TestCase):
     def test_reset_begins_anew_in_every_node(self) -> None:
         self.command.publish(FORWARD)
         self.truth.wait_for(lambda message: speed_mps(message) > 0.4, "a robot that moves")
-        begin = len(self.status.messages)
         self.assertTrue(call("/reset", Trigger).success)
-        self.assertTrue(call("/reset", Trigger).success)
-        fresh = self.truth.wait_for(lambda message: stamp_s(message) < 1.0, "a stamp near zero")
+        begin = len(self.truth.messages)
+        reset(self.truth, self.status)
+        fresh = self.truth.wait_for_after(begin, lambda message: stamp_s(message) < 1.0, "a stamp near zero")
         self.assertEqual(place_m(fresh), place_m(self.first))
-        self.status.wait_for_after(begin, lambda message: message.header.stamp.to_sec() < 1.0, "a stamp near zero")
         later = self.status.wait_for(lambda message: message.header.stamp.to_sec() > 1.0, "a later stamp")
         self.assertEqual(later.state, "running")
         self.assertLessEqual(later.time_s, later.header.stamp.to_sec())
@@ -152,8 +151,9 @@ class CommandsTest(unittest.TestCase):
             0, lambda message: set(names) <= {victim.name for victim in message.victims}, "all who called"
         )
         self.status.next()
+        begin = len(self.victims.messages)
         call("/reset", Trigger)
-        self.victims.wait_for(lambda message: len(message.victims) == 4, "the scenario's victims")
+        self.victims.wait_for_after(begin, lambda message: len(message.victims) == 4, "the scenario's victims")
 
     def test_mission_is_paused_resumed_aborted_and_begun_again(self) -> None:
         self.assertTrue(call("/mission/pause", Trigger).success)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import rospy
 import rostest
 from geometry_msgs.msg import Pose2D, Twist, Vector3
-from listening import TIMEOUT_S, Topic, call, drive, latched_time, pause, place_m, reset, speed_mps
+from listening import TIMEOUT_S, Topic, call, catch_up, drive, latched_time, place_m, reset, speed_mps
 from nav_msgs.msg import OccupancyGrid, Odometry
 from robotteamsim.msg import Areas, Doors, FloatMap, MissionStatus, Victims
 from robotteamsim.srv import RemoveObject, ResetSeed, SetObject, SetPose, SetSpeed
@@ -73,8 +73,8 @@ class ControlsTest(unittest.TestCase):
         return drive(self.commands[robot_id], FORWARD, self.truths[robot_id], steps)
 
     def measured_m(self) -> tuple[float, float]:
-        """Pause the world and return where robot 0 is by its odometry."""
-        pause(self.odometry)
+        """Return where robot 0 is by its odometry."""
+        catch_up(self.odometry)
         return place_m(self.odometry.messages[-1])
 
     def test_robot_that_is_silent_stops_while_the_one_that_is_commanded_goes_on(self) -> None:
@@ -191,6 +191,7 @@ class ControlsTest(unittest.TestCase):
             self.assertFalse(call("/set_speed", SetSpeed, speed=-1.0).success)
         # The tick under way and the one that time is counted from may still come.
         self.assertLessEqual((latched_time() - before).to_nsec(), 40_000_000)
+        self.assertEqual(call("/reset", Trigger).message, "reset")
         self.assertTrue(call("/set_speed", SetSpeed, speed=0.0).success)
         self.truths[0].wait_for_count(len(self.truths[0].messages) + 20)
 

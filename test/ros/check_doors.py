@@ -12,7 +12,7 @@ from typing import Any
 
 import rospy
 import rostest
-from listening import Topic, call, pause
+from listening import Topic, call, catch_up, pause
 from robotteamsim.msg import Doors, MissionStatus
 from robotteamsim.srv import SetDoor
 from std_srvs.srv import Trigger
@@ -68,8 +68,7 @@ class DoorsTest(unittest.TestCase):
         assert call("/set_door", SetDoor, name=OTHER_DOOR, closed=False).success
         call("/resume", Trigger)
         cls.result = cls.document_at_end()
-        pause(cls.doors)
-        call("/resume", Trigger)
+        catch_up(cls.doors)
         simulation = Simulation(load("garage_sar", SET))
         cls.expected = Closing(simulation, cls.step_index)
         cls.expected_result = simulation.run([cls.expected])

@@ -13,7 +13,7 @@ from typing import Any
 import rospy
 import rostest
 from geometry_msgs.msg import Pose2D
-from listening import Topic, call, pause, place_m
+from listening import Topic, call, catch_up, pause, place_m
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import MissionStatus, Robots
 from robotteamsim.srv import GetRadioMap, RemoveRobot, SpawnRobot, Step
@@ -92,8 +92,7 @@ class LeavingTest(unittest.TestCase):
         assert call("/spawn_robot", SpawnRobot, robot_id=2, at_start=True).success
         call("/resume", Trigger)
         cls.result = cls.document_at_end(0)
-        pause(cls.who, cls.odometry[1])
-        call("/resume", Trigger)
+        catch_up(cls.who, cls.odometry[1])
         cls.expected = Course(Simulation(load("garage_sar", SET)), cls.step_index)
         cls.expected_result = cls.expected._simulation.run([cls.expected])
 

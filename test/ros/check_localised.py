@@ -11,7 +11,7 @@ import numpy as np
 import rosgraph
 import rospy
 import rostest
-from geometry_msgs.msg import TransformStamped, TwistStamped
+from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
 from listening import Topic, call, make_step, pause, speed_mps
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import ControllerStatus, MissionEvent, MissionStatus, Voice
@@ -84,6 +84,7 @@ class LocalisedTest(unittest.TestCase):
         cls.truths = [Topic(f"/hidden/robot_{i}", Odometry) for i in ROBOTS]
         cls.statuses = [Topic(f"/robot_{i}/controller/status", ControllerStatus) for i in ROBOTS]
         cls.voice = Topic("/robot_0/voice", Voice)
+        cls.commands = Topic(f"/robot_{LOST}/cmd_vel", Twist)
         cls.answers = Topic(f"/robot_{LOST}/cmd_vel_stamped", TwistStamped)
         cls.events = Topic("/mission/events", MissionEvent)
         cls.mission = Topic("/mission/status", MissionStatus)
@@ -123,7 +124,9 @@ class LocalisedTest(unittest.TestCase):
 
         The world waits meanwhile, so that the time to stop does not depend on the machine.
         """
+        num_commands = len(cls.commands.messages)
         make_step(cls.truths[LOST], cls.answers)
+        cls.commands.wait_for_count(num_commands + 1)
         return cls.truths[LOST].messages[-1]
 
     def test_nobody_publishes_ground_truth(self) -> None:

@@ -63,7 +63,7 @@ class MujocoTest(unittest.TestCase):
         answer = call("/lift_object", LiftObject, robot_id=0, name="crate")
         self.assertEqual((answer.success, answer.message), (True, ""))
         make_step(robots)
-        self.assertEqual(robots.messages[-1].loads[0], "crate")
+        self.assertEqual(list(robots.messages[-1].loads)[:1], ["crate"])
         again = call("/lift_object", LiftObject, robot_id=0, name="crate")
         self.assertEqual((again.success, again.message), (False, "robot_0 already holds 'crate'"))
         self.assertTrue(call("/drop_object", DropObject, robot_id=0).success)

@@ -9,6 +9,7 @@ from typing import Any
 
 import rospy
 from geometry_msgs.msg import Twist
+from robotteamsim.msg import Robots
 from robotteamsim.srv import Step
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
@@ -68,13 +69,14 @@ class Topic:
         """Wait for a message yet to come."""
         return self.wait_for(lambda _: True, "anything")
 
-    def wait_for_step(self, stamp: rospy.Time) -> None:
-        """Wait until the newest message is that of a step."""
+    def wait_for_step(self, stamp: rospy.Time, index: int = 0) -> None:
+        """Wait until the newest message has the stamp of a step, and is the index-th or a later one."""
         with self._changed:
             if not self._changed.wait_for(
-                lambda: self.messages and self.messages[-1].header.stamp == stamp, timeout=TIMEOUT_S
+                lambda: len(self.messages) > index and self.messages[-1].header.stamp == stamp, timeout=TIMEOUT_S
             ):
-                raise AssertionError(f"{self.name}: no message of {stamp.to_sec():g} s came")
+                newest = self.messages[-1].header.stamp if self.messages else None
+                raise AssertionError(f"{self.name}: the newest message is of {newest} ns; expected {stamp} ns")
 
 
 def call(name: str, service_class: type, /, **fields: Any) -> Any:
@@ -84,38 +86,55 @@ def call(name: str, service_class: type, /, **fields: Any) -> Any:
 
 
 def latched_time() -> rospy.Time:
-    """Return the time on the clock."""
-    return rospy.wait_for_message("/clock", Clock, TIMEOUT_S).clock
+    """Return the time of a paused world.
+
+    A node that already subscribes to a topic would get the last message that it has read, which may be an older one.
+    Nodes with simulated time subscribe to the clock.
+    """
+    if rospy.rostime.is_wallclock():
+        return rospy.wait_for_message("/clock", Clock, TIMEOUT_S).clock
+    return rospy.wait_for_message("/world/robots", Robots, TIMEOUT_S).header.stamp
 
 
 def pause(*topics: Topic) -> rospy.Time:
-    """Pause the world, wait until topics with a message per step have told all its steps, and return its time.
+    """Pause the world, wait until topics with one message per step have caught up, and return the time.
 
-    Topics arrive in threads of their own: without this, messages of one may be older than those of another.
+    Each topic arrives in its own thread; otherwise the messages of one may be older than those of another.
     """
-    answer = call("/pause", Trigger)
-    assert answer.message == "paused", answer.message
-    return _wait_for_last_step(topics)
+    for topic in topics:
+        topic.wait_for_count(1)
+    deadline_s = time.monotonic() + TIMEOUT_S
+    while (answer := call("/pause", Trigger).message) != "paused":
+        assert time.monotonic() < deadline_s, answer
+    return _wait_for_last_step(topics, [0] * len(topics))
+
+
+def catch_up(*topics: Topic) -> None:
+    """Wait until topics with one message per step have the messages of all steps up to now."""
+    pause(*topics)
+    assert call("/resume", Trigger).success
 
 
 def make_step(*topics: Topic) -> rospy.Time:
-    """Let a paused world take one step, wait until topics have told it, and return its time."""
+    """Let a paused world take one step, wait for its message on each topic, and return the time."""
+    counts = [len(topic.messages) for topic in topics]
     assert call("/step", Step, steps=1).success
-    return _wait_for_last_step(topics)
+    return _wait_for_last_step(topics, counts)
 
 
 def reset(*topics: Topic) -> None:
-    """Begin anew, and wait until topics have told the first step, so that later messages are those of this run."""
+    """Reset the world and wait for the first step on each topic, so that all later messages belong to the new run."""
     pause(*topics)
-    assert call("/reset", Trigger).success
+    answer = call("/reset", Trigger).message
+    assert answer == "reset", answer
     make_step(*topics)
     assert call("/resume", Trigger).success
 
 
-def _wait_for_last_step(topics: Sequence[Topic]) -> rospy.Time:
+def _wait_for_last_step(topics: Sequence[Topic], counts: Sequence[int]) -> rospy.Time:
     stamp = latched_time()
-    for topic in topics:
-        topic.wait_for_step(stamp)
+    for topic, count in zip(topics, counts, strict=True):
+        topic.wait_for_step(stamp, count)
     return stamp
 
 

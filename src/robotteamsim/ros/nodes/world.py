@@ -52,10 +52,10 @@ QUIET_S = 1.0
 """The world starts when there was no new subscriber for this time [s, wall]."""
 NAP_S = 0.1
 """While waiting, the world checks at this interval whether the speed has changed [s, wall]."""
-FIRST_STEPS = 2
-"""In lockstep, steps before a reset, so that all nodes see stamps jump backwards."""
-FIRST_NS = 2 * STALE_NS
-"""Without lockstep, time before a reset: a shorter jump back could be a late message."""
+MIN_STEPS_BEFORE_RESET = 2
+"""In lockstep, so that all nodes see stamps jump backwards."""
+MIN_NS_BEFORE_RESET = 2 * STALE_NS
+"""Without lockstep: a jump by less than `STALE_NS` could be a late message, and a step has up to 1 s."""
 
 
 def main() -> None:
@@ -71,7 +71,9 @@ class WorldNode:
         self._settings = settings
         self._scenario = scenario
         self._step_ns = settings.step_ns
-        self._first_steps = FIRST_STEPS if settings.lockstep else math.ceil(FIRST_NS / settings.step_ns)
+        self._min_steps_before_reset = (
+            MIN_STEPS_BEFORE_RESET if settings.lockstep else math.ceil(MIN_NS_BEFORE_RESET / settings.step_ns)
+        )
         self._robots = placed_robots(scenario)
         self._make = conversion.RosTypes()
         self._gate = Gate()
@@ -128,7 +130,7 @@ class WorldNode:
             twists = self._team.twists(self._world.step_index, self._world.sim_time_ns)
             if twists is None:
                 return
-            if self._world.step_index >= self._first_steps and self._gate.reset_wanted:
+            if self._world.step_index >= self._min_steps_before_reset and self._gate.reset_wanted:
                 self._reset()
                 self._gate.reset_done()
                 continue
@@ -203,7 +205,7 @@ class WorldNode:
                 self._publish_clock(time_ns)
 
     def _delay_s(self, time_ns: int) -> float:
-        """Return how long to wait [s, wall] until a time is due; steps before a reset are due at once."""
+        """Return how long to wait [s, wall] until a time is due; 0 while a reset is wanted, which obeys no pace."""
         return 0.0 if self._gate.reset_wanted else self._pacer.delay_s(time_ns)
 
     def _publish(
@@ -280,7 +282,7 @@ class WorldNode:
             raise ValueError("the world is not paused")
 
     def _restart(self, _: object) -> str:
-        return "reset" if self._gate.reset(SERVICE_TIMEOUT_S) else "resetting after the current step"
+        return "reset" if self._gate.reset(SERVICE_TIMEOUT_S) else "the reset is still under way"
 
     def _reset_seed(self, request: srv.ResetSeedRequest) -> str:
         self._settings = self._settings.with_seed(request.seed)
