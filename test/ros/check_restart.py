@@ -29,6 +29,8 @@ class RestartTest(unittest.TestCase):
             for _ in range(RESETS):
                 self.assertEqual(call("/reset", Trigger).message, "reset")
             self.assertEqual(call("/resume", Trigger).message, "resumed")
+            fresh = status.wait_for_after(begin, lambda message: message.time_s < 1.0, "a fresh mission")
+            self.assertLess(fresh.header.stamp.to_sec(), 5.0)
             status.wait_for_after(begin, lambda message: message.time_s > 5.0, "a mission that goes on")
             truth.wait_for(lambda message: speed_mps(message) > 0.3, "a robot that drives")
             for _ in range(RESETS):
