@@ -14,6 +14,9 @@ namespace {
 /// In buildings of square kilometres cells are larger, so that all fit into the memory.
 constexpr double kMostCells = 5e5;
 
+/// Few edges over a large area need no more: their lists are short in any cell.
+constexpr double kMostCellsPerEdge = 1e3;
+
 }  // namespace
 
 double DistanceToSegment(const base::Point& point, const base::Segment& segment) {
@@ -52,7 +55,8 @@ NearbyEdges::NearbyEdges(std::vector<Edge> edges, double reach) : all_(std::move
   origin_ = low;
   // Smaller cells have shorter lists, but there are more of them; lists for a long reach are long for any cell size.
   const double width = high.x - low.x, height = high.y - low.y;
-  cell_ = std::max({0.2 * reach, 0.5, std::sqrt(width * height / kMostCells), (width + height) / kMostCells});
+  const double most = std::min(kMostCells, kMostCellsPerEdge * static_cast<double>(all_.size()));
+  cell_ = std::max({0.2 * reach, 0.5, std::sqrt(width * height / most), (width + height) / most});
   columns_ = static_cast<int>(width / cell_) + 1;
   rows_ = static_cast<int>(height / cell_) + 1;
   cells_.resize(static_cast<std::size_t>(columns_) * rows_);
