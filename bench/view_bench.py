@@ -42,7 +42,7 @@ def main() -> None:
     parser.add_argument("--csv", type=Path, default=Path(__file__).parent / "results" / "view.csv")
     options = parser.parse_args()
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=_FLAGS)
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium-headless-shell"), args=_FLAGS)
         for robots, goal_mb in SIZE_GOALS_MB.items():
             page, duration_s = _page(robots)
             megabytes = len(page.encode()) / 1e6 * max(1.0, 500.0 / duration_s)

@@ -27,8 +27,9 @@ def main() -> None:
     quiet, loud = (_recorded(["run.seed=2", f"voice.noise_db={noise_db}"]) for noise_db in (20, 30))
     office = _recorded([], "office_manet")
     rescue, fire = (_recorded(["run.seed=1"], name) for name in ("garage_rescue", "office_fire"))
+    chromium = shutil.which("chromium-headless-shell")
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=_FLAGS)
+        browser = playwright.chromium.launch(executable_path=chromium, args=_FLAGS)
         _draw(browser, "viewer", [quiet], "#t=150&layers=voice,laser", (1600, 900))
         _draw(browser, "viewer_compare", [quiet, loud], "#t=300&layers=radio&theme=light", (1600, 720))
         _draw(browser, "viewer_office", [office], "#t=60", (1600, 900))
@@ -36,7 +37,7 @@ def main() -> None:
         _draw(browser, "office_fire", [fire], "#t=50", (1600, 900))
         _draw(browser, "viewer_phone", [quiet], "#t=150", (390, 844))
         browser.close()
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=_WITHOUT_WEBGL)
+        browser = playwright.chromium.launch(executable_path=chromium, args=_WITHOUT_WEBGL)
         _draw(browser, "viewer_plan", [rescue], "#t=190", (1600, 720))
         browser.close()
 

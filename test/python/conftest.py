@@ -152,13 +152,13 @@ def two_workers() -> Iterator[object]:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """Start Debian's Chromium with software rendering.
+    """Start Debian's headless Chromium with software rendering.
 
     Until it ends, Playwright has an event loop running in this thread, in which others cannot run theirs.
     """
     from playwright.sync_api import sync_playwright
 
-    chromium = shutil.which("chromium")
+    chromium = shutil.which("chromium-headless-shell")
     assert chromium, "Chromium is missing: `make setup` installs it"
     with sync_playwright() as playwright:
         started = playwright.chromium.launch(executable_path=chromium, args=_CHROMIUM_FLAGS)

@@ -21,9 +21,9 @@ from robotteamsim.view.recorder import FrameRecorder, Recording
 @pytest.fixture(scope="module")
 def browser_without_webgl(browser: Browser) -> Iterator[Browser]:
     """Start the same browser, which refuses to draw in three dimensions."""
-    with browser.browser_type.launch(
-        executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
-    ) as started:
+    chromium = shutil.which("chromium-headless-shell")
+    flags = ["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
+    with browser.browser_type.launch(executable_path=chromium, args=flags) as started:
         yield started
 
 
