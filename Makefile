@@ -23,7 +23,7 @@ ENV := source $(BUILD)/devel/setup.bash &&
 # Otherwise each of the many processes of launches and tests compiles all modules again.
 unexport PYTHONDONTWRITEBYTECODE
 # Tests are many processes, and NumPy would start a thread per core in each, which waits busily.
-test_python test_ros: export OPENBLAS_NUM_THREADS := 1
+test_python test_ros: export OPENBLAS_NUM_THREADS ?= 1
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
 .PHONY: help announce setup build build_tests compile garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage gazebo wheel pictures docs notebook man lock clean

@@ -27,7 +27,7 @@ class NearbyEdges {
   /// Args: reach: of `Near` [m]. Throws std::invalid_argument if it is not above 0.
   NearbyEdges(std::vector<Edge> edges, double reach);
 
-  /// Returns all edges within reach of the point and some just beyond it, in no particular order.
+  /// Returns all edges within reach of the point and some beyond it, in no particular order.
   const std::vector<Edge>& Near(const base::Point& point) const;
 
  private:

@@ -14,7 +14,7 @@ namespace {
 /// In buildings of square kilometres cells are larger, so that all fit into the memory.
 constexpr double kMostCells = 5e5;
 
-/// Few edges over a large area need no more: their lists are short in any cell.
+/// Few edges over a large area need no more, since no list is longer than that of all edges.
 constexpr double kMostCellsPerEdge = 1e3;
 
 }  // namespace

@@ -46,6 +46,32 @@ TEST(NearbyEdges, MissesNoEdgeWithinReach) {
   EXPECT_LT(listed, 500U * 40U);  // and it does leave far ones out
 }
 
+TEST(NearbyEdges, MissesNoEdgeOfFewOverALargeArea) {
+  for (const double size : {1e3, 1e6, 1e9}) {
+    std::vector<Edge> edges;
+    for (const double shift : {0.0, 10.0}) {  // the sides of two rectangles, one within the other
+      const base::Point low{shift, shift}, high{size - shift, 0.5 * size - shift};
+      edges.push_back({{low, {high.x, low.y}}});
+      edges.push_back({{{high.x, low.y}, high}});
+      edges.push_back({{high, {low.x, high.y}}});
+      edges.push_back({{{low.x, high.y}, low}});
+    }
+    const NearbyEdges nearby(edges, 3.0);
+    for (const double along : {-0.01, 0.0, 0.01, 0.37, 0.5, 0.99, 1.0, 1.01}) {
+      for (const double beside : {-2.9, 0.0, 2.9, 7.1, 12.9}) {
+        for (const base::Point point :
+             {base::Point{along * size, beside}, base::Point{along * size, 0.5 * size - beside},
+              base::Point{beside, 0.5 * along * size}, base::Point{size - beside, 0.5 * along * size}}) {
+          const std::vector<Edge>& near = nearby.Near(point);
+          for (const Edge& edge : edges) {
+            EXPECT_TRUE(DistanceToSegment(point, edge.segment) > 3.0 || Holds(near, edge.segment));
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(NearbyEdges, OfNothingAreNone) {
   const NearbyEdges nearby({}, 3.0);
   EXPECT_TRUE(nearby.Near({1.0, 2.0}).empty());
