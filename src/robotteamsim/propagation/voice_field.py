@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.propagation.faces import thickness_faces, voice_faces
+from robotteamsim.propagation.faces import Faces, thickness_faces, voice_faces
 from robotteamsim.propagation.field_map import FieldMap, map_array
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, OccupancyGrid, occupancy_grid
@@ -43,6 +43,13 @@ class VoiceSource:
         return _core.propagation.VoiceSource(self.position_m, self.constant_db, self.exponent)
 
 
+def voice_obstacles(plan: FloorPlan, voice: Voice) -> tuple[Faces, float]:
+    """Return the faces that attenuate voices by `voice.wall_model`, eqs. (5) and (6), and the loss of one unit [dB]."""
+    if voice.wall_model == "thickness":
+        return thickness_faces(plan), _HALF_MM_DB * voice.attenuation_per_cm
+    return voice_faces(plan), voice.wall_loss_db / 2.0
+
+
 @functools.lru_cache(maxsize=16)
 def _grid_and_solid_cells(plan: FloorPlan, resolution_m: float) -> tuple[OccupancyGrid, np.ndarray]:
     """Return the grid of a voice map and its solid cells, bool; trials on one plan share them."""
@@ -62,9 +69,7 @@ class VoiceField:
     """
 
     def __init__(self, plan: FloorPlan, voice: Voice) -> None:
-        by_thickness = voice.wall_model == "thickness"
-        self._faces = thickness_faces(plan) if by_thickness else voice_faces(plan)
-        self._unit_db = _HALF_MM_DB * voice.attenuation_per_cm if by_thickness else voice.wall_loss_db / 2.0
+        self._faces, self._unit_db = voice_obstacles(plan, voice)
         self._core_faces = self._faces.core()
         self._grid, self._solid = _grid_and_solid_cells(plan, voice.map_resolution_m)
         self._voice = voice

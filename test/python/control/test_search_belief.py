@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -63,6 +64,19 @@ def test_wall_costs_two_decibels_and_a_closed_door_as_much(rooms):
     assert through_wall == pytest.approx(free_steps + walls_steps, abs=1.0)
     assert opened.losses_from(_cell(8, 2))[_cell(12, 2)] == free_steps
     assert closed.losses_from(_cell(8, 2))[_cell(12, 2)] == pytest.approx(free_steps + walls_steps, abs=1.0)
+
+
+@pytest.mark.parametrize("wall_model", get_args(Voice.model_fields["wall_model"].annotation))
+def test_wall_costs_as_much_as_in_the_voice_map_with_each_wall_model(rooms, wall_model):
+    strong = {"wall_loss_db": 7.0, "attenuation_per_cm": 3.0 * rooms.voice.attenuation_per_cm}
+    voice = rooms.voice.model_copy(update={"wall_model": wall_model, **strong})
+    scenario = rooms.model_copy(update={"voice": voice})
+    field, source = VoiceField(scenario.plan, voice), VoiceSource((8.5, 5.5), -78.0, 5.5)
+    # Both places are 4 m away.
+    wall_db = field.level_db(source, (8.5, 9.5)) - field.level_db(source, (12.5, 5.5))
+    losses = voice_losses(scenario, cell_grid(scenario), ()).losses_from(_cell(8, 5))
+    assert losses[_cell(12, 5)] - losses[_cell(8, 9)] == pytest.approx(wall_db / STEP_DB, abs=1.0)
+    assert wall_db > 5.0
 
 
 def test_losses_are_symmetric(rooms):

@@ -8,7 +8,7 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.control.driving.known_map import known_map
-from robotteamsim.propagation.faces import thickness_faces, voice_faces
+from robotteamsim.propagation import voice_obstacles
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Voice
@@ -24,9 +24,6 @@ NO_CELL = -1
 
 NUM_LOSSES = 256
 """Losses are whole numbers of steps from 0 to 255."""
-
-_HALF_MM_DB = 20.0 * math.log10(math.e) * 0.05
-"""Loss of half a millimetre of a wall with mu = 1/cm, eq. (5) [dB]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,8 +100,7 @@ def loss_step_db(voice: Voice) -> float:
 @functools.lru_cache(maxsize=16)
 def _voice_losses(plan: FloorPlan, voice_json: str, grid: CellGrid, doors: Doors) -> _core.control.VoiceLosses:
     voice = Voice.model_validate_json(voice_json)
-    by_thickness = voice.wall_model == "thickness"
-    faces = thickness_faces(plan) if by_thickness else voice_faces(plan)
+    faces, unit_db = voice_obstacles(plan, voice)
     face_set = faces.core()
     for name, closed in doors:
         face_set.set_active(faces.door_face(name), closed)
@@ -115,7 +111,7 @@ def _voice_losses(plan: FloorPlan, voice_json: str, grid: CellGrid, doors: Doors
         rows=grid.rows,
         columns=grid.columns,
         slope_db=5.0 * sum(voice.exponent),
-        wall_unit_db=_HALF_MM_DB * voice.attenuation_per_cm if by_thickness else voice.wall_loss_db / 2.0,
+        wall_unit_db=unit_db,
         min_distance_m=voice.min_distance_m,
         # A robot perceives the loudest cell whose centre is within the radius.
         nearer_m=max(voice.local_best_radius_m - 0.5 * voice.map_resolution_m, 0.0),
